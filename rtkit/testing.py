@@ -34,7 +34,7 @@ _EXECUTION_CONTEXT = "PeriodicExecutionContext"
 
 
 class Trial(Closing, Generic[C]):
-    """A component of its own, driven by hand, in this process, without a manager or a clock.
+    """Drives one component by hand, in this process, without a manager or a clock.
 
     ::
 
@@ -261,9 +261,9 @@ def _nothing() -> None:
 
 @contextmanager
 def own_manager(*folders: str | Path) -> Iterator[Tree]:
-    """Start a manager in folders of its own, and end it with all that it made.
+    """Start a manager in temporary folders; end it, and all that it created, on exit.
 
-    It looks for modules in `folders`. Until it has ended, `rtkit.connect` leads to it. ::
+    The manager looks for modules in `folders`. `rtkit.connect` reaches it until it has ended. ::
 
         with own_manager(Path(__file__).parent) as tree:
             tree.create("Scale?manager_name=other")

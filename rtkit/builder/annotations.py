@@ -1,7 +1,7 @@
-"""How code names the types of interface definitions, and their values where none is given.
+"""Annotations: the Python names of IDL types, and the zero values of those types.
 
-Names of the module under construction have a ``§`` before them, so that other modules can say
-where they get it from.
+Names of the module under construction have a ``§`` before them. Other modules replace that mark
+by the prefix under which they import the module.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""All files of a component: a profile in, texts by file name out."""
+"""Generates all files of a component: takes its profile, returns texts by file name."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ class File(NamedTuple):
     """A generated file, not yet stamped.
 
     Attributes:
-        has_regions: It has room for code of users; else it is theirs once they change it.
+        has_regions: It has regions for code of users; else it is theirs once they change it.
     """
 
     text: str
@@ -38,7 +38,7 @@ class File(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class Built:
-    """What was generated.
+    """Result of the generation.
 
     Attributes:
         files: By path within the project, ``/`` between folders.
@@ -90,7 +90,7 @@ def build(
 def _mirror(
     subject: GeneratedComponent, sources: Sources, made_of: tuple[str, ...]
 ) -> tuple[GeneratedComponent, dict[str, File]]:
-    """Return what is the mirror of a component, and its files."""
+    """Return the mirror of a component, and the mirror's files."""
     found, types = prepare(mirrored(subject.profile, subject), replace(sources, drawn=None))
     mirror = replace(found, working=tuple(listening(found.ports)))
     code = File(component_code(mirror, types), has_regions=True)
@@ -108,7 +108,7 @@ def _profile(profile: RtcProfile) -> str:
 
 
 def build_types(definitions: Definitions, name: str) -> tuple[dict[str, File], list[str]]:
-    """Return the module of all that an IDL file declares and rtkit can carry, and what it cannot.
+    """Return the module of the IDL declarations that rtkit can carry, and notes on all others.
 
     Args:
         definitions: What it declares.

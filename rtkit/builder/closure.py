@@ -1,4 +1,4 @@
-"""Which declarations some need, and those that go with them."""
+"""Computes the closure of IDL declarations: those wanted and all that they depend on."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The module of a component."""
+"""Generates the Python module of a component."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ SUMMARIES = {
     "on_rate_changed": "React to a new rate of the execution context.",
     "on_action": "React to a transition of the state machine.",
 }
-"""What each callback is for, where the profile says nothing."""
+"""Default summary of each callback, used where the profile has none."""
 
 PRECONDITION, POSTCONDITION = "Precondition: ", "Postcondition: "
 LABELS = {
@@ -60,7 +60,7 @@ LABELS = {
     "license": "License: ",
     "reference": "Reference: ",
 }
-"""What the paragraphs about a component begin with."""
+"""Label that begins each paragraph about a component, by field of the profile."""
 
 _WIDEST_HEAD = 80
 _DRIVEN = ("on_activated", "on_execute")
@@ -184,7 +184,7 @@ def _named(attribute: str, name: str) -> list[tuple[str, Node]]:
 
 
 def port_doc(port: GeneratedPort) -> str:
-    """Return what a data port is for, with its unit."""
+    """Return the purpose of a data port, with its unit."""
     profile = port.profile
     text = one_line(told(profile.doc, "description") or profile.comment)
     unit = one_line(profile.unit or told(profile.doc, "unit"))
@@ -209,7 +209,7 @@ def _port(port: GeneratedPort) -> list[str]:
 
 
 def service_doc(service: GeneratedServicePort) -> str:
-    """Return what a service port is for."""
+    """Return the purpose of a service port."""
     profile = service.profile
     texts = [told(profile.doc, "description"), told(profile.doc, "ifdescription")]
     texts += [told(each.doc, "description") for each in profile.service_interfaces]
@@ -249,7 +249,7 @@ def _offer(offer: GeneratedInterface, port: str) -> list[tuple[str, Node]]:
 
 
 def _described(offer: GeneratedInterface) -> Node:
-    """Return an interface that is only told of: nobody here knows its operations."""
+    """Return an interface known by name only, whose operations no definition declares."""
     polarity = PlainExpression(f"rt.Polarity.{'PROVIDED' if offer.is_provided else 'REQUIRED'}")
     given: list[tuple[str, Node]] = [
         ("", StringExpression(offer.name)),

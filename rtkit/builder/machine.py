@@ -1,4 +1,4 @@
-"""The state machine of a profile: the events that its event port carries."""
+"""Builds the state machine of a profile from the events that its event port carries."""
 
 from __future__ import annotations
 
@@ -22,13 +22,13 @@ def machine_of(
     type_of: Callable[[str], str],
     note: _Note,
 ) -> GeneratedStateMachine | None:
-    """Return the machine of an event port; None where nothing tells a state.
+    """Return the machine of an event port; None where no event names a state.
 
     Args:
         port: The event port.
         drawn: The states where a drawing of the machine is at hand.
         type_of: Gives the expression of a data type.
-        note: Told what cannot be taken over as it is.
+        note: Called with each fact that cannot be taken over as it is.
     """
     states = {state: dict(moves) for state, moves in (drawn or _states(port.events, note)).items()}
     if not states:

@@ -1,4 +1,4 @@
-"""What becomes of files that are there already when they are generated again."""
+"""Merges newly generated files with existing ones, so that code of users stays."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _EVENT, _FORMER, _STATES = "on_event", ["return None"], "(rt.State):"
 
 
 class MergeOutcome(Enum):
-    """What is to be done with a file."""
+    """Action that a merge decides on for one file."""
 
     WRITE = "written"
     SAME = "unchanged"
@@ -29,7 +29,7 @@ class MergeOutcome(Enum):
 
 
 class Merged(NamedTuple):
-    """A file after all.
+    """The result of merging one file.
 
     Attributes:
         text: What it is to hold; of one that is kept, what it would.

@@ -1,8 +1,8 @@
-"""Operations of interface definitions as methods.
+"""Turns operations of interface definitions into Python methods.
 
-Parameters that go in are parameters. What comes back is the result, then each parameter that goes
-out, in order: nothing is None, one is itself, several are a tuple. An attribute is a method
-``get_…``, and one that can be written also ``set_…``.
+``in`` parameters become parameters. A method returns the result, then each ``out`` parameter, in
+order: none as None, one as itself, several as a tuple. An attribute becomes a method ``get_…``,
+and a writable one also ``set_…``.
 """
 
 from __future__ import annotations
@@ -22,8 +22,8 @@ class GeneratedMethod(NamedTuple):
     """A method; annotations have ``§`` before names of the module with the types.
 
     Attributes:
-        results: What comes back where that is more than a result: its name for each parameter,
-            an empty one for the result.
+        results: Names of the returned values where there is more than a result: that of each
+            ``out`` parameter, an empty name for the result.
     """
 
     name: str

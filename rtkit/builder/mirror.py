@@ -1,4 +1,4 @@
-"""A mirror of a component: each port reversed, to try the component by hand without its system."""
+"""Builds the mirror of a component: reverses each port, to try a component without its system."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Identifiers for names that may be anything: keywords, blanks, other scripts, nothing at all."""
+"""Makes Python identifiers of any names: keywords, blanks, other scripts, empty texts."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ def identifier(text: str, fallback: str) -> str:
 
 
 def cut(what: str, text: str, name: str) -> list[str]:
-    """Return what to tell of an identifier that leaves out the end of what it stands for."""
+    """Return a note about an identifier that leaves out the end of its name; empty for others."""
     is_whole = len(re.sub(r"\W|_", "", text)) <= len(name.replace("_", ""))
     if is_whole or width(name) < _NEARLY:
         return []

@@ -1,4 +1,4 @@
-"""What of an interface definition cannot be carried by rtkit, and why."""
+"""Finds the IDL declarations that rtkit cannot carry, and tells the reason for each."""
 
 from __future__ import annotations
 
@@ -123,7 +123,7 @@ def lineage(
 ) -> Iterator[InterfaceDeclaration | str]:
     """Yield the bases of an interface, the farthest first, then itself.
 
-    A base that nothing defines is told by its name.
+    A base without definition is yielded as its name.
     """
     seen: set[Path] = set()
     yield from _lineage(definitions, interface, seen)

@@ -1,4 +1,4 @@
-"""What makes a component a project: metadata for pip, settings of the linter, what to ignore."""
+"""Generates project files of a component: metadata for pip, linter settings, ignored files."""
 
 from __future__ import annotations
 

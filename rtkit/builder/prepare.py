@@ -1,4 +1,4 @@
-"""From an RTC profile to what is to be generated: names, types and values settled."""
+"""Prepares the generation of a component: settles names, types and values of its RTC profile."""
 
 from __future__ import annotations
 
@@ -54,7 +54,7 @@ _IN_CLASS = ("ClassVar", "I", "O", "idl", "images", "l", "rt", "super")
 
 @dataclass(slots=True)
 class Sources:
-    """What there is beside the profile.
+    """Inputs of the generation besides the profile.
 
     Attributes:
         stem: Name of the profile's file, for one that does not say whom it describes.
@@ -92,7 +92,7 @@ def undefined(profile: RtcProfile, definitions: Definitions) -> list[str]:
 
 
 def is_declared(text: str, definitions: Definitions) -> bool:
-    """Whether a type, as a profile names it, is declared or built in; no name is any type."""
+    """Return whether a type, as profiles name it, is declared or built in; "" is any type."""
     path = standard_types.path_of(text)
     return not path or path in standard_types.KNOWN or bool(_full(path, definitions))
 
@@ -150,7 +150,7 @@ class _Preparation:
         return name
 
     def _wanted(self) -> Iterator[Path]:
-        """Yield what is needed of the interface definitions and can be carried."""
+        """Yield the needed declarations of the interface definitions that rtkit can carry."""
         definitions = self.sources.definitions
         for port in self.profile.data_ports:
             for text in [port.type, *(event.type or "" for event in port.events)]:
@@ -191,7 +191,7 @@ class _Preparation:
         return max(rate, 0.0)
 
     def _machine(self, types: TypesCode) -> GeneratedStateMachine | None:
-        """Return the machine of the first event port that tells one."""
+        """Return the machine of the first event port that has one."""
         for port in self._event_ports():
             found = machine_of(
                 port,
@@ -315,7 +315,7 @@ def _uses_types(
 
 
 def _method_name(event: str) -> str:
-    """Return what takes an event; short, because it stands behind a class in marks."""
+    """Return the name of the method for an event; short, because marks have it behind a class."""
     name = attribute_name(event, "event")
     while width(name) > _WIDEST_METHOD:
         name = name[:-1]

@@ -1,8 +1,8 @@
-"""The way back: the RTC profile of a component that exists.
+"""Derives the RTC profile of an existing component.
 
-What code says is taken from it: identity, ports, parameters, callbacks, states, and documentation
-where it stands as `rtkit.builder.component_code` puts it. What no code says (component and
-activity type, number of instances, positions of an editor) has the usual values.
+The code gives identity, ports, parameters, callbacks, states, and documentation in the places
+where `rtkit.builder.component_code` puts it. Facts that no code has (component and activity type,
+number of instances, positions of an editor) get the usual values.
 """
 
 from __future__ import annotations
@@ -51,8 +51,8 @@ def profile_of(component: Component, date: str, properties: Mapping[str, str]) -
     """Return the RTC profile of a component.
 
     Args:
-        component: An instance of it. Ports that it makes only when it is initialised are told
-            only of one that is.
+        component: An instance of it. Ports that it adds in on_initialize are included only
+            where the instance is initialised.
         date: When the profile is made, ``xs:dateTime``.
         properties: Extension properties of the profile.
     """
@@ -101,7 +101,7 @@ def _paragraphs(text: str | None) -> list[str]:
 
 
 def _documentation(component: Component) -> tuple[str, docs.BasicDoc | None]:
-    """Return what the docstring of the class says: the description, and what has a place."""
+    """Return the description in the docstring of the class, and its labelled paragraphs."""
     plain: list[str] = []
     told: dict[str, Any] = {}
     for part in _paragraphs(vars(type(component)).get("__doc__")):

@@ -1,4 +1,4 @@
-"""The README of a component: what it is, how to run it, its ports and parameters."""
+"""Generates the README of a component: description, usage, ports and parameters."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
-"""Where generated code leaves room for that of users, and how both are told apart again.
+"""Regions of user code in generated files: writes them and splits files at them.
 
 A region lies between ``# <user code NAME>`` and ``# </user code NAME>``. A stamp near the top of
-the file tells what the generated part was like, so that changes to it are noticed.
+the file holds the fingerprint of the generated part, so that changes to that part are noticed.
 """
 
 from __future__ import annotations
@@ -53,7 +53,7 @@ def region(name: str, indent: str, content: Sequence[str] = ()) -> list[str]:
 
 
 def split(text: str) -> Split:
-    """Tell generated lines from those of users.
+    """Split a file into generated lines and those of users.
 
     Raises:
         Malformed: A mark is missing, or is there twice; names the line.
@@ -103,7 +103,7 @@ def joined(parts: Split, regions: Mapping[str, list[str]]) -> str:
 
 
 def is_placeholder(lines: Sequence[str]) -> bool:
-    """Whether a region holds nothing that a user wrote."""
+    """Return whether a region holds nothing that a user wrote."""
     return all(line.strip() in _PLACEHOLDERS for line in lines)
 
 

@@ -1,4 +1,4 @@
-"""A sample system profile: the component alone, as it is in the beginning."""
+"""Generates a sample system profile: the component alone, in its initial configuration."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Configuration parameters of a profile, with defaults that are values of Python."""
+"""Converts configuration parameters of a profile; their defaults become Python values."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ _Note = Callable[[str], None]
 
 
 def settings_of(profile: RtcProfile, taken: Taken, note: _Note) -> tuple[GeneratedParameter, ...]:
-    """Return the parameters; `note` is told what cannot be taken over as it is."""
+    """Return the parameters; calls `note` with each fact that cannot be taken over as it is."""
     if profile.configuration_set is None:
         return ()
     names: set[str] = set()

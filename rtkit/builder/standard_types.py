@@ -1,4 +1,4 @@
-"""Data types that rtkit has already, by the names of interface definitions."""
+"""Maps names of interface definitions to the data types that rtkit provides itself."""
 
 from __future__ import annotations
 
@@ -11,16 +11,16 @@ from rtkit.idl.model import Path
 from rtkit.rtc.data_types import scoped_name
 
 KNOWN: frozenset[Path] = frozenset((scope, name) for scope in HOMES for name in HOMES[scope])
-"""Their paths."""
+"""Paths of the standard data types."""
 
 IMAGES = "from rtkit.component import images"
-"""What code needs that uses those of the module ``Img``."""
+"""Import that code with data types of the module ``Img`` needs."""
 
 _PREFIXES = {"RTC": "rt", "Img": "images"}
 
 
 def expression(path: Path) -> str:
-    """Return how code names a type of the standard; empty for another one."""
+    """Return the expression of a standard type; empty for another one."""
     return f"{_PREFIXES[path[0]]}.{path[1]}" if path in KNOWN else ""
 
 

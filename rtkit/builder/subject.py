@@ -1,4 +1,4 @@
-"""What is to be generated: an RTC profile with every name and value as Python has it."""
+"""Model of a component to generate: its RTC profile with names and values of Python."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from rtkit.profile.rtc_model import (
 
 
 class Callback(NamedTuple):
-    """A callback that is to be there."""
+    """A callback to generate."""
 
     name: str
     status: ActionStatus
@@ -26,10 +26,10 @@ class GeneratedPort(NamedTuple):
     """A data port.
 
     Attributes:
-        attribute: What it is called in the class.
+        attribute: Name of its attribute in the class.
         kind: ``InPort``, ``OutPort`` or ``EventPort``.
         type: Expression of its data type.
-        type_name: What it is called on its way, ``IDL:Robot/State:1.0`` or ``any``.
+        type_name: Name of that type in connectors, ``IDL:Robot/State:1.0`` or ``any``.
     """
 
     attribute: str
@@ -45,8 +45,8 @@ class GeneratedInterface(NamedTuple):
 
     Attributes:
         protocol: Expression of its protocol class; empty where its definition is not known.
-        methods: What it consists of, in case it is provided.
-        servant: Class that carries it out; empty where the component itself does.
+        methods: Its methods, in case it is provided.
+        servant: Class that implements it; empty where the component itself does.
     """
 
     name: str
@@ -89,8 +89,8 @@ class StateClass(NamedTuple):
     """The class of a state.
 
     Attributes:
-        name: What the class is called.
-        moves: Method, event, and where the table leads.
+        name: Name of the class.
+        moves: Method, event, and the next state by the table.
     """
 
     state: str
@@ -149,7 +149,7 @@ class GeneratedComponent:
 
     @property
     def types_module(self) -> str:
-        """Name of the file with what its interface definitions say."""
+        """Name of the module generated from its interface definitions."""
         return f"{self.module}_idl"
 
     @property

@@ -1,4 +1,4 @@
-"""Pieces of Python source for texts that may be anything: literals and docstrings.
+"""Writes any text as Python source: literals and docstrings.
 
 Lines keep to the width of the house, counted in columns of a terminal, and have the form that
 ``ruff format`` gives them. No text from outside becomes a comment.
@@ -22,7 +22,7 @@ _HEADS = """
     yields
 """
 _SECTIONS = {*_HEADS.split(), "keyword args", "keyword arguments", "other args", "see also"}
-"""What Google's style takes for the head of a section where it stands alone on a line."""
+"""Words that Google's style takes for the head of a section when alone on a line."""
 
 
 def width(text: str) -> int:
@@ -83,7 +83,7 @@ def _parts(word: str, room: int) -> Iterator[str]:
 
 
 def clean(text: str | None) -> str:
-    """Return documentation without what is not to be seen; its lines are kept."""
+    """Return documentation without invisible characters; its lines are kept."""
     plain = _BREAK.sub("\n", text or "")
     lines = [" ".join(line.split()) for line in plain.split("\n")]
     return "\n".join("".join(filter(str.isprintable, line)) for line in lines).strip()
@@ -95,7 +95,7 @@ def one_line(text: str | None) -> str:
 
 
 def wrapped(text: str, room: int) -> list[str]:
-    """Return text in lines of at most `room` columns; words of ASCII stay whole."""
+    """Return text in lines of at most `room` columns; ASCII words stay whole."""
     found: list[str] = []
     for line in text.split("\n"):
         lines = [""]
@@ -171,7 +171,7 @@ def _first_word(text: str) -> str:
 
 
 def _begins_with_a_name(text: str) -> bool:
-    """Whether the first word is one whose capitals matter: ``onExecute``."""
+    """Return whether the first word is one whose capitals matter: ``onExecute``."""
     first = _first_word(text)
     return first.isascii() and first.isalpha() and first[0].islower() and first != first.lower()
 
@@ -182,6 +182,6 @@ def told(doc: object, name: str) -> str:
 
 
 def _harmless(line: str) -> str:
-    """Return a line of documentation that nobody takes for a head or for a mark of ours."""
+    """Return a line of documentation that reads neither as a section head nor as a region mark."""
     is_head = line.rstrip(": ").lower() in _SECTIONS
     return f"- {line}" if is_head or line.startswith("#") else line

@@ -1,4 +1,4 @@
-"""The test of a component: what it has, its life cycle, and that a manager runs it."""
+"""Generates the test of a component: its ports, its life cycle, a run in a manager."""
 
 from __future__ import annotations
 

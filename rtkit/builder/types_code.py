@@ -1,4 +1,4 @@
-"""Interface definitions as Python: protocols, data classes, enumerations, constants."""
+"""Generates Python of IDL: protocols, data classes, enumerations, constants."""
 
 from __future__ import annotations
 
@@ -58,11 +58,11 @@ class TypesCode:
         return bool(self._order)
 
     def name(self, path: Path) -> str:
-        """Return what a declaration is called in the module."""
+        """Return the name of a declaration in the module."""
         return self._types.names[path]
 
     def annotation(self, type: Type) -> str:
-        """Return how code names a type, ``§`` before names of the module."""
+        """Return the annotation of a type, with ``§`` before names of the module."""
         return self._types.of(type)
 
     def methods(self, path: Path) -> list[GeneratedMethod]:

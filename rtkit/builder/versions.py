@@ -1,4 +1,4 @@
-"""Versions of types: what a type of an interface definition consists of, in a few characters."""
+"""Computes versions of IDL types: short digests of the members that a type consists of."""
 
 from __future__ import annotations
 

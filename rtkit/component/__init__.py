@@ -1,4 +1,4 @@
-"""Components after the OMG RTC specification: what authors derive from and declare.
+"""Components after the OMG RTC specification: base classes, ports, parameters and data types.
 
 Importing a name from here loads only what that name needs.
 """

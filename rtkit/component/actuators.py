@@ -45,7 +45,7 @@ class ActArrayActuatorCurrent:
 
 
 class ActArrayActuatorStatus(Enum):
-    """What an actuator does."""
+    """Status of an actuator."""
 
     ACTUATOR_STATUS_IDLE = 0
     ACTUATOR_STATUS_MOVING = 1
@@ -73,7 +73,7 @@ class ActArrayState:
 
 
 class ActArrayActuatorType(Enum):
-    """How an actuator moves."""
+    """Kind of motion of an actuator."""
 
     ACTARRAY_ACTUATORTYPE_LINEAR = 0
     ACTARRAY_ACTUATORTYPE_ROTARY = 1
@@ -103,7 +103,7 @@ class ActArrayGeometry:
 
 
 class GripperStatus(Enum):
-    """What a gripper does."""
+    """Status of a gripper."""
 
     GRIPPER_STATE_OPEN = 0
     GRIPPER_STATE_CLOSED = 1
@@ -128,7 +128,7 @@ class GripperGeometry:
 
 
 class LimbStatus(Enum):
-    """What a limb does."""
+    """Status of a limb."""
 
     LIMB_STATUS_IDLE = 0
     LIMB_STATUS_BRAKED = 1

@@ -32,7 +32,7 @@ _HOME = "rtkit.component."
 
 
 class Manager(Protocol):
-    """What the init function of a module is given."""
+    """The argument of a module's init function: registers component types."""
 
     def register_factory(self, component: type[Component]) -> object:
         """Make a component type available."""
@@ -45,15 +45,15 @@ class Component(Callbacks):
     docstring of the class is its description.
 
     Attributes:
-        vendor: Who made the type.
-        category: What group of types it belongs to.
+        vendor: Name of the type's maker.
+        category: Name of the group of types that it belongs to.
         version: Version of the type.
         type_name: Name of the type; the name of the class when empty.
         execution_type: Type of the execution context it owns when nothing else is asked for:
             ``PeriodicExecutionContext``, ``EventDrivenExecutionContext`` or
             ``ExtTrigExecutionContext``.
         rate: Of that context if it is periodic [Hz].
-        composite_type: What profiles call this kind of composite; empty for what is none.
+        composite_type: Name of this kind of composite in profiles; empty where it is none.
         has_machine: Whether it is a `rtkit.component.fsm.FsmComponent`.
         own_attributes: What the base class keeps on each instance, by name.
         is_stand_in: Whether it has the outside of another component and no code of its own.
@@ -152,7 +152,7 @@ class Component(Callbacks):
 
     @property
     def logger(self) -> Logger:
-        """A logger of this instance's name."""
+        """The logger with this instance's name."""
         import logging
 
         return logging.getLogger(self.instance)
@@ -188,7 +188,7 @@ class Component(Callbacks):
 
     @property
     def has_changes(self) -> bool:
-        """Whether a value waits at some in port."""
+        """Return whether a value waits at some in port."""
         return any(port.is_new() for port in self._in_ports())
 
     @property
@@ -360,7 +360,7 @@ class Component(Callbacks):
                 raise Malformed(f"{self.instance}: conf.{set_id}: {why}")
 
     def keep_failure(self, callback: str, failure: Failure) -> None:
-        """Keep why it is in Error, and log it; called by the context that drives it."""
+        """Keep and log the failure that led to Error; called by the context that drives it."""
         self.cause = str(failure)
         self.logger.error("%s failed: %s", callback, failure, exc_info=failure.error)
 

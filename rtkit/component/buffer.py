@@ -1,4 +1,4 @@
-"""Ring buffers of connectors: bounded, written by one thread and read by another.
+"""Ring buffers of connectors: bounded queues, written by one thread and read by another.
 
 `Ring` drops the oldest and never waits: its write is one append to a bounded deque. `AwaitedRing`
 does so too, and wakes a reader that waits. `GuardedRing` takes a lock, for the policies that refuse
@@ -19,13 +19,13 @@ from rtkit.component.waiting import wait_for, waiting
 T = TypeVar("T")
 T_co = TypeVar("T_co", covariant=True)
 Sink = Callable[[T], PortStatus | None]
-"""Takes one value; returns None when it did, else why not."""
+"""Takes one value; returns None on success, else the status that tells the reason."""
 Source = Callable[[], T | None]
 """Gives the next value, or None when there is none."""
 
 
 class Buffer(Protocol[T_co]):
-    """What a port reads from."""
+    """The reading side of a connector's buffer."""
 
     def take(self) -> T_co | None:
         """Remove and return the oldest value, None when empty; never wait."""
@@ -73,9 +73,9 @@ class Ring(Generic[T]):
 class AwaitedRing(Generic[T]):
     """A ring buffer that drops the oldest value when it is full, and lets its reader wait.
 
-    A condition would take about as long as all else that is done for a small value. Here no lock
-    guards anything: each step is one of a deque, and who waits looks for a value once more after
-    he hung up his bell, so none comes unheard.
+    A condition would take about as long as all else that is done for a small value. No lock guards
+    the buffer: each step is an atomic operation of a deque. A reader looks for a value once more
+    after it has queued its wakeup, so it misses none.
 
     Attributes:
         lost: Values that were dropped.
@@ -92,7 +92,7 @@ class AwaitedRing(Generic[T]):
         return len(self._items)
 
     def write(self, value: T) -> PortStatus | None:
-        """Take one value; return why not when it is closed."""
+        """Take one value; return CONNECTION_LOST when it is closed, else None."""
         if self._is_closed:
             return PortStatus.CONNECTION_LOST
         items = self._items
@@ -107,7 +107,7 @@ class AwaitedRing(Generic[T]):
         """Remove and return the oldest value, None when empty."""
         try:
             return self._items.popleft() if self._items else None
-        except IndexError:  # another thread was quicker
+        except IndexError:  # another thread took the last one
             return None
 
     def wait(self) -> T | None:
@@ -118,11 +118,11 @@ class AwaitedRing(Generic[T]):
             wakeup = Lock()
             wakeup.acquire()
             self._bells.append(wakeup)
-            value = self.take()  # what came before the bell hung there rang nothing
+            value = self.take()  # a write before the append released no wakeup
             if value is None and not self._is_closed:
                 left_s = wait_for(wakeup, left_s)
                 value = self.take()
-            if self._bells:  # who rang it took it down
+            if self._bells:  # a release removes the wakeup from the queue
                 with suppress(ValueError):
                     self._bells.remove(wakeup)
         return value
@@ -136,7 +136,7 @@ class AwaitedRing(Generic[T]):
         try:
             while self._bells:
                 self._bells.popleft().release()
-        except IndexError:  # he has left meanwhile, as the last one
+        except IndexError:  # the last reader has left meanwhile
             return
 
 
@@ -158,7 +158,7 @@ class GuardedRing(Generic[T]):
         return len(self._items)
 
     def write(self, value: T) -> PortStatus | None:
-        """Take one value if the policy allows; return why not otherwise."""
+        """Take one value if the policy allows; return the status that refuses it otherwise."""
         with self._changed:
             if len(self._items) >= self._options.length:
                 refused = self._make_room()
@@ -216,7 +216,7 @@ class GuardedRing(Generic[T]):
 
 
 class Pulled(Generic[T]):
-    """Stands for the buffer at the other end of a pull connector: asks for values when read."""
+    """Represents the buffer at the other end of a pull connector: asks for values when read."""
 
     def __init__(self, source: Source[T]) -> None:
         self._source = source
@@ -245,7 +245,7 @@ AnyRing: TypeAlias = Ring[T] | AwaitedRing[T] | GuardedRing[T]
 
 
 def make_ring(options: BufferOptions) -> AnyRing[T]:
-    """Return the cheapest buffer that does what the options ask."""
+    """Return the cheapest buffer that fulfils the options."""
     if options.full_policy is not FullPolicy.OVERWRITE:
         return GuardedRing(options)
     if options.empty_policy is EmptyPolicy.BLOCK:

@@ -1,4 +1,4 @@
-"""The callbacks of a component, and how one is run so that its failure stays its own."""
+"""Callbacks of a component: declares them, and contains their failures when it runs them."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from rtkit.rtc.enums import ReturnCode
 
 _HOME = "rtkit.component."
 _ALIKE = 0.8
-"""How alike the name of a method is to that of a callback if it is meant to be one."""
+"""Similarity to a callback's name from which a method counts as a misspelt callback."""
 CO_GENERATOR, CO_COROUTINE, CO_ASYNC_GENERATOR = 0x20, 0x80, 0x200
 """Flags of code objects, as `inspect` has them, which takes long to import."""
 
@@ -66,7 +66,7 @@ CALLBACKS = tuple(name for name in vars(Callbacks) if name.startswith("on_"))
 
 
 def near_misses(cls: type[Callbacks]) -> list[str]:
-    """Return what to tell of methods that nobody calls, though they look like callbacks."""
+    """Return warnings about methods that look like callbacks but are never called."""
     from rtkit.rtc.nearest import nearest
 
     ours = {
@@ -87,13 +87,13 @@ def near_misses(cls: type[Callbacks]) -> list[str]:
 
 
 def overrides(component: Callbacks, name: str) -> bool:
-    """Whether `component` has a callback of its own for `name`."""
+    """Return whether `component` has a callback of its own for `name`."""
     callback = getattr(component, name)
     return getattr(callback, "__func__", callback) is not getattr(Callbacks, name)
 
 
 def unfit_kind(function: object) -> str:
-    """Return what keeps a function from being called and being done with; empty when nothing does.
+    """Return the reason why a plain call would not run a function; empty when it would.
 
     Calling a coroutine function only makes a coroutine, which nothing awaits, and of a generator
     nothing runs before somebody asks it for a value.
@@ -108,7 +108,7 @@ def unfit_kind(function: object) -> str:
 
 
 class Failure(str):
-    """Why a callback failed, in one line; empty when it did not.
+    """The failure of a callback in one line; an empty text when there was none.
 
     Attributes:
         error: What it raised; None when it returned a code, or did well.
@@ -125,7 +125,7 @@ class Failure(str):
 
 
 def attempt(callback: Callable[..., Any], *arguments: str) -> Failure:
-    """Run a callback; tell whether, and why, it failed.
+    """Run a callback; return its failure, which is empty on success.
 
     Nothing that the callback raises gets out: not SystemExit, not KeyboardInterrupt either,
     because one component must not end the process that it shares with others.
@@ -135,7 +135,7 @@ def attempt(callback: Callable[..., Any], *arguments: str) -> Failure:
         if code is None or code == ReturnCode.OK:
             return Failure()
         if isinstance(code, CoroutineType):
-            code.close()  # else Python warns that nobody awaited it
+            code.close()  # else Python warns that the coroutine was never awaited
             return Failure(f"returned a coroutine, which nothing awaits ({_place(None, callback)})")
         return Failure(f"returned {code} ({_place(None, callback)})")
     except BaseException as error:

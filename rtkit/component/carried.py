@@ -1,9 +1,9 @@
-"""Values as readers get them: the same from a writer in their own process as from another one.
+"""Carries values within a process: readers get the same values as from another process.
 
-What the codec would hand over is handed over: values that do not fit are refused where they are
-written, and what the writer could still change (arrays, lists, bytearrays) is copied. A value that
-would come out of the codec as it went in, and that nobody can change, is passed as it is; each type
-has a generated test for that, so that small values cost a fraction of a microsecond.
+The result is that of the codec: values that do not fit are refused where they are written, and
+parts that the writer could still change (arrays, lists, bytearrays) are copied. An immutable value
+that the codec would leave equal is passed as it is. Each type has a generated test for that, so
+that small values cost a fraction of a microsecond.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ from rtkit.component.layout import (
 )
 
 Test = Callable[[Any], bool]
-"""Tells whether a value is such that readers may get it as it is."""
+"""Returns whether readers may get a value as it is."""
 
 _FLOAT32 = struct.Struct("f")
 _tests: dict[type, Test] = {}
@@ -48,7 +48,7 @@ def test_of(cls: type) -> Test:
 
 
 def carried(cls: type, value: Any) -> Any:
-    """Return what a reader gets of a value.
+    """Return the value that a reader gets for a written one.
 
     Raises:
         Malformed: It is no value of the type; names field and type.
@@ -62,10 +62,10 @@ def carried(cls: type, value: Any) -> Any:
 def passage(
     written: type, read: type, *, is_big_endian: bool = False
 ) -> Callable[[Any], Any] | None:
-    """Return what makes a value written in this process the one that a port here reads.
+    """Return the function from a value written in this process to the one that a port here reads.
 
-    None where that is the value itself: both ports have one type, whose values nobody can change.
-    The order of bytes is seen by a port that reads bytes.
+    None where that is the value itself: both ports have one type, whose values are immutable.
+    The order of bytes matters to a port that reads bytes.
     """
     if written is read and (written is bytes or not is_changeable(layout_of(written))):
         return None
@@ -75,7 +75,7 @@ def passage(
 
 
 def is_changeable(layout: Layout) -> bool:
-    """Whether readers could change values, so that each has to get one of its own."""
+    """Return whether readers could change values, so that each has to get one of its own."""
     if isinstance(layout, StructLayout):
         return not _is_frozen(layout.cls) or any(is_changeable(item) for _, item in layout.fields)
     if isinstance(layout, ArrayLayout):

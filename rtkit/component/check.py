@@ -1,4 +1,4 @@
-"""May these ports be connected? Asked before anything changes."""
+"""Checks whether ports may be connected, before anything changes."""
 
 from __future__ import annotations
 
@@ -68,7 +68,7 @@ def _refused_properties(ports: Sequence[PortProfile], properties: Mapping[str, s
 
 
 def incompatible(key: str, value: str, port: PortProfile) -> str:
-    """Return what to tell of a property that a port does not offer."""
+    """Return the message about a property that a port does not offer."""
     return f"{INCOMPATIBLE} ({key} is {value}; {port.name} offers {port.properties[key]})"
 
 

@@ -1,7 +1,7 @@
-"""Values to bytes and back: CDR with a header of four bytes, little-endian unless big is asked for.
+"""Encodes and decodes values as CDR with a four-byte header, little-endian by default.
 
-What a `bytes` port carries travels as it is. Reading is total: any bytes give a value or
-`Malformed`, and memory is bounded by the length of what arrived.
+Payloads of a `bytes` port pass unchanged. Reading is total: any bytes give a value or
+`Malformed`, and the length of the message bounds memory.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ _HEADER = 4
 
 
 class Codec(NamedTuple):
-    """How values of one type are written as bytes and read from bytes.
+    """Encoder and decoder of the values of one type.
 
     Both raise `Malformed`: `encode` for a value that does not fit, naming field and type,
     `decode` for bytes that are no value of the type.
@@ -36,7 +36,7 @@ def _encode_bytes(value: Any) -> bytes:
 
 
 BYTES = Codec(_encode_bytes, bytes)
-"""For types that nobody here declared: bytes pass unchanged."""
+"""Codec for types without a declaration here: bytes pass unchanged."""
 
 _codecs: dict[type, Codec] = {bytes: BYTES}
 _big_encoders: dict[type, Callable[[Any], bytes]] = {bytes: _encode_bytes}
@@ -55,7 +55,7 @@ def codec_for(cls: type) -> Codec:
 
 
 def encoder_for(cls: type, *, is_big_endian: bool) -> Callable[[Any], bytes]:
-    """Return what writes values of a dataclass, or of bytes, in an order of bytes.
+    """Return the encoder of a dataclass, or of bytes, for an order of bytes.
 
     Raises:
         Malformed: The type has a field that cannot be carried.

@@ -1,4 +1,4 @@
-"""Compile a layout into Python source that writes or reads CDR.
+"""Compiles a layout into Python source that writes or reads CDR.
 
 Scalars that follow each other become one run, packed by one call of the struct module. A number
 is aligned to its size, counted from the end of the header. At the start of a message the position
@@ -353,7 +353,7 @@ class _Decoder(_Source):
 
 
 def _is_plain_record(layout: StructLayout) -> bool:
-    """Whether the class is a frozen dataclass with slots whose constructor only sets fields."""
+    """Return whether a class is a frozen dataclass with slots and a plain constructor."""
     cls: Any = layout.cls
     made = cls.__dataclass_params__
     return bool(

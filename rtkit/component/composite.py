@@ -1,9 +1,9 @@
 """Composite components: several components driven, and activated, as one.
 
 A composite takes the execution of its members over: their own contexts stop, its context drives
-them one after the other, depth first through nested composites. Ports of members are listed on
-it as ``INSTANCE.PORT``. Which members and ports is said by the parameters ``members`` and
-``exported_ports``, each a comma list; `arrange` makes it so.
+them one after the other, depth first through nested composites. The composite lists ports of
+members as ``INSTANCE.PORT``. The parameters ``members`` and ``exported_ports``, each a comma list,
+name the members and the ports; `arrange` puts them in force.
 
 Every change runs on the threads that tick the contexts concerned, in stages; see `_Stages`.
 """
@@ -31,7 +31,7 @@ class Composite(Component):
     """Drive several components as one.
 
     Attributes:
-        composite_type: What profiles call this kind.
+        composite_type: Name of this kind in profiles.
         drives: Whether its context drives its members; else it only groups them.
         resolve: Finds a component of the same process by instance name; raises `NotFound`.
     """
@@ -87,9 +87,9 @@ class Composite(Component):
         return self.on_deactivated(context)
 
     def arrange(self, done: Done) -> None:
-        """Make members and shown ports what the parameters say.
+        """Bring members and shown ports into line with the parameters.
 
-        `done` is told the error that kept it from that, or None, on whatever thread came last.
+        `done` gets the error that prevented that, or None, on the thread that finishes last.
         """
         try:
             wanted, ports = self.check(self.members, self.exported_ports)
@@ -101,7 +101,7 @@ class Composite(Component):
     def check(
         self, members: str, exported_ports: str
     ) -> tuple[tuple[Component, ...], Mapping[str, Port]]:
-        """Return the members and ports that these values of the parameters stand for.
+        """Return the members and ports that these values of the parameters name.
 
         Raises:
             NotFound: There is no such component in this process, or no such port.
@@ -128,7 +128,7 @@ class Composite(Component):
 
     @property
     def is_arranged(self) -> bool:
-        """Whether members and shown ports are what the parameters say."""
+        """Return whether members and shown ports agree with the parameters."""
         shown = {name for name, port in self.ports.items() if name != port.name}
         names = tuple(member.instance for member in self.member_components)
         return names == _names(self.members) and shown == set(_names(self.exported_ports))
@@ -176,7 +176,7 @@ class Composite(Component):
         stages.run()
 
     def _prune_outer(self) -> None:
-        """Show no port on outer composites that this one shows no more."""
+        """Remove ports from outer composites that this one shows no more."""
         outer = self.composite
         if isinstance(outer, Composite):
             there = {id(p) for member in outer.member_components for p in member.ports.values()}
@@ -234,8 +234,8 @@ _Work = tuple[ExecutionContext, Callable[[], object]]
 class _Stages:
     """Work for the threads of several contexts, in stages: each begins when the last is done.
 
-    Work of one context in one stage is done in its order. In the end `done` is told the first
-    failure, or None, on whatever thread came last.
+    Work of one context in one stage is done in its order. In the end `done` gets the first failure,
+    or None, on the thread that finishes last.
     """
 
     def __init__(self, done: Done) -> None:
@@ -244,7 +244,7 @@ class _Stages:
         self._failure: RtkitError | None = None
 
     def add(self, works: Iterable[_Work]) -> None:
-        """Append a stage; an empty one is none."""
+        """Append a stage; ignore an empty one."""
         stage = list(works)
         if stage:
             self._stages.append(stage)
@@ -272,21 +272,21 @@ class _Stages:
 def _works(
     members: Iterable[Component], work: Callable[[ExecutionContext, Component], object]
 ) -> Iterator[_Work]:
-    """Yield what is to be done on each own context of each member."""
+    """Yield the work on each own context of each member."""
     for member in members:
         for context in member.contexts.values():
             yield context, partial(work, context, member)
 
 
 def _release(driver: ExecutionContext, leaving: Iterable[Component]) -> None:
-    """Take members, and what is below them, out of the context that drives them."""
+    """Take members, and those nested in them, out of the context that drives them."""
     for member in leaving:
         for each in _lineage(member):
             driver.remove_component(each)
 
 
 def _awake(context: ExecutionContext, member: Component) -> None:
-    """Have an own context of one who left go on; that of a composite drives its members again."""
+    """Restart an own context of a former member; that of a composite drives its members again."""
     if isinstance(member, Composite) and member.drives and context is _first(member):
         for each in itertools.islice(_lineage(member), 1, None):
             context.add_component(each)
@@ -294,7 +294,7 @@ def _awake(context: ExecutionContext, member: Component) -> None:
 
 
 def _rest(context: ExecutionContext, member: Component) -> None:
-    """Bring an own context of one who joins to rest."""
+    """Stop an own context of a new member."""
     if context.is_running and context.state_of(member) is LifeCycleState.ACTIVE:
         context.perform(member, Transition.DEACTIVATE)
     if isinstance(member, Composite) and context is _first(member):

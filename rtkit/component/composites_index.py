@@ -1,4 +1,4 @@
-"""Which components are composites, told without importing what composites need."""
+"""Detects composites without importing the modules that composites need."""
 
 from __future__ import annotations
 
@@ -11,5 +11,5 @@ if TYPE_CHECKING:
 
 
 def is_composite(component: Component | None) -> TypeGuard[Composite]:
-    """Whether a component drives or groups others."""
+    """Return whether a component drives or groups others."""
     return component is not None and bool(component.composite_type)

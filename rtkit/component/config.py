@@ -19,12 +19,12 @@ DEFAULT = "default"
 
 
 def is_hidden(set_id: str) -> bool:
-    """Whether a set is kept out of listings: two underscores before and after its name."""
+    """Return whether listings omit a set: two underscores before and after its name."""
     return len(set_id) > 4 and set_id.startswith("__") and set_id.endswith("__")
 
 
 def nobody(change: str, name: str) -> None:
-    """Hear of a change and do nothing."""
+    """Ignore a change."""
 
 
 class Configuration:
@@ -34,7 +34,7 @@ class Configuration:
     which drives the component, calls `update`: sets are replaced, never changed in place.
 
     Attributes:
-        values: What the component sees, by parameter name.
+        values: Values that the component sees, by parameter name.
         report: Called with one line when text could not be converted.
         changed: Called with the kind of change (``set_updated``, ``set_added``, ``set_removed``,
             ``set_activated``, ``parameter_updated``) and the name of what changed.
@@ -62,7 +62,7 @@ class Configuration:
 
     @property
     def is_pending(self) -> bool:
-        """Whether an activation waits for the next state update."""
+        """Return whether an activation waits for the next state update."""
         return bool(self._pending)
 
     def bind(self, name: str, default: Value) -> None:
@@ -188,9 +188,9 @@ class Configuration:
             return default
 
     def misfits(self, set_id: str, values: Mapping[str, str]) -> str:
-        """Return which of these texts the parameters cannot have, and why; empty when all can.
+        """Return the texts that the parameters cannot have, with reasons; empty when all fit.
 
-        What a hidden set holds are hints, not values; a default that its author forbids is let be.
+        A hidden set holds hints, not values. A default that breaks its own constraint is accepted.
         """
         if is_hidden(set_id):
             return ""

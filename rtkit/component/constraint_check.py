@@ -1,7 +1,7 @@
-"""Whether a text fits a configuration parameter, by the type and constraint it is declared with.
+"""Checks texts against the declared type and constraint of a configuration parameter.
 
-RTC profiles declare them, and components tell them in hidden sets: ``__type__``,
-``__constraints__`` and ``__widget__``. Where nothing is told anything fits.
+RTC profiles declare types and constraints. Components publish them in hidden sets: ``__type__``,
+``__constraints__`` and ``__widget__``. Without a declaration every text fits.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ _TRUTHS = ("bool", "boolean")
 
 
 class Declared(NamedTuple):
-    """What the values of a parameter must be.
+    """The declared type and constraint of a parameter.
 
     Attributes:
         type: Its type, in the free words of profiles.
@@ -48,13 +48,13 @@ def misfit(sets: Mapping[str, Mapping[str, str]], name: str, text: str) -> str:
 
 
 def misfits(sets: Mapping[str, Mapping[str, str]], values: Iterable[tuple[str, str]]) -> str:
-    """Return what cannot be, of several values, in one line; empty when all can."""
+    """Return the misfits among several values in one line; empty when all fit."""
     whys = ((name, text, misfit(sets, name, text)) for name, text in values)
     return "; ".join(f"{name} cannot be {text!r}: {why}" for name, text, why in whys if why)
 
 
 def hinted(sets: Mapping[str, Mapping[str, str]], name: str) -> Declared:
-    """Return what the hidden sets of a component tell of a parameter."""
+    """Return the declaration of a parameter in the hidden sets of a component."""
     rule = _hint(sets, CONSTRAINT_SET, name)
     is_list = _hint(sets, WIDGET_SET, name).startswith(_LIST_WIDGETS)
     type = declared_type(_hint(sets, TYPE_SET, name), _hint(sets, _DEFAULT_SET, name))
@@ -140,9 +140,9 @@ def _wrong_type(base: str, is_unsigned: bool, parts: list[str], *, is_vector: bo
 
 
 def _is_remark(constraint: Constraint) -> bool:
-    """Whether it is one bare word, where no type tells that a word can be the value.
+    """Return whether a constraint is one bare word, where no type says that values are words.
 
-    A parameter with one possible value is none: such a word is what its author wrote there.
+    A parameter with one possible value is none: such a word is a comment of its author.
     """
     from rtkit.profile.constraint_model import Comparison, ConstraintUnit
 

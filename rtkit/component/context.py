@@ -1,4 +1,4 @@
-"""The execution context: what drives components, as a state machine without a thread.
+"""The execution context: drives components, as a state machine without a thread.
 
 A pacer calls `tick`: at the rate (PERIODIC), after something happened (EVENT_DRIVEN), or when
 somebody asked for it (OTHER). `request`, `request_tick`, `submit`, `stir` and `set_rate` may come
@@ -41,7 +41,7 @@ _UNWANTED = (ReturnCode.ERROR, "it is not wanted any more")
 
 
 def always() -> bool:
-    """Say that something is wanted, whenever its turn comes."""
+    """Return True: a request without condition is wanted whenever its turn comes."""
     return True
 
 
@@ -50,7 +50,7 @@ def nothing() -> None:
 
 
 def ignore(component: Component) -> None:
-    """Hear of a change and do nothing."""
+    """Ignore a change."""
 
 
 class ExecutionContext:
@@ -59,7 +59,7 @@ class ExecutionContext:
     Attributes:
         id: Its name within the component that owns it.
         owner: Instance name of that component.
-        properties: What it was told besides, ``cpu_affinity``.
+        properties: Its further properties, ``cpu_affinity``.
         is_running: Whether ticks do anything.
         wake: Called after a request was queued, by the thread that asked.
         changed: Called by the ticking thread after each change of state or active set.
@@ -102,7 +102,7 @@ class ExecutionContext:
 
     @property
     def is_idle(self) -> bool:
-        """Whether nothing is to be done before the next `wake`, nor likely to be soon."""
+        """Return whether nothing is to be done before the next `wake`, nor likely to be soon."""
         if self._requests:
             return False
         if not self.is_running:
@@ -115,7 +115,7 @@ class ExecutionContext:
 
     @property
     def is_due(self) -> bool:
-        """Whether a context that is not periodic has reason to tick now."""
+        """Return whether a context that is not periodic has reason to tick now."""
         if not self.is_running:
             return False
         return self._is_stirred or any(
@@ -135,7 +135,7 @@ class ExecutionContext:
         return self._find(component).state
 
     def has_work_for(self, component: Component) -> bool:
-        """Whether a cycle calls a participant.
+        """Return whether a cycle calls a participant.
 
         Raises:
             NotFound: It takes no part in this context.
@@ -284,7 +284,7 @@ class ExecutionContext:
             self._wake_if_possible()
 
     def _wake_if_possible(self) -> None:
-        """Wake who ticks; where that cannot be, the next reason to tick finds what is noted."""
+        """Wake the pacer; if that is refused, the next reason to tick finds the noted request."""
         with suppress(Refused):
             self.wake()
 

@@ -1,4 +1,4 @@
-"""Which execution contexts a component is to own: the options of its create string."""
+"""Reads the execution contexts that a component is to own from its create string's options."""
 
 from __future__ import annotations
 
@@ -89,7 +89,7 @@ def _wanted(item: str, index: int, options: Mapping[str, str], rate: float) -> C
 
 
 def _properties(kind: str, name: str, options: Mapping[str, str]) -> dict[str, str]:
-    """Return what options say of one context besides its rate: by its name before by its type."""
+    """Return the properties of one context besides its rate; its name precedes its type."""
     every = options.get(f"exec_cxt.{CPU_AFFINITY}", "").strip()
     found = {CPU_AFFINITY: every} if every else {}
     for prefix in (f"ec.{kind}.", f"ec.{name}."):

@@ -1,4 +1,4 @@
-"""Names the component whose code runs on this thread, so that what it prints bears its name."""
+"""Names the component whose code runs on this thread, to label the output of that code."""
 
 from __future__ import annotations
 

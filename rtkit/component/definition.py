@@ -1,4 +1,4 @@
-"""Data types as interface definitions in text: what ports and recordings tell of their values."""
+"""Writes data types as IDL text, by which ports and recordings describe their values."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ _known: dict[type, str] = {}
 
 
 def definition_of(cls: type) -> str:
-    """Return the definition of a data type that not everybody knows; "" where there is none."""
+    """Return the IDL definition of a data type that is not standard; "" where there is none."""
     known = _known.get(cls)
     if known is None:
         try:
@@ -73,7 +73,7 @@ def idl_of(cls: type) -> str:
 
 
 def has_octets(cls: type) -> bool:
-    """Whether values of a data type have octets in them; bytes stand for a value of any type."""
+    """Return whether values of a data type have octets in them; bytes stand for any type."""
     return cls is bytes or _has_octets(layout_of(cls))
 
 

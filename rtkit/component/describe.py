@@ -1,4 +1,4 @@
-"""A component as facts."""
+"""Describes a component as plain data."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ CODE = "_rtkit_code"
 
 
 class Description(NamedTuple):
-    """What others may know of a component, all of it plain data."""
+    """Public description of a component, all of it plain data."""
 
     ports: tuple[PortProfile, ...]
     sets: Mapping[str, Mapping[str, str]]
@@ -33,7 +33,7 @@ class Description(NamedTuple):
 
 
 def describe(component: Component) -> Description:
-    """Return what the component is like now."""
+    """Return the present description of the component."""
     configuration = component.configuration
     return Description(
         ports=tuple(
@@ -53,7 +53,7 @@ def describe(component: Component) -> Description:
 
 
 def _machine(component: Component) -> dict[str, Any]:
-    """Return what is told of a state machine; nothing for a component without one."""
+    """Return the description of a state machine; nothing for a component without one."""
     if not component.has_machine:
         return {}
     from rtkit.component.fsm import FsmComponent

@@ -33,7 +33,7 @@ class Quaternion:
 
 @dataclass(frozen=True, slots=True)
 class Geometry2D:
-    """Where a device is on its carrier, and its extent, in the plane."""
+    """Place of a device on its carrier, and its extent, in the plane."""
 
     pose: Pose2D = Pose2D()
     size: Size2D = Size2D()
@@ -70,7 +70,7 @@ class Carlike:
 
 @dataclass(frozen=True, slots=True)
 class Geometry3D:
-    """Where a device is on its carrier, and its extent, in space."""
+    """Place of a device on its carrier, and its extent, in space."""
 
     pose: Pose3D = Pose3D()
     size: Size3D = Size3D()

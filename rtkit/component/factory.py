@@ -1,4 +1,4 @@
-"""The component types that can be made here, and the making."""
+"""Registers component types and creates components of them."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ class Factories:
 
     @property
     def types(self) -> tuple[TypeProfile, ...]:
-        """What can be made, in the order of registration."""
+        """The registered types, in the order of registration."""
         return tuple(self._makers)
 
     def register(self, maker: type[Component] | ComponentPattern) -> TypeProfile:

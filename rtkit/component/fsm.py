@@ -49,10 +49,10 @@ from rtkit.rtc.nearest import did_you_mean
 from rtkit.rtc.profiles import ConnectorProfile
 
 EVENT_NAME = "fsm_event_name"
-"""Connector property: which event of the port its values are."""
+"""Connector property: name of the event that its values are."""
 
 PROFILES = "fsm.events"
-"""Port property that tells the events, ``open:RTC::TimedLong,…``."""
+"""Port property that lists the events, ``open:RTC::TimedLong,…``."""
 
 _LONGEST_QUEUE = 1024
 _TAKES = "_rtkit_takes"
@@ -73,7 +73,7 @@ def takes(event: str) -> Callable[[F], F]:
 
 
 class State:
-    """What a component does in one state of its machine; each instance of it has one.
+    """Behaviour of a component in one state of its machine; each component has its own instance.
 
     Attributes:
         component: The component.
@@ -131,7 +131,7 @@ class EventPort(InPort[Any]):
         return made
 
     def is_new(self) -> bool:
-        """Whether an event is there that was not taken yet."""
+        """Return whether an event is there that was not taken yet."""
         return bool(self._queue)
 
     def take(self) -> tuple[str, Any] | None:
@@ -224,7 +224,7 @@ class FsmComponent(Component):
         states: The table: state, event, next state (see `rtkit.component.machine`).
         events: Data type of each event; ``bytes`` takes any.
         event_port: Name of the port that events arrive at.
-        state_classes: What is done in a state, for those that have a class of their own.
+        state_classes: Class of each state that has one of its own.
         machine: The machine that is in force.
         state: Its present state, the innermost one; empty before the first activation.
         ignored: Events that came while the present state did not know them.

@@ -27,7 +27,7 @@ _IDENTITY: Mat44 = (
 
 
 class ColorFormat(Enum):
-    """How the pixels of an image are laid out; those without CF are FourCC codes."""
+    """Layout of the pixels of an image; names without CF are FourCC codes."""
 
     CF_UNKNOWN = 0
     CF_RGB = 1
@@ -132,7 +132,7 @@ class NamedValue:
 
 @dataclass(frozen=True, slots=True)
 class CameraDeviceProfile:
-    """What a camera is."""
+    """Identity and intrinsic parameters of a camera."""
 
     devtypeid: str = ""
     guid: str = ""

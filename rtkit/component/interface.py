@@ -1,7 +1,7 @@
-"""Service interfaces: a protocol class read into methods whose arguments can be carried.
+"""Service interfaces: reads a protocol class into methods whose arguments can be carried.
 
-Arguments and results are of the kinds that data types have (`rtkit.component.types`), told by the
-annotations; ``-> None`` tells that nothing comes back. An exception that a method declares
+Arguments and results are of the kinds that data types have (`rtkit.component.types`). Annotations
+give those kinds; ``-> None`` stands for no result. An exception that a method declares
 (`raises`) arrives as itself, with the arguments of its constructor.
 """
 
@@ -45,7 +45,7 @@ def raises(*exceptions: type[Exception]) -> Callable[[F], F]:
 
 
 class Raised(Refused):
-    """What a provider raised, with what rebuilds it where it is declared."""
+    """An exception that a provider raised, with the data that rebuilds it where it is declared."""
 
     def __init__(self, text: str, name: str, data: bytes) -> None:
         super().__init__(text)
@@ -140,7 +140,7 @@ class InterfaceMethod:
             if isinstance(error, each.cls):
                 try:
                     return name, each.encode(error)
-                except BaseException:  # what a property of it, or its text, raises
+                except BaseException:  # a property of a user's exception may raise anything
                     return None
         return None
 
@@ -157,7 +157,7 @@ class InterfaceMethod:
     def pass_arguments(
         self, arguments: Sequence[Any], named: Mapping[str, Any], other: InterfaceMethod
     ) -> tuple[Any, ...]:
-        """Return what a method of a provider in this process gets of arguments.
+        """Return arguments as a provider in this process gets them.
 
         Raises:
             Malformed: They do not fit the parameters.
@@ -168,7 +168,7 @@ class InterfaceMethod:
         return other.decode_arguments(self._encode(bound))
 
     def pass_result(self, value: Any, other: InterfaceMethod) -> Any:
-        """Return what a method of a caller in this process gets of a result.
+        """Return a result as a caller in this process gets it.
 
         Raises:
             Malformed: It is not of the type that the method promises.
@@ -178,7 +178,7 @@ class InterfaceMethod:
         return other.decode_result(self.encode_result(value))
 
     def _is_like(self, other: InterfaceMethod) -> bool:
-        """Whether it has the very classes of another one of the same signature."""
+        """Return whether it has the very classes of another one of the same signature."""
         if other not in self._likes:
             self._likes[other] = self._hints == other._hints
         return self._likes[other]
@@ -230,7 +230,7 @@ class InterfaceMethod:
 
 
 class ServiceCaller(Protocol):
-    """What a client calls through."""
+    """Calls methods on behalf of a client."""
 
     def call(
         self,
@@ -240,11 +240,11 @@ class ServiceCaller(Protocol):
         named: Mapping[str, Any],
         timeout_s: float | None,
     ) -> Any:
-        """Call a method of the provider; without time-out that of the port counts [s]."""
+        """Call a method of the provider; the time-out [s] defaults to that of the port."""
 
 
 class _Client:
-    """Has the methods of one interface."""
+    """Base of clients: a subclass has the methods of one interface."""
 
     __slots__ = ("_port", "_timeout_s")
 
@@ -327,7 +327,7 @@ class _Exception:
         self._record = make_dataclass(cls.__name__, hints.items(), frozen=True, slots=True)
 
     def encode(self, error: BaseException) -> bytes:
-        """Return what its constructor takes as bytes.
+        """Return the arguments of its constructor as bytes.
 
         Raises:
             Malformed: It does not have that, or of another type.
@@ -365,7 +365,7 @@ def _own_bases(cls: type) -> Iterator[type]:
 
 
 def _is_none(value: Any) -> bool:
-    """Whether it is None."""
+    """Return whether it is None."""
     return value is None
 
 

@@ -1,4 +1,4 @@
-"""A call of a service in bytes: what the caller sends, what the provider answers.
+"""Encodes calls of services: requests of the caller and replies of the provider.
 
 A request is one line (deadline, interface, method) and the arguments as CDR; a reply is the kind
 of its outcome on one line and the result as CDR, or the reason as text. For a declared exception
@@ -25,7 +25,7 @@ _RAISED = "raised\t"
 
 
 class CallTarget(Protocol):
-    """What a client calls."""
+    """The callable end of a connector: a provider in this process or another one."""
 
     def call(
         self,
@@ -44,7 +44,7 @@ class CallTarget(Protocol):
 
 
 class ProvidedInterface(NamedTuple):
-    """One interface that is provided, and by what.
+    """One provided interface and its implementation.
 
     Attributes:
         label: ``Provider0.myservice``, for messages.
@@ -57,7 +57,7 @@ class ProvidedInterface(NamedTuple):
     called: Callable[[], object]
 
     def invoke(self, method: InterfaceMethod, arguments: Sequence[Any]) -> Any:
-        """Call the implementation on this thread; nothing but an `RtkitError` gets out.
+        """Call the implementation on this thread; raise nothing but an `RtkitError`.
 
         Raises:
             Refused: It raised an exception; `Raised` when that is declared.
@@ -77,7 +77,7 @@ class ProvidedInterface(NamedTuple):
 
 
 class CallRouting(NamedTuple):
-    """Between which components of a process calls pass, and how one is bounded that might hang.
+    """The caller and provider of calls within a process, and the means to bound a call that hangs.
 
     Attributes:
         label: ``Consumer0.port: Provider0.port``, for messages.
@@ -182,13 +182,13 @@ class Remote:
 
 
 def _rebuilt(method: InterfaceMethod, raised: Raised) -> BaseException:
-    """Return what the caller catches: its own exception, or a refusal where it declares none."""
+    """Return the exception for the caller: its own declared one, else a refusal."""
     error = method.decode_exception(raised.name, raised.data)
     return Refused(str(raised)) if error is None else error
 
 
 def answer(request: bytes, served: Sequence[ProvidedInterface], now_ns: int) -> bytes:
-    """Serve one request and return the reply, whatever arrived."""
+    """Serve one request and return the reply; rubbish gets a reply, too."""
     try:
         return _OK.encode() + b"\n" + _serve(request, served, now_ns)
     except Raised as raised:

@@ -1,4 +1,4 @@
-"""The kinds of configuration parameters, as text: how a value is read and written."""
+"""Kinds of configuration parameters: reads their values from text and writes them as text."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ _BRACKETS = {"(": ")", "[": "]", "{": "}"}
 
 
 class ParameterKind(NamedTuple):
-    """How values of one kind are read from text and written as text."""
+    """Reader and writer of the values of one kind as text."""
 
     name: str
     read: Callable[[str], Any]

@@ -1,4 +1,4 @@
-"""What a data type consists of: its annotations, read once into a tree of layouts.
+"""Reads the annotations of a data type, once, into a tree of layouts.
 
 The codec, JSON literals and zero values all walk this tree.
 """
@@ -34,7 +34,7 @@ class NumberLayout(NamedTuple):
 
     @property
     def is_float(self) -> bool:
-        """Whether it is a floating-point number."""
+        """Return whether it is a floating-point number."""
         return self.code in "fd"
 
     @property
@@ -131,7 +131,7 @@ def layout_of(cls: type) -> StructLayout:
 
 
 def layout_of_hint(hint: Any, where: str) -> Layout:
-    """Return the layout of what an annotation stands for; `where` is for messages.
+    """Return the layout of an annotation; `where` is for messages.
 
     Raises:
         Malformed: It cannot be carried.
@@ -258,7 +258,7 @@ def as_items(value: Any) -> Sequence[Any]:
 
 
 def as_octets(value: Any) -> bytes:
-    """Return the bytes of what holds octets: bytes, a bytearray, an array of ``uint8``.
+    """Return the bytes of a container of octets: bytes, a bytearray, an array of ``uint8``.
 
     Raises:
         TypeError: It holds none, or numbers of another width.
@@ -285,7 +285,7 @@ def as_truth(value: Any) -> bool:
 
 
 def complaint(layout: Layout, value: Any, where: str) -> str:
-    """Return what keeps `value` from being carried, naming the field; "" when nothing does."""
+    """Return the reason why `value` cannot be carried, naming the field; "" when it can."""
     if isinstance(layout, StructLayout):
         for name, item in layout.fields:
             if not hasattr(value, name):

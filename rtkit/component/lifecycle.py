@@ -1,6 +1,6 @@
 """The life cycle of a component as a table: state, event, next state.
 
-All transitions are here; who runs the callbacks, and when, is said in `rtkit.component.context`.
+This module has all transitions; `rtkit.component.context` runs the callbacks.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ ERROR = LifeCycleState.ERROR
 
 
 class LifeCycleEvent(StrEnum):
-    """What can happen to a component in one execution context."""
+    """Event in the life of a component in one execution context."""
 
     INITIALIZE = "initialize"
     ACTIVATE = "activate"
@@ -52,7 +52,7 @@ TARGET: Mapping[Transition, LifeCycleState] = {
     Transition.DEACTIVATE: INACTIVE,
     Transition.RESET: INACTIVE,
 }
-"""Where a request leads; a component already there has fulfilled it."""
+"""Target state of each request; a component already in that state has fulfilled it."""
 
 
 def next_state(state: LifeCycleState, event: LifeCycleEvent) -> LifeCycleState | None:

@@ -1,4 +1,4 @@
-"""Values written as JSON, checked against a data type; nothing is ever evaluated.
+"""Reads values written as JSON and checks them against a data type; never evaluates text.
 
 ``{"tm": {"sec": 1, "nsec": 0}, "data": 3}``; a time stamp that is left out is filled in by the
 caller, and for a type of nothing but ``tm`` and ``data`` the data alone will do: ``3``. Octets are
@@ -73,7 +73,7 @@ class Literal:
 
 
 def value_from_json(cls: type, text: str, now: Time) -> Any:
-    """Return the value that the text stands for, stamped `now` unless it says a time.
+    """Return the value of the text, stamped `now` unless the text has a time.
 
     Raises:
         Malformed: Not JSON, or no value of the type; names the field.
@@ -94,7 +94,7 @@ def zero_value(cls: type, now: Time) -> Any:
 
 
 def _is_whole(data: Any, inner: Layout) -> bool:
-    """Whether a literal of a type of a stamp and data is of all of it, not of the data alone."""
+    """Return whether a literal of a type of stamp and data has both, not the data alone."""
     return isinstance(data, dict) and (
         _DATA in data or not isinstance(inner, (StructLayout, OctetsLayout))
     )

@@ -16,7 +16,7 @@ Table = Mapping[str, Mapping[str, str]]
 
 
 class StateTransition(NamedTuple):
-    """A transition: the innermost states before and after, and what is left and entered."""
+    """A transition: the innermost states before and after, and the states left and entered."""
 
     source: str
     event: str
@@ -66,14 +66,14 @@ class StateMachine:
         return state
 
     def target(self, state: str, event: str) -> str | None:
-        """Return where the table leads from `state`, None where it leaves the event alone."""
+        """Return the next state by the table; None where the event does not move `state`."""
         for each in lineage(state):
             if event in self.table[each]:
                 return self.table[each][event]
         return None
 
     def move(self, source: str, event: str, target: str) -> StateTransition:
-        """Return what is left and entered on the way to `target`, innermost states last and first.
+        """Return the transition to `target`: leaves inner states first, enters outer states first.
 
         A state that leads to itself is left and entered again.
 
@@ -92,7 +92,7 @@ class StateMachine:
         )
 
     def beginning(self) -> StateTransition:
-        """Return what is entered in the beginning."""
+        """Return the transition into the initial state."""
         return StateTransition("", "", self.initial, (), tuple(_from_outside(self.initial)))
 
 

@@ -115,7 +115,7 @@ class Features:
 
 @dataclass(frozen=True, slots=True)
 class Waypoint2D:
-    """Where to go in the plane, how near [m, rad], by when and how fast."""
+    """A target in the plane: pose, tolerances [m, rad], time limit and top speed."""
 
     target: Pose2D = Pose2D()
     distanceTolerance: Double = 0.0
@@ -134,7 +134,7 @@ class Path2D:
 
 @dataclass(frozen=True, slots=True)
 class Waypoint3D:
-    """Where to go in space, how near [m, rad], by when and how fast."""
+    """A target in space: pose, tolerances [m, rad], time limit and top speed."""
 
     target: Pose3D = Pose3D()
     distanceTolerance: Double = 0.0

@@ -1,7 +1,7 @@
-"""The properties of a data connector, read into options.
+"""Reads the properties of a data connector into options.
 
-Values compare without regard to case; numbers and policies that make no sense are refused. Keys
-and words that nobody here knows are kept for others, and told by `remarks`.
+Values compare without regard to case; invalid numbers and policies are refused. Unknown keys and
+words are kept for others, and `remarks` lists them.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ DEFAULT_PUSH_RATE = 1000.0
 
 
 class FullPolicy(StrEnum):
-    """What writing to a full buffer does: drop the oldest, drop the new value, wait."""
+    """Action of a write to a full buffer: drop the oldest, drop the new value, wait."""
 
     OVERWRITE = "overwrite"
     DO_NOTHING = "do_nothing"
@@ -42,7 +42,7 @@ class FullPolicy(StrEnum):
 
 
 class EmptyPolicy(StrEnum):
-    """What reading from an empty buffer does: give the last value again, nothing, wait."""
+    """Action of a read from an empty buffer: return the last value again, return nothing, wait."""
 
     READBACK = "readback"
     DO_NOTHING = "do_nothing"
@@ -50,7 +50,7 @@ class EmptyPolicy(StrEnum):
 
 
 class PushPolicy(StrEnum):
-    """What a publisher sends of its buffer: newest, all, oldest, every (n+1)th."""
+    """Choice of the buffered values that a publisher sends: newest, all, oldest, every (n+1)th."""
 
     NEW = "new"
     ALL = "all"
@@ -83,7 +83,7 @@ class BufferOptions:
 
 @dataclass(frozen=True, slots=True)
 class ConnectorOptions:
-    """What the properties of a data connector say, defaults filled in.
+    """Options of a data connector, defaults filled in.
 
     Attributes:
         interface: ``zenoh``, ``direct`` or another; old names of the default are ``zenoh``.
@@ -112,7 +112,7 @@ NUMBERED = "rtkit.numbered"
 """Property of a connector between processes whose values are numbered, so that losses show."""
 _OURS = "dataport."
 _OTHERS = ("dataport.corba_cdr.", "dataport.data_service.", "dataport.direct.", "port.")
-"""So begin object references of other middleware, and what is judged elsewhere."""
+"""Prefixes of keys that other middleware or other modules interpret."""
 _BUFFER = (
     "length",
     "write.full_policy",
@@ -146,7 +146,7 @@ _WORDS = {
     DATAFLOW_TYPE: ("push", "pull", "duplex"),
     SUBSCRIPTION_TYPE: (*SUBSCRIPTIONS, "block", "nonblock"),
 }  # fmt: skip
-"""Words that are known, here or in OpenRTM."""
+"""Words known here or in OpenRTM."""
 P = TypeVar("P", bound=StrEnum)
 
 
@@ -180,7 +180,7 @@ def parse_options(properties: Mapping[str, str]) -> ConnectorOptions:
 
 
 def remarks(properties: Mapping[str, str]) -> list[str]:
-    """Return what of the properties of a data connector means nothing here, a line each."""
+    """Return a line for each property of a data connector that has no meaning here."""
     stated = (key for key, value in properties.items() if value.strip())
     known = {*_KEYS, *_RTKIT}
     unknown = (key for key in stated if key not in known and not key.startswith(_OTHERS))

@@ -13,7 +13,7 @@ T = TypeVar("T")
 
 
 class Configured(Protocol):
-    """What has the values of its parameters in configuration sets."""
+    """An owner of configuration sets that hold the values of its parameters."""
 
     configuration: Configuration
 

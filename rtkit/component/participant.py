@@ -1,4 +1,4 @@
-"""One component in one execution context: its state there, and what it has to do in a cycle."""
+"""Participant: one component in one execution context, with its state and work per cycle."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ class Participant:
 
     @property
     def has_work(self) -> bool:
-        """Whether a cycle would call it."""
+        """Return whether a cycle would call it."""
         if self.state is ACTIVE:
             return self.executes or self.updates
         return self.state is ERROR and self.handles_error

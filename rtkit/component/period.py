@@ -1,4 +1,4 @@
-"""When a periodic execution context is to tick next.
+"""Computes the deadlines at which a periodic execution context ticks.
 
 Absolute deadlines on a fixed grid, in nanoseconds of a monotonic clock that the caller reads:
 no drift however long it runs, and no burst after an overrun.

@@ -1,4 +1,4 @@
-"""Ports: where components exchange values; the data path, used by several threads at once.
+"""Ports: exchange values between components; the data path, used by several threads at once.
 
 Writing and reading are done by the thread that drives the component. Connectors are opened and
 closed by another thread, which replaces tuples and never changes one in place.
@@ -23,12 +23,12 @@ P = TypeVar("P", bound="Port")
 _UNLIMITED = -1
 _OK = PortStatus.OK  # looking a member up in its enumeration would be a tenth of a write
 Renew = Callable[[Sink[T]], object]
-"""Told which sink to use from now on."""
+"""Receives the sink to use from now on."""
 Listener = Callable[[], None]
 
 
 class Port:
-    """What all ports have: a name, properties, and the ids of their connectors.
+    """Base of all ports: a name, properties, and the ids of its connectors.
 
     Declared on a component class a port is a pattern; each instance gets one of its own.
     """
@@ -146,12 +146,12 @@ class InPort(DataPort[T]):
         self.read_count = 0
 
     def is_new(self) -> bool:
-        """Whether a value is there that was not read yet."""
+        """Return whether a value is there that was not read yet."""
         return any(len(buffer) for buffer in self._buffers)
 
     @property
     def lost(self) -> int:
-        """How many values its buffers dropped or refused, as far as their kinds count that."""
+        """Number of values that its buffers dropped or refused, where their kinds count that."""
         return sum(getattr(buffer, "lost", 0) for buffer in self._buffers)
 
     def read(self) -> T | None:
@@ -161,7 +161,7 @@ class InPort(DataPort[T]):
         the next one, after waiting (``block``). None while nothing has ever arrived.
         """
         buffers = self._buffers
-        if len(buffers) == 1:  # as nearly always, and one call is enough then
+        if len(buffers) == 1:  # nearly always; one call is enough then
             value = buffers[0].wait() if self._waits else buffers[0].take()
         else:
             value = self._take_in_turn(buffers)
@@ -191,9 +191,9 @@ class InPort(DataPort[T]):
         return self.data_type
 
     def open(self, connector: ConnectorProfile, renew: Renew[T] | None = None) -> Sink[T]:
-        """Open a push connector; return what takes its values.
+        """Open a push connector; return the sink of its values.
 
-        `renew` is told when another sink is to be used from then on.
+        `renew` is called with each new sink that replaces the returned one.
 
         Raises:
             Refused: It is open already, or the port takes no more.
@@ -208,7 +208,7 @@ class InPort(DataPort[T]):
             return self._heard(ring.write)
 
     def renew(self, connector_id: str) -> None:
-        """Tell again which sink to use, to who opened the connector."""
+        """Pass the sink to use from now on to the opener of the connector."""
         with self._lock:
             if connector_id in self._renewals:
                 write, renew = self._renewals[connector_id]
@@ -353,7 +353,7 @@ class OutPort(DataPort[T]):
                     status = refused
             except Exception as error:
                 failure = error
-        if isinstance(failure, Malformed):  # so say all who make bytes of it: none was sent
+        if isinstance(failure, Malformed):  # all encoding sinks do: none was sent
             raise Malformed(f"port {self.name}: {failure}")
         self.written += 1
         if failure is not None:
@@ -361,15 +361,15 @@ class OutPort(DataPort[T]):
         return status
 
     def _begin(self, value: T) -> bool:
-        """Have a test of values of this type made: at first use, most ports of a host have none."""
+        """Compile the test of values at first use, because most ports of a host never write."""
         with self._lock:
             self._find_way()
         return self._way[0](value)
 
     def _find_way(self) -> None:
-        """Have values tested once: here, or where all who take them make bytes of them at once.
+        """Arrange one test a value: here, or in the encoders where all sinks encode at once.
 
-        To test what is made into bytes would be to make it so, and a value of it, and bytes again.
+        A test here of values that sinks encode would encode and decode each of them once more.
         """
         from rtkit.component.carried import test_of
 
@@ -430,7 +430,7 @@ class OutPort(DataPort[T]):
             pulled.close()
 
     def open_pull(self, connector: ConnectorProfile) -> Source[T]:
-        """Open a pull connector; return what gives its values, waiting if the policy says so.
+        """Open a pull connector; return the source of its values, which waits if the policy does.
 
         Raises:
             Refused: It is open already, or the port takes no more.

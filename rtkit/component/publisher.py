@@ -1,4 +1,4 @@
-"""Which of the queued values a publisher sends: the push policies of a connector."""
+"""Push policies of a connector: select the queued values that a publisher sends."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ class Queue(Sized, Protocol[T_co]):
 
 
 def select(policy: PushPolicy, buffer: Queue[T], skip_count: int = 0) -> list[T]:
-    """Take from `buffer` what is to be sent now, in order.
+    """Take from `buffer` the values to send now, in order.
 
     ``new`` takes all and sends the newest, ``all`` sends everything, ``fifo`` the oldest one,
     ``skip`` the last of each complete group of `skip_count` + 1; an incomplete one stays queued.

@@ -1,7 +1,7 @@
-"""Calls between components of one process that cross: A calls B while B, somehow, calls A.
+"""Detects calls that cross between components of one process: A calls B while B calls A.
 
-Such a call may wait for a lock that its own caller holds, so that neither comes back. It is
-noticed when the circle closes, before it is made.
+Such a call may wait for a lock that its own caller holds, so that neither returns. The circle is
+detected before the call that closes it is made.
 """
 
 from __future__ import annotations
@@ -14,10 +14,10 @@ Run = Callable[[Callable[[], Any], float], Any]
 
 
 class Reentrancy:
-    """Who is inside a call of whom, in one process; used by any number of threads.
+    """The calls under way between components of one process; used by any number of threads.
 
-    There is no lock: a call is noted before it is looked for circles, so that of calls that meet
-    the last one to be noted finds all others.
+    There is no lock: each call is noted before the search for circles, so that among concurrent
+    calls the one noted last finds all others.
     """
 
     def __init__(self) -> None:
@@ -27,8 +27,8 @@ class Reentrancy:
         """Note a call that begins.
 
         Returns:
-            What ends it (see `leave`), and the circle that it closes, from the caller to the
-            caller; none in most cases.
+            Its token (see `leave`), and the circle that it closes, from the caller to the caller;
+            none in most cases.
         """
         call = object()
         self._calls[call] = (caller, provider)

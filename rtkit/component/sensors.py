@@ -36,7 +36,7 @@ class RangerGeometry:
 
 @dataclass(frozen=True, slots=True)
 class RangerConfig:
-    """How a range sensor scans: angles [rad], ranges [m], frequency [Hz]."""
+    """Scan settings of a range sensor: angles [rad], ranges [m], frequency [Hz]."""
 
     minAngle: Double = 0.0
     maxAngle: Double = 0.0
@@ -146,7 +146,7 @@ class Fiducials:
 
 @dataclass(frozen=True, slots=True)
 class FiducialFOV:
-    """Where fiducials can be seen: ranges [m] and angle of view [rad]."""
+    """Field of view for fiducials: ranges [m] and angle of view [rad]."""
 
     minRange: Double = 0.0
     maxRange: Double = 0.0
@@ -155,14 +155,14 @@ class FiducialFOV:
 
 @dataclass(frozen=True, slots=True)
 class GPSTime:
-    """Time as a satellite receiver tells it: seconds [s] and microseconds."""
+    """Time of a satellite receiver: seconds [s] and microseconds."""
 
     sec: ULong = 0
     msec: ULong = 0
 
 
 class GPSFixType(Enum):
-    """How a satellite receiver knows its position."""
+    """Source of a satellite receiver's position fix."""
 
     GPS_FIX_NONE = 0
     GPS_FIX_NORMAL = 1

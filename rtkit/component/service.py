@@ -1,4 +1,4 @@
-"""Service ports: interfaces that a component offers to others, or needs of them.
+"""Service ports: provide interfaces to other components, or require them.
 
 ::
 
@@ -55,7 +55,7 @@ class PortOwner(Protocol):
     instance: str
 
     def stir(self) -> None:
-        """Hear that a service was called."""
+        """Note that a service was called."""
 
 
 class _Use(NamedTuple):
@@ -67,7 +67,7 @@ class _Use(NamedTuple):
 
 
 class _Link(NamedTuple):
-    """Where an open connector leads to, by type name of the interface, and how long to wait."""
+    """Targets of an open connector, by type name of the interface, and its time-out."""
 
     timeout_s: float
     targets: Mapping[str, CallTarget]
@@ -174,7 +174,7 @@ class ServicePort(Port):
 
     @property
     def is_connected(self) -> bool:
-        """Whether there is a provider for every interface that is needed."""
+        """Return whether there is a provider for every interface that is needed."""
         needed = [u for u in self._uses if u.profile.polarity is Polarity.REQUIRED]
         return all(self._find(use.interface.name) is not None for use in needed)
 
@@ -195,7 +195,7 @@ class ServicePort(Port):
         self._uses = tuple(self._implemented(use, owner) for use in self._uses)
 
     def client_of(self, interface: Callable[..., S], timeout_s: float | None = None) -> S:
-        """Return what calls the provider of a needed interface.
+        """Return the client that calls the provider of a needed interface.
 
         Raises:
             NotFound: The port does not need that interface.
@@ -213,7 +213,7 @@ class ServicePort(Port):
         named: Mapping[str, Any],
         timeout_s: float | None,
     ) -> Any:
-        """Call a method of the provider connected first; what clients do.
+        """Call a method of the provider connected first; clients use this.
 
         Raises:
             Malformed: The arguments, or the result, are not what the interface says.
@@ -247,7 +247,7 @@ class ServicePort(Port):
     def attach(
         self, connector: ConnectorProfile, targets: Mapping[str, CallTarget] | None = None
     ) -> None:
-        """Open a connector; `targets` are what it leads to, by type name of the interface.
+        """Open a connector to `targets`, by type name of the interface.
 
         A connector that is open already gets further targets.
 
@@ -321,7 +321,7 @@ class ServicePort(Port):
 
 
 def _takes_argument(cls: type) -> bool:
-    """Whether a class wants something to be made: the component that it works for."""
+    """Return whether the constructor of a class takes an argument: the component it works for."""
     kinds = (inspect.Parameter.POSITIONAL_ONLY, inspect.Parameter.POSITIONAL_OR_KEYWORD)
     try:
         wanted = inspect.signature(cls).parameters.values()
@@ -335,7 +335,7 @@ class RequiredPort(ServicePort, Generic[S]):
 
     @property
     def client(self) -> S:
-        """What calls the provider; each method raises as `ServicePort.call` says."""
+        """The client of the provider; each method raises as `ServicePort.call` says."""
         return cast(S, self._uses[0].interface.client(self, None))
 
     def within(self, timeout_s: float) -> S:

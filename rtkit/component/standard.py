@@ -1,4 +1,4 @@
-"""Where each data type of the standard is defined, so that a name alone tells what to import."""
+"""Index of the standard data types: maps each type name to the module that defines it."""
 
 from __future__ import annotations
 
@@ -149,7 +149,7 @@ RTC: Mapping[str, tuple[str, ...]] = {
         "Waypoint3D",
     ),
 }
-"""Types of the module ``RTC``, by the file of this room that defines them."""
+"""Types of the module ``RTC``, by the module of this package that defines them."""
 
 IMG: Mapping[str, tuple[str, ...]] = {
     "images": (

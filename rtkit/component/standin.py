@@ -89,7 +89,7 @@ class Transmitter(StandIn):
 def stand_in(
     pattern: ComponentPattern, instance: str, options: Mapping[str, str] | None = None
 ) -> StandIn:
-    """Return a stand-in for the pattern; one that never writes has nothing to execute.
+    """Return a stand-in for the pattern; a stand-in that never writes has no on_execute.
 
     Raises:
         Malformed: A value of the script is not of its port's type; names port and field.
@@ -103,7 +103,7 @@ def stand_in(
 
 
 def is_stand_in(component: Component) -> bool:
-    """Whether the component was generated from data."""
+    """Return whether the component was generated from data."""
     return isinstance(component, StandIn)
 
 

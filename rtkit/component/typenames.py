@@ -1,4 +1,4 @@
-"""The classes that names of data types stand for."""
+"""Registry of data types: maps their names to classes."""
 
 from __future__ import annotations
 
@@ -61,7 +61,7 @@ def register_all(names: Mapping[str, object], scope: str) -> None:
 
 
 def type_name(cls: type) -> str:
-    """Return the name of a data type; a class nobody registered is known by module and name."""
+    """Return the name of a data type; that of an unregistered class is its module and name."""
     known = _by_class.get(cls)
     if known is None:
         scope = cls.__module__.rpartition(".")[2]
@@ -71,13 +71,13 @@ def type_name(cls: type) -> str:
 
 
 def is_standard(text: str) -> bool:
-    """Whether the name is of a type of the standard, which everybody knows."""
+    """Return whether the name is that of a standard data type."""
     scope, _, name = scoped_name(text).rpartition("::")
     return name in HOMES.get(scope, ())
 
 
 def type_by_name(text: str) -> type | None:
-    """Return the class of that name, None when nobody registered one.
+    """Return the class registered under that name; None when there is none.
 
     The types of the standard are imported when they are first asked for.
     """

@@ -1,9 +1,9 @@
-"""Waits that a callback is allowed by its connectors: they do not count as being stuck.
+"""Grants callbacks the waits that their connectors allow, which do not count as being stuck.
 
-Whoever drives callbacks on a thread says how the present one is granted more time; a wait of a
-port with a bound grants itself that bound, and gives back what it did not need. Where values
-follow each other closely most waits are over at once: those are granted when they are over, and
-many at a time, for a grant would take longer than what a value needs otherwise.
+The driver of callbacks on a thread registers a function that grants the present callback more
+time. A bounded wait of a port is granted its bound and returns the unused rest. Where values
+follow each other closely most waits end at once: those are granted after they end, many at a
+time, because one grant takes longer than all other work on a value.
 """
 
 from __future__ import annotations
@@ -14,16 +14,16 @@ from contextlib import contextmanager
 from threading import TIMEOUT_MAX, Lock, get_ident
 
 _LONGEST_S = 3600.0
-"""The longest wait that is granted: who may wait for ever is stuck when he does [s]."""
+"""Longest wait that is granted [s]: a callback in an unbounded wait counts as stuck."""
 
 _BRIEF_S = 0.005
-"""How long one may wait before it is granted that: a fraction of any deadline that is kept [s]."""
+"""Length of a wait that needs no grant beforehand [s]: a fraction of any kept deadline."""
 _OWED_NS = 1_000_000
-"""How much of waits that are over is granted later at most [ns]."""
+"""Largest sum of ended waits whose grant is still postponed [ns]."""
 
 
 class _Driven:
-    """A thread on which somebody drives callbacks.
+    """A thread whose callbacks are driven under a watchdog.
 
     Attributes:
         grant: Grants the present callback more time [ns].
@@ -41,7 +41,7 @@ _driven: dict[int, _Driven] = {}
 
 
 def grant_by(grant: Callable[[int], object] | None) -> None:
-    """Have callbacks on this thread granted more time [ns] by that; None for no longer."""
+    """Register a function that grants callbacks on this thread more time [ns]; None: remove it."""
     if grant is None:
         _driven.pop(get_ident(), None)
     else:
@@ -64,7 +64,7 @@ def waiting(bound_s: float) -> Iterator[None]:
 
 
 def wait_for(wakeup: Lock, bound_s: float) -> float:
-    """Wait until somebody releases `wakeup`, at most `bound_s` [s]; return what is left of that."""
+    """Wait until `wakeup` is released, at most `bound_s` [s]; return the rest of that bound [s]."""
     began_ns = time.monotonic_ns()
     is_rung = wakeup.acquire(timeout=min(bound_s, _BRIEF_S))
     waited_ns = time.monotonic_ns() - began_ns

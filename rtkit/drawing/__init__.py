@@ -1,5 +1,5 @@
 """Pictures as text: components with their ports, systems with their wires; SVG and dot.
 
-What is drawn is plain data (`rtkit.drawing.scene`), so who draws needs no profile and no running
-system. Nothing is imported here.
+A drawing starts from plain data (`rtkit.drawing.scene`), so it needs no profile and no running
+system. This package imports nothing.
 """

@@ -1,4 +1,4 @@
-"""Vertical pieces of wires between two columns: which of them runs left of which."""
+"""Orders the vertical pieces of wires between two columns from left to right."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ class Net(NamedTuple):
 
     @property
     def is_straight(self) -> bool:
-        """Whether there is no vertical line at all."""
+        """Return whether the net has no vertical line."""
         return self.low == self.high
 
 

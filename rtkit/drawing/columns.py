@@ -1,4 +1,4 @@
-"""Boxes that hang together, in columns from left to right, and the ways of their wires."""
+"""Arranges connected boxes in columns from left to right, and routes their wires."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ class Arrangement(NamedTuple):
 
 
 class Stop(NamedTuple):
-    """Where a wire touches a channel: a node at one side of it.
+    """End of a wire in a channel: a node at one side of it.
 
     Attributes:
         node: A box, or a node that stands for the wire where it passes a column.
@@ -150,12 +150,12 @@ class _Columns:
 
     def _stop(self, end: WireEnd) -> Stop:
         box = self._boxes[end.box]
-        # What is at the right side of a box is at the left side of the channel there.
+        # The right side of a box faces the left side of its channel.
         side = LEFT if box.ports[end.port].side == RIGHT else RIGHT
         return Stop(end.box, port_offset(box, end.port), side)
 
     def _settled(self) -> dict[int, int]:
-        """Return how far down each node is."""
+        """Return the distance of each node from the top."""
         pulls: dict[int, tuple[list[Pull], list[Pull]]] = {
             node: ([], []) for column in self._columns for node in column
         }

@@ -1,4 +1,4 @@
-"""The picture of one component: data ports, event ports, services as balls and sockets."""
+"""Draws one component: data ports, event ports, services as balls and sockets."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ class Pin(NamedTuple):
     """A port as it is drawn: its mark and name, outside what flows through it.
 
     Attributes:
-        outside: What is written outside of the box, the data type.
+        outside: Text outside of the box, the data type.
         interfaces: Of a service port; each takes a row.
     """
 
@@ -53,7 +53,7 @@ class Pin(NamedTuple):
 
     @property
     def rows(self) -> int:
-        """How many rows it takes."""
+        """Number of rows that it takes."""
         return max(1, len(self.interfaces))
 
 

@@ -1,4 +1,4 @@
-"""A scene for Graphviz: boxes as records with their ports at both sides."""
+"""Writes a scene for Graphviz: boxes as records with their ports at both sides."""
 
 from __future__ import annotations
 

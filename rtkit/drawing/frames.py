@@ -1,4 +1,4 @@
-"""Frames: the boxes of composites become large enough to hold the boxes of their members.
+"""Frames: enlarges the boxes of composites to hold the boxes of their members.
 
 A wire that leaves a frame does so at a port of the frame, which leads on to the port inside.
 """
@@ -13,7 +13,7 @@ from rtkit.drawing.sides import with_sides
 
 
 def framed(scene: Scene) -> Scene:
-    """Return a scene in which what is inside a frame is drawn inside it."""
+    """Return a scene in which frames contain the boxes inside them."""
     return _Nesting(scene).scene(None)
 
 
@@ -33,7 +33,7 @@ class _Nesting:
             self._route(wire)
 
     def scene(self, frame: int | None) -> Scene:
-        """Return what is directly inside a frame, or in none."""
+        """Return the boxes and wires directly inside a frame, or in none."""
         members = [i for i in range(len(self._boxes)) if self._parents.get(i) == frame]
         places = {box: place for place, box in enumerate(members)}
         wires = tuple(_moved(wire, places) for wire in self._wires.get(frame, ()))
@@ -91,7 +91,7 @@ class _Nesting:
 
 
 def _parents(scene: Scene) -> dict[int, int]:
-    """Return in which frame each box is; what would be inside itself is in none."""
+    """Return the frame of each box; a box that would be inside itself is in none."""
     parents: dict[int, int] = {}
     for frame in scene.frames:
         for member in frame.members:

@@ -1,4 +1,4 @@
-"""How far down the nodes of each column are, so that most wires run straight."""
+"""Computes the heights of the nodes of each column, so that most wires run straight."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ _SWEEPS = 10
 
 
 class Pull(NamedTuple):
-    """What a wire asks of a node: to be so far below another one."""
+    """Demand of a wire on a node: its distance below another node."""
 
     other: int
     distance: float
@@ -26,7 +26,7 @@ def heights(
     Args:
         columns: The nodes of each column, from above.
         gaps: For each column, how far below the one above each node at least is (the first: 0).
-        pulls: For each node of each column, what its wires to the left and to the right ask.
+        pulls: For each node of each column, demands of its wires to the left and to the right.
     """
     place: dict[int, float] = {}
     for column, room in zip(columns, gaps, strict=True):
@@ -72,9 +72,9 @@ def _settled(
     wishes: Sequence[_Wishes],
     place: dict[int, float],
 ) -> list[float]:
-    """Return places in order and at a distance that are as near as can be to what is wished.
+    """Return ordered and separated places that are as near as possible to the desired ones.
 
-    Neighbours that would overlap become a block, which stands at the median of its wishes
+    Neighbours that would overlap become a block, which stands at the median of its desired places
     (isotonic regression), so that at least one wire of each block runs straight.
     """
     above: list[float] = []
@@ -96,7 +96,7 @@ def _settled(
 
 
 def _median(wishes: _Wishes) -> float:
-    """Return the weighted median; what weighs nothing counts where nothing else does."""
+    """Return the weighted median; items of weight 0 count only where no others exist."""
     counted = sorted(wish for wish in wishes if wish[1]) or sorted(wishes)
     half = sum(weight for _, weight in counted) / 2
     passed = 0

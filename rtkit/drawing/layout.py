@@ -1,4 +1,4 @@
-"""Where everything of a scene stands: boxes in columns, wires between them; the same each time."""
+"""Lays a scene out deterministically: boxes in columns, wires between them."""
 
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ class _Island(NamedTuple):
 
 
 def _islands(scene: Scene) -> Iterator[_Island]:
-    """Yield what hangs together, in the order of the boxes."""
+    """Yield connected boxes with their wires, in the order of the boxes."""
     leader = list(range(len(scene.boxes)))
 
     def lead(box: int) -> int:

@@ -1,4 +1,4 @@
-"""The order of nodes within columns, so that few wires cross; long wires become chains of nodes."""
+"""Orders nodes within columns so that few wires cross; long wires become chains of nodes."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ class EdgePiece(NamedTuple):
     Attributes:
         left: The node at its left; of a turn in one column, the node with the port.
         right: The node at its right; of a turn, the node that stands for the wire.
-        left_at: Where at the left node it is, from 0 (top) to 1 (bottom).
+        left_at: Its position at the left node, from 0 (top) to 1 (bottom).
         right_at: The same at the right node.
         turn: 0, or 1 where it turns at the right side of its column, -1 at the left side.
     """
@@ -123,7 +123,7 @@ class _Ordering:
         return [list(column) for column in self._columns]
 
     def _sort(self, index: int, neighbours: dict[int, list[tuple[int, float, float]]]) -> None:
-        """Sort a column by where the neighbours of its nodes are."""
+        """Sort a column by the positions of the neighbours of its nodes."""
         column = self._columns[index]
 
         def wish(node: int) -> float:
@@ -185,7 +185,7 @@ class _Ordering:
         return count_crossings(ends)
 
     def _turn_crossings(self, index: int) -> int:
-        """Count what the turns of a column cross: ends of links that lie between theirs."""
+        """Count the crossings of a column's turns: ends of links that lie between theirs."""
         spans = [self._span(link) for link in self._turning[index]]
         count = 0
         for place, (link, (low, high)) in enumerate(zip(self._turning[index], spans, strict=True)):

@@ -1,4 +1,4 @@
-"""Columns for the nodes of a graph: edges go to the right, as few as possible back."""
+"""Assigns columns to the nodes of a graph: edges go to the right, as few as possible back."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ Edge = tuple[int, int]
 
 
 def backward_edges(count: int, edges: Sequence[Edge]) -> set[int]:
-    """Return which edges to turn round so that none of the others is part of a circle.
+    """Return the edges to reverse so that no circle remains.
 
     After Eades, Lin and Smyth: nodes without predecessors to the left, those without successors
     to the right, of the others first the one with most more edges out than in.

@@ -1,4 +1,4 @@
-"""What is drawn: boxes with ports at their sides, wires between ports; and how large boxes are.
+"""Model of a drawing: boxes with ports at their sides, wires between ports, sizes of boxes.
 
 Lengths are pixels, x grows to the right and y downwards.
 """
@@ -27,7 +27,7 @@ class PortPin(NamedTuple):
 
     Attributes:
         kind: ``in``, ``out``, ``data`` (of unknown direction), ``event`` or ``service``.
-        tip: More of it, for who points at it.
+        tip: Further text, shown as a tooltip.
     """
 
     name: str
@@ -42,7 +42,7 @@ class Box(NamedTuple):
     Attributes:
         subtitle: Below the title, small.
         is_dashed: Whether it may be missing.
-        inside: What it holds, for a frame; see `rtkit.drawing.frames`.
+        inside: Its content, for a frame; see `rtkit.drawing.frames`.
         fill: Name of a colour (CSS and X11) that stands for a state; empty for the usual one.
     """
 
@@ -87,7 +87,7 @@ class Scene(NamedTuple):
 
 
 class Inside(NamedTuple):
-    """What is drawn inside a box, and which of its ports lead on to which ports in there."""
+    """Content of a frame: the scene inside, and the ports inside that its own ports lead to."""
 
     scene: Scene
     layout: Layout
@@ -95,7 +95,7 @@ class Inside(NamedTuple):
 
 
 class Size(NamedTuple):
-    """How large something is."""
+    """Width and height of a box, a text or a drawing."""
 
     width: int
     height: int
@@ -107,7 +107,7 @@ def header_height(box: Box) -> int:
 
 
 def box_size(box: Box) -> Size:
-    """Return how large a box has to be for its texts."""
+    """Return the size that a box needs for its texts."""
     sides = [[port for port in box.ports if port.side == side] for side in (LEFT, RIGHT)]
     rows = max(map(len, sides))
     widest = [max((text_width(p.name, PORT_SIZE) for p in ports), default=0) for ports in sides]
@@ -127,13 +127,13 @@ def box_size(box: Box) -> Size:
 
 
 def inside_offset(box: Box) -> tuple[int, int]:
-    """Return where what is inside a box begins, from its upper left corner."""
+    """Return the offset of a box's content from its upper left corner."""
     names = [text_width(p.name, PORT_SIZE) for p in box.ports if p.side == LEFT]
     return round(max(names, default=0)) + _PADDING + _BETWEEN_NAMES, header_height(box) + _PADDING
 
 
 def port_offset(box: Box, port: int) -> int:
-    """Return how far below the top of its box the middle of a port is."""
+    """Return the distance of a port's middle from the top of its box."""
     side = box.ports[port].side
     row = sum(other.side == side for other in box.ports[:port])
     return header_height(box) + row * ROW + ROW // 2

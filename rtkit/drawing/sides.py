@@ -1,4 +1,4 @@
-"""On which side of their boxes service ports are: where their partners will be."""
+"""Chooses the side of the box for each service port: that of its partners."""
 
 from __future__ import annotations
 

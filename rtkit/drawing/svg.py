@@ -1,4 +1,4 @@
-"""A laid-out scene as SVG: no scripts, nothing to be loaded, every text escaped."""
+"""Writes a laid-out scene as SVG without scripts or external resources; escapes every text."""
 
 from __future__ import annotations
 
@@ -74,7 +74,7 @@ def picture(scene: Scene, title: str = "") -> str:
 
 
 def scene_svg(scene: Scene, layout: Layout, title: str = "") -> str:
-    """Return the picture of a scene as it is laid out; the title stands above it."""
+    """Return the picture of a laid-out scene, with the title above it."""
     top = _MARGIN + (_TITLE if title else 0)
     width = layout.size.width + 2 * _MARGIN
     size = Size(max(width, 200), layout.size.height + top + _MARGIN)
@@ -137,7 +137,7 @@ def box_lines(box: Box, place: Point) -> Iterator[str]:
 
 
 def _inside(box: Box, inside: Inside, place: Point) -> Iterator[str]:
-    """Yield what a frame holds, with lines from its own ports to those inside."""
+    """Yield the content of a frame, with lines from its own ports to those inside."""
     left, top = inside_offset(box)
     x, y = place[0] + left, place[1] + top
     yield f'<g transform="translate({x} {y})">'
@@ -218,7 +218,7 @@ def _joint(point: Point, scene: Scene, layout: Layout) -> str:
 
 
 def _leads(path: Sequence[Point], point: Point) -> bool:
-    """Whether a path, upright and level lines only, leads over a point."""
+    """Return whether a path, upright and level lines only, leads over a point."""
     return any(
         min(one[0], other[0]) <= point[0] <= max(one[0], other[0])
         and min(one[1], other[1]) <= point[1] <= max(one[1], other[1])

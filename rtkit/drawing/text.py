@@ -1,4 +1,4 @@
-"""How wide texts are, without asking any font: rather too wide than too narrow."""
+"""Estimates the width of texts without a font: rather too wide than too narrow."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ _BOLD = 1.09
 
 
 def text_width(text: str, size: float, *, is_bold: bool = False) -> float:
-    """Return about how many pixels a text takes in a sans-serif font of this size [pixel].
+    """Return the approximate width [pixel] of a text in a sans-serif font of this size [pixel].
 
     >>> text_width("il", 10) < text_width("om", 10) < text_width("日本", 10)
     True

@@ -1,6 +1,6 @@
-"""Interface definitions (OMG IDL): what IDL files declare, as data.
+"""Interface definitions (OMG IDL): reads IDL files into data.
 
-Not for: what becomes of it in Python, which is the builder's.
+Not for: Python code of these declarations, which the builder generates.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Comments as documentation: which declaration one belongs to, and what it says."""
+"""Assigns comments to declarations as their documentation."""
 
 from __future__ import annotations
 
@@ -26,8 +26,8 @@ class Comment(NamedTuple):
 class Comments:
     """The comments of a text.
 
-    One that begins its line belongs to what begins on the line after it; another one to what
-    ends on its own line.
+    A comment that begins its line belongs to the declaration that begins on the next line; any
+    other to the declaration that ends on its own line.
     """
 
     def __init__(self, lines: Sequence[str], comments: Iterable[Comment]) -> None:
@@ -42,7 +42,7 @@ class Comments:
                 self._behind[comment.line] = comment
 
     def of(self, line: int, end_line: int) -> str:
-        """Return what is said of a declaration that stands on these lines; may be empty."""
+        """Return the comment of a declaration that stands on these lines; may be empty."""
         before = _said(self._before.get(line - 1, []))
         behind = self._behind.get(end_line)
         return before or (_said([behind]) if behind else "")

@@ -1,4 +1,4 @@
-"""The values of constant expressions."""
+"""Evaluates constant expressions."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ _CHARACTERS = {"n": "\n", "t": "\t", "v": "\v", "b": "\b", "r": "\r", "f": "\f",
 
 
 class BadConstant(ValueError):
-    """An expression without value; the text tells why."""
+    """An expression without value; the text gives the reason."""
 
 
 def evaluate(node: Any, look_up: Callable[[Any], Value]) -> Value:

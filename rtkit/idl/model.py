@@ -1,4 +1,4 @@
-"""What IDL files declare, as plain data: every name resolved, every constant computed.
+"""Model of IDL declarations as plain data: every name resolved, every constant computed.
 
 A path is a scoped name in parts: ``("SimpleService", "MyService")``.
 """
@@ -24,7 +24,7 @@ class SourceLine(NamedTuple):
 
 
 class Direction(StrEnum):
-    """Which way a parameter travels."""
+    """Direction of a parameter."""
 
     IN = "in"
     OUT = "out"
@@ -32,7 +32,7 @@ class Direction(StrEnum):
 
 
 class BasicKind(StrEnum):
-    """What a declaration without further facts is; none of these can be carried as a value."""
+    """Kind of a declaration known by name only; none of these can be carried as a value."""
 
     UNION = "union"
     VALUETYPE = "valuetype"
@@ -91,7 +91,7 @@ class Field(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class Declaration:
-    """What all declarations have.
+    """Base of all declarations.
 
     Attributes:
         doc: The comment before it, or behind it on its line, without the marks of comments.
@@ -183,7 +183,7 @@ class Attribute(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class InterfaceDeclaration(Declaration):
-    """An interface; what it inherits is in its bases only."""
+    """An interface; inherited operations are in its bases only."""
 
     bases: tuple[Path, ...] = ()
     operations: tuple[Operation, ...] = ()
@@ -203,7 +203,7 @@ class Definitions:
     missing: tuple[str, ...] = ()
 
     def find(self, name: str) -> Declaration | None:
-        """Return what is declared by that full name, ``SimpleService::MyService``."""
+        """Return the declaration of that full name, ``SimpleService::MyService``."""
         return self.by_path.get(tuple(part for part in name.split("::") if part))
 
     def interface(self, name: str) -> InterfaceDeclaration | None:

@@ -1,4 +1,4 @@
-"""Read IDL files into declarations."""
+"""Reads IDL files into declarations."""
 
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ _WORDS = {
     "TRUTH": "TRUE or FALSE",
     "WORD": "a type",
 }
-"""What messages call the terminals of the grammar that are no fixed words."""
+"""Names in messages of the grammar's terminals that are no fixed words."""
 
 
 def nothing(_name: str, _file: str) -> None:
@@ -69,7 +69,7 @@ def read_idl(
     """Read an IDL file and all that it includes.
 
     Args:
-        text: What it says.
+        text: Its content.
         file: Its name, for messages and for `find`.
         find: Gives the text of included files.
         known: Types that need no definition, by path.
@@ -90,7 +90,7 @@ def _parser() -> Any:
 
     from rtkit.idl.grammar import GRAMMAR
 
-    # The lexer hands comments to whoever parses; the parser itself is made once.
+    # The lexer hands comments to the present reader, because the parser itself is made once.
     heard: list[Token] = []
     parser = Lark(
         GRAMMAR,
@@ -308,7 +308,7 @@ class _Reader:
         self.scopes.declare(Opaque(path, place, kind, doc=self._doc(node)))
 
     def _begin(self, node: Any, scope: Path) -> tuple[Path, SourceLine]:
-        """Announce what may be named inside its own body."""
+        """Announce a declaration whose body may name it."""
         path, place = (*scope, _name(node.children[0])), self._place(node)
         known = self.scopes.declarations.get(path)
         if known is None or is_forward(known):

@@ -1,4 +1,4 @@
-"""The names that are declared, and which one a name in the text means."""
+"""Scopes of IDL: records declared names and resolves names in the text."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from rtkit.idl.source import InvalidIdl
 
 
 class ResolvedName(NamedTuple):
-    """What a name means: a declaration's path, or the value of a constant."""
+    """Meaning of a name: a declaration's path, or the value of a constant."""
 
     path: Path
     value: Value | None = None
@@ -70,7 +70,7 @@ class Scopes:
         self.values[path] = value
 
     def find(self, name: Path, scope: Path, *, is_absolute: bool) -> ResolvedName | None:
-        """Return what a name means inside `scope`, None when nothing has it."""
+        """Return the meaning of a name inside `scope`, None when it has none."""
         for outer in [()] if is_absolute else _outwards(scope):
             for place in self._inheritance(outer):
                 path = (*place, *name)
@@ -84,7 +84,7 @@ class Scopes:
         return None
 
     def _member(self, path: Path) -> ResolvedName | None:
-        """Return what a qualified name means where a base of the interface defines it."""
+        """Return the meaning of a qualified name where a base of the interface defines it."""
         for base in list(self._inheritance(path[:-1]))[1:]:
             inner = (*base, path[-1])
             if inner in self.declarations or inner in self.values:
@@ -98,7 +98,7 @@ class Scopes:
 
 
 def is_forward(declared: Declaration) -> bool:
-    """Whether it only announces a name."""
+    """Return whether a declaration only announces a name."""
     return isinstance(declared, Opaque) and declared.kind is BasicKind.FORWARD
 
 

@@ -1,10 +1,10 @@
-"""The text of an IDL file with all that it includes, each line with the place it came from.
+"""Assembles the text of an IDL file and of all that it includes, each line with its origin.
 
 A file is read once, whether or not it guards itself.
 
-Of the preprocessor there is what interface definitions use: ``#include``, guards, ``#define`` of
-a name or a plain value, ``#if`` of ``0``, ``1`` and ``defined(NAME)``. ``#pragma`` says nothing
-here.
+The preprocessor has the directives that interface definitions use: ``#include``, guards,
+``#define`` of a name or a plain value, ``#if`` of ``0``, ``1`` and ``defined(NAME)``. It ignores
+``#pragma``.
 """
 
 from __future__ import annotations
@@ -61,7 +61,7 @@ class IdlSource:
         return "".join(f"{line.text}\n" for line in self.lines)
 
     def place(self, line: int) -> SourceLine:
-        """Return where a line of the text stands; lines count from 1."""
+        """Return file and line of a line of the text; lines count from 1."""
         if not self.lines:
             return SourceLine("", 1)
         return self.lines[min(max(line, 1), len(self.lines)) - 1].place

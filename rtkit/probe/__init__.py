@@ -1,1 +1,1 @@
-"""Ports of a tool's own on the ports of components: what data tools read with and write with."""
+"""Probes: ports of data tools, which read from and write to the ports of components."""

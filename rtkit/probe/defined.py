@@ -1,4 +1,4 @@
-"""Classes of data types made of their definitions in IDL, as ports and recordings tell them."""
+"""Creates classes of data types from the IDL definitions that ports and recordings give."""
 
 from __future__ import annotations
 
@@ -70,7 +70,7 @@ class _Maker:
         self._made: dict[Path, type] = {}
 
     def of(self, path: Path) -> Any:
-        """Return what a declaration is as an annotation."""
+        """Return the annotation of a declaration."""
         name = "::".join(path)
         known = type_by_name(name) if is_standard(name) else self._made.get(path)
         if known is not None:

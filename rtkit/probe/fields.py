@@ -1,4 +1,4 @@
-"""Fields of data types: whether ``data.position.x`` is one, and which of a value are numbers."""
+"""Fields of data types: checks names like ``data.position.x`` and lists the numbers of a value."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ def check_field(cls: type, text: str) -> None:
 
     Raises:
         Malformed: It is no field at all.
-        NotFound: The type has none of that name; tells those that it has.
+        NotFound: The type has none of that name; lists those that it has.
     """
     steps = steps_of(text)
     layout: Layout | None = None if cls is bytes else layout_of(cls)
@@ -71,14 +71,14 @@ def _below(layout: Layout, step: str | int, text: str) -> Layout | None:
 
 
 def numbers(value: Any, name: str = "") -> Iterator[tuple[str, float]]:
-    """Yield what is a number in a value, by field; time stamps are left out."""
+    """Yield the numbers in a value, by field; time stamps are left out."""
     for field, item in scalars(value, name):
         if isinstance(item, int | float):
             yield field, float(item)
 
 
 def scalars(value: Any, name: str = "") -> Iterator[tuple[str, Any]]:
-    """Yield all that a value consists of, by field; time stamps and octets are left out."""
+    """Yield the scalars of a value, by field; time stamps and octets are left out."""
     if is_dataclass(value) and not isinstance(value, type):
         for each in fields(value):
             if each.name != _STAMP:

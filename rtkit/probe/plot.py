@@ -1,4 +1,4 @@
-"""Numbers over time as a chart of characters, for a terminal or a text file."""
+"""Plots numbers over time as a chart of characters, for a terminal or a text file."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ class Chart:
     """Curves, each of its latest points.
 
     Attributes:
-        left_out: Curves for which there was no mark.
+        left_out: Curves without a mark, because there are too few.
     """
 
     def __init__(self, span_s: float) -> None:

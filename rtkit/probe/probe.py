@@ -1,4 +1,4 @@
-"""A tool's temporary component: a guest of the manager, connected to the ports that were named."""
+"""Runs a tool's temporary component in an attached process, connected to the named ports."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ LOSSLESS = {
     "dataport.inport.buffer.write.full_policy": "block",
     "dataport.inport.buffer.write.timeout": "60",
 }
-"""Connector properties by which a reader that is slow holds up who writes, and loses nothing."""
+"""Connector properties by which a slow reader delays its writer and loses nothing."""
 
 
 class Tool(Component):
@@ -51,7 +51,7 @@ class Tool(Component):
         self._taps = [port for port in ports if isinstance(port, Tap)]
 
     def on_execute(self, context: str) -> None:
-        """Hand over what arrived, in one piece."""
+        """Hand the arrived values over, in one batch."""
         if self._is_polling:
             arrivals = [tap.take()[-1] for tap in self._taps if tap.is_new()]
         else:
@@ -61,10 +61,10 @@ class Tool(Component):
 
 
 class Probe(Closing):
-    """A visit with one component of a tool; leave it as a context manager.
+    """An attached process with one component of a tool; use as a context manager to end it.
 
-    With a rate [Hz] it takes the newest value of each port that often; else all that there are,
-    as they come.
+    With a rate [Hz] the component takes the newest value of each port that often; else all values,
+    as they arrive.
 
     Attributes:
         component: The tool's component.
@@ -113,17 +113,17 @@ class Probe(Closing):
 
     @property
     def lost(self) -> int:
-        """How many values were sent to it and are not among its arrivals."""
+        """Number of values that were sent to it and are not among its arrivals."""
         taps = (port for port in self._ports if isinstance(port, Tap))
         return self._guest.lost() + sum(tap.lost for tap in taps)
 
     @property
     def is_connected(self) -> bool:
-        """Whether any connection is left."""
+        """Return whether any connection remains."""
         return any(port.connectors for port in self._ports)
 
     def arrivals(self, until: float | None) -> Iterator[list[Arrival]]:
-        """Yield what arrives, piece by piece, until a monotonic time [s] or until nothing can.
+        """Yield arrivals in batches until a monotonic time [s], or until nothing can arrive.
 
         Nothing can when its connections were removed, or the component was ended from outside.
         """
@@ -131,7 +131,7 @@ class Probe(Closing):
             yield piece
 
     def take(self, until: float | None) -> list[Arrival] | None:
-        """Wait for what arrives; empty when nothing did until then [s], None when nothing can."""
+        """Wait for arrivals until that time [s]; return None when nothing can arrive any more."""
         arrived = self.component.arrived
         while not (self._ended.is_set() and arrived.empty()):
             wait_s = None if until is None else max(0.0, until - time.monotonic())
@@ -144,7 +144,7 @@ class Probe(Closing):
         return None
 
     def wait(self, until: float) -> bool:
-        """Wait until a monotonic time [s]; False when there is nobody left to write to."""
+        """Wait until a monotonic time [s]; return False when no connection is left to write to."""
         return not self._ended.wait(max(0.0, until - time.monotonic()))
 
     def write(self, port: str, value: Any) -> None:
@@ -159,21 +159,21 @@ class Probe(Closing):
             raise Refused(f"value not taken: {status}")
 
     def flush(self) -> bool:
-        """Wait until everything that was written has arrived; False when that cannot be said."""
+        """Wait until all written values have arrived; return False when that is not certain."""
         return self._guest.flush(_FLUSH_S)
 
     def stop(self) -> None:
-        """Have nothing more arrive: what waits for it goes on; for any thread."""
+        """End the arrivals and wake the waiting thread; may be called on any thread."""
         self._ended.set()
         self.component.arrived.put([])
 
     def close(self) -> None:
-        """End the component and the visit."""
+        """End the component and detach the process."""
         self._guest.changed = lambda: None
         self._guest.leave()
 
     def _enter(self) -> tuple[AttachedProcess, Tool]:
-        """Enter under the first name that is free."""
+        """Attach under the first free name."""
         taken = {row.instance for row in self._tree.listing().rows}
         error: RtkitError | None = None
         for number in range(_TRIES + len(taken)):
@@ -185,7 +185,7 @@ class Probe(Closing):
             try:
                 guest.enter([component], self._tree.timeout_s)
             except Refused as refused:
-                error = refused  # somebody was quicker
+                error = refused  # another process took the name in the meantime
                 guest.leave()
                 continue
             return guest, component

@@ -1,4 +1,4 @@
-"""Statistics of streams as lines for people and as JSON."""
+"""Reports statistics of streams as lines of text and as JSON."""
 
 from __future__ import annotations
 

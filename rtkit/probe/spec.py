@@ -25,12 +25,12 @@ _STREAMS = {PortType.OUT: "input", PortType.IN: "output"}
 
 
 class PortSpec(NamedTuple):
-    """What a user wrote for one port.
+    """Specification of one port by a user.
 
     Attributes:
         path: With everything behind the colon but the formatter as the port, since a port's name
             may have dots too.
-        formatter: Name of what makes text of values, "" for the usual form.
+        formatter: Name of the function that makes text of values, "" for the usual form.
     """
 
     typed: str
@@ -52,7 +52,7 @@ class Stream(NamedTuple):
 
     @property
     def definition(self) -> str:
-        """IDL of that type, as a port tells it; empty where none does."""
+        """IDL of that type from a port's properties; empty where no port has it."""
         return next((end.port.definition for end in self.ends if end.port.definition), "")
 
 

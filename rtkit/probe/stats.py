@@ -1,4 +1,4 @@
-"""How values of a stream come: rate, intervals, sizes, and their age by their time stamps."""
+"""Measures the values of a stream: rate, intervals, sizes, and age by time stamp."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from rtkit.component.types import Time
 from rtkit.probe.tap import Arrival
 
 _KEPT = 100_000
-"""Of how many values, the latest, percentiles are told."""
+"""Number of latest values that percentiles are computed of."""
 
 _HEADER = 4
 _STAMP = {b"\x00\x01": struct.Struct("<II"), b"\x00\x00": struct.Struct(">II")}
@@ -23,7 +23,7 @@ NO_NUMBERS: Mapping[str, Number] = {}
 
 
 class Spread(NamedTuple):
-    """How one quantity is spread; `deviation` is the standard deviation."""
+    """Distribution of one quantity; `deviation` is the standard deviation."""
 
     mean: float
     deviation: float
@@ -34,14 +34,14 @@ class Spread(NamedTuple):
 
 
 class Summary(NamedTuple):
-    """What came on a stream.
+    """Statistics of a stream.
 
     Attributes:
         rate_hz: Values per second, 0 for fewer than two.
         interval_s: Between arrivals [s]; None for fewer than two values.
         size_bytes: Of the values in CDR; None without any.
         latency_s: From time stamp to arrival [s]; None where values have no stamp.
-        fields: Of the numbers in the fields that were asked for.
+        fields: Of the numbers in the selected fields.
     """
 
     values: int
@@ -54,7 +54,7 @@ class Summary(NamedTuple):
 
 
 class Stats:
-    """Takes arrivals of one stream and tells what they were like, in bounded memory."""
+    """Computes statistics of one stream's arrivals in bounded memory."""
 
     def __init__(self, stamp: Stamp, numbers: Mapping[str, Number] = NO_NUMBERS) -> None:
         self._stamp = stamp
@@ -87,7 +87,7 @@ class Stats:
                 self._fields[name].append(value)
 
     def summary(self) -> Summary:
-        """Return what has come so far."""
+        """Return the statistics of the values so far."""
         span_s = (self._last_ns - self._first_ns) * 1e-9
         steps = self.count - 1
         rate = steps / span_s if steps > 0 and span_s > 0 else 0.0
@@ -104,7 +104,7 @@ class Stats:
 
 
 def stamp_reader(cls: type) -> Stamp:
-    """Return what reads the time stamp of a value in CDR, Unix time [ns]; None without one.
+    """Return a reader of a CDR value's time stamp, Unix time [ns]; None for a type without one.
 
     It does not decode the value: a stamp is what a value begins with.
     """

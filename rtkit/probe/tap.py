@@ -1,4 +1,4 @@
-"""In ports that keep what arrives as it was sent, with the time of its arrival."""
+"""In ports that keep values as they were sent, with the time of arrival."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ class Arrival(NamedTuple):
 
 
 class Tap(InPort[bytes]):
-    """An in port of any data type; what is read from it are arrivals."""
+    """An in port of any data type; reading returns arrivals."""
 
     def __init__(self, name: str, properties: Mapping[str, str] | None = None) -> None:
         super().__init__(bytes, name, properties)
@@ -36,7 +36,7 @@ class Tap(InPort[bytes]):
         return Tap(self.name, self.properties)
 
     def take(self) -> list[Arrival]:
-        """Return what arrived since it was last asked."""
+        """Return the arrivals since the last call."""
         return cast("list[Arrival]", self.read_all())
 
     def _heard(self, write: Sink[bytes]) -> Sink[bytes]:

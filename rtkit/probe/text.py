@@ -1,4 +1,4 @@
-"""Values as text and as JSON: one line, long contents in short unless they are wanted in full."""
+"""Formats values as text and as JSON: one line, long contents abbreviated unless wanted in full."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ def _is_image(value: Any) -> bool:
 
 
 def _image(value: Any) -> str:
-    """Return what an image is like, but not its pixels."""
+    """Return the properties of an image without its pixels."""
     told = [f"{value.width} x {value.height}"]
     for each in fields(value):
         item = getattr(value, each.name)
@@ -69,7 +69,7 @@ def _image(value: Any) -> str:
 
 
 def plain(value: Any) -> Any:
-    """Return a value as what JSON knows, so that `rtkit.component.literal` reads it again."""
+    """Return a value as data of JSON, which `rtkit.component.literal` can read again."""
     if is_dataclass(value) and not isinstance(value, type):
         return {each.name: plain(getattr(value, each.name)) for each in fields(value)}
     if isinstance(value, Enum):
@@ -86,10 +86,10 @@ def plain(value: Any) -> Any:
 
 
 def field_reader(text: str) -> Callable[[Any], Any]:
-    """Return what takes ``data.position.x`` or ``ranges[0]`` out of a value.
+    """Return a function that gets ``data.position.x`` or ``ranges[0]`` of a value.
 
     Raises:
-        Malformed: It is no such text. The function raises NotFound for a value without it.
+        Malformed: It is no such text. The function raises NotFound for a value without that field.
     """
     steps = steps_of(text)
 

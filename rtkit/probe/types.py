@@ -1,4 +1,4 @@
-"""The data types that a tool reads and writes: those of the standard, and those of modules."""
+"""Finds the data types that a tool reads and writes: standard ones, and those of modules."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ def import_modules(names: Sequence[str], folders: Sequence[str]) -> None:
 
     Raises:
         NotFound: There is no such module.
-        Refused: It does not import; tells why.
+        Refused: It does not import; the message has the reason.
     """
     sys.path[:0] = [os.path.abspath(folder) for folder in folders]
     for name in names:
@@ -37,11 +37,11 @@ def data_type(name: str, typed: str, definition: str = "") -> type:
 
     Args:
         name: Of the type.
-        typed: What has values of it, for messages.
+        typed: The port or recording with values of it, for messages.
         definition: The IDL that comes with it; types that modules define take precedence.
 
     Raises:
-        NotFound: Nobody defined it.
+        NotFound: It is not defined.
     """
     if not name:
         return bytes
@@ -61,9 +61,9 @@ def data_type(name: str, typed: str, definition: str = "") -> type:
 def type_or_bytes(
     name: str, typed: str, say: Callable[[str], object], definition: str = ""
 ) -> type:
-    """Return the class of a data type; bytes, and say so, where nobody defined it.
+    """Return the class of a data type; bytes, with a note, where it is not defined.
 
-    One stream that cannot be understood here is no reason to lose all others.
+    One stream of an unknown type is no reason to lose all others.
     """
     try:
         return data_type(name, typed, definition)

@@ -1,4 +1,4 @@
-"""Values that users write: JSON or YAML literals checked against a data type, never evaluated."""
+"""Reads values that users write: JSON or YAML literals, checked against a type, not evaluated."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ class Template:
 
 
 def templates(lines: Iterable[str], types: Mapping[str, type], source: str) -> Iterator[Template]:
-    """Yield what is written on each line; empty ones and those that begin with # say nothing.
+    """Yield the template on each line; skip empty lines and those that begin with #.
 
     Raises:
         Malformed: A line is no literal of the types; names `source` and its number.

@@ -1,1 +1,1 @@
-"""Recordings of port values: MCAP files with CDR payloads, and text for eyes."""
+"""Recordings of port values: MCAP files with CDR payloads, and text for people."""

@@ -1,4 +1,4 @@
-"""What a recording consists of, and which part of it is wanted."""
+"""Entries of a recording: streams, values and their extent; selects the wanted ones."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ class RecordedValue(NamedTuple):
 
 
 class Span(NamedTuple):
-    """Which entries of a recording are those of one channel.
+    """Extent of one channel's entries in a recording.
 
     Attributes:
         first_ns: The earliest time of one, Unix time [ns]. Likewise `last_ns`.
@@ -60,12 +60,12 @@ class Span(NamedTuple):
 
 
 class Info(NamedTuple):
-    """What there is to know of a recording without looking at values.
+    """Facts about a recording that need no look at values.
 
     Attributes:
         began_ns: When the recording began, Unix time [ns].
         first_ns: Time of the first entry; None without any. Likewise `last_ns`.
-        counts: How many entries each channel has.
+        counts: Number of entries of each channel.
         is_whole: False where the recorder was killed before it could close the file.
         spans: Of each channel that has entries.
     """
@@ -81,12 +81,12 @@ class Info(NamedTuple):
 
     @property
     def entries(self) -> int:
-        """How many entries there are."""
+        """Number of entries."""
         return sum(self.counts.values())
 
 
 class RecordingSelection(NamedTuple):
-    """Which entries are wanted.
+    """Selection of entries by time or by index.
 
     Attributes:
         start: First one: a time [ns], or an index counted from 0; None for the beginning.
@@ -120,7 +120,7 @@ class RecordingSelection(NamedTuple):
         return ""
 
     def of(self, entries: Iterable[RecordedValue]) -> Iterator[RecordedValue]:
-        """Yield those that are wanted, of entries in the order of their times."""
+        """Yield the selected ones among entries in the order of their times."""
         last = self.end
         if last is not None and self.is_by_index and self.start is None:
             last -= 1

@@ -1,4 +1,4 @@
-"""Recordings as MCAP files: self-describing, indexed, and readable after a crash.
+"""Reads and writes recordings as MCAP files: self-describing, indexed, readable after a crash.
 
 Values stand in chunks. A chunk is closed after half a second at the latest, and each closed chunk
 can be read even if the file was never finished.
@@ -19,7 +19,7 @@ from rtkit.recording.entries import Info, RecordedStream, RecordedValue, Span
 from rtkit.rtc.data_types import scoped_name
 
 CHUNK_S = 0.5
-"""After how long a chunk is closed at the latest [s]."""
+"""Longest time that a chunk stays open [s]."""
 
 _CHUNK_BYTES = 512 * 1024
 _PROFILE = "rtkit"
@@ -33,7 +33,7 @@ class RecordingWriter:
     Octets, which images consist of, hardly become shorter: to compress them takes most of the time.
 
     Attributes:
-        count: How many values were written.
+        count: Number of values written.
     """
 
     def __init__(self, file: IO[bytes], *, is_compressed: bool = True) -> None:
@@ -63,7 +63,7 @@ class RecordingWriter:
 
     @property
     def flush_at(self) -> float | None:
-        """When `flush` is due at the latest, monotonic [s]; None while nothing waits."""
+        """Latest time at which `flush` is due, monotonic [s]; None while nothing waits."""
         return self._close_at
 
     def add_channel(self, channel: RecordedStream, cls: type) -> None:
@@ -91,7 +91,7 @@ class RecordingWriter:
             self.flush()
 
     def flush(self) -> None:
-        """Close the present chunk: what it has can be read from now on."""
+        """Close the present chunk, so that its values can be read."""
         self._mcap.flush()  # type: ignore[no-untyped-call]
         self._close_at = None
 
@@ -111,7 +111,7 @@ class RecordingReader:
         self._path = path
 
     def info(self) -> Info:
-        """Look through the whole file and tell what is in it.
+        """Read the whole file and return the facts about it.
 
         Raises:
             Malformed: It is no recording.

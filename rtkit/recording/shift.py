@@ -1,4 +1,4 @@
-"""Time stamps of recorded values, moved to the present without decoding the values."""
+"""Moves time stamps of recorded values to the present without decoding the values."""
 
 from __future__ import annotations
 

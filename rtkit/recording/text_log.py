@@ -1,7 +1,7 @@
-"""Recordings as text: a line a value, ``SECONDS.NANOSECONDS TAB (stream, value)``.
+"""Reads and writes recordings as text: ``SECONDS.NANOSECONDS TAB (stream, value)`` a line.
 
-Values are written as JSON. Read are also those that other tools wrote as constructor calls,
-``RTC.TimedLong(tm=RTC.Time(sec=1, nsec=2), data=3)``: parsed, never executed.
+Values are written as JSON. The reader also accepts the constructor calls of other tools,
+``RTC.TimedLong(tm=RTC.Time(sec=1, nsec=2), data=3)``: it parses and never executes them.
 """
 
 from __future__ import annotations
@@ -19,11 +19,11 @@ _LINE = re.compile(r"(\d{1,12})\.(\d{9})\t\((?:'([^']*)'|\"([^\"]*)\"), (.*)\)")
 
 
 _MCAP = b"\x89MCAP"
-"""What an MCAP file begins with."""
+"""First bytes of an MCAP file."""
 
 
 class TextEntry(NamedTuple):
-    """One line; `value` is what JSON knows."""
+    """One line; `value` is data of JSON."""
 
     stream: str
     time_ns: int
@@ -31,7 +31,7 @@ class TextEntry(NamedTuple):
 
 
 def line_of(stream: str, time_ns: int, value: Any) -> str:
-    """Return the line of a value that is made of what JSON knows."""
+    """Return the line of a value that is data of JSON."""
     seconds, nanoseconds = divmod(time_ns, NANOSECONDS)
     return f"{seconds}.{nanoseconds:09}\t({stream!r}, {json.dumps(value, ensure_ascii=False)})"
 
@@ -85,7 +85,7 @@ def _value(text: str) -> Any:
 
 
 def _built(node: ast.expr) -> Any:
-    """Return what a constant, a list or a constructor call stands for, without calling anything."""
+    """Return the data of a constant, a list or a constructor call, without calling anything."""
     if isinstance(node, ast.Constant):
         return list(node.value) if isinstance(node.value, bytes) else node.value
     if isinstance(node, (ast.List, ast.Tuple)):

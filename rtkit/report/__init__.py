@@ -1,5 +1,5 @@
-"""What a check found, in the forms that people and build servers read.
+"""Reports findings of checks in the forms that people and build servers read.
 
-Nothing is imported here: `rtkit.report.finding` has the words, `rtkit.report.forms` writes them as
-text, JSON, SARIF, JUnit or annotations of GitHub. Who checks what is no matter of this room.
+This package imports nothing: `rtkit.report.finding` has the model, `rtkit.report.forms` writes it
+as text, JSON, SARIF, JUnit or annotations of GitHub. The checks themselves are elsewhere.
 """

@@ -8,10 +8,10 @@ from typing import NamedTuple
 ERROR, WARNING, NOTE = "error", "warning", "note"
 SEVERITIES = (ERROR, WARNING, NOTE)
 ANYTHING = "any text"
-"""What is allowed where a text is missing; goes without saying."""
+"""The `allowed` of a missing text, which messages leave out."""
 
 Rules = Mapping[str, str]
-"""Id of a rule to what it is about, in one line."""
+"""Subject of each rule in one line, by its id."""
 
 
 class Finding(NamedTuple):
@@ -50,9 +50,9 @@ class Checked(NamedTuple):
 
     Attributes:
         name: The thing as the user typed it.
-        what: What it is found to be, ``RTS profile``; empty where that is not known.
+        what: Its kind, ``RTS profile``; empty where that is not known.
         findings: In the order to be shown.
-        is_read: Whether it could be looked at at all.
+        is_read: Whether it could be read.
     """
 
     name: str
@@ -62,7 +62,7 @@ class Checked(NamedTuple):
 
     @property
     def is_valid(self) -> bool:
-        """Whether there is no error."""
+        """Return whether there is no error."""
         return self.count(ERROR) == 0
 
     def only_errors(self) -> Checked:

@@ -1,4 +1,4 @@
-"""The forms in which findings can be told, by their names."""
+"""Writes a report in the form of a given name: text, JSON, SARIF, JUnit, GitHub."""
 
 from __future__ import annotations
 
@@ -26,11 +26,11 @@ def report_lines(
     Args:
         form: One of `FORMS`.
         checked: What was checked; text, JSON and annotations come one by one as these do.
-        rules: What the rules are about, for the forms that explain them.
+        rules: Subject of each rule, for the forms that explain rules.
         tool: The name under which it was checked.
         timestamp: When, for JUnit: ``2024-01-31T12:00:00``.
-        style: How the parts of a line look, for text.
-        is_quiet: Tell errors only, and no verdict in a text.
+        style: Style of the parts of a line, for text.
+        is_quiet: Report errors only, and no verdict in a text.
     """
     checked = map(Checked.only_errors, checked) if is_quiet else checked
     if form == TEXT:

@@ -1,4 +1,4 @@
-"""Findings as workflow commands of GitHub Actions, which shows them at the lines they are about."""
+"""Writes findings as workflow commands of GitHub Actions, which shows them at their lines."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Findings as JSON: one object a line for each thing that was checked."""
+"""Writes findings as JSON: one object a line for each thing that was checked."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from rtkit.report.finding import Checked, Finding
 
 
 def json_lines(checked: Iterable[Checked]) -> Iterator[str]:
-    """Yield one JSON object for each thing checked; what is not known is null."""
+    """Yield one JSON object for each thing checked; unknown facts are null."""
     import json
 
     for each in checked:

@@ -1,4 +1,4 @@
-"""Findings as JUnit XML: a test case for each thing checked, failed where there are errors."""
+"""Writes findings as JUnit XML: a test case for each thing checked, failed on errors."""
 
 from __future__ import annotations
 

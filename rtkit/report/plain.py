@@ -1,4 +1,4 @@
-"""Findings as lines of text: one each, then the verdict on what was checked, last the total."""
+"""Writes findings as text: a line each, a verdict for each thing checked, last the total."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ Style = Callable[[str, str], str]
 """Makes a text printable and gives it the look of a role: a severity, ``name`` or ``path``."""
 
 _ROLES = (("valid", "valid"), ("invalid", "error"), ("not checked", "error"))
-"""What a verdict can be, and how it looks."""
+"""Verdicts and their styles."""
 
 
 def as_is(text: str, _role: str) -> str:
@@ -41,7 +41,7 @@ def plain_lines(
 
 
 def plain_line(finding: Finding, style: Style = as_is) -> str:
-    """Return the line that tells of a finding."""
+    """Return the line of a finding."""
     place = f"{finding.file}:{finding.line}" if finding.line else finding.file
     parts = [
         f"{style(place, 'name')}:",

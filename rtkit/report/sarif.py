@@ -1,4 +1,4 @@
-"""Findings as SARIF 2.1.0, which code hosts and editors show at the lines they are about."""
+"""Writes findings as SARIF 2.1.0, which code hosts and editors show at their lines."""
 
 from __future__ import annotations
 
