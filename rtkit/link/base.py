@@ -38,8 +38,8 @@ class Link(Protocol):
     def announce(self, key: str, listened: Callable[[bool], object]) -> Callable[[str], object]:
         """Open a topic of texts; return the function that sends one to all subscribers.
 
-        It never waits: who does not keep up misses some. `listened` is told, on the transport's
-        threads, when the first one begins to listen and when nobody does any more.
+        It never waits: a slow subscriber misses texts. `listened` is called, on the transport's
+        threads, when the first subscriber comes and when the last one has gone.
         """
         ...
 

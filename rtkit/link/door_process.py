@@ -1,7 +1,7 @@
 """Serves the TCP port of a manager in a process of its own, until the manager is gone.
 
-It is told on a socket which port to open, as ``PORT SECRET_FILE``, and answers ``ready``, or why it
-cannot be opened; then it may be told another one. The end of the socket ends it.
+The process receives the port to open on a socket, as ``PORT SECRET_FILE``, and answers ``ready``,
+or the error; then it may receive another one. It exits when the socket closes.
 """
 
 from __future__ import annotations

@@ -158,7 +158,7 @@ def check_private(path: str) -> str:
     """Return the folder `path` if it is for this user alone.
 
     Raises:
-        Refused: It is no folder, is not ours, or is open to others; tells what would help.
+        Refused: It is no folder, is not ours, or is open to others; the message has a hint.
     """
     try:
         status = os.lstat(path)
@@ -229,7 +229,7 @@ def quoted(text: str) -> str:
 def owner(manager: str) -> int | None:
     """Return the pid of the process that is the manager of that name, None when none is.
 
-    The kernel tells who holds the lock, and with 0 that it cannot tell the pid.
+    The kernel reports the holder of the lock; 0 means that it does not know the pid.
     """
     import fcntl
     import struct

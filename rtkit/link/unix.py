@@ -14,7 +14,7 @@ def connect(path: str, timeout_s: float | None = None) -> socket.socket:
     """Connect to the unix socket of a process of this user.
 
     Raises:
-        PermissionError: A process of another user listens there: it is told nothing.
+        PermissionError: A process of another user listens there: nothing is sent to it.
         OSError: Nobody does.
     """
     end = socket.socket(socket.AF_UNIX)

@@ -1,6 +1,6 @@
 """Access policy: rules in an order, the first that fits decides, and limits of each endpoint.
 
-One rule or limit a line; ``#`` begins a remark::
+One rule or limit a line; ``#`` begins a comment::
 
     allow  http  rtkit-0  SET  arm.*
     deny   http  *        SET  *
@@ -43,7 +43,7 @@ class AccessRule(NamedTuple):
     target: str
 
     def concerns(self, identity: str, method: str, name: str) -> bool:
-        """Return whether it is about a request; what lets somebody unknown SET has to say so."""
+        """Return whether it is about a request; a SET by a stranger needs a rule for them."""
         if self.method not in (_ANY, method):
             return False
         if self.allows and method == "SET" and not identity and self.identity != NOBODY:

@@ -1,7 +1,7 @@
 """Assigns requests that call user code to lanes; those of one lane wait for each other.
 
-A request that calls none is answered at once. The others go beside the loop, each in the lane of
-the property that it is about, so that one property is got and set in the order of the requests.
+A request that calls none is answered at once. The others run beside the loop, each in the lane of
+its property, so that one property is got and set in the order of the requests.
 """
 
 from __future__ import annotations
@@ -77,7 +77,7 @@ def _lane_of_part(service: Service, segments: list[str]) -> str | None:
 
 
 def wait_of(ask: PropertyRequest, now: float) -> float:
-    """Return how long somebody waits for the answer to a request [s], 0 if that is not known."""
+    """Return the time-out of the requester of a request [s], 0 if that is not known."""
     _, is_told, tail = ask.target.partition("timeout=")
     number = lone_number(tail.partition("&")[0]) if is_told else None
     told = math.inf if number is None or number != number else float(number)

@@ -79,7 +79,7 @@ class Splitter:
         """Return the next line without its end, None if there is none yet.
 
         Raises:
-            PropertyError: ``too-large``: told once, then the rest of the line is skipped.
+            PropertyError: ``too-large``: raised once, then the rest of the line is skipped.
         """
         if self._whole:
             line = self._whole.popleft()

@@ -198,7 +198,7 @@ def is_nested(value: object) -> bool:
 
 
 def is_data(value: object) -> bool:
-    """Return whether an object that is not nested can be told as a value."""
+    """Return whether an object that is not nested can be shown as a value."""
     if isinstance(value, _PLAIN) or is_array(value):
         return True
     return type(value).__module__ in ("datetime", "decimal", "fractions", "pathlib", "uuid")

@@ -57,8 +57,8 @@ class _Found(NamedTuple):
 class Exported:
     """Exports an object as properties of a service.
 
-    Names are listed without a call of its getters: what is nested in an object that only a getter
-    tells is known when somebody has asked for it.
+    Names are listed without a call of its getters: members of an object that only a getter returns
+    are known after the first GET of it.
 
     Args:
         service: Gets the properties, calls user code.

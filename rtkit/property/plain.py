@@ -44,7 +44,7 @@ def to_plain(value: Value) -> Any:
 
 
 def from_plain(plain: Any, depth: int = 0) -> Content:
-    """Return the value that JSON stands for; tables are elements, or bytes, as told above.
+    """Return the value that JSON stands for; tables are elements, or bytes, as described above.
 
     Raises:
         PropertyError: ``bad-value``: another table; ``too-large``: nested too deep.

@@ -308,7 +308,7 @@ class Service:
         """Update the names to those that there are now.
 
         Raises:
-            PropertyError: ``internal``: user code that tells them failed.
+            PropertyError: ``internal``: user code that lists them failed.
         """
         if self.on_names is not None:
             self.on_names()

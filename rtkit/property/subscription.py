@@ -122,7 +122,7 @@ class Listener:
 
 
 def options_of(parameters: dict[str, Value]) -> SubscriptionOptions:
-    """Read how somebody wants to listen from the parameters of the request.
+    """Read the options of a subscription from the parameters of the request.
 
     Raises:
         PropertyError: ``bad-parameter``.

@@ -106,11 +106,13 @@ class BlockingConnection:
         """See `ProviderConnection.has_room`."""
         return name not in self._listening
 
-    def listen(self, name: str, wish: str, hear: Hearing, answer: Answering) -> None:
+    def listen(self, name: str, options: str, hear: Hearing, answer: Answering) -> None:
         """See `ProviderConnection.listen`."""
         is_over = self._listening[name] = threading.Event()
-        target = f"{name}?{wish}" if wish else name
-        inbox = LoopInbox(self._host, wish, lambda event: None if is_over.is_set() else hear(event))
+        target = f"{name}?{options}" if options else name
+        inbox = LoopInbox(
+            self._host, options, lambda event: None if is_over.is_set() else hear(event)
+        )
 
         def answered(reply: Answer) -> None:
             if reply.error:

@@ -30,26 +30,26 @@ class Bridge(Closing):
         self._host.close()
 
 
-class _Word:
+class _OwnerStatus:
     """Reports about the owner: only when it comes and goes, and from the first time on."""
 
     def __init__(self, said: Callable[[str], None]) -> None:
         self._said = said
-        self._told: bool | str | None = None
+        self._reported: bool | str | None = None
         self.why = ""
         self.is_known = threading.Event()
 
     def __call__(self, why: str) -> None:
         # Why it cannot be reached may change with each attempt; a loop is reported by itself.
         delta: bool | str = why if why == ITSELF else not why
-        if self._told is None:
+        if self._reported is None:
             self.why = why
             self.is_known.set()
-        elif self._told != delta and not (isinstance(self._told, str) and delta is False):
+        elif self._reported != delta and not (isinstance(self._reported, str) and delta is False):
             self._said(why)
         else:
             return
-        self._told = delta
+        self._reported = delta
 
 
 def bridge(
@@ -81,19 +81,19 @@ def bridge(
     """
     host = PropertyEventLoop()
     setting = ProxySettings(host, cwd, timeout_s)
-    word = _Word(said)
+    status = _OwnerStatus(said)
     try:
         names = _names(prefix)
         found = source_of(source, setting)
-        relay = Relay(host, found.wire, names=names, allowed=Allowed(allow_set), said=word)
+        relay = Relay(host, found.wire, names=names, allowed=Allowed(allow_set), said=status)
         relay.name, relay.on_refusal = found.name, on_refusal
         host.at_end(lambda: _locked(host, relay.uplink.close))
         host.start()
         relay.uplink.start()
-        if not word.is_known.wait(2 * timeout_s):
+        if not status.is_known.wait(2 * timeout_s):
             raise Unreachable(f"no answer within {2 * timeout_s:g} s: {source}")
-        if word.why:
-            raise PropertyError("no-service", f"{source}: {word.why}")
+        if status.why:
+            raise PropertyError("no-service", f"{source}: {status.why}")
         address = _on_loop(host, lambda: open_endpoint(target, relay, setting))
     except BaseException:
         host.close()

@@ -68,9 +68,9 @@ class IceConnection:
         """See `ProviderConnection.has_room`: each listening has an object of its own."""
         return name not in self._subscriptions
 
-    def listen(self, name: str, wish: str, hear: Hearing, answer: Answering) -> None:
+    def listen(self, name: str, options: str, hear: Hearing, answer: Answering) -> None:
         """See `ProviderConnection.listen`."""
-        inbox = LoopInbox(self._host, wish, lambda event: self._take(name, key, hear, event))
+        inbox = LoopInbox(self._host, options, lambda event: self._take(name, key, hear, event))
 
         def take(events: list[PropertyEvent]) -> None:
             for event in events:
@@ -83,7 +83,7 @@ class IceConnection:
 
         number = self._expect(answered)
         key = self._session.listen(
-            f"{name}?{wish}" if wish else name,
+            f"{name}?{options}" if options else name,
             take,
             lambda told: self._host.post(lambda: self._answered(number, told)),
         )

@@ -6,9 +6,9 @@ from collections.abc import Callable
 from time import monotonic
 
 ASKED_S = 5.0
-"""After which silence somebody who owes something is asked whether it lives [s]."""
+"""Silence after which a peer that owes an answer is asked for a sign of life [s]."""
 DEAD_S = 15.0
-"""After which silence the connection is given up [s]."""
+"""Silence after which the connection is given up [s]."""
 
 
 class Keepalive:

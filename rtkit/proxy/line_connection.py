@@ -19,7 +19,7 @@ from rtkit.serving.event_loop import PropertyEventLoop
 
 _PIECE = 1 << 16
 _MOST_OUT = 1 << 24
-"""Bytes that wait to be sent, above which a request is turned away."""
+"""Bytes that wait to be sent, above which a request is rejected."""
 _MOST_LISTENINGS = 1000
 
 
@@ -87,7 +87,7 @@ class LineConnection:
         """See `ProviderConnection.has_room`: a connection has one listener per property."""
         return slot(name) not in self._hearing and len(self._hearing) < _MOST_LISTENINGS
 
-    def listen(self, name: str, wish: str, hear: Hearing, answer: Answering) -> None:
+    def listen(self, name: str, options: str, hear: Hearing, answer: Answering) -> None:
         """See `ProviderConnection.listen`."""
         key = slot(name)
         self._hearing[key] = hear
@@ -97,7 +97,7 @@ class LineConnection:
                 self._hearing.pop(key, None)
             answer(reply)
 
-        self.ask(_listen(name, wish), "self", "", answered)
+        self.ask(_listen(name, options), "self", "", answered)
 
     def leave(self, name: str) -> None:
         """See `ProviderConnection.leave`; events come until the owner has received it."""
@@ -200,6 +200,6 @@ class LineConnection:
             answer(reply)
 
 
-def _listen(name: str, wish: str) -> str:
+def _listen(name: str, options: str) -> str:
     """Return the target of a request to listen."""
-    return f"{name}.listen".lstrip(".") + (f"?{wish}" if wish else "")
+    return f"{name}.listen".lstrip(".") + (f"?{options}" if options else "")

@@ -16,16 +16,16 @@ class LoopInbox:
     """Inbox of the events of one subscription.
 
     Args:
-        wish: Parameters of the listening; the queue is one of them.
+        options: Parameters of the listening; the queue is one of them.
         hear: Called on the loop with each event.
     """
 
     def __init__(
-        self, host: PropertyEventLoop, wish: str, hear: Callable[[PropertyEvent], object]
+        self, host: PropertyEventLoop, options: str, hear: Callable[[PropertyEvent], object]
     ) -> None:
         self._host = host
         self._hear = hear
-        self._events: deque[PropertyEvent] = deque(maxlen=_queue_of(wish))
+        self._events: deque[PropertyEvent] = deque(maxlen=_queue_of(options))
         self._dropped = 0
         self._is_posted = False
         self._lock = threading.Lock()
@@ -54,6 +54,6 @@ class LoopInbox:
             self._hear(event)
 
 
-def _queue_of(wish: str) -> int:
-    queue = (parse_parameters(wish).get("queue") or "1") if wish else "1"
+def _queue_of(options: str) -> int:
+    queue = (parse_parameters(options).get("queue") or "1") if options else "1"
     return max(1, min(int(queue), LONGEST_QUEUE)) if queue.isdecimal() else 1

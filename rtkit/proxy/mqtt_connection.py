@@ -32,7 +32,7 @@ from rtkit.wires.zenoh.properties import LEASE_S
 _LONGEST_MARK = 20
 
 
-class _Ear(NamedTuple):
+class _Subscription(NamedTuple):
     target: str
     topic: str
     inbox: LoopInbox
@@ -57,7 +57,7 @@ class MqttConnection:
         self._root = address.path
         self._own = f"{self._root}/$to/{uuid.uuid4().hex}"
         self._waiting = Waiting()
-        self._subscriptions: dict[str, _Ear] = {}
+        self._subscriptions: dict[str, _Subscription] = {}
         self._number = 0
         self._is_open = True
         self._gone: Gone = lambda why: None
@@ -91,13 +91,15 @@ class MqttConnection:
         """See `ProviderConnection.has_room`: each listening has a topic of its own."""
         return name not in self._subscriptions
 
-    def listen(self, name: str, wish: str, hear: Hearing, answer: Answering) -> None:
+    def listen(self, name: str, options: str, hear: Hearing, answer: Answering) -> None:
         """See `ProviderConnection.listen`."""
         self._number += 1
-        more = f"{wish}&lease={LEASE_S:g}" if wish else f"lease={LEASE_S:g}"
+        more = f"{options}&lease={LEASE_S:g}" if options else f"lease={LEASE_S:g}"
         target = f"{name}.listen".lstrip(".") + f"?{more}"
         topic = f"{self._own}/{self._number}"
-        subscription = _Ear(target, topic, LoopInbox(self._host, wish, hear), [monotonic()], [])
+        subscription = _Subscription(
+            target, topic, LoopInbox(self._host, options, hear), [monotonic()], []
+        )
         self._subscriptions[name] = subscription
 
         def answered(reply: Answer) -> None:
@@ -137,7 +139,7 @@ class MqttConnection:
 
     # Its own
 
-    def _renewed(self, name: str, subscription: _Ear) -> Answering:
+    def _renewed(self, name: str, subscription: _Subscription) -> Answering:
         def renewed(reply: Answer) -> None:
             last = over(name, reply)
             if last is not None and self._subscriptions.get(name) is subscription:

@@ -14,7 +14,7 @@ Hearing = Callable[[PropertyEvent], object]
 Gone = Callable[[str], object]
 
 STATUS = "~proxy.status"
-"""What every proxy answers itself; asked of whoever says nothing, to hear that it lives."""
+"""Property that every proxy answers itself; asked of a silent peer, to learn that it lives."""
 
 
 class ProviderConnection(Protocol):
@@ -44,8 +44,8 @@ class ProviderConnection(Protocol):
         """Return whether it can listen to this beside what it listens to."""
         ...
 
-    def listen(self, name: str, wish: str, hear: Hearing, answer: Answering) -> None:
-        """Listen to a property, with the parameters `wish`."""
+    def listen(self, name: str, options: str, hear: Hearing, answer: Answering) -> None:
+        """Listen to a property, with the parameters `options`."""
         ...
 
     def leave(self, name: str) -> None:
@@ -53,7 +53,7 @@ class ProviderConnection(Protocol):
         ...
 
     def check(self, now: float) -> None:
-        """Look whether the far side has been silent for too long [s, of a monotonic clock]."""
+        """Check whether the peer has been silent for too long [s, of a monotonic clock]."""
         ...
 
     def close(self) -> None:
@@ -78,5 +78,5 @@ def over(name: str, reply: Answer) -> PropertyEvent | None:
 
 
 def slot(name: str) -> str:
-    """Return by what events of a property are known: of inner names the listing is told."""
+    """Return the name in events of a property: an inner name has events of its listing."""
     return "" if name == "properties" else name.removesuffix(".properties")

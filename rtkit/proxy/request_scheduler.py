@@ -1,7 +1,7 @@
 """Schedules requests that may be under way at once, each on a connection of its own.
 
-What has no effect on another overtakes it; what has waits until the other is answered, so that all
-looks as if they had been asked one after the other.
+A request that has no effect on another overtakes it; one that has waits until the other is
+answered, so that the outcome is that of requests one after the other.
 """
 
 from __future__ import annotations
@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 _LOOKED_AT = 256
-"""How many of those that wait are looked at, for one that may go before the others."""
+"""How many waiting requests are searched for one that may overtake the others."""
 _ALL = "properties"
 
 

@@ -51,17 +51,17 @@ class SerialConnection:
         """See `ProviderConnection.has_room`: there is one listener of a property on each line."""
         return slot(name) not in self._mail
 
-    def listen(self, name: str, wish: str, hear: Hearing, answer: Answering) -> None:
+    def listen(self, name: str, options: str, hear: Hearing, answer: Answering) -> None:
         """See `ProviderConnection.listen`."""
         key = slot(name)
-        inbox = LoopInbox(self._host, wish, lambda e: hear(e) if is_mine() else None)
+        inbox = LoopInbox(self._host, options, lambda e: hear(e) if is_mine() else None)
         self._mail[key] = inbox
 
         def is_mine() -> bool:
             return self._mail.get(key) is inbox
 
         def begin() -> Answer:
-            self._client.listen(f"{name}?{wish}" if wish else name)
+            self._client.listen(f"{name}?{options}" if options else name)
             return DONE
 
         def answered(reply: Answer) -> None:

@@ -1,7 +1,8 @@
 """Subscriptions through a proxy: one at the owner serves all that have the same options.
 
-The queue of each of them is here, so a slow one costs what it may hold and delays nobody. Who comes
-later first hears what the others heard last, once the owner has confirmed that it is in force.
+The queue of each listener is here, so a slow one costs the length of its queue and delays no other.
+A later listener first receives the last event of the others, once the owner has confirmed that it
+is in force.
 """
 
 from __future__ import annotations
@@ -28,7 +29,7 @@ if TYPE_CHECKING:
 
 _MOST_OF_CALLER = 1024
 _ALIKE = {"queue", "initial"}
-"""Wishes of which the events are the same for all who have them, whenever they began."""
+"""Options with which all listeners get the same events, whenever they began."""
 _AGAIN_S = 1.0
 """After which time the owner is asked anew that was there but could not say yes or no [s]."""
 
@@ -284,7 +285,7 @@ class RelayedSubscriptions:
             last = listening.last
             if last is not None and last.payload == reply.payload:
                 relayed.pass_on(last)
-            # Else the event that tells what the owner has answered is on its way.
+            # Else the event with the owner's answer is on its way.
             self._attach(listening, relayed, answer)
 
         listening.joining.append(relayed)

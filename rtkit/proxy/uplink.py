@@ -1,7 +1,7 @@
 """Uplink to the owner: connects, reconnects, and keeps the connections that it consists of.
 
-One connection carries the requests and what is listened to; another one is made where somebody
-wishes to listen to a property in another way. When one of them ends, all are made anew.
+One connection carries the requests and the subscriptions; another one is made for a subscription
+to the same property with other options. When one of them ends, all reconnect.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from rtkit.serving.event_loop import PropertyEventLoop
 
 _FIRST_PAUSE_S = 0.05
 _LONGEST_PAUSE_S = 2.0
-_MOST_CONTACTS = 64
+_MOST_CONNECTIONS = 64
 _MOST_WAITING = 1 << 16
 """Requests that the owner has not answered."""
 
@@ -104,8 +104,8 @@ class Uplink:
             if connection.has_room(name):
                 placed(connection)
                 return
-        if len(self._connections) >= _MOST_CONTACTS:
-            told = f"{_MOST_CONTACTS} connections listen in different ways"
+        if len(self._connections) >= _MOST_CONNECTIONS:
+            told = f"{_MOST_CONNECTIONS} connections listen in different ways"
             placed(PropertyError("denied", told))
             return
         self._wanted.append((name, placed))

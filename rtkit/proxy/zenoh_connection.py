@@ -30,14 +30,14 @@ from rtkit.wires.zenoh.properties import (
 )
 
 _REQUEST_S = 3600.0
-"""How long an answer may take; that somebody lives is found out in another way [s]."""
+"""Time-out of an answer [s]; the keepalive detects a dead peer."""
 _LEAST_S = 1e-3
 _PROBE_S = 2.0
 _PROBE_EVERY_S = 1.0
 _NOBODY = "nobody answers for it"
 
 
-class _Ear(NamedTuple):
+class _Subscription(NamedTuple):
     target: str
     id: str
     subscriber: zenoh.Subscriber[None]
@@ -56,7 +56,7 @@ class ZenohConnection:
         self._host = host
         self._session = session
         self._key = service_key
-        self._subscriptions: dict[str, _Ear] = {}
+        self._subscriptions: dict[str, _Subscription] = {}
         self._waiting = Waiting()
         self._probed_at = monotonic()
         self._is_probing = False
@@ -83,14 +83,14 @@ class ZenohConnection:
         """See `ProviderConnection.has_room`: each listening has a key of its own."""
         return name not in self._subscriptions
 
-    def listen(self, name: str, wish: str, hear: Hearing, answer: Answering) -> None:
+    def listen(self, name: str, options: str, hear: Hearing, answer: Answering) -> None:
         """See `ProviderConnection.listen`."""
         id = uuid.uuid4().hex
-        inbox = LoopInbox(self._host, wish, lambda event: self._hear(id, hear, event))
+        inbox = LoopInbox(self._host, options, lambda event: self._hear(id, hear, event))
         handler = zenoh.handlers.Callback(_receiver(inbox), indirect=False)
         subscriber = self._session.declare_subscriber(subscriber_key(self._key, id), handler)
-        target = f"{name}.listen".lstrip(".") + (f"?{wish}" if wish else "")
-        self._subscriptions[name] = _Ear(target, id, subscriber, [monotonic()], hear)
+        target = f"{name}.listen".lstrip(".") + (f"?{options}" if options else "")
+        self._subscriptions[name] = _Subscription(target, id, subscriber, [monotonic()], hear)
 
         def answered(reply: Answer) -> None:
             if reply.error:
@@ -130,7 +130,7 @@ class ZenohConnection:
 
     # Its own
 
-    def _renewed(self, name: str, subscription: _Ear) -> Answering:
+    def _renewed(self, name: str, subscription: _Subscription) -> Answering:
         def renewed(reply: Answer) -> None:
             last = over(name, reply)
             if last is not None and self._subscriptions.get(name) is subscription:
@@ -191,7 +191,7 @@ class ZenohConnection:
         if any(each.id == id for each in self._subscriptions.values()):
             hear(event)
 
-    def _take_off(self, name: str) -> _Ear | None:
+    def _take_off(self, name: str) -> _Subscription | None:
         subscription = self._subscriptions.pop(name, None)
         if subscription is not None:
             subscription.subscriber.undeclare()  # type: ignore[no-untyped-call]

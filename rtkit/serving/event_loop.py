@@ -21,7 +21,7 @@ from rtkit.serving.provider import PropertyProvider
 from rtkit.serving.workers import Workers
 
 POLL_S = 0.02
-"""How often what is computed is read anew while somebody listens to it."""
+"""How often a computed value is read anew while it has listeners."""
 _HOUSEKEEPING_S = 0.25
 _LONGEST_WAIT_S = 3600.0
 

@@ -8,7 +8,7 @@ from rtkit.property.messages import PropertyRequest, Requester
 
 
 class PropertyProvider(Protocol):
-    """Answers requests and tells changes; whoever calls it holds the lock of the host.
+    """Answers requests and sends changes; callers hold the lock of the host.
 
     Attributes:
         name: Under which it is found.

@@ -1,7 +1,7 @@
 """Notifies properties of other services: SETs them to what changes here.
 
 Only services of the same user on this host, and of their properties those that the owner allows:
-else a service would SET whatever somebody names.
+else a client could have a service SET any property.
 """
 
 from __future__ import annotations

@@ -101,11 +101,11 @@ class SharedSubscription(Subscriber):
         return len(self._until) if self._listeners else 0
 
     def listen(self, listener: Listener) -> None:
-        """See `Requester.listen`: there was room for whom it is."""
+        """See `Requester.listen`: the quota was checked before."""
         self._listeners.append(listener)
 
     def has_member(self, id: str) -> bool:
-        """Return whether somebody is one of those who hear this."""
+        """Return whether a subscriber is a member."""
         return self.is_used and id in self._until
 
     def enter(self, id: str) -> EventPosition:

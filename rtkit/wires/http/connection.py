@@ -1,6 +1,6 @@
 """One client of the HTTP endpoint: requests one after the other, or one event stream; bounded.
 
-What HTTP is, h11 knows; here are time, room and who is asked.
+h11 implements HTTP; this module adds time-outs, limits and the call of the service.
 """
 
 from __future__ import annotations

@@ -47,6 +47,6 @@ class SseProgress:
             self._last = (event.revision, event.time, event.quality)
 
     def is_new(self, event: PropertyEvent) -> bool:
-        """Return whether an event is another than the one heard last; only the first one can be."""
+        """Return whether an event differs from the last one; only the first may repeat it."""
         last, self._last = self._last, None
         return last != (event.revision, event.time, event.quality) or bool(event.code)

@@ -22,7 +22,7 @@ DEADLINE = "deadline"
 DOOR = "door"
 """The object that is asked who one is."""
 LEASE_S = 10.0
-"""How long who listens is served that is not heard of again [s]."""
+"""Lease of a listener that does not renew it [s]."""
 LONGEST = 1 << 21
 """Bytes of a message to a service; a larger one ends the connection."""
 _LONGEST_REPLY = 1 << 26

@@ -218,5 +218,5 @@ def _to_listen(target: str) -> str:
     """Return the target of a request to listen, with a lease."""
     name, _, given = target.partition("?")
     is_leased = any(each.startswith(("lease=", "remove")) for each in given.split("&"))
-    wishes = [each for each in (given, "" if is_leased else f"lease={LEASE_S:g}") if each]
-    return f"{name}.listen".lstrip(".") + f"?{'&'.join(wishes)}"
+    options = [each for each in (given, "" if is_leased else f"lease={LEASE_S:g}") if each]
+    return f"{name}.listen".lstrip(".") + f"?{'&'.join(options)}"

@@ -27,7 +27,7 @@ LATE = "no answer within"
 _ROOM_FOR_TARGET = 1 << 14
 
 
-class _Ear(NamedTuple):
+class _Subscription(NamedTuple):
     service: Any
     target: str
     proxy: Any
@@ -61,7 +61,7 @@ class IceSession(Closing):
         self._went = went
         self._is_over = threading.Event()
         self._lock = threading.Lock()
-        self._subscriptions: dict[str, _Ear] = {}
+        self._subscriptions: dict[str, _Subscription] = {}
         self._proxies: dict[str, Any] = {}
         self._renewing: threading.Thread | None = None
         self._communicator = protocol.communicator()
@@ -197,7 +197,7 @@ class IceSession(Closing):
             told(Unreachable(protocol.words_of(error)))
             return key
         with self._lock:
-            self._subscriptions[key] = _Ear(service, rest, proxy)
+            self._subscriptions[key] = _Subscription(service, rest, proxy)
 
         def done(future: Any) -> None:
             outcome = self._outcome(future)
@@ -211,7 +211,7 @@ class IceSession(Closing):
         return key
 
     def leave(self, key: str) -> None:
-        """Listen no longer; where that is not heard, the lease ends."""
+        """Listen no longer; if the request is lost, the lease ends."""
         subscription = self._take_off(key)
         if subscription is not None:
             try:
@@ -221,7 +221,7 @@ class IceSession(Closing):
             except self._runtime.ice.Exception:
                 return  # with the connection the listening has ended
 
-    def _take_off(self, key: str) -> _Ear | None:
+    def _take_off(self, key: str) -> _Subscription | None:
         with self._lock:
             subscription = self._subscriptions.pop(key, None)
         if subscription is not None and not self._is_over.is_set():
@@ -242,7 +242,7 @@ class IceSession(Closing):
                 if "lease=" not in subscription.target:
                     self._renew_one(key, subscription)
 
-    def _renew_one(self, key: str, subscription: _Ear) -> None:
+    def _renew_one(self, key: str, subscription: _Subscription) -> None:
         def done(future: Any) -> None:
             outcome = self._outcome(future)
             if isinstance(outcome, Unreachable):

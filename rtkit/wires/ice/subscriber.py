@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from rtkit.wires.ice.served_client import ServedIceClient
 
 STUCK_S = 30.0
-"""How long events wait to be heard, and half a message or an answer to be carried [s]."""
+"""Time-out of events that wait for delivery, and of half a message or an answer [s]."""
 _ROOM_FOR_EVENTS = 1 << 18
 _MOST_EVENTS = 1000
 _MOST_FAILURES = 3

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 _PIECE = 1 << 16
 _FEW = 1 << 12
-"""Bytes that are enough for most: room for more costs time to make."""
+"""Bytes that are enough for most: a larger buffer costs time to make."""
 _SHORT = 256
 _MOST_KNOWN = 4096
 """Targets of which a client remembers the request, and how long they may be."""

@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 
 _PIECE = 1 << 16
 _FEW = 1 << 12
-"""Bytes that are enough for most requests: room for more costs time to make."""
+"""Bytes that are enough for most requests: a larger buffer costs time to make."""
 _HIGH = 1 << 18
 """Bytes that wait to be sent, above which no further request is taken."""
 _ROOM_FOR_EVENTS = 1 << 15
@@ -212,7 +212,7 @@ class Connection(SubscribingClient):
             answer(Answer(f"no such service: {name}", "no-service"))
             return
         if self._has_left and "timeout=" in target:
-            # The client waited as long as it said, and has told its user that nothing was done.
+            # The client's time-out is over, and it has reported to its user that nothing was done.
             answer(Answer(NOT_BEGUN, "timeout"))
             return
         target, until = split_deadline(target)

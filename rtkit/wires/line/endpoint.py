@@ -65,7 +65,7 @@ def open_unix_at(host: PropertyEventLoop, service: str, path: str) -> str:
     """Open a unix socket, for the same user; return its path.
 
     Raises:
-        Refused: Somebody listens there, something else is there, or the path does not do.
+        Refused: A process listens there, something else is there, or the path does not do.
     """
     places.check_socket_length(path)
     if unix.is_answering(path):

@@ -15,7 +15,7 @@ from rtkit.link.secret import Secret
 from rtkit.property.messages import DONE, Answer, Payload, Requester
 
 PATIENCE_S = 10.0
-"""How long somebody may be connected without having said who it is [s]."""
+"""How long a client may be connected without a login [s]."""
 
 
 class Login:
@@ -49,5 +49,5 @@ class Login:
 
 
 def proof(password: str, nonce: str) -> str:
-    """Return what shows that somebody knows the secret, for one nonce."""
+    """Return the proof of the secret for one nonce."""
     return hmac.new(password.encode(), nonce.encode(), "sha256").hexdigest()

@@ -60,8 +60,8 @@ class Feed:
         self._has_room = has_room
         self._listened: set[str] = set()
         self._attributes: dict[str, dict[str, str]] = {}
-        self._subscriptions: list[_Ear] = []
-        self._is_due_for: list[_Ear] | None = None
+        self._subscriptions: list[_Subscriber] = []
+        self._is_due_for: list[_Subscriber] | None = None
         self._ready: Callable[[], None] = lambda: None
         self._is_listing = False
         self._is_stale = False
@@ -72,7 +72,7 @@ class Feed:
         self._attributes = {name: {} for name in self._attributes}
         self._listened.clear()
         self._ready = ready
-        names = _Ear(self, self._names_changed)
+        names = _Subscriber(self, self._names_changed)
         self._subscriptions.append(names)
         ask = PropertyRequest("properties.listen?mode=diff&queue=100", "self", self._begun, names)
         self._service.handle(ask)
@@ -88,11 +88,11 @@ class Feed:
         for subscription in self._subscriptions:
             subscription.wake()
 
-    def mark(self, subscription: _Ear) -> None:
+    def mark(self, subscription: _Subscriber) -> None:
         """Note that something is to be published."""
         self._host.mark(subscription)
 
-    def emit(self, subscription: _Ear, now: float) -> float | None:
+    def emit(self, subscription: _Subscriber, now: float) -> float | None:
         """Publish the events of a listener, as far as the session takes them."""
         due: list[float] = []
         for listener in list(subscription.listeners):
@@ -184,7 +184,7 @@ class Feed:
     def _listen(self, name: str) -> None:
         subscription = self._subscriptions[-1]
         if subscription.heard is not None or subscription.count >= _OF_ONE:
-            subscription = _Ear(self, None)
+            subscription = _Subscriber(self, None)
             self._subscriptions.append(subscription)
         subscription.count += 1
         self._listened.add(name)
@@ -198,7 +198,7 @@ class Feed:
         self._service.handle(PropertyRequest(f"{name}.listen", "self", begun, subscription))
 
 
-class _Ear(Requester):
+class _Subscriber(Requester):
     """Listener of properties, or of their names, for the broker.
 
     Attributes:

@@ -12,7 +12,7 @@ from rtkit.errors import Malformed, Refused, Unreachable
 
 SCHEME = "serial:"
 HELLO_TARGET = "door/hello"
-"""What a client asks first, to hear how the far side talks."""
+"""First request of a client, to find out which form of the protocol the service speaks."""
 KNOWS_DEADLINES = "deadline"
 """The answer of a far side that knows the parameter of `rtkit.link.deadline`; others refuse."""
 _BAUD = 115200

@@ -1,8 +1,9 @@
 """Client of the line protocol over a serial line, which may lose and damage what it carries.
 
 Requests bear an id, so one that may not have arrived is asked again: repeated with its id it acts
-once. Who answers without checks, or without ids, is talked to as it can; without ids only what has
-no effect is asked again. Nobody hears a client leave, so it listens with a lease.
+once. A service that answers without checks, or without ids, gets requests without them; without
+ids only requests without effect are repeated. A service does not notice that a client has left, so
+the client listens with a lease.
 """
 
 from __future__ import annotations
@@ -46,7 +47,7 @@ _BITS_OF_BYTE = 10
 _ALIKE = 3
 """How many answers without a check mean that the far side knows of none."""
 _BELIEVED = 2
-"""How often a refusal that names no request is heard until it is the answer."""
+"""How many refusals that name no request are received until one counts as the answer."""
 
 _KNOWS = Answer(KNOWS_DEADLINES)
 _Told = tuple[str, Answer] | PropertyEvent | bytes

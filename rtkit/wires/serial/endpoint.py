@@ -1,7 +1,7 @@
 """Serial endpoint of a service: the line protocol over a device that may damage lines, or be gone.
 
-Nobody knows who is at the far end of a serial line: what may be set is told by name. Nobody hears
-it leave either: who listens has a lease.
+The peer of a serial line has no identity: the properties that it may set are listed by name. Its
+end is not noticed either: listeners have a lease.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from rtkit.wires.line.connection import Connection
 from rtkit.wires.serial.address import HELLO_TARGET, KNOWS_DEADLINES, SerialAddress, SerialEnd
 
 LEASE_S = 10.0
-"""How long who listens is served without being heard of, unless it says otherwise [s]."""
+"""Lease of a listener, unless it asks for another [s]."""
 _FIRST_RETRY_S = 0.05
 _LAST_RETRY_S = 1.0
 

@@ -30,11 +30,11 @@ from rtkit.property.messages import Answer, Payload, PropertyEvent
 from rtkit.property.naming import parse_target
 
 LEASE_S = 10.0
-"""How long a listener is served that is not heard of again [s]."""
+"""Lease of a listener that does not renew it [s]."""
 _BYTES = zenoh.Encoding.APPLICATION_OCTET_STREAM
 _EAR, _GROUP = "ear", "group"
 _FOR_ONE = ("every", "deadband")
-"""Wishes that depend on what was sent before: who has one is in no group."""
+"""Options that depend on earlier events: a subscriber with one of them is in no group."""
 
 
 class EventPosition(NamedTuple):
@@ -215,10 +215,10 @@ def subscriber_key(service_key: str, subscription: str) -> str:
 def group_of(target: str) -> str:
     """Return the group of those who listen by a request, ``P.listen?…``; empty if in none."""
     name, _, tail = target.partition("?")
-    wishes = sorted(each for each in tail.split("&") if each and not each.startswith("initial"))
-    if any(each.partition("=")[0] in _FOR_ONE for each in wishes):
+    options = sorted(each for each in tail.split("&") if each and not each.startswith("initial"))
+    if any(each.partition("=")[0] in _FOR_ONE for each in options):
         return ""
-    return f"g{blake2b('&'.join([name, *wishes]).encode(), digest_size=12).hexdigest()}"
+    return f"g{blake2b('&'.join([name, *options]).encode(), digest_size=12).hexdigest()}"
 
 
 def _attributes(event: PropertyEvent | None, at: EventPosition | None) -> str:

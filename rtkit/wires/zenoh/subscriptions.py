@@ -63,7 +63,7 @@ class ZenohSubscription:
         self._heard = EventProgress()
         self._at: EventPosition | None = None
         self._early: deque[tuple[PropertyEvent, EventPosition]] = deque(maxlen=self._most)
-        """What the group heard before it is known whether we are in it."""
+        """Events of the group that came before we know whether we are in it."""
 
     def receive(self, sample: zenoh.Sample) -> None:
         """Take what arrived on the key of its own; on a thread of the transport."""
@@ -137,7 +137,7 @@ class ZenohSubscription:
         self._early.clear()
 
     def leave(self) -> None:
-        """Ask to be served no longer; where that is not heard, the lease ends."""
+        """Ask to be served no longer; if the request is lost, the lease ends."""
         name = self._target.partition("?")[0]
         with contextlib.suppress(PropertyError):  # it has ended already
             self._client.ask_to_listen(f"{name}?remove", self.id, self.group)

@@ -11,7 +11,7 @@ from itertools import count
 import pytest
 
 from rtkit.property.messages import PropertyEvent
-from rtkit.proxy.mqtt_connection import MqttConnection, _Ear
+from rtkit.proxy.mqtt_connection import MqttConnection, _Subscription
 from rtkit.wires.serial.address import SerialAddress
 from rtkit.wires.serial.client import SerialClient
 from rtkit.wires.zenoh.properties import EventPosition, Joined
@@ -76,7 +76,7 @@ def _mqtt() -> Iterator[
         put = staticmethod(heard.append)
 
     connection = MqttConnection.__new__(MqttConnection)  # without a broker
-    connection._subscriptions = {"speed": _Ear("", "to", Box(), [0.0], [])}  # type: ignore[arg-type]
+    connection._subscriptions = {"speed": _Subscription("", "to", Box(), [0.0], [])}  # type: ignore[arg-type]
     yield lambda event: connection._take("to", event), lambda: heard.popleft() if heard else None
 
 
