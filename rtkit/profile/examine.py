@@ -22,14 +22,14 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class Examination:
-    """What was found in one document.
+    """Findings on one document.
 
     Attributes:
         kind: ``rts`` or ``rtc``; empty where the document is neither.
         profile: None where there are errors.
-        errors: What no mode forgives.
-        repairs: What was put right; errors to who asks for the strict form.
-        remarks: What is allowed but worth knowing.
+        errors: Faults that no mode forgives.
+        repairs: Repaired deviations; errors where the strict form is asked for.
+        remarks: Allowed content that is worth knowing of.
         positions: Where the parts of `profile` stand; None where it is None.
     """
 
@@ -44,7 +44,7 @@ class Examination:
 def examine(
     data: bytes | str, source: str = STDIN, *, form: str | None = None, kind: str | None = None
 ) -> Examination:
-    """Look through a profile of either kind in any form; takes what `read_profile` takes.
+    """Examine a profile of either kind in any form; takes the arguments of `read_profile`.
 
     Raises:
         Malformed: There is no such form.
@@ -66,7 +66,7 @@ def examine(
 def objections(
     data: bytes | str, source: str = STDIN, *, form: str | None = None, kind: str | None = None
 ) -> tuple[Note, ...]:
-    """Return what the schema has against a document as it stands, before any repair; slow.
+    """Return the schema's violations of a document as it stands, before any repair; slow.
 
     Raises:
         Malformed: There is no such form.
@@ -76,7 +76,7 @@ def objections(
     try:
         root, _, grammar = as_it_stands(data, source, form, kind)
     except InvalidProfile:
-        # What cannot be opened has been told of by who examined it.
+        # `examine` has reported a document that cannot be opened.
         return ()
     return _sorted(explained_violations(root, grammar.schema), data, source, form)
 

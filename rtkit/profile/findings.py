@@ -35,7 +35,7 @@ class InvalidProfile(InvalidDocument):
 
 
 class Findings:
-    """Collector of what was found; lines are those of the document as it was read.
+    """Collector of findings; lines are those of the document as it was read.
 
     Attributes:
         scope: The prefixes, where the whole document has the same ones.
@@ -75,7 +75,7 @@ class Findings:
             self.repairs.append(Note(line, text, rule=rule))
 
     def _takes_more(self, line: int) -> bool:
-        """Return whether there is room for one more repair; if not, say it once."""
+        """Return whether the quota allows one more repair; report once that it does not."""
         count = len(self.repairs)
         if count == _MOST_REPAIRS:
             more = f"and more repairs, after {_MOST_REPAIRS} that were told"

@@ -260,7 +260,7 @@ def _text(item: Any, found: Findings) -> None:
 
 def _sort(element: Any, spec: ElementSpec) -> None:
     behind = (len(spec.index), None)
-    # One by one: to assign a slice takes lxml the square of its length.
+    # One by one: lxml assigns a slice in time quadratic in its length.
     for item in sorted(element, key=lambda item: spec.index.get(item.tag, behind)[0]):
         element.append(item)
 

@@ -25,7 +25,7 @@ _MAX_TAGS = 150_000
 _MAX_EQUALS = 300_000
 _MAX_NAMESPACES = 1_000
 _LARGE = "too-large"
-# Compiled at use: most documents need none of them.
+# Compiled at first use: most documents need none of them.
 _BEFORE_ROOT = rb"(?:\xef\xbb\xbf)?(?:\s+|<\?.*?\?>|<!--.*?-->)*"
 _PLACE = r"(?:,? line [0-9]+)?, line [0-9]+, column [0-9]+$"
 _ADVICE = r"[,;.]? *(?:please )?(?:use|try) (?:the )?XML_PARSE_HUGE(?: option)?"
@@ -103,7 +103,7 @@ def _one_line(text: str) -> str:
 
 
 def refuse_size(data: bytes, source: str) -> None:
-    """Refuse what is larger than any profile.
+    """Refuse documents larger than any profile.
 
     Raises:
         InvalidProfile: It is.

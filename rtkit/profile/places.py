@@ -33,7 +33,7 @@ class ElementPaths:
         self._number(parent, self._element(parent))
 
     def share(self, added: Any, like: Any) -> None:
-        """Have something that is not in the document stand where `like` stands."""
+        """Give an element that is not in the document the place of `like`."""
         self._added.add(added)
         self._paths[added] = self._element(like)
 
@@ -55,7 +55,7 @@ class ElementPaths:
             self._number(parent, above)
             if element in self._paths:
                 return self._paths[element]
-        # What a repair added is not in the document: its parent is.
+        # An element that a repair added is not in the document: its parent is.
         self._added.add(element)
         return above
 
@@ -74,7 +74,7 @@ class ElementPaths:
 
 
 def _name_test(name: str) -> str:
-    """Return what selects a name in XPath 1.0: prefixed where there is a usual prefix."""
+    """Return the XPath 1.0 test of a name: prefixed where there is a usual prefix."""
     written = short(name)
     if written[:1] != "{":
         return written

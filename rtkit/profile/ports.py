@@ -18,11 +18,11 @@ class DataPortKey(NamedTuple):
 
 
 class DataPortFacts(NamedTuple):
-    """What is known of a data port.
+    """Facts of a data port.
 
     Attributes:
         direction: None where neither the port nor a connector tells.
-        data_type: ``IDL:module/name:version``; empty where nobody tells.
+        data_type: ``IDL:module/name:version``; empty where neither does.
     """
 
     direction: PortType | None

@@ -145,7 +145,7 @@ def profile_kind(data: bytes | str, source: str = STDIN, *, form: str | None = N
 
 @dataclass(frozen=True, slots=True)
 class Grammar:
-    """What is to be known of a kind of profile, ``rts`` or ``rtc``."""
+    """Schema, tables and checks of a kind of profile, ``rts`` or ``rtc``."""
 
     kind: str
     spec: ElementSpec
@@ -276,7 +276,7 @@ def as_it_stands(
 
 @dataclass(frozen=True, slots=True)
 class ReadOutcome:
-    """A document looked through: the profile, None where there are errors, and what was found.
+    """Outcome of reading a document: the profile, None where there are errors, and findings.
 
     Attributes:
         root: The tree that the profile was built from along `spec`; `found` knows its places.
@@ -293,7 +293,7 @@ class ReadOutcome:
 
 
 def outcome(data: bytes | str, source: str, form: str | None, kind: str | None) -> ReadOutcome:
-    """Look a document through: the short way if it is in strict form, else with repairs.
+    """Read a document: by the fast path if it is in strict form, else with repairs.
 
     Raises:
         InvalidProfile: There is no tree to look at.
@@ -320,7 +320,7 @@ def _plain(root: Any, found: Findings, grammar: Grammar) -> Any:
 
 
 def _repaired(root: Any, found: Findings, grammar: Grammar) -> ReadOutcome:
-    """Return what becomes of a document by the long way."""
+    """Return the outcome of a document by the full path, with repairs."""
     from rtkit.profile.build import build
     from rtkit.profile.normalise import normalise
     from rtkit.profile.validate import violations
@@ -374,9 +374,9 @@ def _read(data: bytes | str, source: str, form: str | None, kind: str | None, st
 
 @contextmanager
 def _no_collection() -> Iterator[None]:
-    """Have no garbage looked for: many objects are made and hardly one of them is dropped.
+    """Suspend garbage collection: reading makes many objects and drops hardly one of them.
 
-    In a process with a large heap, looking takes longer than reading.
+    In a process with a large heap, a collection takes longer than reading.
     """
     was_enabled = gc.isenabled()
     gc.disable()

@@ -80,7 +80,7 @@ def add(
 def present_version(root: Any, found: Findings) -> None:
     """Have a document of version 0.1 declare 0.2, the oldest version that has the present form.
 
-    Who reads by the declared version would look for the old spelling otherwise.
+    Readers that go by the declared version would look for the old spelling otherwise.
     """
     for name, value in root.items():
         namespace, local = split(name)

@@ -1,7 +1,7 @@
 """Locates findings at the lines that people see: the begin of a tag, or an attribute.
 
 The parser only reports the line on which a start tag ends. For tags over several lines the text is
-looked at, where its encoding has ASCII in it.
+searched, where its encoding has ASCII in it.
 """
 
 from __future__ import annotations

@@ -16,7 +16,7 @@ Supply = str | Callable[[Any, Any], str]
 
 TEXT, FLAG, WHOLE, REAL, DATE, WORD = "text", "flag", "whole", "real", "date", "word"
 
-# Compiled at use: to build what is in strict form needs none of them.
+# Compiled at first use: building from the strict form needs none of them.
 _REAL_FORM = r"\s*[+-]?([0-9]{1,400}(\.[0-9]{0,400})?|\.[0-9]{1,400})([eE][+-]?[0-9]{1,3})?\s*"
 _WHOLE_FORM = r"\s*[+-]?[0-9]{1,18}\s*"
 _DATE_FORM = (
@@ -63,7 +63,7 @@ class Attr:
         words: The allowed values of an enumeration.
         allowed: What may be written, in words for a message.
         respellings: Old or wrong spellings in lower case, and what they mean.
-        check: Whether a text is as it should be; None accepts any.
+        check: Tests whether a text is valid; None accepts any.
         read: Turns the text into the model's value; None keeps the text.
     """
 
@@ -151,7 +151,7 @@ _OLDER = {
 
 
 class ElementSpec:
-    """How one model class looks in XML.
+    """XML form of one model class.
 
     Attributes:
         make: The model class.

@@ -43,7 +43,7 @@ def is_plain_component(profile: RtcProfile) -> bool:
 
 
 def is_plain_system(profile: RtsProfile) -> bool:
-    """Return whether all that is named in a system profile is there, once."""
+    """Return whether every name used in a system profile is defined exactly once."""
     components = {(item.id, item.instance_name): item for item in profile.components}
     names = {item.instance_name for item in profile.components}
     ids = [item.connector_id for item in profile.data_port_connectors]

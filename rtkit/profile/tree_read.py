@@ -33,7 +33,7 @@ PREFIXES = {"rtc": ("rtc", "rtcDoc", "rtcExt", "xsi"), "rts": ("rts", "rtsExt", 
 
 
 def root_of(node: Node, source: str) -> tuple[str, ScalarNode, Node]:
-    """Return the kind of profile that a document is, its root's key, and what is under it.
+    """Return the kind of a document, its root's key, and the node under it.
 
     Raises:
         InvalidProfile: It is no profile.
@@ -63,7 +63,7 @@ def elements_of(body: Node, line: int, kind: str, spec: ElementSpec, found: Find
 
 
 class _Filler:
-    """Fills elements from tables; what is wrong goes to the findings, with its line."""
+    """Fills elements from tables; faults go to the findings, with their lines."""
 
     def __init__(self, found: Findings) -> None:
         self._found = found
@@ -95,7 +95,7 @@ class _Filler:
                 self._set(element, attribute, value)
             else:
                 others.append((key, value))
-        # The order of keys means nothing, that of elements does.
+        # The order of keys means nothing, but the schema fixes the order of elements.
         for _, part, value in sorted(parts, key=lambda each: each[0]):
             self._children(element, part, value)
         for key, value in others:
@@ -105,7 +105,7 @@ class _Filler:
                 self._keep(element, key, value)
 
     def _chosen(self, body: TableNode, spec: ElementSpec) -> TableNode:
-        """Return what is meant by the parts of a choice that stand where the choice should."""
+        """Return the choice that its parts, standing in its place, mean."""
         if not spec.is_choice or any(_child_of(spec, _local(key)) for key, _ in body.items):
             return body
         for choice in spec.children:
@@ -117,7 +117,7 @@ class _Filler:
         return body
 
     def _look_at(self, key: ScalarNode, name: str, tag: str) -> None:
-        """Note a key that is not as it should be, for what it was taken as."""
+        """Record a misspelt key, with the key that it was taken as."""
         if (key.text, name, tag) in self._usual:
             return
         usual = key_of(name, tag)
@@ -142,7 +142,7 @@ class _Filler:
             self.fill(made, item, part.spec)
 
     def _whole(self, part: Child, value: Node) -> Node:
-        """Return what is meant by a list that stands where a table with that list should."""
+        """Return the table that a list, standing in its place, means."""
         inner = part.spec.children if part.spec is not None else ()
         if (
             part.is_many
@@ -266,7 +266,7 @@ class _Filler:
         try:
             element.set(name, text)
         except ValueError:
-            # It is there, however wrong: nobody is to be told also that it is missing.
+            # The key is there, however wrong: a second error that it is missing would mislead.
             with suppress(ValueError):
                 element.set(name, without_bad_characters(text))
             told = short(name)[:80]

@@ -32,7 +32,7 @@ def _explaining_schema(name: str) -> Any:
 
 
 def violations(root: Any, schema_name: str) -> list[Note]:
-    """Return what is against the schema, by line; quick, with lxml's words."""
+    """Return violations of the schema by line; quick, with lxml's words."""
     schema = _schema(schema_name)
     if schema.validate(root):
         return []
@@ -48,7 +48,7 @@ def violations(root: Any, schema_name: str) -> list[Note]:
 
 
 def explained_violations(root: Any, schema_name: str) -> list[Note]:
-    """Return what is against the schema, with reasons and what may be there; slow (xmlschema)."""
+    """Return violations of the schema, with reasons and allowed content; slow (xmlschema)."""
     places = ElementPaths()
     schema = _explaining_schema(schema_name)
     return [
@@ -68,7 +68,7 @@ def _one_line(text: object) -> str:
 
 
 def _expected(error: Any) -> str:
-    """Return what may be there, where the library tells it: children or an enumeration."""
+    """Return the allowed content, where the library knows it: children or an enumeration."""
     names = [str(item.name) for item in getattr(error, "expected", None) or () if item.name]
     names = names or [str(word) for word in getattr(error.validator, "enumeration", None) or ()]
     return shorten(", ".join(names))

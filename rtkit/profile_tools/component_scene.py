@@ -20,7 +20,7 @@ def component_pins(profile: RtcProfile) -> list[Pin]:
 
 
 def component_name(profile: RtcProfile) -> str:
-    """Return what to call a component type; a fragment has no name."""
+    """Return the name to show for a component type; a fragment has none."""
     return profile.basic_info.name if profile.basic_info else profile.id or "(a fragment)"
 
 

@@ -24,7 +24,7 @@ _DIRECTIONS = {"DataInPort": "in", "DataOutPort": "out", "EventPort": "event"}
 
 
 def component_summary(profile: RtcProfile) -> Outline:
-    """Return what an RTC profile says."""
+    """Return the summary of an RTC profile."""
     info = profile.basic_info
     name = f"{info.name} {info.version}".rstrip() if info else "(a fragment, without a name)"
     below = [*_identity(profile), *_ports(profile), *_parameters(profile), *_behaviour(profile)]
@@ -131,7 +131,7 @@ def one_line(text: str | None) -> str:
 
 
 def dates(created: str, changed: str) -> str:
-    """Return when something was made and changed; empty where the profile does not tell."""
+    """Return the dates of creation and change; empty where the profile has none."""
     if created == changed:
         return "" if created == NO_DATE else created
     return f"{created}, changed {changed}"

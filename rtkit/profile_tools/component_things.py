@@ -33,7 +33,7 @@ _CONTAINERS = {
 
 
 def component_things(profile: RtcProfile, takes_all: bool) -> Things:
-    """Return the things of a profile: all of it, or what it means for who uses the component."""
+    """Return the things of a profile: all, or those that matter to users of the component."""
     things: Things = {}
     put(things, ThingKey(0, "component", ""), Thing(_component(profile, takes_all)))
     for port in profile.data_ports:

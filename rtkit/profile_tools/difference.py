@@ -19,13 +19,13 @@ _MARKS = {ADDED: "+", REMOVED: "-", CHANGED: "~"}
 
 
 class Difference(NamedTuple):
-    """One thing that is other.
+    """One difference between two profiles.
 
     Attributes:
         change: ``added``, ``removed`` or ``changed``.
-        kind: What it is: component, port, connector …
-        name: Which one.
-        field: What of it was changed; empty where all of it came or went.
+        kind: Kind of the thing: component, port, connector …
+        name: Name of the thing.
+        field: The field that changed; empty where all of the thing came or went.
         before: The value before, None where there was none.
         after: The value after, None where there is none.
     """

@@ -45,7 +45,7 @@ class _End(NamedTuple):
 
     @property
     def text(self) -> str:
-        """How users write it."""
+        """The port as users write it."""
         return f"{self.member.instance}.{self.port.name}"
 
 

@@ -44,7 +44,7 @@ def aligned(entries: Sequence[Outline], width: Width = len) -> list[str]:
     """Return a line for each entry, its cells in columns with those of the others."""
     widths: dict[int, int] = {}
     for each in entries:
-        # A last cell needs no room, and often is the longest by far.
+        # A last cell needs no padding, and often is the longest by far.
         for column, cell in enumerate(each.cells[:-1]):
             widths[column] = max(widths.get(column, 0), width(cell))
     return [_line(each.cells, widths, width) for each in entries]

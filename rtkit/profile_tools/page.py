@@ -38,7 +38,7 @@ class Page(NamedTuple):
     """A page.
 
     Attributes:
-        lead: What the thing is, in a few words.
+        lead: Description of the subject in a few words.
         facts: Names and values that stand at the top.
         picture: SVG; empty for none.
     """
@@ -78,5 +78,5 @@ def without_empty_columns(table: PageTable) -> PageTable | None:
 
 
 def present(facts: Sequence[tuple[str, str | None]]) -> tuple[tuple[str, str], ...]:
-    """Return the facts that are told."""
+    """Return the facts that have a value."""
     return tuple((name, value) for name, value in facts if value and value.strip())

@@ -17,7 +17,7 @@ from rtkit.report.finding import ERROR, NOTE, WARNING, Finding
 
 
 class Rewriting(NamedTuple):
-    """What came of one document.
+    """Result of rewriting one document.
 
     Attributes:
         data: The document as it is to be written; None where there are errors.
@@ -65,7 +65,7 @@ def rewritten(
 
 
 def _lost(profile: RtcProfile | RtsProfile, made: bytes, form: str) -> list[Note]:
-    """Read what was written and tell what is other than it was; nothing ever should be."""
+    """Read the written document back and return its differences; there should be none."""
     again = read_profile(made, form=form).profile
     if again == profile:
         return []

@@ -12,7 +12,7 @@ from rtkit.profile.rts_model import RtsProfile
 
 
 class Statement(NamedTuple):
-    """What is to be stated.
+    """One edit of an extension property.
 
     Attributes:
         instance: Name of the component; empty for the system itself.

@@ -28,7 +28,7 @@ _Facts = dict[DataPortKey, DataPortFacts]
 
 
 def system_summary(profile: RtsProfile) -> Outline:
-    """Return what an RTS profile says."""
+    """Return the summary of an RTS profile."""
     facts = data_port_facts(profile)
     below = [
         *_head(profile),
@@ -150,13 +150,13 @@ def _step(step: OrderStep) -> Outline:
 
 
 def target_name(target: TargetComponent) -> str:
-    """Return whom an order is for."""
+    """Return the name of an order's target."""
     context = "" if target.id == "0" else f" in context {target.id}"
     return f"{target.instance_name}{context}"
 
 
 def waited_for(step: OrderStep) -> str:
-    """Return what a step of an order waits for; empty for nothing."""
+    """Return the precondition of an order's step; empty for none."""
     if step.wait_time is not None and step.wait_time.wait_time:
         return f"after {step.wait_time.wait_time} ms"
     if step.preceding is None or not step.preceding.preceding_components:

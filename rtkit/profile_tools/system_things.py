@@ -151,7 +151,7 @@ def _ports(things: Things, profile: RtsProfile, names: _Names, takes_all: bool) 
 
 
 def _data_port(port: InstancePort) -> dict[str, str]:
-    """Return what a port says itself, not what its connectors let suppose."""
+    """Return the fields of a port itself, without those inferred from its connectors."""
     return told(
         direction=property_value(port.properties, "port.port_type"),
         type=normal_data_type(property_value(port.properties, "dataport.data_type") or ""),
@@ -178,7 +178,7 @@ def _service_connector(connector: ServicePortConnector) -> dict[str, str]:
 
 
 def _options(properties: Iterable[ExtensionProperty], prefixes: tuple[str, ...]) -> dict[str, str]:
-    """Return the properties that say how something is to be, not how it once was or looks."""
+    """Return the properties of the desired state, without history and appearance."""
     return {
         item.name: item.value or ""
         for item in properties

@@ -10,7 +10,7 @@ from rtkit.profile.common import NO_FOREIGN, ExtensionProperty, Foreign
 
 
 class ThingKey(NamedTuple):
-    """What tells things apart: their kind and name, in the order in which they are told of."""
+    """Identity of a thing: its kind and name, in the order of reports."""
 
     rank: int
     kind: str

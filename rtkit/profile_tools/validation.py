@@ -45,13 +45,13 @@ def validated(
 
 
 def unreadable(file: str, why: str) -> Checked:
-    """Return the verdict on what cannot be read."""
+    """Return the verdict on a document that cannot be read."""
     finding = Finding(ERROR, "unreadable", f"cannot be read: {why}", file)
     return Checked(file, "", (finding,), is_read=False)
 
 
 def may_be_profile(data: bytes) -> bool:
-    """Return whether a document speaks of profiles at all; for folders that hold others too."""
+    """Return whether a document may be a profile; for folders that hold other files too."""
     bare = data.replace(b"\0", b"")
     return any(mark in bare for mark in _MARKS)
 

@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 
 
 class Offers(NamedTuple):
-    """What could be made, and what keeps further modules from being described.
+    """Component types that can be created, and the modules that cannot be described.
 
     Attributes:
         types: The module's file by the type's id of six fields; empty where it is loaded.
@@ -24,7 +24,7 @@ class Offers(NamedTuple):
 
 
 def offers(tree: Tree, snapshot: Snapshot) -> Offers:
-    """Ask a manager what it could make.
+    """Ask a manager for the component types that it can create.
 
     Raises:
         Unreachable: It does not answer in time.

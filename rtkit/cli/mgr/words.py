@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 def run_word(
     app: App, word: str, name: str, is_json: bool, wanted: tuple[str, tuple[str, ...], bool]
 ) -> int:
-    """Start, stop, be, or tell about the manager of that name; return the exit status.
+    """Start, stop, run or report on the manager of that name; return the exit status.
 
     `wanted` is its configuration file, properties over it, and whether the file may be missing.
     """
@@ -62,7 +62,7 @@ def _launch(app: App, word: str, typed: str, options: tuple[str, tuple[str, ...]
 
 
 def _stop(app: App, name: str) -> None:
-    """Stop a manager, or end what one left that was killed, perhaps just now."""
+    """Stop a manager, or end the orphans of a killed one."""
     from rtkit.link.segments import remove_orphans
     from rtkit.tree import managers
 
@@ -100,7 +100,7 @@ def _end_remains(name: str) -> int:
 
 
 def _forget_desired_state(name: str) -> bool:
-    """Remove what a manager kept that does not run; return whether there was anything."""
+    """Remove the desired state of a stopped manager; return whether there was any."""
     from rtkit.manager.store.store import former_name, remove, take_over_former_name
 
     path = places.store_file(name)

@@ -20,7 +20,7 @@ class ReadDocument(NamedTuple):
     Attributes:
         name: As the user typed it.
         data: As it stands.
-        notes: What had to be put right, and what is worth knowing.
+        notes: Repairs and remarks.
     """
 
     name: str

@@ -58,7 +58,7 @@ def component_class(typed: str, wanted: str) -> FactoryOffer:
 def _registered(init: Any, typed: str, wanted: str) -> type[Component]:
     if not callable(init):
         raise Malformed(f"{typed} is neither an init function nor a component class")
-    heard = _Heard()
+    heard = _RegistrationRecorder()
     try:
         init(heard)
     except BaseException as error:
@@ -77,8 +77,8 @@ def _listed(names: Sequence[str]) -> str:
     return ", ".join(names) or "none"
 
 
-class _Heard:
-    """What an init function is handed."""
+class _RegistrationRecorder:
+    """The manager that an init function receives: it records registrations."""
 
     def __init__(self) -> None:
         self.classes: list[type[Component]] = []

@@ -27,7 +27,7 @@ def finding_style(text: str, role: str) -> str:
 
 
 def say_findings(app: App, findings: Iterable[Finding]) -> None:
-    """Tell findings on stderr, one a line."""
+    """Print findings on stderr, one a line."""
     from rtkit.report.plain import plain_line
 
     for finding in findings:

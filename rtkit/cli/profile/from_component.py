@@ -59,7 +59,7 @@ def main(
 
 
 def _now() -> str:
-    """Return when this is, or the time that builds which are to be repeated say."""
+    """Return the present time, or the one that reproducible builds set."""
     import time
 
     told = os.environ.get(_EPOCH, "")

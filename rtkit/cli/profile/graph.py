@@ -49,7 +49,7 @@ def main(
 
 
 def _live(app: App, files: tuple[str, ...], title: str | None, *, is_dot: bool) -> str:
-    """Return the picture of what lives.
+    """Return the drawing of the live system.
 
     Raises:
         UsageProblem: A file is named, too.

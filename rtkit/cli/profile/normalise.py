@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 
 class _Done(NamedTuple):
-    """A document and what came of it."""
+    """A document and its result."""
 
     name: str
     was: bytes

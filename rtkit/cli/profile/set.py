@@ -63,7 +63,7 @@ def main(
 
 
 def _check(profile: RtsProfile) -> None:
-    """Refuse what makes no sense.
+    """Refuse properties that make no sense.
 
     Raises:
         Malformed: Names the component and the property.

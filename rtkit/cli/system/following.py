@@ -22,10 +22,10 @@ _YES, _NO = ("true", "yes", "on", "1"), ("false", "no", "off", "0", "")
 
 
 def is_wanted(document: SystemDocument) -> bool:
-    """Return whether the profile wants its system followed from when it is brought up.
+    """Return whether the profile wants its system followed as soon as it is brought up.
 
     Raises:
-        InvalidDocument: It does, and its states make no sense; or what it says is no such wish.
+        InvalidDocument: It does, and its states make no sense; or the value is not a boolean.
         Refused: It does, and its components are in several managers.
     """
     told = [item.value or "" for item in document.profile.properties if item.name == FOLLOW]
@@ -124,7 +124,7 @@ def begin_as_told(
 
 
 def end(tree: Tree, name: str) -> str:
-    """Follow a system no more, when what is under way of that has ended; return what to tell.
+    """Stop following a system, after the transition under way has ended; return a message.
 
     Raises:
         NotFound: It is not followed.
@@ -133,7 +133,7 @@ def end(tree: Tree, name: str) -> str:
 
 
 def end_if_followed(app: App, document: SystemDocument, facts: Snapshot) -> bool:
-    """Follow a system no more, if it is; return whether it was."""
+    """Stop following a system; return whether it was followed."""
     name = document.profile.id
     managers = [m.manager for m in (facts, *facts.others) if followed_in(m, name) is not None]
     for manager in managers:
@@ -142,7 +142,7 @@ def end_if_followed(app: App, document: SystemDocument, facts: Snapshot) -> bool
 
 
 def followed_in(facts: Snapshot, name: str) -> Followed | None:
-    """Return what is told of a system that is followed; None for one that is not."""
+    """Return the report on a followed system; None for one that is not followed."""
     return next((each for each in facts.systems if each.system == name), None)
 
 

@@ -26,7 +26,7 @@ class Managers:
     """The managers that the components of a profile belong to.
 
     Attributes:
-        names: The one first that is asked where nothing is said, if any component belongs to it.
+        names: First the default manager, if any component belongs to it.
     """
 
     def __init__(self, profile: RtsProfile) -> None:
@@ -43,7 +43,7 @@ class Managers:
         self.names = [usual, *(n for n in found if n != usual)] if usual in found else [*found]
 
     def connect(self, timeout_s: float) -> tuple[dict[str, Tree], dict[str, str]]:
-        """Connect to each; return the connections, and why those are missing that are."""
+        """Connect to each; return the connections, and the reasons for missing ones."""
         from rtkit.tree.connect import connect
 
         trees: dict[str, Tree] = {}
@@ -63,7 +63,7 @@ class Managers:
         return f"/{first.lstrip('/')}" + (f" and {len(more)} more" if more else "")
 
     def joined(self, told: Iterable[Snapshot]) -> Snapshot:
-        """Return what managers tell as what is known of these; who tells nothing is down."""
+        """Join the reports of these managers into one snapshot; one without a report is down."""
         from rtkit.deployment.multi_manager import down, joined
 
         known = {each.manager: each for each in told}
@@ -73,7 +73,7 @@ class Managers:
 def gather(
     app: App, profile: RtsProfile, *, is_lenient: bool, starts: bool = False
 ) -> Snapshot | None:
-    """Connect to the managers of a profile; return what is to be seen if none of them runs.
+    """Connect to the managers of a profile; return a snapshot if none of them runs.
 
     Args:
         app: Is given the connection, if the profile is about another manager or several.
@@ -130,7 +130,7 @@ def gather_named(app: App, servers: Sequence[str]) -> tuple[str, ...]:
 
 
 def usual_manager() -> str:
-    """Return the manager that is asked where nothing else is said."""
+    """Return the default manager."""
     from rtkit.link.places import DEFAULT_MANAGER
 
     return os.environ.get("RTKIT_MANAGER") or DEFAULT_MANAGER
@@ -144,7 +144,7 @@ def can_be_started(manager: str) -> bool:
 
 
 def starter(app: App) -> Start:
-    """Return what starts a manager as ``rtmgr start NAME`` does, and connects to it."""
+    """Return a function that starts a manager as ``rtmgr start NAME`` does, and connects to it."""
 
     def start(name: str) -> Tree:
         from rtkit.errors import Partial, Refused
@@ -178,7 +178,7 @@ def unstarted(app: App) -> Tree:
 
 
 def _check_meant(absent: Mapping[str, str], trees: Mapping[str, Tree]) -> None:
-    """Refuse to start a manager whose name looks like a slip for that of one that runs.
+    """Refuse to start a manager whose name looks like a misspelt one of a running manager.
 
     Raises:
         Unreachable: It does; tells how it is started if it is meant.

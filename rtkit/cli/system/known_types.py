@@ -21,7 +21,7 @@ SEARCH_PATH = "RTKIT_PROFILE_PATH"
 
 
 def known_types(profile: RtsProfile, snapshot: Snapshot) -> dict[str, KnownType]:
-    """Return how the components of `profile` are made that do not say it themselves.
+    """Return the types of components of `profile` whose creation it does not specify itself.
 
     Profiles are only read for components that do not live, or another one in their place, and that
     no loaded module makes.

@@ -15,13 +15,13 @@ from rtkit.tree.grace import uninterrupted
 
 
 def leader(app: App, states: States, say: Callable[[str], None], *, rolls_back: bool) -> Leader:
-    """Return what leads a system, whose managers' leases the command has.
+    """Return the leader of a system; the command must hold its managers' leases.
 
     Args:
         app: The command.
         states: Of the system.
-        say: Is told each step.
-        rolls_back: When a step fails, go back to what was before.
+        say: Receives each step.
+        rolls_back: When a step fails, go back to the state before.
     """
 
     def reach(passage: SystemTransition) -> None:

@@ -15,7 +15,7 @@ _FILLS = {"Active": "palegreen", "Inactive": "lightblue", "Error": "tomato", "zo
 
 
 def live_scene(app: App, title: str) -> Scene:
-    """Return what lives in the manager, or managers, as what is to be drawn of it.
+    """Return the scene of the live components of the manager, or managers.
 
     Raises:
         Unreachable: The manager does not answer.

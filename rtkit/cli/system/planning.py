@@ -33,7 +33,7 @@ Make = Callable[["DeploymentGoal", "Snapshot", "Model"], "DeploymentPlan"]
 
 
 class Prepared(NamedTuple):
-    """What was read, what is wanted, what lives, and the plan from there."""
+    """The document, the wanted system, the live system, and the plan between them."""
 
     document: SystemDocument
     goal: DeploymentGoal
@@ -43,7 +43,7 @@ class Prepared(NamedTuple):
 
 
 class DeploymentInputs(NamedTuple):
-    """What was read, what is wanted, what lives."""
+    """The document, the wanted system and the live system."""
 
     document: SystemDocument
     goal: DeploymentGoal
@@ -51,7 +51,7 @@ class DeploymentInputs(NamedTuple):
 
 
 def planning_options(function: Callable[..., Any]) -> Callable[..., Any]:
-    """Add the options that say what is planned."""
+    """Add the options that select the goal of the plan."""
     state = click.option(
         "-s",
         "--state",
@@ -70,7 +70,7 @@ def planning_options(function: Callable[..., Any]) -> Callable[..., Any]:
 
 
 def way_options(function: Callable[..., Any]) -> Callable[..., Any]:
-    """Add the options that say by which way it is reached."""
+    """Add the options that constrain the way to the goal."""
     decorators = [
         click.option(
             "--cost",
@@ -127,7 +127,7 @@ def prepare(
     """Look at what lives, and plan, or `make` the plan otherwise.
 
     Raises:
-        Impossible: There is no plan; names wishes that cannot hold together.
+        Impossible: There is no plan; names the conditions that cannot hold together.
     """
     from rtkit.rtc.enums import LifeCycleState
 
@@ -217,7 +217,7 @@ def begin(
 def settled_costs(
     app: App, given: tuple[str, ...], system: WantedSystem, snapshot: Snapshot, *, is_measured: bool
 ) -> Costs:
-    """Return what steps cost: of the table, as measured, of the profile, of the user.
+    """Return the costs of steps: from the table, as measured, from the profile, from the user.
 
     Raises:
         UsageProblem: One is not NAME=NUMBER, or there is no such kind of step and no component.

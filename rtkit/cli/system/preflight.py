@@ -128,7 +128,7 @@ def _described(app: App, wanted: Mapping[str, str]) -> dict[str, Blueprint]:
 
 
 def _ports_of(blueprint: Blueprint) -> tuple[PortProfile, ...]:
-    """Return ports by type alone: what else they offer shows when they live."""
+    """Return ports by type alone: their other properties show when they live."""
     from rtkit.rtc.enums import PortType
     from rtkit.rtc.profiles import PortProfile
 

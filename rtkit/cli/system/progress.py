@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 def telling(
     app: App, system: WantedSystem, tell: Callable[[WantedSystem, LiveIndex], str]
 ) -> Iterator[None]:
-    """Add to what breaks off how far it got, which `tell` sees from what lives.
+    """Add the progress to an error that ends the command; `tell` reads it off the live system.
 
     Raises:
         RtkitError: What was raised inside.

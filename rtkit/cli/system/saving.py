@@ -33,7 +33,7 @@ _MOST_PROFILE = 1 << 26
 def save(
     output: str, document: SystemDocument, prepared: planning.Prepared, options: dict[str, Any]
 ) -> None:
-    """Write a plan, with all that it was made from, to a file.
+    """Write a plan, with all its inputs, to a file.
 
     Raises:
         Refused: There is something else.
@@ -91,7 +91,7 @@ def prepare(
 
 
 class _Origin(NamedTuple):
-    """What a plan was made from."""
+    """The inputs of a plan."""
 
     name: str
     form: str | None
@@ -168,7 +168,7 @@ def _check_nothing_else(app: App, options: dict[str, Any]) -> None:
 
 
 def _makings(system: WantedSystem, snapshot: Snapshot) -> dict[str, list[str]]:
-    """Return what components are made of, by their names."""
+    """Return the inputs of components' creation, by component name."""
     from rtkit.deployment.live import LiveIndex
     from rtkit.deployment.planning.feasibility import create_text
 

@@ -103,7 +103,7 @@ def wanted_system(
     mapped: tuple[str, ...] = (),
     known_types: Mapping[str, KnownType] | None = None,
 ) -> WantedSystem:
-    """Return the wanted system; what had to be decided is told when verbose.
+    """Return the wanted system; report the decisions taken when verbose.
 
     Raises:
         InvalidDocument: What it says of a component makes no sense; names the line.
@@ -132,7 +132,7 @@ def wanted_system(
 
 
 def _odd_keys(profile: RtsProfile) -> Iterator[str]:
-    """Yield what is not known of properties, and of options in create strings."""
+    """Yield unknown properties, and unknown options in create strings."""
     from rtkit.deployment.known_keys import odd_options, odd_properties
 
     yield from (odd.text for odd in odd_properties(profile))
@@ -146,7 +146,7 @@ def _unknown_options(options: Mapping[str, str]) -> Iterable[str]:
 
 
 def _odd(wire: ConnectorProfile) -> list[str]:
-    """Return what in the properties of a connector makes no sense, or is not known."""
+    """Return the unknown or senseless properties of a connector."""
     from rtkit.component.options import parse_options, remarks
 
     try:
@@ -157,7 +157,7 @@ def _odd(wire: ConnectorProfile) -> list[str]:
 
 
 def snapshot(app: App) -> Snapshot:
-    """Return what lives.
+    """Return a snapshot of the live system.
 
     Raises:
         Unreachable: No manager answers.
@@ -168,7 +168,7 @@ def snapshot(app: App) -> Snapshot:
 
 
 def remains(app: App) -> Snapshot:
-    """Return what lives, where a manager may have ended.
+    """Return a snapshot of the live system, where a manager may have ended.
 
     Raises:
         Unreachable: One that runs does not answer.
@@ -187,7 +187,7 @@ def look(
     starts: bool = False,
     lease: Leases | None = None,
 ) -> Snapshot:
-    """Return what lives in the managers of a profile; a dry run goes on without, and says so.
+    """Return a snapshot of a profile's managers; a dry run reports missing ones and goes on.
 
     With `may_lack` some of several managers may be missing, but not all; where one is missing
     that `starts` can be started, it holds nothing. A `lease` is taken before it is looked, and
@@ -233,7 +233,7 @@ def wait_option(function: Callable[..., Any]) -> Callable[..., Any]:
 
 
 def leases(app: App, files: tuple[str, ...], wait_s: float) -> Leases:
-    """Return what is to keep others off while a plan is carried out, until the command ends."""
+    """Return the leases that keep others off until the command ends."""
     from rtkit.tree.lease import Leases
 
     made = Leases(" ".join([app.name, *files]), wait_s, app.say if wait_s else app.tell)
@@ -250,9 +250,9 @@ def take(app: App, lease: Leases | None) -> None:
 
 @contextmanager
 def managers_started(app: App, found: Snapshot, *, dry_run: bool) -> Iterator[Snapshot]:
-    """Start the managers that were found not to run; hand out what lives then.
+    """Start the managers that were found not to run; yield the snapshot afterwards.
 
-    Those that still hold nothing are ended when what is done inside fails.
+    Those that still hold nothing are ended when the body fails.
     """
     from rtkit.tree.grace import uninterrupted
 
@@ -271,7 +271,7 @@ def managers_started(app: App, found: Snapshot, *, dry_run: bool) -> Iterator[Sn
 
 
 def nothing() -> Snapshot:
-    """Return what is to be seen where nothing lives."""
+    """Return the snapshot of a host without live components."""
     import os
 
     from rtkit.cli.system.gathering import usual_manager
@@ -291,7 +291,7 @@ def runner(
     count: Count = lambda _done, _known: None,
     taken: list[tuple[Action, float]] | None = None,
 ) -> PlanRunner:
-    """Return what carries plans out and talks on stderr; `taken` gets what actions took [s]."""
+    """Return a runner of plans that reports on stderr; `taken` receives actions' durations [s]."""
     from rtkit.deployment.runner import PlanRunner
     from rtkit.tree.grace import uninterrupted
 

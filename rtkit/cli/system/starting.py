@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 
 def plan_options(state: str) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
-    """Return what adds the options that both commands have; `state` is what they lead to."""
+    """Return a decorator that adds the options of both commands; `state` is their goal."""
     no_wait = f"Do not wait until each component is {state}; conditions are waited for."
     graph = "Print the plan as a graph (dot), and do nothing."
 

@@ -73,7 +73,7 @@ def as_lines(states: States, now: str, ways: list[Way], told: Followed | None) -
         states: Of the system.
         now: The present one; empty for none.
         ways: To each of them.
-        told: What its manager tells if it follows the system.
+        told: The manager's report if it follows the system.
     """
     width = max(len(way.state) for way in ways)
     lines = [

@@ -31,7 +31,7 @@ def path() -> str:
 
 
 def read(app: App) -> Times:
-    """Return what was measured; a file that is damaged counts for nothing, and that is told."""
+    """Return the measured durations; a damaged file is reported and ignored."""
     from rtkit.deployment.planning.costs import Times, times_from_text
 
     try:
@@ -49,7 +49,7 @@ def read(app: App) -> Times:
 
 
 def note(app: App, taken: Sequence[tuple[Action, float]], types: Mapping[str, str]) -> None:
-    """Add what actions took [s]; that it cannot be kept is told, and no failure."""
+    """Add the durations of actions [s]; a file that cannot be written is reported, not raised."""
     if not taken:
         return
     from rtkit.cli._atomic import write_output
@@ -68,7 +68,7 @@ def note(app: App, taken: Sequence[tuple[Action, float]], types: Mapping[str, st
 def noting(
     app: App, system: WantedSystem, snapshot: Snapshot
 ) -> Iterator[list[tuple[Action, float]]]:
-    """Hand out a list for what actions take [s], and note it at the end, however that comes."""
+    """Yield a list for durations of actions [s], and record it however the body ends."""
     taken: list[tuple[Action, float]] = []
     try:
         yield taken

@@ -35,7 +35,7 @@ class Watching:
         """Go on until interrupted, or until `number` transitions were made.
 
         Args:
-            begin: Has the system followed, when everything is heard.
+            begin: Makes the manager follow the system, once the subscription stands.
             number: Of transitions from now on; None for no bound.
 
         Raises:
@@ -66,7 +66,7 @@ class Watching:
         return [each for each in found if each.system and each.system.system == self._system]
 
     def _take(self, user_event: UserEvent, left: int | None) -> int | None:
-        """Tell what happened; return how many transitions are to be told yet."""
+        """Report an event; return the number of transitions still to report."""
         system = user_event.system
         assert system is not None
         if user_event.event == "WAITS":

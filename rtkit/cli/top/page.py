@@ -97,7 +97,7 @@ TITLES = tuple(column.title for column in COLUMNS)
 
 
 class Look(NamedTuple):
-    """How a page is to look.
+    """Layout options of a page.
 
     Attributes:
         sort: Index of the column that it is sorted by.
@@ -124,7 +124,7 @@ def ordered(rows: Sequence[RateRow], look: Look) -> list[RateRow]:
 
 
 def table(rows: Sequence[RateRow], look: Look) -> list[str]:
-    """Return a line of titles and a line for each row, in their order.
+    """Return the lines of the table: titles, then each row in order.
 
     A line below a row tells why it is in Error or does not answer. Nothing is cut where the look
     has no width.

@@ -13,7 +13,7 @@ Rates = Mapping[str, float]
 
 
 class RateRow(NamedTuple):
-    """One component; what is not known, or means nothing for it, is None.
+    """Rates of one component; unknown or meaningless values are None.
 
     Attributes:
         path: Where it is in the tree.
@@ -89,7 +89,7 @@ class Rater:
         self._before, self._now = self._now if is_same_run else None, metrics
 
     def totals(self) -> Totals:
-        """Return what all processes use."""
+        """Return the totals of all processes."""
         used = [
             (_cpu_percent(self._elapsed_s, old, new), new.memory_bytes or 0)
             for _, old, new in self._pairs()

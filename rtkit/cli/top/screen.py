@@ -94,7 +94,7 @@ class Screen:
         return keys_of(text) if text else ["end of input"]
 
     def hush(self) -> None:
-        """Take note that it has rung."""
+        """Clear the wakeup event."""
         self.wakeup.heard()
         self._is_stale |= self._disturbed.heard()
 
