@@ -288,6 +288,6 @@ def _obstacle(move: Operator, model: Model) -> str:
 
 def _told(model: Model, variable: str) -> str:
     """Return what is desired of a variable as the step that reaches it."""
-    wish = model.desired[variable]
+    desired = model.desired[variable]
     key = model.keys.get(variable.removeprefix("cfg:"))
-    return f"{key.text}{wish}" if key is not None and isinstance(wish, str) else variable
+    return f"{key.text}{desired}" if key is not None and isinstance(desired, str) else variable

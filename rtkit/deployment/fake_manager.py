@@ -394,23 +394,23 @@ class FakeManager:
         self.update(instance, **changes)
 
     def _share(self, action: act.Attach | act.Detach) -> None:
-        owner, guest = self._living(action.owner), self._living(action.participant)
+        owner, driven = self._living(action.owner), self._living(action.participant)
         context = next((c for c in owner.contexts if c.id == action.context), None)
         if context is None:
             raise NotFound(f"no execution context {action.context} on {owner.instance}")
-        if owner.process != guest.process:
-            raise Refused(f"{guest.instance} is in {guest.process}, not in {owner.process}")
-        if (guest.instance in context.participants) is isinstance(action, act.Attach):
-            raise Refused(f"{guest.instance}: no such change of execution context {context.id}")
-        members = [name for name in context.participants if name != guest.instance]
+        if owner.process != driven.process:
+            raise Refused(f"{driven.instance} is in {driven.process}, not in {owner.process}")
+        if (driven.instance in context.participants) is isinstance(action, act.Attach):
+            raise Refused(f"{driven.instance}: no such change of execution context {context.id}")
+        members = [name for name in context.participants if name != driven.instance]
         if isinstance(action, act.Attach):
-            members.append(guest.instance)
+            members.append(driven.instance)
         handle = f"{owner.instance}/{context.id}"
-        others = tuple(c for c in guest.contexts if c.id != handle)
+        others = tuple(c for c in driven.contexts if c.id != handle)
         seen = replace(context, participants=tuple(members))
         if isinstance(action, act.Attach):
             others += (replace(seen, id=handle, state=LifeCycleState.INACTIVE),)
-        self.update(guest.instance, contexts=others)
+        self.update(driven.instance, contexts=others)
         contexts = tuple(seen if c is context else c for c in owner.contexts)
         self.update(owner.instance, contexts=contexts)
 

@@ -48,7 +48,7 @@ class _Server:
         try:
             with self._lock:
                 if request.is_extension and request.name == "picture":
-                    reply = Reply(self._picture())
+                    reply = Reply(self._snapshot_text())
                 else:
                     reply = Reply(_answer(self._world, request))
         except RtkitError as error:
@@ -67,7 +67,7 @@ class _Server:
             self._told = now
             self._tell(json.dumps(encode(delta)))
 
-    def _picture(self) -> str:
+    def _snapshot_text(self) -> str:
         self._publish()
         return snapshot_to_text(FullSnapshot(_RUN, self._number, self._told))
 

@@ -158,9 +158,9 @@ class LiveProperties:
                 return None
             dues = [listener.due() for listener in self._me.listeners]
             times = [each for each in (*dues, end) if each is not None]
-            self._hear(min(times) - now if times else None)
+            self._receive(min(times) - now if times else None)
 
-    def _hear(self, wait_s: float | None) -> None:
+    def _receive(self, wait_s: float | None) -> None:
         """Wait for word of the manager, and fold it in."""
         from rtkit.tree.subscription import SubscriptionEnded
 

@@ -47,13 +47,13 @@ class PropertySubscription(Closing):
             raise
         for key, end in ends.items():
             arguments = (end, names[key], targets[0])
-            threading.Thread(target=self._hear, args=arguments, daemon=True).start()
+            threading.Thread(target=self._receive, args=arguments, daemon=True).start()
 
     def fileno(self) -> int:
         """Return the descriptor."""
         return self._wakeup.fileno()
 
-    def _hear(self, end: ProviderConnectionEnd, names: dict[str, str], first: str) -> None:
+    def _receive(self, end: ProviderConnectionEnd, names: dict[str, str], first: str) -> None:
         try:
             while (event := end.event()) is not None:
                 self._note(names.get(event.name, event.name), event)

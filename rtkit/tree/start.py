@@ -106,7 +106,7 @@ class Starter:
         for turn in begun:
             self._send(turn)
         if not execution.failure and not execution.is_over:
-            self._hear()
+            self._receive()
 
     def _look(self, watched: tuple[ScheduledAction, ...]) -> None:
         if not watched:
@@ -152,7 +152,7 @@ class Starter:
         Thread(target=work, daemon=True).start()
         is_sent.wait()
 
-    def _hear(self) -> None:
+    def _receive(self) -> None:
         """Wait until something happens, or until it is time to act."""
         moment = self._execution.next_moment()
         patience_s = None if moment is None else bounded(max(0.0, moment - monotonic()))

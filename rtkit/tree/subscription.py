@@ -82,9 +82,9 @@ class ManagerSubscription(Closing):
         try:
             for line in lines:
                 self._ends.append(tree.listen(line, self._take_in(line)))
-            picture = self._first_picture()
-            self._run, self._number = picture.run, picture.number
-            self.facts: Snapshot = picture.facts
+            snapshot = self._first_snapshot()
+            self._run, self._number = snapshot.run, snapshot.number
+            self.facts: Snapshot = snapshot.facts
             with suppress(ProcessLookupError):
                 self._process = os.pidfd_open(self.facts.pid)
         except BaseException:
@@ -148,12 +148,12 @@ class ManagerSubscription(Closing):
         """Derive the changes of missed deltas from a new snapshot."""
         lost = max(0, delta.number - self._number - 1) if delta.run == self._run else 0
         try:
-            picture = self.tree.picture()
+            snapshot = self.tree.picture()
         except Unreachable as error:
             return [self._end(str(error))]
-        missed = delta_between(self.facts, picture.facts, picture.run, picture.number)
+        missed = delta_between(self.facts, snapshot.facts, snapshot.run, snapshot.number)
         told = tuple(user_events(self.facts, missed))
-        self._run, self._number, self.facts = picture.run, picture.number, picture.facts
+        self._run, self._number, self.facts = snapshot.run, snapshot.number, snapshot.facts
         return [TreeChange(delta.time, told, lost)] if told or lost else []
 
     def _end(self, why: str) -> SubscriptionEnded:
@@ -170,10 +170,10 @@ class ManagerSubscription(Closing):
 
         return take_in
 
-    def _first_picture(self) -> FullSnapshot:
+    def _first_snapshot(self) -> FullSnapshot:
         """Take a snapshot, again until deltas of the manager are seen to arrive."""
         for _ in range(_TRIES):
-            picture = self.tree.picture()
+            snapshot = self.tree.picture()
             until = monotonic() + _HEAR_S
             while not any(line == TREE for line, _ in self._heard):
                 if not select.select([self._wakeup], [], [], max(0.0, until - monotonic()))[0]:
@@ -181,5 +181,5 @@ class ManagerSubscription(Closing):
                 self._wakeup.hush()
             else:
                 self._wakeup.ring()
-                return picture
+                return snapshot
         raise Unreachable(f"what manager {self.tree.manager!r} tells does not arrive")

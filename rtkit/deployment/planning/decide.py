@@ -393,10 +393,10 @@ def check_managers(model: Model) -> None:
     Raises:
         Impossible: Names the desired value.
     """
-    for variable, wish in model.desired.items():
+    for variable, desired in model.desired.items():
         kind, _, name = variable.partition(":")
         if kind == "mgr" and model.now(variable) == UP and not model.allows(variable, UP):
-            raise Impossible(f"{variable}={wish}: nothing ends a manager")
+            raise Impossible(f"{variable}={desired}: nothing ends a manager")
         if kind == "mod" and not model.allows(variable, model.now(variable)):
             manager, _, module = name.partition("/")
             found = model.managers.get(manager, frozenset())
@@ -405,4 +405,4 @@ def check_managers(model: Model) -> None:
                 model.now(f"mgr:{manager}") == DOWN and not model.allows(f"mgr:{manager}", UP)
             )
             if model.allows(variable, LOADED) and not can_be:
-                raise Impossible(f"{variable}={wish}: {manager} does not find module {module}")
+                raise Impossible(f"{variable}={desired}: {manager} does not find module {module}")

@@ -47,7 +47,7 @@ def explained(model: Model, error: Impossible) -> NoPlan:
     if near is not None and _is_possible(model, local):
         local = wishes
     found = minimal_conflict(local, lambda some: _is_possible(model, some))
-    words = [_words(model, wish) for wish in found or local]
+    words = [_words(model, desired) for desired in found or local]
     reasons = list(dict.fromkeys(_reasons(model, found)))
     more = [why for why in _unmakable(model) if why not in reasons]
     return NoPlan(found or local, words, reasons, more)
@@ -77,14 +77,14 @@ def _concerns(model: Model, variable: str, units: Collection[str]) -> bool:
     return kind in ("mgr", "mod") or owner_of(name) in units
 
 
-def _told(wish: Wished) -> str:
-    variable, value = wish
+def _told(desired: Wished) -> str:
+    variable, value = desired
     return f"{variable}={value if isinstance(value, str) else '|'.join(value)}"
 
 
-def _words(model: Model, wish: Wished) -> str:
+def _words(model: Model, desired: Wished) -> str:
     """Return a desired value in words for people."""
-    variable, values = wish
+    variable, values = desired
     kind, _, name = variable.partition(":")
     value = values if isinstance(values, str) else " or ".join(values)
     match kind:

@@ -139,8 +139,8 @@ class Model:
 
     def allows(self, variable: str, value: str) -> bool:
         """Return whether a value of a variable is as desired."""
-        wish = self.desired.get(variable)
-        return wish is None or is_granted(wish, value)
+        desired = self.desired.get(variable)
+        return desired is None or is_granted(desired, value)
 
     def cost(self, kind: str, subject: str = "") -> float:
         """Return what a command costs, for what it is done to."""
@@ -208,11 +208,11 @@ def cost_name(costs: Container[str], kind: str, subject: str) -> str:
     return next((name for name in names if name in costs), kind)
 
 
-def is_granted(wish: Wish, value: str) -> bool:
+def is_granted(desired: Wish, value: str) -> bool:
     """Return whether a value is the desired one."""
-    if isinstance(wish, tuple):
-        return any(is_granted(each, value) for each in wish)
-    return value != ABSENT if wish == ANY else value == wish
+    if isinstance(desired, tuple):
+        return any(is_granted(each, value) for each in desired)
+    return value != ABSENT if desired == ANY else value == desired
 
 
 def owner_of(key: str) -> str:

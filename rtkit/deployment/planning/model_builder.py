@@ -217,7 +217,7 @@ class _Surveying:
         )
         is_stated = bool(component.create) or entry is None
         is_stated = is_stated and not (made is not None and is_place_open(made))
-        self._desired[f"cmp:{name}"] = self._place_wish(component, facts, place, is_stated)
+        self._desired[f"cmp:{name}"] = self._desired_place(component, facts, place, is_stated)
         if facts is not None:
             self._live[f"cmp:{name}"] = self._place(name, facts.process)
         # Of another one in its place nothing is kept.
@@ -319,7 +319,7 @@ class _Surveying:
         lack = self._feasibility.lacks.get(component.instance, "")
         return f"{component.path}: {lack}" if lack else ""
 
-    def _place_wish(
+    def _desired_place(
         self, component: WantedComponent, facts: ComponentFacts | None, place: str, is_stated: bool
     ) -> Wish:
         if facts is None:
@@ -483,17 +483,17 @@ class _Surveying:
     def _attachments(self, component: WantedComponent) -> None:
         facts = self._live_facts.at(component.instance)
         driven = {c.id: c.participants for c in facts.contexts} if facts is not None else {}
-        for context, guest in component.guests:
-            if guest not in self._units or component.instance not in self._units:
+        for context, participant in component.guests:
+            if participant not in self._units or component.instance not in self._units:
                 continue
-            id = attachment(component.instance, context, guest)
-            text = f"{guest} to execution context {context} of {component.instance}"
-            self._wires[id] = ConnectionVariable((component.instance, guest), "", text)
-            if self._absent.isdisjoint((component.instance, guest)):
+            id = attachment(component.instance, context, participant)
+            text = f"{participant} to execution context {context} of {component.instance}"
+            self._wires[id] = ConnectionVariable((component.instance, participant), "", text)
+            if self._absent.isdisjoint((component.instance, participant)):
                 self._desired[f"con:{id}"] = YES
-            self._live[f"con:{id}"] = YES if guest in driven.get(context, ()) else NO
+            self._live[f"con:{id}"] = YES if participant in driven.get(context, ()) else NO
 
 
-def attachment(owner: str, context: str, guest: str) -> str:
+def attachment(owner: str, context: str, participant: str) -> str:
     """Return how it is called here that a context of one component drives another."""
-    return f"{owner}\n{context}\n{guest}"
+    return f"{owner}\n{context}\n{participant}"

@@ -278,5 +278,5 @@ class Operators:
         return not unit.module or self.finds(f"{manager_of(place)}/{unit.module}")
 
     def _values(self, key: str) -> list[str]:
-        wish = self._model.desired.get(f"cfg:{key}", ())
-        return [wish] if isinstance(wish, str) else list(wish)
+        desired = self._model.desired.get(f"cfg:{key}", ())
+        return [desired] if isinstance(desired, str) else list(desired)

@@ -40,7 +40,7 @@ class Rollback:
         """Return what lives now with all that lived before as desired, but what is given up."""
         whole = self._whole(now)
         given_up = {v for name in self._failures for v in self._near(whole, name)}
-        return whole.wishing((v, wish) for v, wish in whole.desired.items() if v not in given_up)
+        return whole.wishing((v, value) for v, value in whole.desired.items() if v not in given_up)
 
     def give_up(self, variables: Iterable[str]) -> None:
         """Withdraw impossible desired values: more of what is near, the more often it failed."""
@@ -206,7 +206,7 @@ def without(model: Model, before: Model, managers: Collection[str]) -> Model:
             return name.partition("/")[0] in managers
         return owner_of(name) in lost
 
-    return model.wishing((v, wish) for v, wish in model.desired.items() if not is_lost(v))
+    return model.wishing((v, value) for v, value in model.desired.items() if not is_lost(v))
 
 
 def _home(before: Model, now: Model, name: str) -> str:

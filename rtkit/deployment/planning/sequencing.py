@@ -183,5 +183,5 @@ class _Emitting:
         return sorted(names, key=lambda name: depth(name, frozenset()), reverse=is_reversed)
 
 
-def _first(wish: Wish) -> str:
-    return wish if isinstance(wish, str) else wish[0]
+def _first(desired: Wish) -> str:
+    return desired if isinstance(desired, str) else desired[0]

@@ -244,7 +244,7 @@ def test_an_interruption_does_not_wait_for_ever(
         raise KeyboardInterrupt
 
     monkeypatch.setattr(tree, "begin", begin)
-    monkeypatch.setattr(start.starter, "_hear", go_on)
+    monkeypatch.setattr(start.starter, "_receive", go_on)
     with pytest.raises(KeyboardInterrupt) as caught:
         start.run()
     release.set()
