@@ -34,7 +34,7 @@ def use(wanted: frozenset[int]) -> None:
         except ProcessLookupError:
             continue
         except OSError as error:
-            raise Refused(_absent(wanted, error)) from error
+            raise Refused(_missing(wanted, error)) from error
 
 
 def check(options: Mapping[str, str]) -> None:
@@ -78,7 +78,7 @@ def begin(text: str) -> None:
     try:
         os.sched_setaffinity(0, wanted)
     except OSError as error:
-        _log().warning("%s", _absent(frozenset(wanted), error))
+        _log().warning("%s", _missing(frozenset(wanted), error))
 
 
 def end() -> None:
@@ -92,7 +92,7 @@ def _present() -> int:
     return threading.get_native_id()
 
 
-def _absent(wanted: frozenset[int], error: OSError) -> str:
+def _missing(wanted: frozenset[int], error: OSError) -> str:
     there = _told(os.sched_getaffinity(0))
     return f"cannot run on processors {_told(wanted)} ({error.strerror}; this process has {there})"
 

@@ -54,7 +54,7 @@ def cut(path: str, max_bytes: int = MAX_BYTES) -> None:
             file.seek(-(max_bytes // 2), os.SEEK_END)
             kept = file.read()
             file.truncate(0)
-            os.pwrite(file.fileno(), begin, 0)  # who writes meanwhile appends
+            os.pwrite(file.fileno(), begin, 0)  # a process that writes meanwhile appends
         with open(os.open(f"{path}.1", os.O_WRONLY | os.O_CREAT | os.O_TRUNC, 0o600), "wb") as old:
             old.write(kept)
 

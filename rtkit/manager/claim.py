@@ -113,7 +113,7 @@ def remove_stale(name: str, living: Collection[int]) -> None:
                 raise Refused(f"not a socket, remove it yourself: {path}")
             os.unlink(path)
         except FileNotFoundError:
-            continue  # who owned it has removed it meanwhile
+            continue  # its owner has removed it meanwhile
         except OSError as error:
             raise Refused(f"cannot remove {path}: {error.strerror}") from error
 
@@ -121,8 +121,8 @@ def remove_stale(name: str, living: Collection[int]) -> None:
 def _is_of_the_dead(path: str, name: str, living: Collection[int]) -> bool:
     """Return whether a process of that manager, and of none with a longer name, left it behind.
 
-    Slaves outlive their manager: what belongs to one that lives is let be. Guests and zygotes are
-    known by their sockets.
+    Slaves outlive their manager: what belongs to one that lives is let be. Attached
+    processes and zygotes are known by their sockets.
     """
     entry = os.path.basename(path)
     pid, _, kind = entry.removeprefix(f"{name}.").partition(".")

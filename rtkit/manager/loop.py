@@ -134,7 +134,7 @@ class Loop:
     def run(self) -> None:
         """Work until the core reports that all is done."""
         while not self._is_finished:
-            for key, mask in self._selector.select(self._patience()):
+            for key, mask in self._selector.select(self._wait_s()):
                 _guarded(key.data, mask)
             self._take_inbox()
             self._lines.check_settled()
@@ -161,12 +161,12 @@ class Loop:
         for descriptor in (self._wake_read, self._wake_write, self._stacks):
             os.close(descriptor)
 
-    def _patience(self) -> float | None:
+    def _wait_s(self) -> float | None:
         look_at = self._watchdog.look_at if self._has_callbacks else None
         tidy_at = self._tidy_at if self._core.state.components else None
         slave_supervisor = (self._slave_supervisor.sweep_at, self._slave_supervisor.start_at)
         limits_at = self._limiter.look_at if self._limiter is not None else None
-        wishes = (
+        deadlines = (
             self._wake_at,
             self._lines.deadline,
             look_at,
@@ -174,7 +174,7 @@ class Loop:
             limits_at,
             *slave_supervisor,
         )
-        moments = [moment for moment in wishes if moment is not None]
+        moments = [moment for moment in deadlines if moment is not None]
         return min(max(0.0, min(moments) - time.monotonic()), _LONG_S) if moments else None
 
     def _look(self) -> None:

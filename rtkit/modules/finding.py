@@ -64,7 +64,7 @@ class _Finder:
             except (NotFound, Refused, Malformed) as error:
                 return f"{error}{self._near(path) if isinstance(error, NotFound) else ''}"
             if told is None:
-                return ""  # what it offers shows only when it runs
+                return ""  # its types are known only when it runs
             offered = told
         if create.implementation_id in COMPOSITES or _is_among(create, (*self._types, *offered)):
             return ""

@@ -60,8 +60,8 @@ class ChangeFeed:
         self.run()
         assert self._known is not None
         self._publish(Delta(self.run_id, self._number + 1))
-        picture = FullSnapshot(self.run_id, self._number, self._known)
-        self._out.append(AnswerClient(answer, Reply(snapshot_to_text(picture))))
+        whole = FullSnapshot(self.run_id, self._number, self._known)
+        self._out.append(AnswerClient(answer, Reply(snapshot_to_text(whole))))
 
     def run(self) -> None:
         """Publish what has changed since the last time, if there are subscribers."""

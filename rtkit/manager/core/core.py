@@ -182,7 +182,7 @@ class Core:
         else:
             self._follows.ask(asked)
 
-    # what shall exist
+    # desired state
 
     def _remember(self, event: StoreRead) -> None:
         state = self.state
@@ -214,10 +214,10 @@ class Core:
         def done(result: Result) -> None:
             self._keeping.finish([act.Tick("", "")], [result], tell)
 
-        self._is_restoring = True  # who comes from now on is late
+        self._is_restoring = True  # slaves that report from now on are late
         self._tasks.begin(restore(self.state, self._supervisor.resume), RESTORE_S, done)
 
-    # what processes report
+    # reports of processes
 
     def _heard(self, key: int, message: Message) -> None:
         process = self.state.processes.get(key)
@@ -283,7 +283,7 @@ class Core:
             name = adoption.free_name(self.state, event.name, event.pid)
             process = self._tasks.new_process(name, event.pid)
             process.is_guest = event.is_guest
-        if event.name == TRIAL:  # nobody waits for what it tries any more
+        if event.name == TRIAL:  # nobody waits for its import check any more
             process.trial_of, process.is_wanted = TRIAL, False
         was_silent, process.silence = bool(process.silence), event.silence
         process.state = "silent" if event.silence else "up"

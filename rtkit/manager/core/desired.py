@@ -218,10 +218,10 @@ class DesiredState:
             if any(end.instance == instance for end in wire.ports):
                 self.drop(WIRE, connector_id)
         # Few drive others: looking into each would make many components cost their square.
-        drivers = [(owner, wish) for owner, wish in self.components.items() if wish.attached]
-        for owner, wish in drivers:
-            if any(instance in driven for driven in wish.attached.values()):
-                left = {c: tuple(p for p in ps if p != instance) for c, ps in wish.attached.items()}
+        drivers = [(owner, item) for owner, item in self.components.items() if item.attached]
+        for owner, item in drivers:
+            if any(instance in driven for driven in item.attached.values()):
+                left = {c: tuple(p for p in ps if p != instance) for c, ps in item.attached.items()}
                 self.change(owner, attached=left)
 
     def lost(self, facts: ComponentFacts) -> None:
@@ -255,9 +255,9 @@ class DesiredState:
 
     def change(self, instance: str, **changes: Any) -> None:
         """Change a desired component; one that is not desired stays so."""
-        wish = self.components.get(instance)
-        if wish is not None:
-            self.put(COMPONENT, instance, replace(wish, **changes))
+        item = self.components.get(instance)
+        if item is not None:
+            self.put(COMPONENT, instance, replace(item, **changes))
 
 
 def _word(data: object) -> str:

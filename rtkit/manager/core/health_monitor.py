@@ -44,16 +44,16 @@ class HealthMonitor:
         state = self._state
         metrics = {each.instance: each for every in answers.values() for each in every}
         for instance in list(state.ruled):
-            wish = state.kept.components.get(instance)
-            if wish is None:
+            desired = state.kept.components.get(instance)
+            if desired is None:
                 state.ruled.discard(instance)
-            if wish is None or instance in state.returning or not lives(state, instance):
+            if desired is None or instance in state.returning or not lives(state, instance):
                 self._forget(instance)
                 continue
             sample = self._sample(instance, metrics.get(instance), now)
             before = self._samples.get(instance)
             self._samples[instance] = sample
-            rules = read_rules(parse_create(wish.create).options)
+            rules = read_rules(parse_create(desired.create).options)
             self._react(instance, dict(broken(rules, before, sample)), now)
 
     def stuck(self, instance: str, now: float, *, is_all_told: bool) -> None:
@@ -73,13 +73,13 @@ class HealthMonitor:
 
     def _judge_stuck(self, instance: str, now: float) -> None:
         state = self._state
-        wish, why = (
+        desired, why = (
             state.kept.components.get(instance),
             _stuck(state.process_of(instance), instance),
         )
-        if wish is None or not why or instance in state.returning or not lives(state, instance):
+        if desired is None or not why or instance in state.returning or not lives(state, instance):
             return
-        for rule in read_rules(parse_create(wish.create).options):
+        for rule in read_rules(parse_create(desired.create).options):
             if rule.kind == "stuck":
                 self._break(instance, rule, why, now)
                 self._tell(instance)

@@ -31,7 +31,7 @@ def names_elsewhere(
     try:
         names: list[str] = yield Call(state.processes[OWN_PROCESS], message, _PATIENCE_S)
     except RtkitError:
-        return ()  # who does not answer is left out: that holds up no creation
+        return ()  # a silent manager is left out: it delays no creation
     return frozenset(names)
 
 

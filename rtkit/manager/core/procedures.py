@@ -199,9 +199,9 @@ def _lacking(state: ManagerState, instance: str) -> str:
         for connector_id, wire in kept.wires.items()
         if any(end.instance == instance for end in wire.ports)
     ]
-    wish = kept.components.get(instance)
+    desired = kept.components.get(instance)
     lost = [f"connections {', '.join(wires)}"] if wires else []
-    if wish is not None and (wish.sets or wish.active_set):
+    if desired is not None and (desired.sets or desired.active_set):
         lost.append("values that were set")
     if not lost:
         return ""

@@ -34,25 +34,25 @@ _NONE = DesiredComponent("")
 
 def _set(
     kept: DesiredState,
-    wish: DesiredComponent,
+    entry: DesiredComponent,
     action: act.SetParameters | act.ChangeState | act.SetRate,
 ) -> None:
     match action:
         case act.SetParameters(instance, set_id, values):
-            changed = {**wish.sets.get(set_id, {}), **values}
-            kept.change(instance, sets={**wish.sets, set_id: changed})
+            changed = {**entry.sets.get(set_id, {}), **values}
+            kept.change(instance, sets={**entry.sets, set_id: changed})
         case act.SetRate(instance, context, rate):
-            kept.change(instance, rates={**wish.rates, context: rate})
+            kept.change(instance, rates={**entry.rates, context: rate})
         case act.ChangeState(instance, context, Transition.ACTIVATE):
-            kept.change(instance, active=tuple(dict.fromkeys((*wish.active, context))))
+            kept.change(instance, active=tuple(dict.fromkeys((*entry.active, context))))
         case act.ChangeState(instance, context):
-            kept.change(instance, active=tuple(each for each in wish.active if each != context))
+            kept.change(instance, active=tuple(each for each in entry.active if each != context))
 
 
-def _attach(kept: DesiredState, wish: DesiredComponent, action: act.Attach | act.Detach) -> None:
-    driven = dict.fromkeys(wish.attached.get(action.context, ()))
+def _attach(kept: DesiredState, entry: DesiredComponent, action: act.Attach | act.Detach) -> None:
+    driven = dict.fromkeys(entry.attached.get(action.context, ()))
     if isinstance(action, act.Attach):
         driven[action.participant] = None
     else:
         driven.pop(action.participant, None)
-    kept.change(action.owner, attached={**wish.attached, action.context: tuple(driven)})
+    kept.change(action.owner, attached={**entry.attached, action.context: tuple(driven)})

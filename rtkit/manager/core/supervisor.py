@@ -54,8 +54,8 @@ class Supervisor:
 
     def policy(self, instance: str) -> RestartPolicy:
         """Return the policy of a component; one that is not desired is not restarted."""
-        wish = self._state.kept.components.get(instance)
-        return RestartPolicy() if wish is None else policy_of(self._state, wish.create)
+        entry = self._state.kept.components.get(instance)
+        return RestartPolicy() if entry is None else policy_of(self._state, entry.create)
 
     def wants(self, instance: str, reason: str) -> bool:
         """Return whether a component that ended for that reason is to be restarted."""
@@ -146,9 +146,9 @@ class Supervisor:
         """Return how an action is done to a component that is in hand; None for any other."""
         if not isinstance(action, act.ChangeState) or not self._state.is_in_hand(action.instance):
             return None
-        return self._change_wish(action)
+        return self._change_desired(action)
 
-    def _change_wish(self, action: act.ChangeState) -> Procedure:
+    def _change_desired(self, action: act.ChangeState) -> Procedure:
         """Set a dead component's desired state to rest; at a reset restart it at once, forgive all.
 
         Raises:

@@ -200,9 +200,9 @@ class Tasks:
     def _resume(self, step: _Step) -> None:
         task, value, error = step
         while True:
-            wish = _advance(task, value, error)
+            effect = _advance(task, value, error)
             value, error = None, None
-            match wish:
+            match effect:
                 case None:
                     return
                 case ReadClock():
@@ -215,30 +215,30 @@ class Tasks:
                     self._out.append(SendToContainer(process.key, message))
                 case Call(process):
                     if not process.unfit:
-                        self._ask(task, wish)
+                        self._ask(task, effect)
                         return
                     error = Unreachable(process.unfit)
                 case AcquireSlave():
-                    slave = self._needed(wish)
+                    slave = self._needed(effect)
                     if slave is None:
                         error = Unreachable(f"no slave can be started: {self._state.barred}")
                     elif slave.state == "starting":
-                        self._wait(task, wish, slave.key)
+                        self._wait(task, effect, slave.key)
                         return
                     value = slave
                 case Sleep(time_s):
-                    self._wait(task, wish, -1, time_s)
+                    self._wait(task, effect, -1, time_s)
                     return
                 case WaitForEnds():
-                    if not _have_ended(wish):
-                        self._wait(task, wish, -1, wish.timeout_s)
+                    if not _have_ended(effect):
+                        self._wait(task, effect, -1, effect.timeout_s)
                         return
                 case WaitUntil(is_so):
                     if not is_so():
-                        self._conditions[self._wait(task, wish, -1)] = None
+                        self._conditions[self._wait(task, effect, -1)] = None
                         return
                 case Gather():
-                    self._side_by_side(task, wish)
+                    self._side_by_side(task, effect)
                     return
 
     def _wait(self, task: _Task, wait: Wait, key: int, timeout_s: float | None = None) -> int:
@@ -260,14 +260,14 @@ class Tasks:
             message["until"] = task.until if not ask.timeout_s else self._now + ask.timeout_s
         self._out.append(SendToContainer(key, message))
 
-    def _side_by_side(self, task: _Task, wish: Gather) -> None:
+    def _side_by_side(self, task: _Task, effect: Gather) -> None:
         """Begin procedures, and go on with the task when each has ended; each has its time-out."""
-        results: list[Result | None] = [None] * len(wish.procedures)
+        results: list[Result | None] = [None] * len(effect.procedures)
         left = len(results)
         if not left:
             self._ready.append(_Step(task, []))
             return
-        number = self._wait(task, wish, -1, math.inf)
+        number = self._wait(task, effect, -1, math.inf)
 
         def done(index: int, result: Result) -> None:
             nonlocal left
@@ -276,7 +276,7 @@ class Tasks:
             if not left and number in self._waiting:
                 self._go_on(number, results)
 
-        for index, steps in enumerate(wish.procedures):
+        for index, steps in enumerate(effect.procedures):
             self.begin(steps, task.timeout_s, partial(done, index))
 
     def _needed(self, need: AcquireSlave) -> Process | None:

@@ -124,8 +124,8 @@ def _open_services(
     ways = [way for way in ((0, 1), (1, 0)) if _provides(ports[way[0]], ports[way[1]])]
     for provider, consumer in ways:
         endpoint = yield Call(ends[provider], {"op": "offer", "connector": plain, "end": provider})
-        wish = {"op": "consult", "connector": plain, "end": consumer, "endpoint": endpoint}
-        yield Call(ends[consumer], wish)
+        request = {"op": "consult", "connector": plain, "end": consumer, "endpoint": endpoint}
+        yield Call(ends[consumer], request)
     for end in (0, 1) if not ways else ():
         yield Call(ends[end], {"op": "keep", "connector": plain, "end": end})
     return Result()

@@ -37,7 +37,7 @@ class ForkServer:
 
     def __init__(self, settings: Mapping[str, Any]) -> None:
         self._settings = json.dumps(settings)
-        self._patience = Backoff()
+        self._backoff = Backoff()
         self._channel: ControlChannel
         self.pid = 0
         self.ends: dict[int, str] = {}
@@ -60,7 +60,7 @@ class ForkServer:
             self.pid = os.posix_spawn(sys.executable, arguments, environment)
         ours.setblocking(False)
         self._channel = ControlChannel(ours)
-        self._patience.begin(time.monotonic())
+        self._backoff.begin(time.monotonic())
         self.start_at = None
 
     def send(self, message: Message) -> None:
@@ -85,22 +85,22 @@ class ForkServer:
 
     def prove(self) -> None:
         """Note that a slave of it has connected."""
-        self._patience.prove()
+        self._backoff.prove()
 
     @property
     def is_failing(self) -> bool:
         """Return whether the zygotes that were started lately did not live long."""
-        return self._patience.failures > 1
+        return self._backoff.failures > 1
 
     def release(self) -> str:
         """Close the connection to one that ended, schedule the next; return what happened."""
         self._channel.close()
         why = f"the zygote ended: {self._end()}"
-        wait_s = self._patience.end(time.monotonic())
+        wait_s = self._backoff.end(time.monotonic())
         self.start_at = time.monotonic() + wait_s
         if self.is_failing:
             moment = time.strftime("%H:%M:%S", time.localtime(time.time() + wait_s))
-            why += f", {self._patience.failures} times in succession; started again at {moment}"
+            why += f", {self._backoff.failures} times in succession; started again at {moment}"
         return why
 
     def close(self) -> None:

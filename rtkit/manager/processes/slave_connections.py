@@ -168,7 +168,7 @@ class SlaveConnections:
         if event is not None:
             self._handle(event)
 
-    # what earlier managers left
+    # processes of earlier managers
 
     @property
     def deadline(self) -> float | None:

@@ -79,7 +79,7 @@ class SlaveSupervisor:
         self._parents: dict[int, int] = {}
         self.sweep_at: float | None = None
         self.former_zygotes = FormerZygotes(self._settings["zygote"])
-        self._absent = UnreportedSlaves(self._settings["manager"], dead)
+        self._unreported = UnreportedSlaves(self._settings["manager"], dead)
         self._server = ForkServer(self._settings)
         self._zygotes.add(self._server.pid)
 
@@ -166,16 +166,16 @@ class SlaveSupervisor:
 
     def look_for_absent(self) -> None:
         """Find the slaves of earlier managers that no zygote reported."""
-        self._absent.look({*self._keys, *self.former_zygotes.missing})
+        self._unreported.look({*self._keys, *self.former_zygotes.missing})
 
     @property
     def is_complete(self) -> bool:
         """Return whether all slaves of earlier managers have reported, but for stopped ones."""
-        return not self._absent.is_worth_waiting(self.former_zygotes.missing, self._keys)
+        return not self._unreported.is_worth_waiting(self.former_zygotes.missing, self._keys)
 
     def absent(self) -> Iterator[ev.Event]:
         """Yield who did not come back, living and dead; once."""
-        return self._absent.settle(self.former_zygotes.missing, self._keys)
+        return self._unreported.settle(self.former_zygotes.missing, self._keys)
 
     def orphans(self) -> list[tuple[int, int]]:
         """Return key and pidfd of the slaves whose end neither zygote nor kernel will report."""
@@ -214,7 +214,7 @@ class SlaveSupervisor:
         pidfd = self._pidfds.get(key)
         if pidfd is None:
             return
-        if number == signal.SIGKILL:  # nobody is to miss what it holds
+        if number == signal.SIGKILL:  # nobody misses its components
             with suppress(FileNotFoundError):
                 os.unlink(checkpoint_path(self.data_pattern, self._pids[key]))
         try:
@@ -345,7 +345,7 @@ class SlaveSupervisor:
         key = self._keys.pop(pid, None)
         self.former_zygotes.ended(pid)
         if key is None:
-            self._absent.ended(pid, why)
+            self._unreported.ended(pid, why)
         self._remove_files(pid)
         if key is None:
             return None
@@ -358,7 +358,7 @@ class SlaveSupervisor:
         if pidfd is not None:
             os.close(pidfd)
         if pid in self._guests:
-            self._guests.discard(pid)  # what it leaves behind is not ours to end
+            self._guests.discard(pid)  # its orphans are not ours to end
         else:
             self._over.add(pid)
         self._sweep_soon()

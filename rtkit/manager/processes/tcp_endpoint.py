@@ -41,7 +41,7 @@ class TcpEndpoint:
     def __init__(self, inner: str) -> None:
         self._inner = inner
         self._wanted = b""
-        self._patience = Backoff()
+        self._backoff = Backoff()
         self._closing = threading.Event()
         self._lock = threading.Lock()
         self._thread: threading.Thread | None = None
@@ -75,7 +75,7 @@ class TcpEndpoint:
             waiting.join()
 
     def _spawn(self) -> None:
-        self._patience.begin(time.monotonic())
+        self._backoff.begin(time.monotonic())
         ours, theirs = socket.socketpair()
         with theirs:
             theirs.set_inheritable(True)
@@ -98,7 +98,7 @@ class TcpEndpoint:
         text = told.decode("utf-8", "replace").strip()
         if text != _READY:
             raise Unreachable(text)
-        self._patience.prove()
+        self._backoff.prove()
 
     def _kill(self) -> None:
         with contextlib.suppress(ProcessLookupError):
@@ -119,7 +119,7 @@ class TcpEndpoint:
             if self._closing.is_set():
                 return
             _log.error("the process of TCP port %s ended: %s", port, how)
-            if self._closing.wait(self._patience.end(time.monotonic())):
+            if self._closing.wait(self._backoff.end(time.monotonic())):
                 return
             with self._lock:
                 if self._closing.is_set():

@@ -91,7 +91,7 @@ class Zygote:
             importlib.import_module(name)
         gc.freeze()
         self._tell({"ready": os.getpid()})
-        later: list[Callable[[], object]] = [self._rehearse] * _REHEARSALS
+        later: list[Callable[[], object]] = [self._warm_up] * _REHEARSALS
         later += [partial(importlib.import_module, name) for name in _AT_LEISURE]
         later.insert(0, self._pack)  # last of all
         later.append(become_subreaper)  # first
@@ -107,7 +107,7 @@ class Zygote:
     def _pack(self) -> None:
         self._filling = fill_gaps()
 
-    def _rehearse(self) -> None:
+    def _warm_up(self) -> None:
         try:
             with fault.unheeded():
                 warm_up(self._log, self._settings)

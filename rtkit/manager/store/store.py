@@ -196,7 +196,7 @@ class Store:
     def forget(self) -> None:
         """Remove the store with all its rows: nothing is desired any more."""
         if self._db is not None:
-            with suppress(sqlite3.Error):  # what cannot be emptied is removed all the same
+            with suppress(sqlite3.Error):  # a table that cannot be emptied is removed
                 self._db.execute("delete from kept")
         self.close()
         remove(self._path)
