@@ -34,7 +34,7 @@ if TYPE_CHECKING:
 
 DEFAULT_TIMEOUT_S = 10.0
 _LEAST_TIMEOUT_S = 2.0
-"""How long a manager may take on a machine that is at work [s]."""
+"""Least time-out for a manager on a busy machine [s]."""
 SETTINGS = {"max_content_width": 100}
 
 

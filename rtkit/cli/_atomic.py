@@ -15,7 +15,7 @@ from rtkit.errors import NotFound, Refused
 STDOUT = "-"
 _DRAFT = ".draft"
 _LONGEST = 180
-"""How much of a name its draft bears [bytes]: a name may have 255."""
+"""Part of a name that its draft bears [bytes]: a name may have 255."""
 
 
 def write_output(data: bytes, output: str, *, is_new: bool = False) -> None:

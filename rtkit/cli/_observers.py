@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 _AGAIN_S = 0.05
 _LATER_S = 1.0
 _KEEN_S = 5.0
-"""How long an endpoint is retried after its folder has changed [s]."""
+"""Time for which an endpoint is retried after its folder has changed [s]."""
 
 
 class ManagerSeen(NamedTuple):

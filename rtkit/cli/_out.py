@@ -85,7 +85,7 @@ def padded(text: str, width: int, shown: str | None = None) -> str:
 
 
 def display_width(text: str) -> int:
-    """Return how many columns a terminal uses for `text`."""
+    """Return the number of columns that a terminal uses for `text`."""
     if text.isascii():
         return len(text)
     import unicodedata

@@ -21,11 +21,11 @@ if TYPE_CHECKING:
 
 _NS = 1_000_000_000
 _UNNAMED = "\0"
-"""What the names of streams begin with that the user did not name."""
+"""Prefix of the names of streams that the user did not name."""
 
 
 class PlaybackPace(NamedTuple):
-    """How fast a recording is played.
+    """Speed of a playback.
 
     Attributes:
         factor: Speed relative to the recording; untimed: entries per cycle.
@@ -41,7 +41,7 @@ class PlaybackPace(NamedTuple):
     duration_s: float | None
 
     def due_s(self, index: int, entry: RecordedValue, first: RecordedValue) -> float:
-        """Return how long after the beginning an entry is played [s]."""
+        """Return the time from the beginning until an entry is played [s]."""
         if self.is_untimed:
             return index // max(1, int(self.factor)) / self.cycles_hz
         return max(0.0, (entry.time_ns - first.time_ns) / _NS / self.factor)

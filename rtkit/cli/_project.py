@@ -57,12 +57,12 @@ class FileChange(NamedTuple):
 
     @property
     def line(self) -> int:
-        """Where the reason stands in the file."""
+        """Line of the file at which the reason stands."""
         return self.merged.line
 
     @property
     def why(self) -> str:
-        """Why it is a conflict, or kept."""
+        """Reason for a conflict, or for keeping the file."""
         return self.merged.why
 
     def assignment_when(self, *, is_forced: bool) -> str:

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
 _NS = 1_000_000_000
 _FLUSH_S = 0.02
-"""How long a line of a text log waits for others, so that few are lost if it is killed [s]."""
+"""Time that a line of a text log waits for others: short, so that a kill loses few [s]."""
 
 
 def record(

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 _HEAD = ("type", "access", "unit", "quality")
 _CALL_S = 0.1
 _CALLS_S = 1.0
-"""How long one value, and all of them, may take that code of a user has to tell [s]."""
+"""Time-out of one value, and of all, that user code computes [s]."""
 
 
 def service_at(typed: str) -> PropertyTarget | None:

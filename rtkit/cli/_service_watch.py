@@ -15,7 +15,7 @@ from rtkit.property.codes import PropertyError
 from rtkit.tree.property_subscription import PropertySubscription
 
 _MOST = 1000
-"""How many properties one connection listens to; services bound it."""
+"""Number of properties that one connection subscribes to; services bound it."""
 
 
 def watch_service(listing: ServiceListing, sight: WatchedScreen) -> None:

@@ -20,5 +20,5 @@ DETAILS: dict[str, str] = {
     "8": "a search was given up",
     "70": "a bug",
 }
-"""What failures are told apart by with ``--exit-detail``."""
+"""Exit statuses that tell failures apart with ``--exit-detail``."""
 TOLD_APART = "With --exit-detail (or RTKIT_EXIT_DETAIL=1) failures are told apart"

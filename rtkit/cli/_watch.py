@@ -11,7 +11,7 @@ import click
 from rtkit.cli import _out
 
 CLEAR = "\x1b[H\x1b[2J"
-"""What a terminal takes to show nothing."""
+"""Escape sequence that clears a terminal."""
 
 
 class WatchOption(click.Option):

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from rtkit.rtc.names import Path
 
 _LADDER_S = 6.0
-"""How long asking, TERM and KILL may take together [s]."""
+"""Time-out of asking, TERM and KILL together [s]."""
 
 
 @command("rtexit")

@@ -25,7 +25,7 @@ LEVELS = ("FATAL", "ERROR", "WARN", "INFO", "NORMAL", "DEBUG", "TRACE", "VERBOSE
 
 _BEFORE = 10
 _SETTLE_S = 0.02
-"""How long what other processes wrote at the same moment is waited for, to be put in order [s]."""
+"""Wait for simultaneous records of other processes, so that they can be put in order [s]."""
 
 _STYLES: dict[str, dict[str, object]] = {
     "FATAL": {"fg": "white", "bg": "red", "bold": True},

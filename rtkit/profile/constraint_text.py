@@ -37,7 +37,7 @@ SIGNS = {
     "propertyIsGreaterThanOrEqualTo": ">=",
     "propertyIsNotEqualTo": "!=",
 }
-"""How the kinds of comparisons are written between ``x`` and a literal."""
+"""Signs of the kinds of comparisons between ``x`` and a literal."""
 
 LIKE_MARKS = ("*", "?", "\\")
 """Wild card, single character and escape of ``like("…")`` when it names none."""

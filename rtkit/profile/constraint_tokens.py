@@ -8,7 +8,7 @@ from typing import NamedTuple
 from rtkit.errors import Malformed
 
 VARIABLE = "x"
-"""What stands for the value in ``x>1``."""
+"""Placeholder of the value in ``x>1``."""
 
 _TOKEN = re.compile(
     r"""\s*(?:

@@ -140,7 +140,7 @@ class Findings:
         return self._far.get(element) or element.sourceline or 0
 
     def number(self, element: Any) -> int:
-        """Return how many elements of the same name stood before this one, when first asked."""
+        """Return the number of namesakes before this element, as they stood when first asked."""
         if element not in self._numbers:
             counts: Counter[str] = Counter()
             for item in element.getparent():

@@ -29,7 +29,7 @@ _LARGE = "too-large"
 _BEFORE_ROOT = rb"(?:\xef\xbb\xbf)?(?:\s+|<\?.*?\?>|<!--.*?-->)*"
 _PLACE = r"(?:,? line [0-9]+)?, line [0-9]+, column [0-9]+$"
 _ADVICE = r"[,;.]? *(?:please )?(?:use|try) (?:the )?XML_PARSE_HUGE(?: option)?"
-"""What libxml2 advises those who call it; users of a command cannot follow it."""
+"""Advice of libxml2 to its callers; users of a command cannot follow it."""
 
 _DOCTYPE = rb"<!DOCTYPE\s*([^\s\[>]*)"
 

@@ -17,7 +17,7 @@ class Position(NamedTuple):
 
 
 class Positions:
-    """Where the parts of one model stand; for the tree that the model was built from."""
+    """Positions of the parts of one model, in the tree that the model was built from."""
 
     def __init__(self, root: Any, spec: ElementSpec, found: Findings) -> None:
         self._root = root

@@ -58,7 +58,7 @@ class BasicInfo:
 
 @dataclass(frozen=True, slots=True)
 class ActionStatus:
-    """Whether the component implements a callback."""
+    """Status of a callback: whether the component implements it."""
 
     implemented: bool
     doc: ActionDoc | None = None

@@ -75,7 +75,7 @@ class OwnedContext:
 
 @dataclass(frozen=True, slots=True)
 class Location:
-    """Where an editor draws the component [pixel]; `direction` is DOWN, RIGHT, UP or LEFT."""
+    """Position of the component in an editor [pixel]; `direction` is DOWN, RIGHT, UP or LEFT."""
 
     x: int
     y: int

@@ -12,7 +12,7 @@ from rtkit.profile.findings import Findings
 from rtkit.profile.xmlnames import NAMESPACES, clark, split
 
 NO_DATE = "1970-01-01T00:00:00"
-"""What a profile without any date gets."""
+"""Date of a profile without any."""
 
 _ORDERS = (
     "StartUp",

@@ -45,4 +45,4 @@ RULES: dict[str, str] = {
     "xml-attribute": "An attribute of XML itself or of schema instances is dropped",
     "xsi-type": "The type of an element is absent, unknown or out of place",
 }
-"""What each rule is about, by its id."""
+"""Description of each rule, by its id."""

@@ -51,7 +51,7 @@ class Difference(NamedTuple):
 def differences(
     before: RtcProfile | RtsProfile, after: RtcProfile | RtsProfile, *, takes_all: bool = False
 ) -> list[Difference]:
-    """Return how `after` differs from `before`; with all, none only where they are equal.
+    """Return the differences of `after` from `before`; with all, none only where they are equal.
 
     Raises:
         Refused: They are not of one kind.

@@ -9,7 +9,7 @@ _INDENT = "  "
 _GAP = "  "
 
 Width = Callable[[str], int]
-"""How many columns a text takes."""
+"""Function that returns the number of columns a text takes."""
 
 
 class Outline(NamedTuple):

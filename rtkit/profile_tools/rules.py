@@ -7,4 +7,4 @@ RULES: dict[str, str] = {
     "not-carried": "A form cannot hold what the document says",
     "unreadable": "A file or folder cannot be read",
 }
-"""What each rule is about, by its id."""
+"""Description of each rule, by its id."""

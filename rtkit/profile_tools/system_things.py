@@ -22,7 +22,7 @@ from rtkit.profile.words import OWN_PREFIX, normal_data_type, property_value, st
 from rtkit.profile_tools.thing import Thing, ThingKey, Things, fields_of, put, told
 
 _Names = dict[tuple[str, str], str]
-"""What components are called here, by id and instance name."""
+"""Names of components in a comparison, by id and instance name."""
 
 _PARTS = (
     "components",

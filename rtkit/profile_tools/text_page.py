@@ -8,7 +8,7 @@ from rtkit.profile_tools.html_page import paragraphs
 from rtkit.profile_tools.page import Page, PageTable, Section, with_line_breaks
 
 Width = Callable[[str], int]
-"""How many columns a text takes."""
+"""Function that returns the number of columns a text takes."""
 
 
 def text_page(page: Page, width: Width = len) -> str:

@@ -67,7 +67,7 @@ def _titled(rows: Iterable[tuple[str, str]], indent: str = "") -> list[str]:
 def manager_record(
     snapshot: Snapshot, process: ProcessFacts | None, offers: Offers
 ) -> dict[str, Any]:
-    """Return what is known of a manager, or of a slave of it, for JSON."""
+    """Return the facts of a manager, or of a slave of it, for JSON."""
     from rtkit.rtc.serde import encode
 
     shown = _process(snapshot, process)

@@ -143,7 +143,7 @@ def _verbs(typed: str) -> list[Candidate]:
 
 
 def _bounded() -> float:
-    """Return how long to wait for a manager [s], and end this process when it takes longer."""
+    """Return the time-out for a manager [s]; this process ends when it takes longer."""
     try:
         timeout_s = float(os.environ.get(PATIENCE, ""))
     except ValueError:

@@ -266,7 +266,7 @@ def _value(asked: CursorMeaning, live: CompletionSource) -> Found:
 
 
 def _classes(asked: CursorMeaning, _live: CompletionSource) -> Found | Files:
-    """Return what a file defines of which the name is typed up to the colon, else files."""
+    """Return the definitions of a file whose name is typed up to the colon, else files."""
     path, colon, _ = asked.typed.rpartition(":")
     if not colon and os.path.isfile(os.path.expanduser(asked.typed)):
         path = asked.typed

@@ -52,7 +52,7 @@ ARGUMENTS: dict[str, tuple[str, ...]] = {
     "rtwait": ("waited-for",),
     "rtwatch": ("anything",),
 }
-"""What the arguments of a command are, the last one for all that follow."""
+"""Types of the arguments of a command, the last one for all that follow."""
 
 VALUES: dict[tuple[str, str], str] = {
     ("rtcomp", "-a"): "component:",
@@ -66,7 +66,7 @@ VALUES: dict[tuple[str, str], str] = {
     ("rtmgr", "-s"): "property",
     ("rtmgr", "-u"): "loaded-module",
 }
-"""What the value of an option is, by its first name."""
+"""Type of an option's value, by the option's first name."""
 
 _GLUED = {("rtls", "--watch")}
 """Options that take a value only behind ``=``."""

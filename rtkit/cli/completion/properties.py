@@ -16,7 +16,7 @@ from rtkit.tree.view import NodeKind, TreeNode
 _MOST_ASKED = 8
 _PATIENCE_S = 0.3
 _MORE = ("history", "meta", "parameters", "properties")
-"""What can be asked about any property, behind its name."""
+"""Suffixes that ask about any property, behind its name."""
 _STATES = ("Active", "Inactive")
 
 

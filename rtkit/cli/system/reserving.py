@@ -36,7 +36,7 @@ def check_reserved(app: App, system: WantedSystem, snapshot: Snapshot) -> None:
 
 
 def _elsewhere(app: App, managers: Collection[str]) -> dict[str, tuple[ComponentFacts, ...]]:
-    """Return what lives in the managers of this host that are not these."""
+    """Return the components of the other managers of this host, by manager."""
     from rtkit.link import running
     from rtkit.tree.connect import connect
 

@@ -23,13 +23,13 @@ if TYPE_CHECKING:
     from rtkit.tree.subscription import ManagerSubscription
 
 _LEAST_S = 0.05
-"""How soon after the last one a page is drawn at the earliest [s]."""
+"""Least time between two drawings of the page [s]."""
 
 _LATE_S = 3.5
-"""When to draw a page though no figures come, after they last did [s]."""
+"""Time after the last metrics at which the page is drawn without new ones [s]."""
 
 _TOLD_S = 5.0
-"""How long the outcome of a key is shown [s]."""
+"""Time for which the outcome of a key is shown [s]."""
 
 _KEYS = "q quit, h help, arrows select and sort, a activate, d deactivate, r reset"
 _HELP = (
