@@ -78,9 +78,9 @@ class Annotations:
         is_free = path[-1] not in self._taken or len(path) == 1
         return self._taken.add(path[-1] if is_free else "".join(path[-2:]))
 
-    def new_name(self, wished: str) -> str:
+    def new_name(self, preferred: str) -> str:
         """Return a name of the module that is free, and take it."""
-        return self._taken.add(wished)
+        return self._taken.add(preferred)
 
     @property
     def all(self) -> frozenset[str]:
@@ -127,7 +127,7 @@ class Annotations:
         return f"{OWN}{self._arrays[key]}"
 
     def _long_array(self, item: str, sizes: tuple[int, ...]) -> str:
-        """Give an array a name: to write all of its items would help nobody."""
+        """Give an array a name, because its items written out would be unreadable."""
         word = next(each for each in _WORD.findall(item) if each not in ("tuple", "rt", "images"))
         stem = word[0].upper() + word[1:] + "Seq" * item.count("...")
         name = self.new_name(stem + "x".join(map(str, sizes)))

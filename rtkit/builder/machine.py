@@ -62,8 +62,8 @@ def _states(events: Iterable[rtc_model.FsmTransition], note: _Note) -> dict[str,
         if target:
             states.setdefault(target, {})
         if not (source and target and name):
-            told = f"from {source or '(none)'} to {target or '(none)'}"
-            note(f"a transition {told} has no event: it is left out")
+            ends = f"from {source or '(none)'} to {target or '(none)'}"
+            note(f"a transition {ends} has no event: it is left out")
         elif states[source].setdefault(name, target) != target:
             note(f"state {source}: event {name} leads to {states[source][name]}, not to {target}")
     if first:

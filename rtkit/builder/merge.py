@@ -46,7 +46,7 @@ class Merged(NamedTuple):
 
 
 def merge(old: str | None, new: str, *, has_regions: bool) -> Merged:
-    """Return what a file is to hold, given what it holds and what was generated.
+    """Return the merged file of the existing text and the generated one.
 
     Code of users stays. A file with regions whose generated part was changed is a conflict;
     one without regions that was changed is the user's and is kept.

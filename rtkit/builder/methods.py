@@ -100,13 +100,13 @@ def documentation(method: GeneratedMethod, names: Callable[[Path], str], indent:
     """Return the lines of the docstring; `names` gives those of exceptions."""
     sections: list[str] = []
     if method.results:
-        told = [f"``{name}``" if name else "the result" for name in method.results]
-        sections += ["", "Returns:", f"{INDENT}{sentence(_listed(told))}"]
+        listed = [f"``{name}``" if name else "the result" for name in method.results]
+        sections += ["", "Returns:", f"{INDENT}{sentence(_listed(listed))}"]
     if method.raises:
-        told = [
+        listed = [
             f"{INDENT}{names(path)}: As the interface definition says." for path in method.raises
         ]
-        sections += ["", "Raises:", *told]
+        sections += ["", "Raises:", *listed]
     return docstring(sentence(in_words(method.name)), method.doc, indent=indent, sections=sections)
 
 

@@ -68,7 +68,7 @@ class Sources:
 
 
 def idl_files(profile: RtcProfile) -> Iterator[str]:
-    """Yield the IDL files that the profile names for what rtkit does not know already."""
+    """Yield the IDL files that the profile names for types that rtkit does not know already."""
     for port in profile.data_ports:
         path = standard_types.path_of(port.type)
         if path and path not in standard_types.KNOWN and port.idl_file:
@@ -98,7 +98,7 @@ def is_declared(text: str, definitions: Definitions) -> bool:
 
 
 def prepare(profile: RtcProfile, sources: Sources) -> tuple[GeneratedComponent, TypesCode]:
-    """Return what is to be generated for a profile, and the types that go with it."""
+    """Return the component to generate for a profile, and its types."""
     return _Preparation(profile, sources).run()
 
 
@@ -293,8 +293,8 @@ class _Preparation:
         methods = tuple(types.methods(found.path)) if is_provided else ()
         servant = ""
         if any(method.name in taken or method.name in done for method in methods):
-            wished = f"{class_name(port)}{class_name(found.path[-1])}"
-            servant = unused(wished, self.classes, "")
+            preferred = f"{class_name(port)}{class_name(found.path[-1])}"
+            servant = unused(preferred, self.classes, "")
         else:
             done |= {taken.add(method.name) for method in methods}
         protocol = f"idl.{types.name(found.path)}"

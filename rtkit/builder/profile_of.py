@@ -103,47 +103,47 @@ def _paragraphs(text: str | None) -> list[str]:
 def _documentation(component: Component) -> tuple[str, docs.BasicDoc | None]:
     """Return the description in the docstring of the class, and its labelled paragraphs."""
     plain: list[str] = []
-    told: dict[str, Any] = {}
+    fields: dict[str, Any] = {}
     for part in _paragraphs(vars(type(component)).get("__doc__")):
         field = next((each for each, label in LABELS.items() if part.startswith(label)), "")
         if field:
-            told[field] = part.removeprefix(LABELS[field])
+            fields[field] = part.removeprefix(LABELS[field])
         else:
             plain.append(part)
     if plain[:1] == [neutral(component.type.type_name)]:
         del plain[0]
     description = sentence(" ".join(plain[0].split())) if plain else ""
     if plain[1:]:
-        told["description"] = "\n\n".join(plain[1:])
-    return description, docs.BasicDoc(**told) if told else None
+        fields["description"] = "\n\n".join(plain[1:])
+    return description, docs.BasicDoc(**fields) if fields else None
 
 
 def _actions(cls: type[Component]) -> rtc.Actions:
     base = FsmComponent if issubclass(cls, FsmComponent) else Component
-    told: dict[str, Any] = {}
+    fields: dict[str, Any] = {}
     for name in SUMMARIES:
         if name != _FSM_ONLY or base is FsmComponent:
             own = getattr(cls, name)
             is_own = own is not getattr(base, name)
             doc = _action_doc(name, own.__doc__) if is_own else None
-            told[name] = rtc.ActionStatus(is_own, doc)
-    return rtc.Actions(**told)
+            fields[name] = rtc.ActionStatus(is_own, doc)
+    return rtc.Actions(**fields)
 
 
 def _action_doc(name: str, text: str | None) -> docs.ActionDoc | None:
     plain: list[str] = []
-    told: dict[str, Any] = {}
+    fields: dict[str, Any] = {}
     for part in _paragraphs(text):
         if part.startswith(PRECONDITION):
-            told["pre_condition"] = part.removeprefix(PRECONDITION)
+            fields["pre_condition"] = part.removeprefix(PRECONDITION)
         elif part.startswith(POSTCONDITION):
-            told["post_condition"] = part.removeprefix(POSTCONDITION)
+            fields["post_condition"] = part.removeprefix(POSTCONDITION)
         elif part != SUMMARIES[name]:
             plain.append(part)
     if plain:
         text = "\n\n".join(plain)
-        told["description"] = text if "\n" in text else sentence(text)
-    return docs.ActionDoc(**told) if told else None
+        fields["description"] = text if "\n" in text else sentence(text)
+    return docs.ActionDoc(**fields) if fields else None
 
 
 def _configuration(parameter: Parameter[object]) -> rtc.ConfigurationParameter:

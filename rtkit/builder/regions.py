@@ -48,7 +48,7 @@ class Split(NamedTuple):
 
 
 def region(name: str, indent: str, content: Sequence[str] = ()) -> list[str]:
-    """Return the lines of a region with what it holds in the beginning."""
+    """Return the lines of a region with its initial content."""
     return [f"{indent}# <user code {name}>", *content, f"{indent}# </user code {name}>"]
 
 
@@ -113,8 +113,8 @@ def stamped(text: str, *, has_regions: bool) -> str:
     Raises:
         Malformed: Its marks do not fit.
     """
-    told = fingerprint(text, has_regions=has_regions)
-    return _STAMP.sub(lambda found: f"{found[1]}{told}{found[3]}", text, count=1)
+    stamp = fingerprint(text, has_regions=has_regions)
+    return _STAMP.sub(lambda found: f"{found[1]}{stamp}{found[3]}", text, count=1)
 
 
 def stamp_of(text: str) -> str:
@@ -124,7 +124,7 @@ def stamp_of(text: str) -> str:
 
 
 def fingerprint(text: str, *, has_regions: bool) -> str:
-    """Return what the stamp of an unchanged file says.
+    """Return the stamp of an unchanged file.
 
     Raises:
         Malformed: Its marks do not fit.

@@ -67,7 +67,7 @@ class Ring(Generic[T]):
         return self.take()
 
     def close(self) -> None:
-        """Do nothing: nobody waits here."""
+        """Do nothing: no reader waits here."""
 
 
 class AwaitedRing(Generic[T]):
@@ -83,7 +83,7 @@ class AwaitedRing(Generic[T]):
 
     def __init__(self, options: BufferOptions) -> None:
         self._items: deque[T] = deque(maxlen=options.length)
-        self._bells: deque[Lock] = deque()
+        self._wakeups: deque[Lock] = deque()
         self._timeout_s = options.read_timeout
         self._is_closed = False
         self.lost = 0
@@ -99,8 +99,8 @@ class AwaitedRing(Generic[T]):
         if len(items) == items.maxlen:
             self.lost += 1
         items.append(value)
-        if self._bells:
-            self._ring()
+        if self._wakeups:
+            self._wake_readers()
         return None
 
     def take(self) -> T | None:
@@ -117,25 +117,25 @@ class AwaitedRing(Generic[T]):
         while value is None and left_s > 0 and not self._is_closed:
             wakeup = Lock()
             wakeup.acquire()
-            self._bells.append(wakeup)
+            self._wakeups.append(wakeup)
             value = self.take()  # a write before the append released no wakeup
             if value is None and not self._is_closed:
                 left_s = wait_for(wakeup, left_s)
                 value = self.take()
-            if self._bells:  # a release removes the wakeup from the queue
+            if self._wakeups:  # a release removes the wakeup from the queue
                 with suppress(ValueError):
-                    self._bells.remove(wakeup)
+                    self._wakeups.remove(wakeup)
         return value
 
     def close(self) -> None:
         """Accept no more values and wake whoever waits."""
         self._is_closed = True
-        self._ring()
+        self._wake_readers()
 
-    def _ring(self) -> None:
+    def _wake_readers(self) -> None:
         try:
-            while self._bells:
-                self._bells.popleft().release()
+            while self._wakeups:
+                self._wakeups.popleft().release()
         except IndexError:  # the last reader has left meanwhile
             return
 

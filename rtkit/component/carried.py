@@ -133,7 +133,7 @@ class _Writer:
         return self._scalar(layout, source)
 
     def _each(self, layout: ItemsLayout, name: str) -> str:
-        """Return what tests the items of a tuple without a step of Python for each, if it can."""
+        """Return a test of a tuple's items without a step of Python for each, where possible."""
         item = layout.item
         if isinstance(item, (StructLayout, ArrayLayout, ItemsLayout)):
             return f"all(map({self._named(compile_test(item))}, {name}))"

@@ -173,7 +173,7 @@ class _Encoder(_Source):
         self.append(data)
 
     def take_items(self, value: str) -> None:
-        """Emit what makes an array a list, and refuses what is no sequence."""
+        """Emit code that turns an array into a list and refuses other types than sequences."""
         self.scope["_as_items"] = as_items
         self.add(f"if {value}.__class__ is not tuple: {value} = _as_items({value})")
 
@@ -228,7 +228,7 @@ class _Encoder(_Source):
         self.names = []
 
     def fixed(self) -> tuple[str, int]:
-        """Return what packs header and first run, whose position is known, and its size."""
+        """Return the expression that packs header and first run, and their size."""
         form = struct.Struct(self.order + "4s" + _padded(self.codes, "", _HEADER).format)
         return f"{self.name(form, 'run')}.pack(_header, {', '.join(self.names)})", form.size
 
@@ -247,7 +247,7 @@ class _Decoder(_Source):
         return coder
 
     def read(self, layout: Layout) -> str:
-        """Emit what reads a value; return the expression for it, valid once flushed."""
+        """Emit code that reads a value; return the expression for it, valid once flushed."""
         if isinstance(layout, StructLayout):
             values = [(field, self.read(item)) for field, item in layout.fields]
             if _is_plain_record(layout):
@@ -327,7 +327,7 @@ class _Decoder(_Source):
         return f"list({result})" if layout.make is list else result
 
     def count(self) -> str:
-        """Emit what reads the length before something of variable length; return its name."""
+        """Emit code that reads the length of a variable-length value; return its name."""
         name = self.name()
         self.codes += "I"
         self.names.append(name)

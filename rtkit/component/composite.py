@@ -47,7 +47,7 @@ class Composite(Component):
     exported_ports = Parameter("", doc="INSTANCE.PORT of each port of a member that is shown")
 
     def __init__(self, instance: str, options: Mapping[str, str] | None = None) -> None:
-        self.resolve: Callable[[str], Component] = _nobody
+        self.resolve: Callable[[str], Component] = _no_component
         super().__init__(instance, options)
 
     def _declare_options(self) -> None:
@@ -332,5 +332,5 @@ def _names(text: str) -> tuple[str, ...]:
     return tuple(dict.fromkeys(name.strip() for name in text.split(",") if name.strip()))
 
 
-def _nobody(instance: str) -> Component:
+def _no_component(instance: str) -> Component:
     raise NotFound(f"no component named {instance}")

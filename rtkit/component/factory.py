@@ -45,7 +45,7 @@ class Factories:
         return tuple(map(self._register, profiles, makers))
 
     def register_factory(self, component: type[Component]) -> TypeProfile:
-        """Make a component class available: what the init function of a module calls."""
+        """Make a component class available; the init function of a module calls this."""
         return self.register(component)
 
     def unregister(self, profile: TypeProfile) -> None:

@@ -121,8 +121,8 @@ class EventPort(InPort[Any]):
     @events.setter
     def events(self, events: Mapping[str, type]) -> None:
         self._events = dict(events)
-        told = (f"{event}:{scoped_name(type_name(cls)) or 'Any'}" for event, cls in events.items())
-        self.properties = {**self.properties, PROFILES: ",".join(told)}
+        pairs = (f"{event}:{scoped_name(type_name(cls)) or 'Any'}" for event, cls in events.items())
+        self.properties = {**self.properties, PROFILES: ",".join(pairs)}
 
     def copy(self) -> EventPort:
         """Return a port of the same kind without connectors, for another instance."""

@@ -314,9 +314,9 @@ def _complaint_of_items(layout: ItemsLayout | ArrayLayout, value: Any, where: st
     else:
         items = (layout.item,) * len(found)
     for index, (item, one) in enumerate(zip(items, found, strict=False)):
-        told = complaint(item, one, f"{where}[{index}]")
-        if told:
-            return wrong if hasattr(value, "dtype") else told
+        misfit = complaint(item, one, f"{where}[{index}]")
+        if misfit:
+            return wrong if hasattr(value, "dtype") else misfit
     return ""
 
 

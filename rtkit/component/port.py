@@ -103,8 +103,8 @@ class DataPort(Port, Generic[T]):
     def profile(self) -> PortProfile:
         """The port as others see it, with the definition of a data type of one's own."""
         definition = definition_of(self.data_type)
-        told = {DEFINITION: definition} if definition else {}
-        return PortProfile(self.name, self.port_type, {**self.properties, **told})
+        extra = {DEFINITION: definition} if definition else {}
+        return PortProfile(self.name, self.port_type, {**self.properties, **extra})
 
     def copy(self) -> DataPort[T]:
         """Return a port of the same kind without connectors, for another instance."""
@@ -205,14 +205,14 @@ class InPort(DataPort[T]):
         with self._lock:
             if renew is not None:
                 self._renewals[connector.connector_id] = (ring.write, renew)
-            return self._heard(ring.write)
+            return self._with_listener(ring.write)
 
     def renew(self, connector_id: str) -> None:
         """Pass the sink to use from now on to the opener of the connector."""
         with self._lock:
             if connector_id in self._renewals:
                 write, renew = self._renewals[connector_id]
-                renew(self._heard(write))
+                renew(self._with_listener(write))
 
     def listen(self, listener: Listener | None) -> None:
         """Have `listener` called after each value that is pushed in, by the thread that brings it.
@@ -224,7 +224,7 @@ class InPort(DataPort[T]):
                 return
             self._listener = listener
             for write, renew in self._renewals.values():
-                renew(self._heard(write))
+                renew(self._with_listener(write))
 
     def open_pull(self, connector: ConnectorProfile, source: Source[T]) -> None:
         """Open a pull connector: reading asks `source`.
@@ -243,7 +243,7 @@ class InPort(DataPort[T]):
         )
 
     def close(self, connector_id: str) -> None:
-        """Close a connector; who waits is woken.
+        """Close a connector; wake its waiting reader or writer.
 
         What had arrived by the last connector that was closed can still be read.
         """
@@ -292,18 +292,18 @@ class InPort(DataPort[T]):
                 return value
         return None
 
-    def _heard(self, write: Sink[T]) -> Sink[T]:
+    def _with_listener(self, write: Sink[T]) -> Sink[T]:
         """Return a sink that calls the listener, if there is one, after each value."""
         listener = self._listener
         if listener is None:
             return write
 
-        def write_and_tell(value: T) -> PortStatus | None:
+        def write_and_notify(value: T) -> PortStatus | None:
             refused = write(value)
             listener()
             return refused
 
-        return write_and_tell
+        return write_and_notify
 
 
 class OutPort(DataPort[T]):

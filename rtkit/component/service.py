@@ -186,7 +186,7 @@ class ServicePort(Port):
         return made
 
     def belong_to(self, owner: PortOwner) -> None:
-        """Take the component that the port is one of; it implements what nothing else does.
+        """Set the owner of the port; it implements interfaces without another implementation.
 
         Raises:
             Refused: An implementation lacks methods of its interface; names them.

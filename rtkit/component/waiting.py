@@ -66,7 +66,7 @@ def waiting(bound_s: float) -> Iterator[None]:
 def wait_for(wakeup: Lock, bound_s: float) -> float:
     """Wait until `wakeup` is released, at most `bound_s` [s]; return the rest of that bound [s]."""
     began_ns = time.monotonic_ns()
-    is_rung = wakeup.acquire(timeout=min(bound_s, _BRIEF_S))
+    is_released = wakeup.acquire(timeout=min(bound_s, _BRIEF_S))
     waited_ns = time.monotonic_ns() - began_ns
     driven = _driven.get(get_ident())
     if driven is not None:
@@ -75,7 +75,7 @@ def wait_for(wakeup: Lock, bound_s: float) -> float:
             driven.grant(driven.owed_ns)
             driven.owed_ns = 0
     left_s = bound_s - waited_ns / 1e9
-    if is_rung or left_s <= 0:
+    if is_released or left_s <= 0:
         return left_s
     with waiting(left_s):
         wakeup.acquire(timeout=min(left_s, TIMEOUT_MAX))

@@ -126,7 +126,7 @@ def _costs_of_places(line: _Line, rest: Sequence[_Line]) -> list[int]:
 
 
 def _cost(first: _Line, second: _Line) -> int:
-    """Return what it costs to have the first one left of the second: crossings and overlaps."""
+    """Return the cost of the first line left of the second: crossings and overlaps."""
     if first.number == second.number:
         return 20 * _OVERLAP if first.part > second.part else 0
     one, two = first.net, second.net

@@ -39,18 +39,18 @@ def heights(
         order = list(range(len(columns)))
         for index in order if is_forward else reversed(order):
             is_last = sweep >= _SWEEPS - 2
-            wishes = [
+            desired = [
                 _wishes(place, left, right, is_forward=is_forward, takes_both=is_last)
                 for left, right in pulls[index]
             ]
             for node, down in zip(
-                columns[index], _settled(columns[index], gaps[index], wishes, place), strict=True
+                columns[index], _settled(columns[index], gaps[index], desired, place), strict=True
             ):
                 place[node] = down
     return place
 
 
-_Wishes = list[tuple[float, int]]
+_WeightedPlaces = list[tuple[float, int]]
 
 
 def _wishes(
@@ -60,7 +60,7 @@ def _wishes(
     *,
     is_forward: bool,
     takes_both: bool,
-) -> _Wishes:
+) -> _WeightedPlaces:
     near, far = (left, right) if is_forward else (right, left)
     asking = [*near, *far] if takes_both or not near else near
     return [(place[pull.other] + pull.distance, pull.weight) for pull in asking]
@@ -69,7 +69,7 @@ def _wishes(
 def _settled(
     column: Sequence[int],
     gaps: Sequence[float],
-    wishes: Sequence[_Wishes],
+    desired: Sequence[_WeightedPlaces],
     place: dict[int, float],
 ) -> list[float]:
     """Return ordered and separated places that are as near as possible to the desired ones.
@@ -82,9 +82,9 @@ def _settled(
     for gap in gaps:
         total += gap
         above.append(total)
-    blocks: list[tuple[_Wishes, int, float]] = []
-    for node, down, asked in zip(column, above, wishes, strict=True):
-        own = [(wish - down, weight) for wish, weight in asked] or [(place[node] - down, 0)]
+    blocks: list[tuple[_WeightedPlaces, int, float]] = []
+    for node, down, asked in zip(column, above, desired, strict=True):
+        own = [(goal - down, weight) for goal, weight in asked] or [(place[node] - down, 0)]
         block = (own, 1, _median(own))
         while blocks and blocks[-1][2] > block[2]:
             merged = [*blocks[-1][0], *block[0]]
@@ -95,9 +95,9 @@ def _settled(
     return [start + down for start, down in zip(starts, above, strict=True)]
 
 
-def _median(wishes: _Wishes) -> float:
+def _median(desired: _WeightedPlaces) -> float:
     """Return the weighted median; items of weight 0 count only where no others exist."""
-    counted = sorted(wish for wish in wishes if wish[1]) or sorted(wishes)
+    counted = sorted(goal for goal in desired if goal[1]) or sorted(desired)
     half = sum(weight for _, weight in counted) / 2
     passed = 0
     for value, weight in counted:
@@ -140,12 +140,12 @@ def slide(
 
     for _ in range(2):
         for chain in chains:
-            for piece, wish in _level_pieces(chain, place):
+            for piece, goal in _level_pieces(chain, place):
                 limits = [bounds(node) for node in piece]
                 low = max(limit for limit, _ in limits)
                 high = min(limit for _, limit in limits)
                 for node in piece:
-                    place[node] = min(max(wish, low), high)
+                    place[node] = min(max(goal, low), high)
 
 
 def _level_pieces(chain: Chain, place: dict[int, float]) -> list[tuple[list[int], float]]:

@@ -84,7 +84,7 @@ class Probe(Closing):
         self._ports = ports
         self._rate = rate
         self._ended = threading.Event()
-        self._guest, self.component = self._enter()
+        self._attached, self.component = self._attach()
 
     def connect(self, properties: Mapping[str, str]) -> None:
         """Activate the component and connect its ports.
@@ -104,7 +104,7 @@ class Probe(Closing):
                 given = {NUMBERED: "YES", **properties}
                 wires.append(make_connector(mine, end, str(uuid4()), "", given))
                 typed.append(f"{end.path.typed}: ")
-        self._guest.changed = self._look
+        self._attached.changed = self._look
         activate = ChangeState(self.component.instance, "0", Transition.ACTIVATE)
         actions: list[Action] = [activate, *(Connect(wire) for wire in wires)]
         for where, result in zip(typed, self._tree.apply(actions), strict=False):
@@ -115,7 +115,7 @@ class Probe(Closing):
     def lost(self) -> int:
         """Number of values that were sent to it and are not among its arrivals."""
         taps = (port for port in self._ports if isinstance(port, Tap))
-        return self._guest.lost() + sum(tap.lost for tap in taps)
+        return self._attached.lost() + sum(tap.lost for tap in taps)
 
     @property
     def is_connected(self) -> bool:
@@ -160,7 +160,7 @@ class Probe(Closing):
 
     def flush(self) -> bool:
         """Wait until all written values have arrived; return False when that is not certain."""
-        return self._guest.flush(_FLUSH_S)
+        return self._attached.flush(_FLUSH_S)
 
     def stop(self) -> None:
         """End the arrivals and wake the waiting thread; may be called on any thread."""
@@ -169,10 +169,10 @@ class Probe(Closing):
 
     def close(self) -> None:
         """End the component and detach the process."""
-        self._guest.changed = lambda: None
-        self._guest.leave()
+        self._attached.changed = lambda: None
+        self._attached.leave()
 
-    def _enter(self) -> tuple[AttachedProcess, Tool]:
+    def _attach(self) -> tuple[AttachedProcess, Tool]:
         """Attach under the first free name."""
         taken = {row.instance for row in self._tree.listing().rows}
         error: RtkitError | None = None
@@ -181,18 +181,18 @@ class Probe(Closing):
             if name in taken:
                 continue
             component = Tool(name, self._ports, self._rate)
-            guest = AttachedProcess(self._tree.manager, self._tree.host, self._kind)
+            attached = AttachedProcess(self._tree.manager, self._tree.host, self._kind)
             try:
-                guest.enter([component], self._tree.timeout_s)
+                attached.enter([component], self._tree.timeout_s)
             except Refused as refused:
                 error = refused  # another process took the name in the meantime
-                guest.leave()
+                attached.leave()
                 continue
-            return guest, component
+            return attached, component
         raise error or Refused(f"no name is free for {self._kind}")
 
     def _look(self) -> None:
-        if not (self._guest.holds and self.is_connected):
+        if not (self._attached.holds and self.is_connected):
             self.stop()
 
 

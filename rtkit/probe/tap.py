@@ -39,8 +39,8 @@ class Tap(InPort[bytes]):
         """Return the arrivals since the last call."""
         return cast("list[Arrival]", self.read_all())
 
-    def _heard(self, write: Sink[bytes]) -> Sink[bytes]:
-        keep = super()._heard(write)
+    def _with_listener(self, write: Sink[bytes]) -> Sink[bytes]:
+        keep = super()._with_listener(write)
         name = self.name
 
         def stamp(payload: bytes) -> PortStatus | None:
