@@ -27,7 +27,7 @@ _PUSH_INTERVAL = "dataport.push_interval"
 
 @dataclass(frozen=True, slots=True)
 class SystemHeading:
-    """What a saved system is called; `date` is ``xs:dateTime`` text."""
+    """Identity of a saved system; `date` is ``xs:dateTime`` text."""
 
     date: str
     name: str = "RTSystem"

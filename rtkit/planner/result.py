@@ -11,7 +11,7 @@ from rtkit.planner.command import Command, State
 
 @dataclass(frozen=True, slots=True)
 class Limits:
-    """How far a search may go; None for as far as it takes.
+    """Limits of a search; None for as far as it takes.
 
     Attributes:
         states: That are expanded.

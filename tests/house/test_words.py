@@ -37,3 +37,18 @@ def test_each_file_that_a_page_names_is_there(page: str) -> None:
     named = re.findall(r"`(rtkit/[\w/]+(?:\.\w+|/)?)`", (ROOT / page).read_text(encoding="utf-8"))
     assert named
     assert [name for name in named if not (ROOT / name).exists()] == []
+
+
+HEADLESS = ("How", "What", "When", "Where", "Whether", "Which", "Who", "Whoever", "Whose", "Why")
+
+
+def test_a_summary_names_its_subject() -> None:
+    headless = []
+    for file in sorted((ROOT / "rtkit").rglob("*.py")):
+        tree = ast.parse(file.read_text(encoding="utf-8"))
+        kinds = (ast.Module, ast.ClassDef, ast.FunctionDef)
+        for node in (each for each in ast.walk(tree) if isinstance(each, kinds)):
+            summary = (ast.get_docstring(node) or "").partition("\n")[0]
+            if summary.split(" ")[0] in HEADLESS:
+                headless.append(f"{file.relative_to(ROOT)}: {summary}")
+    assert headless == []
