@@ -5,6 +5,8 @@ The standard `dataclass` compiles half a dozen methods for each class when it is
 meaning for the options that it takes, and makes attributes of the standard one on demand
 (`dataclasses.fields`, `is_dataclass`, `inspect.signature`). Type checkers take it for the standard
 one.
+
+See decision 31.
 """
 
 from __future__ import annotations

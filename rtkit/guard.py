@@ -2,6 +2,8 @@
 
 User code may raise anything, SystemExit included, and so may the text of its exception. Threads
 and time-outs for such calls are in `rtkit.serving.workers`.
+
+See decision 38.
 """
 
 from __future__ import annotations

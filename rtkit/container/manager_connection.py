@@ -2,6 +2,8 @@
 
 When the manager is gone the process runs on, waits for the next one and reports what it holds.
 What there is to report meanwhile is dropped: the next manager gets the whole state at once.
+
+See decision 1.
 """
 
 from __future__ import annotations

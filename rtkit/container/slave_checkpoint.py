@@ -2,6 +2,8 @@
 
 A file of lines, one for each component as it last was and one for each that ended. It is opened
 anew for each line, because components may close descriptors that are not theirs.
+
+See decision 41.
 """
 
 from __future__ import annotations

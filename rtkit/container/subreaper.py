@@ -2,6 +2,8 @@
 
 So what a component daemonises stays below its slave while that lives, and below the zygote after
 that, which ends it; whatever its session and its environment are.
+
+See decision 42.
 """
 
 from __future__ import annotations

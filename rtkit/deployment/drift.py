@@ -2,6 +2,8 @@
 
 Checks and plans both read it: rates and policies, which change while a component lives, and all
 that changes only when the component is created again.
+
+See decision 39.
 """
 
 from __future__ import annotations

@@ -1,4 +1,7 @@
-"""The lease of a manager: one command at a time carries a plan out, while its process lives."""
+"""The lease of a manager: one command at a time carries a plan out, while its process lives.
+
+See decision 40.
+"""
 
 from __future__ import annotations
 

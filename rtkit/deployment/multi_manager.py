@@ -2,6 +2,8 @@
 
 A name of another manager than the first appears below it: ``localhost/m1.mgr/Motor0.rtc`` is what
 manager ``m1`` itself calls ``localhost/Motor0.rtc``.
+
+See decision 33.
 """
 
 from __future__ import annotations

@@ -2,6 +2,8 @@
 
 The first restart comes after 0.1 s, each further one after twice as long, up to 10 s, with a
 jitter of a tenth. After five restarts within 60 s the policy gives up. Health for 30 s resets it.
+
+See decision 36.
 """
 
 from __future__ import annotations

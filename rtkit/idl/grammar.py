@@ -4,6 +4,8 @@ The words that IDL 4 added (``map``, ``int8`` …) are names here, since older f
 names; the reader knows where they are types. What annotations and value types refer to has rules
 of its own (``mark``, ``value_base``): they are followed by other words than a type is, and a
 parser that looks one word ahead would take those words for keywords behind types, too.
+
+See decision 10.
 """
 
 from __future__ import annotations

@@ -6,6 +6,8 @@ counts from the moment in which the request arrives.
 
 Over zenoh it goes as bytes: there to write and read it as text would take as long as all else that
 a service does for a request.
+
+See decision 45.
 """
 
 from __future__ import annotations

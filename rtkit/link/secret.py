@@ -1,6 +1,8 @@
 """Secret of a user: admits clients to the TCP endpoints of that user's managers.
 
 It is made once, at random, and lies in a file that nobody else can read.
+
+See decision 7.
 """
 
 from __future__ import annotations

@@ -3,6 +3,8 @@
 They go over direct zenoh links: the receiving process listens on a unix socket of its own and
 every sender opens one client session to it, so data flow without the manager and while it is
 stopped. Large values go through shared memory; where none can be had, all go through the socket.
+
+See decision 3.
 """
 
 from __future__ import annotations

@@ -1,4 +1,7 @@
-"""Runs a tool's temporary component in an attached process, connected to the named ports."""
+"""Runs a tool's temporary component in an attached process, connected to the named ports.
+
+See decision 15.
+"""
 
 from __future__ import annotations
 

@@ -3,6 +3,8 @@
 The library's parser only yields events; nothing is ever constructed from a tag. Harmful content
 is refused with its line: tags but those of plain data, aliases of anything but scalars,
 repeated keys, keys that are no scalars, several documents, nesting and size beyond bounds.
+
+See decision 9.
 """
 
 from __future__ import annotations

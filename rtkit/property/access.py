@@ -12,6 +12,8 @@ A rule names an endpoint (``unix tcp http zenoh serial mqtt ice`` or ``*``), who
 holds for what lies below them too, and for all that is asked about them. Listening is a GET. Where
 no rule fits, GET is for all that the endpoint lets in, SET for who is known. What a property itself
 refuses stays refused.
+
+See decision 32.
 """
 
 from __future__ import annotations

@@ -2,6 +2,8 @@
 
 That is ``GET name`` or ``SET name value``, with nothing else to it, of a property that is kept
 here. Everything else goes the long way, `Service.handle`, which comes to the same.
+
+See decision 34.
 """
 
 from __future__ import annotations

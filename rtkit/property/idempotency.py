@@ -1,4 +1,7 @@
-"""Idempotency cache: a request that is repeated with its id acts once; answers are kept a while."""
+"""Idempotency cache: a request that is repeated with its id acts once; answers are kept a while.
+
+See decision 19.
+"""
 
 from __future__ import annotations
 

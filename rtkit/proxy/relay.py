@@ -2,6 +2,8 @@
 
 Nothing here understands a value; but names pass through `Names`, and what may be set is decided
 here. What begins with ``~proxy`` it answers itself: whom it stands for, and whether that is there.
+
+See decision 27.
 """
 
 from __future__ import annotations

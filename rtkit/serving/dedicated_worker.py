@@ -4,6 +4,8 @@ Who waits at one socket is woken sooner, and has less to do, than a loop that lo
 so a request costs not twice, but half as much again as a bare echo. A dedicated worker answers
 only requests that need no wait, by the same rules and with the lock of the host; for anything else
 (another request, a reply that is not read, a pause) the client goes back to the loop.
+
+See decision 34.
 """
 
 from __future__ import annotations

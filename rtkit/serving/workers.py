@@ -3,6 +3,8 @@
 Whoever owns a service holds the lock of its host; a worker holds it, too, but while it calls user
 code. One worker runs at a time, so that objects of users are seldom called by two threads; where
 it is not back soon, another one takes over what waits.
+
+See decision 38.
 """
 
 from __future__ import annotations

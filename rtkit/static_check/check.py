@@ -1,4 +1,7 @@
-"""Check a system before anything runs."""
+"""Check a system before anything runs.
+
+See decision 11.
+"""
 
 from __future__ import annotations
 

@@ -52,3 +52,11 @@ def test_a_summary_names_its_subject() -> None:
             if summary.split(" ")[0] in HEADLESS:
                 headless.append(f"{file.relative_to(ROOT)}: {summary}")
     assert headless == []
+
+
+def test_each_decision_that_code_names_is_there() -> None:
+    there = {int(file.name[:4]) for file in (ROOT / "docs" / "decisions").glob("*.md")}
+    texts = (file.read_text(encoding="utf-8") for file in (ROOT / "rtkit").rglob("*.py"))
+    named = {int(number) for text in texts for number in re.findall(r"decision (\d+)", text)}
+    assert named
+    assert named <= there

@@ -2,6 +2,8 @@
 
 All costs are in the scale of the table: measured kinds together cost what the table states for
 these kinds together. Costs are rounded coarsely, so that plans stay the same from day to day.
+
+See decision 28.
 """
 
 from __future__ import annotations

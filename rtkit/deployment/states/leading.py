@@ -1,4 +1,7 @@
-"""Leads a system from state to state; an unreachable state leads on by the event ``failed``."""
+"""Leads a system from state to state; an unreachable state leads on by the event ``failed``.
+
+See decision 29.
+"""
 
 from __future__ import annotations
 

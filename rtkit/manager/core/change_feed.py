@@ -1,4 +1,7 @@
-"""Publishes deltas of the state to subscribers after each event; idle while there are none."""
+"""Publishes deltas of the state to subscribers after each event; idle while there are none.
+
+See decision 20.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,7 @@
-"""Names in the tree: aliases of components and of the manager itself."""
+"""Names in the tree: aliases of components and of the manager itself.
+
+See decision 4.
+"""
 
 from __future__ import annotations
 

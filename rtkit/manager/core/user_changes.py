@@ -2,6 +2,8 @@
 
 What was asked last is desired, recorded or not; what is desired and was not asked since a component
 was made is still to be done.
+
+See decision 41.
 """
 
 from __future__ import annotations

@@ -1,4 +1,7 @@
-"""Supervises the systems that a manager follows: starts and ends threads, passes changes on."""
+"""Supervises the systems that a manager follows: starts and ends threads, passes changes on.
+
+See decision 46.
+"""
 
 from __future__ import annotations
 

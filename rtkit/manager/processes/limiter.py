@@ -2,6 +2,8 @@
 
 Looks are the law. What could run away between two of them is held by resource limits of the
 kernel with room above, and by a control group where there can be one.
+
+See decision 44.
 """
 
 from __future__ import annotations

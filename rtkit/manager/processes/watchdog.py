@@ -1,6 +1,8 @@
 """Watches the heartbeats of slaves: names callbacks that are stuck, and their line of code.
 
 The line comes from the slave's own stacks (see `rtkit.container.stacks`).
+
+See decision 18.
 """
 
 from __future__ import annotations

@@ -3,6 +3,8 @@
 It is started by exec before the manager opens any session, has one thread, and sends the manager
 what the kernel reports of its children: exit, stop, continue. It outlives the manager as long as
 it has children, so that the next one receives their end too.
+
+See decision 2.
 """
 
 from __future__ import annotations

@@ -5,6 +5,8 @@ leaves the rows before a commit or those after it. What cannot be read is kept a
 
 How many commits there were is noted in a file beside it, too: so it is seen when the store, or some
 of its journal, is gone.
+
+See decision 25.
 """
 
 from __future__ import annotations

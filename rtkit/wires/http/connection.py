@@ -1,6 +1,8 @@
 """One client of the HTTP endpoint: requests one after the other, or one event stream; bounded.
 
 h11 implements HTTP; this module adds time-outs, limits and the call of the service.
+
+See decision 26.
 """
 
 from __future__ import annotations

@@ -1,4 +1,7 @@
-"""Session with an Ice endpoint: requests under way and subscriptions, on threads of Ice."""
+"""Session with an Ice endpoint: requests under way and subscriptions, on threads of Ice.
+
+See decision 37.
+"""
 
 from __future__ import annotations
 

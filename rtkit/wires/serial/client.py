@@ -4,6 +4,8 @@ Requests bear an id, so one that may not have arrived is asked again: repeated w
 once. A service that answers without checks, or without ids, gets requests without them; without
 ids only requests without effect are repeated. A service does not notice that a client has left, so
 the client listens with a lease.
+
+See decision 24.
 """
 
 from __future__ import annotations
