@@ -100,15 +100,22 @@ def _paragraphs(text: str | None) -> list[str]:
     return [part for part in re.split(r"\n\s*\n", inspect.cleandoc(text or "").strip()) if part]
 
 
+def _labelled(part: str, label: str) -> str | None:
+    """Return what a paragraph says behind its label, after which its line may have been cut."""
+    head = label.rstrip()
+    rest = part.removeprefix(head)
+    return rest.lstrip() if part.startswith(head) and rest[:1].isspace() else None
+
+
 def _documentation(component: Component) -> tuple[str, docs.BasicDoc | None]:
     """Return the description in the docstring of the class, and its labelled paragraphs."""
     plain: list[str] = []
     fields: dict[str, Any] = {}
     for part in _paragraphs(vars(type(component)).get("__doc__")):
-        field = next((each for each, label in LABELS.items() if part.startswith(label)), "")
-        if field:
-            fields[field] = part.removeprefix(LABELS[field])
-        else:
+        found = {field: _labelled(part, label) for field, label in LABELS.items()}
+        told = {field: text for field, text in found.items() if text is not None}
+        fields |= told
+        if not told:
             plain.append(part)
     if plain[:1] == [neutral(component.type.type_name)]:
         del plain[0]
@@ -134,10 +141,10 @@ def _action_doc(name: str, text: str | None) -> docs.ActionDoc | None:
     plain: list[str] = []
     fields: dict[str, Any] = {}
     for part in _paragraphs(text):
-        if part.startswith(PRECONDITION):
-            fields["pre_condition"] = part.removeprefix(PRECONDITION)
-        elif part.startswith(POSTCONDITION):
-            fields["post_condition"] = part.removeprefix(POSTCONDITION)
+        if (before := _labelled(part, PRECONDITION)) is not None:
+            fields["pre_condition"] = before
+        elif (after := _labelled(part, POSTCONDITION)) is not None:
+            fields["post_condition"] = after
         elif part != SUMMARIES[name]:
             plain.append(part)
     if plain:

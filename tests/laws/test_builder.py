@@ -8,6 +8,7 @@ import sys
 import tomllib
 from collections.abc import Iterator
 from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
 from types import ModuleType
 from typing import Any
@@ -248,7 +249,9 @@ def nameless(text: str) -> RtcProfile:
 def examples(function: Any) -> Any:
     for text in NASTY:
         function = example(nameless(text))(function)
-    return function
+    # A word so long that its paragraph is cut behind its label.
+    status = ActionStatus(True, ActionDoc("#", None, "x" * 130))
+    return example(replace(nameless("a"), actions=Actions(*[status] * 14)))(function)
 
 
 @contextmanager
