@@ -44,6 +44,8 @@ class Terminal:
             command = [*prefix.split(), *command]
         self.pid, self._fd = pty.fork()
         if not self.pid:
+            # Under nohup the tests would hand on that a hang-up is ignored, which managers heed.
+            signal.signal(signal.SIGHUP, signal.SIG_DFL)
             os.chdir(shell.folder)
             os.execvpe(command[0], command, shell.environment)
         self.text = ""
