@@ -285,7 +285,7 @@ def test_what_cannot_be_recorded_is_refused_and_nothing_runs_worse(shell: Any) -
             assert (status, "what is wished cannot be recorded: " in err) == (1, True), err
         assert shell.ok("rtls /localhost").split() == ["S.rtc", "manager.mgr/"]
         assert "Active" in shell.ok("rtls -l /localhost/S.rtc")
-        assert "wishes cannot be recorded" in shell.ok("rtls -l /localhost")
+        assert "the desired state cannot be recorded" in shell.ok("rtls -l /localhost")
         status, _, err = shell.run("rtdeact /localhost/S.rtc")
         assert (status, "done all the same" in err) == (1, True), err
         assert "Inactive" in shell.ok("rtls -l /localhost/S.rtc")

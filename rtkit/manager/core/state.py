@@ -233,7 +233,7 @@ class ManagerState:
         ]
         if process.key == OWN_PROCESS:
             told += [self.remark] if self.remark else []
-            told += [f"wishes cannot be recorded: {self.unkept}"] if self.unkept else []
+            told += [f"the desired state cannot be recorded: {self.unkept}"] if self.unkept else []
             told[:0] = [f"no slave can be started: {self.barred}"] if self.barred else []
         return "; ".join(told)
 

@@ -96,7 +96,7 @@ class StoreWriter:
         except StoreLost as error:
             lost = str(error)
         except StoreFailed as error:
-            _log.warning("wishes cannot be recorded: %s", error)
+            _log.warning("the desired state cannot be recorded: %s", error)
         while not is_over:
             orders = [self._inbox.get()]
             while not self._inbox.empty():
@@ -115,6 +115,6 @@ class StoreWriter:
             except StoreFailed as error:
                 why = str(error)
                 if why != failed_before:  # it is tried again each second
-                    _log.error("wishes cannot be recorded: %s", why)
+                    _log.error("the desired state cannot be recorded: %s", why)
             for order in whole:
                 self.heard(order.number, why, is_lost)

@@ -101,7 +101,7 @@ def test_what_cannot_be_kept_is_taken_back_and_told() -> None:
     assert (list(shell.state.components), list(shell.state.connectors)) == (["A", "B"], ["w"])
     assert shell.rows == before
     (own, _) = shell.state.snapshot().processes
-    assert own.reason == f"wishes cannot be recorded: {FULL}"
+    assert own.reason == f"the desired state cannot be recorded: {FULL}"
 
 
 def test_a_store_that_is_gone_is_written_anew_from_what_is_known() -> None:
