@@ -13,7 +13,7 @@ from queue import SimpleQueue
 import pytest
 from conformance import Door, check_answers, check_events, check_once, subject
 from mosquittokit import MOSQUITTO, PASSWORD, Mosquitto, Stranger
-from propertydoors import BOUND_S, Lines
+from property_endpoints import BOUND_S, Lines
 
 from rtkit.errors import Malformed, Refused, RtkitError, Unreachable
 from rtkit.property.service import Service

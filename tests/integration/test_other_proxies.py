@@ -11,7 +11,7 @@ from queue import SimpleQueue
 import icekit
 import pytest
 from conformance import ROWS, Door, check_answers, check_events, check_once, subject
-from propertydoors import BOUND_S, Lines
+from property_endpoints import BOUND_S, Lines
 from serialkit import Cable
 
 from rtkit.property.functional import FunctionalProperty

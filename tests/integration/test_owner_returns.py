@@ -7,7 +7,7 @@ from contextlib import ExitStack
 
 import pytest
 from conformance import subject
-from propertydoors import BOUND_S, Lines
+from property_endpoints import BOUND_S, Lines
 from serialkit import Cable
 
 from rtkit.proxy.bridge import bridge

@@ -11,7 +11,7 @@ from queue import SimpleQueue
 
 import pytest
 from conformance import Door, check_answers, check_events, check_once, subject
-from propertydoors import BOUND_S, Lines, Zenoh
+from property_endpoints import BOUND_S, Lines, Zenoh
 
 from rtkit.errors import Refused, RtkitError
 from rtkit.property.functional import FunctionalProperty

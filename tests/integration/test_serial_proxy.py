@@ -9,7 +9,7 @@ from queue import SimpleQueue
 
 import pytest
 from conformance import check_answers, check_events, subject
-from propertydoors import BOUND_S, Lines
+from property_endpoints import BOUND_S, Lines
 from serialkit import Cable
 
 from rtkit.proxy.bridge import bridge

@@ -70,14 +70,14 @@ GUARDS = (
         "    if False:",
     ),
     Guard(
-        "unit/manager/test_core_upkeep.py::"
+        "unit/manager/test_core_restart_status.py::"
         "test_who_dies_at_every_start_is_not_made_again_more_often_by_many_managers",
         "rtkit/manager/core/durable_replies.py",
         "        elif kept.is_urgent:",
         "        elif False:",
     ),
     Guard(
-        "system/test_keeping.py::test_a_store_that_is_removed_under_a_living_manager_is_written_anew",
+        "system/test_desired_state.py::test_a_store_that_is_removed_under_a_living_manager_is_written_anew",
         "rtkit/manager/core/durable_replies.py",
         "        if is_lost and not self._is_forgetting:",
         "        if False:",
@@ -154,20 +154,20 @@ GUARDS = (
         "            self._children.clear()",
     ),
     Guard(
-        "system/test_keeping.py::"
+        "system/test_desired_state.py::"
         "test_a_manager_killed_in_its_commit_or_while_it_restores_leaves_nothing_half",
         "rtkit/manager/core/core.py",
         "        adoption.believe(self.state, process, holding)\n",
         "",
     ),
     Guard(
-        "system/test_keeping.py::test_a_killed_manager_finds_the_living_and_makes_its_own_again",
+        "system/test_desired_state.py::test_a_killed_manager_finds_the_living_and_makes_its_own_again",
         "rtkit/manager/core/recovery.py",
         "    awaited = {*kept.zombies, *state.returning}",
         "    awaited = kept.components",
     ),
     Guard(
-        "system/test_keeping.py::test_all_is_back_after_a_loss_of_power",
+        "system/test_desired_state.py::test_all_is_back_after_a_loss_of_power",
         "rtkit/manager/store/store.py",
         """                db.execute("commit")""",
         """                db.execute("rollback")""",
@@ -185,13 +185,13 @@ GUARDS = (
         "",
     ),
     Guard(
-        "system/test_keeping.py::test_a_damaged_store_is_put_aside_and_made_anew_from_what_lives",
+        "system/test_desired_state.py::test_a_damaged_store_is_put_aside_and_made_anew_from_what_lives",
         "rtkit/manager/store/store.py",
         """            return StoredRows([], f"{self.set_aside('damaged')} ({error})")""",
         """            return StoredRows([], "")""",
     ),
     Guard(
-        "system/test_keeping.py::test_what_cannot_be_recorded_is_refused_and_nothing_runs_worse",
+        "system/test_desired_state.py::test_what_cannot_be_recorded_is_refused_and_nothing_runs_worse",
         "rtkit/manager/core/durable_replies.py",
         "                self._take_back(done, why)",
         "                done.tell(done.results)",

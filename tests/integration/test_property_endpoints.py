@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterator
 import icekit
 import pytest
 from conformance import Door, check_answers, check_events, subject
-from propertydoors import BOUND_S, Lines, Zenoh
+from property_endpoints import BOUND_S, Lines, Zenoh
 from unruly import Unruly, check_only_its_own_request_suffers
 
 from rtkit.errors import Refused, RtkitError, Unreachable

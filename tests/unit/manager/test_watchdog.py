@@ -139,7 +139,7 @@ def test_who_answers_is_sent_no_signal_who_does_not_is(watched):
         told = watched.inspect(0.001)
         while ProcessInspected(KEY) not in told:
             told += watched.poll()
-        assert "(test_watchman.py:" in told[-2].text
+        assert "(test_watchdog.py:" in told[-2].text
         assert watched.asked == asked
         watched.slot.watch("", "")
         watched.poll()

@@ -10,7 +10,7 @@ from contextlib import ExitStack
 
 import pytest
 from conformance import check_answers, check_events, subject
-from propertydoors import BOUND_S, Lines
+from property_endpoints import BOUND_S, Lines
 
 from rtkit.property.service import Service
 from rtkit.serving import dedicated_worker

@@ -8,7 +8,7 @@ from contextlib import ExitStack
 
 import pytest
 import zenoh
-from propertydoors import BOUND_S, Zenoh
+from property_endpoints import BOUND_S, Zenoh
 
 from rtkit.errors import Unreachable
 from rtkit.link import keys, places
