@@ -26,7 +26,7 @@ TICK_S = 0.01
 """How long to wait for news before looking at what tells no news [s]."""
 _MODULES = Path(__file__).parent / "components"
 _PATIENCE_S = 60.0
-_ZYGOTE = b"rtkit.manager.processes.zygote"
+_ZYGOTE = b"rtkit.manager.slaves.zygote"
 
 
 class Arena:

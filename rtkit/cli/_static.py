@@ -49,7 +49,7 @@ def static_options(function: Callable[..., Any]) -> Callable[..., Any]:
 
 def this_host() -> Capacity:
     """Return the resources of the host on which a system is to run."""
-    from rtkit.manager.processes.capacity import capacity
+    from rtkit.manager.limits.capacity import capacity
 
     return capacity()
 

@@ -94,7 +94,7 @@ def remove_stale(name: str, living: Collection[int]) -> None:
 
     Args:
         name: Of the manager.
-        living: Its slaves that run (see `rtkit.manager.processes.unreported`).
+        living: Its slaves that run (see `rtkit.manager.predecessor.unreported`).
 
     Raises:
         Refused: Something else than a socket lies there, or it cannot be removed.

@@ -36,13 +36,13 @@ from rtkit.manager.core.events import (
 )
 from rtkit.manager.core.startup import StartUp
 from rtkit.manager.core.state import ManagerState, Process
-from rtkit.manager.processes.descendants import bear_mark, end_descendants
-from rtkit.manager.processes.slave_supervisor import SlaveSupervisor
-from rtkit.manager.processes.unregistered_forks import end_lost
-from rtkit.manager.processes.unreported import checkpoints_of_the_dead, living_slaves
+from rtkit.manager.predecessor.descendants import bear_mark, end_descendants
+from rtkit.manager.predecessor.unregistered_forks import end_lost
+from rtkit.manager.predecessor.unreported import checkpoints_of_the_dead, living_slaves
 from rtkit.manager.reexec import execute_again
 from rtkit.manager.report import Report
 from rtkit.manager.signals import catch_signals
+from rtkit.manager.slaves.slave_supervisor import SlaveSupervisor
 from rtkit.manager.store.writer import StoreWriter
 from rtkit.resources import resource as shipped
 from rtkit.rtc.address import parse_address
@@ -63,7 +63,7 @@ if TYPE_CHECKING:
     from rtkit.container.container import ComponentContainer
     from rtkit.deployment.limits import Capacity
     from rtkit.manager.loop import Loop
-    from rtkit.manager.processes.tcp_endpoint import TcpEndpoint
+    from rtkit.manager.tcp_endpoint import TcpEndpoint
 
 _log = logging.getLogger(__name__)
 _DATA_SUFFIX = ".data"
@@ -242,7 +242,7 @@ def _open_endpoints(
     from rtkit.link.streams import remove_socket
     from rtkit.link.zenoh import ZenohLink, open_listener, unix_endpoint
     from rtkit.manager.loop import Loop
-    from rtkit.manager.processes.tcp_endpoint import TcpEndpoint
+    from rtkit.manager.tcp_endpoint import TcpEndpoint
 
     name, host = state.name, state.host
     inner = unix_endpoint(places.manager_socket(name))
@@ -374,7 +374,7 @@ def _state(name: str, folder: str, settings: Settings) -> ManagerState:
 
 
 def _capacity() -> Capacity:
-    from rtkit.manager.processes.capacity import capacity
+    from rtkit.manager.limits.capacity import capacity
 
     return capacity()
 

@@ -31,23 +31,23 @@ from rtkit.manager.core import events as ev
 from rtkit.manager.core.core import Core
 from rtkit.manager.core.state import Process
 from rtkit.manager.following.following import Following
-from rtkit.manager.processes.descendants import Descendants
-from rtkit.manager.processes.exit_diagnostics import ExitDiagnostics, exit_diagnostics, log_crash
-from rtkit.manager.processes.slave_connections import SlaveConnections
-from rtkit.manager.processes.slave_supervisor import SlaveSupervisor
-from rtkit.manager.processes.usage import usage
-from rtkit.manager.processes.watchdog import (
+from rtkit.manager.limits.usage import usage
+from rtkit.manager.predecessor.descendants import Descendants
+from rtkit.manager.query_server import ManagerQueryServer
+from rtkit.manager.slaves.exit_diagnostics import ExitDiagnostics, exit_diagnostics, log_crash
+from rtkit.manager.slaves.slave_connections import SlaveConnections
+from rtkit.manager.slaves.slave_supervisor import SlaveSupervisor
+from rtkit.manager.slaves.watchdog import (
     DEADLINE_S,
     Watchdog,
     callback_deadline_s,
     remove_traces,
 )
-from rtkit.manager.query_server import ManagerQueryServer
 from rtkit.manager.store.writer import StoreWriter
 from rtkit.property.exchange import Request, failure
 
 if TYPE_CHECKING:
-    from rtkit.manager.processes.limiter import Limiter
+    from rtkit.manager.limits.limiter import Limiter
 
 _log = logging.getLogger(__name__)
 TIDY_S = 1.0
@@ -188,7 +188,7 @@ class Loop:
 
     def _limit(self, instruction: ev.LimitSlave) -> None:
         if self._limiter is None:
-            from rtkit.manager.processes.limiter import Limiter
+            from rtkit.manager.limits.limiter import Limiter
 
             self._limiter = Limiter()
         self._limiter.limit(instruction.key, instruction.pid, instruction.limits)

@@ -1,15 +1,166 @@
-"""Opens the TCP endpoint of a manager, or reports why there is none."""
+"""TCP endpoint of a manager: its port is opened by a process of its own, which is supervised.
+
+All sessions of a process share zenoh's threads, of which few accept connections and close them:
+thousands of connections to the TCP port kept clients of the Unix socket out for 20 s as long as
+one process served both (decision 47).
+"""
 
 from __future__ import annotations
 
+import contextlib
+import logging
+import os
+import select
+import signal
+import socket
+import sys
+import threading
+import time
 from collections.abc import Callable
 
 from rtkit.errors import Refused, Unreachable
 from rtkit.link import ports, secret, tcp_endpoint
-from rtkit.manager.processes.tcp_endpoint import TcpEndpoint, end_orphan
+from rtkit.manager.child_process import Backoff, exit_reason
 from rtkit.settings.configuration import TcpEndpointSettings
 
+_log = logging.getLogger(__name__)
+_MODULE = "rtkit.link.door_process"
+_READY = "ready"
 _TRIES = 5
+_START_S = 20.0
+_END_S = 3.0
+"""How long the process may take to be ready, and to end [s]."""
+_THREADS = "(acc: (worker_threads: 4), net: (worker_threads: 4))"
+"""Closing a connection takes a thread of zenoh 5 ms: more of them serve sooner after a flood."""
+
+
+class TcpEndpoint:
+    """Process that listens, started at once; another one takes its place when it ends.
+
+    Args:
+        inner: Endpoint of the manager's session behind it.
+    """
+
+    def __init__(self, inner: str) -> None:
+        self._inner = inner
+        self._wanted = b""
+        self._backoff = Backoff()
+        self._closing = threading.Event()
+        self._lock = threading.Lock()
+        self._thread: threading.Thread | None = None
+        self._pid = 0
+        self._end: socket.socket
+        self._spawn()
+
+    def open(self, port: int, secret_file: str) -> None:
+        """Open a port of the loopback interface to those who know the secret.
+
+        Raises:
+            Unreachable: The port is taken, or the manager cannot be reached behind it.
+        """
+        self._wanted = f"{port} {secret_file}\n".encode()
+        self._ask()
+        name = "tcp endpoint"
+        self._thread = threading.Thread(target=self._supervise, name=name, daemon=True)
+        self._thread.start()
+
+    def close(self) -> None:
+        """End the process, and wait until it has ended."""
+        with self._lock:
+            self._closing.set()
+            self._end.close()
+        waiting = self._thread or threading.Thread(target=self._reap, daemon=True)
+        if self._thread is None:
+            waiting.start()
+        waiting.join(_END_S)
+        if waiting.is_alive():
+            self._kill()
+            waiting.join()
+
+    def _spawn(self) -> None:
+        self._backoff.begin(time.monotonic())
+        ours, theirs = socket.socketpair()
+        with theirs:
+            theirs.set_inheritable(True)
+            arguments = [sys.executable, "-P", "-m", _MODULE, str(theirs.fileno()), self._inner]
+            environment = {"ZENOH_RUNTIME": _THREADS, **os.environ}
+            self._pid = os.posix_spawn(sys.executable, arguments, environment)
+        self._end = ours
+
+    def _ask(self) -> None:
+        """Have the port opened."""
+        deadline, told = time.monotonic() + _START_S, b""
+        with contextlib.suppress(BrokenPipeError):  # then nothing is read either
+            self._end.sendall(self._wanted)
+        while not told.endswith(b"\n"):
+            left = max(0.0, deadline - time.monotonic())
+            data = self._end.recv(4096) if select.select([self._end], [], [], left)[0] else b""
+            if not data:
+                raise Unreachable(f"the process of the TCP port was not ready in {_START_S:g} s")
+            told += data
+        text = told.decode("utf-8", "replace").strip()
+        if text != _READY:
+            raise Unreachable(text)
+        self._backoff.prove()
+
+    def _kill(self) -> None:
+        with contextlib.suppress(ProcessLookupError):
+            os.kill(self._pid, signal.SIGKILL)
+
+    def _reap(self) -> str:
+        try:
+            report = os.waitid(os.P_PID, self._pid, os.WEXITED)
+        except ChildProcessError:  # another thread has waited for all children
+            report = None
+        return exit_reason(report) if report is not None else "exit status unknown"
+
+    def _supervise(self) -> None:
+        """Start it again whenever it has ended."""
+        port = self._wanted.split()[0].decode()
+        while True:
+            how = self._reap()
+            if self._closing.is_set():
+                return
+            _log.error("the process of TCP port %s ended: %s", port, how)
+            if self._closing.wait(self._backoff.end(time.monotonic())):
+                return
+            with self._lock:
+                if self._closing.is_set():
+                    return
+                self._end.close()
+                self._spawn()
+            try:
+                self._ask()
+            except (Unreachable, OSError) as error:
+                _log.error("TCP port %s cannot be opened: %s", port, error)
+                self._kill()
+            else:
+                _log.warning("TCP port %s is open again", port)
+
+
+def end_orphan(pid: int, inner: str) -> bool:
+    """End such a process that outlived its manager; return whether it was one, and is gone.
+
+    Args:
+        pid: A process that may be anything.
+        inner: Endpoint of the manager whose name is locked by this process.
+    """
+    try:
+        with open(f"/proc/{pid}/cmdline", "rb") as file:
+            arguments = file.read().split(b"\0")
+        if pid == 0 or not {_MODULE.encode(), inner.encode()} <= set(arguments):
+            return False
+        pidfd = os.pidfd_open(pid)
+    except OSError:
+        return False
+    try:
+        signal.pidfd_send_signal(pidfd, signal.SIGKILL)
+    except ProcessLookupError:
+        return True
+    else:
+        return bool(select.select([pidfd], [], [], _END_S)[0])
+    finally:
+        os.close(pidfd)
 
 
 def open_front(
@@ -30,7 +181,7 @@ def open_front(
     secret_file = secret.make()
     for _ in range(_TRIES):
         port = wanted.port or tcp_endpoint.free_port()
-        if not tcp_endpoint.is_free(port) and not _end_orphan(port, inner):
+        if not tcp_endpoint.is_free(port) and not _end_orphan_at(port, inner):
             break
         try:
             endpoint.open(port, secret_file)
@@ -49,7 +200,7 @@ def open_front(
     return 0
 
 
-def _end_orphan(port: int, inner: str) -> bool:
+def _end_orphan_at(port: int, inner: str) -> bool:
     """End what an earlier manager of this name left at a port; return whether it is free now."""
     holder = ports.listener(port)
     return holder is not None and end_orphan(holder.pid, inner) and tcp_endpoint.is_free(port)

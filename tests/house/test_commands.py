@@ -238,7 +238,7 @@ LATE = """
 import ast, sys
 from importlib import import_module
 from pathlib import Path
-from rtkit.manager.processes import zygote
+from rtkit.manager.slaves import zygote
 for name in zygote.AHEAD:
     import_module(name)
 late = set()

@@ -9,8 +9,8 @@ ROOT = Path(__file__).parents[2] / "rtkit"
 CONNECTS = "link/unix.py"
 LISTENS = {
     "manager/daemon.py",
-    "manager/processes/warm_up.py",
-    "manager/processes/zygote.py",
+    "manager/slaves/warm_up.py",
+    "manager/slaves/zygote.py",
     "wires/line/endpoint.py",
 }
 MAKES_ENDPOINTS = "link/zenoh.py"

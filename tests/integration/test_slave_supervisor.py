@@ -16,7 +16,7 @@ import pytest
 from rtkit.container.control_channel import ControlChannel
 from rtkit.container.slave_checkpoint import checkpoint_path
 from rtkit.manager.core.events import SlaveEnded, SlaveForked
-from rtkit.manager.processes.slave_supervisor import SlaveSupervisor
+from rtkit.manager.slaves.slave_supervisor import SlaveSupervisor
 
 KEY = 1
 

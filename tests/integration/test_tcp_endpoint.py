@@ -22,7 +22,7 @@ from rtkit.link import keys, places, secret
 from rtkit.link import tcp_endpoint as door
 from rtkit.link.zenoh import ZenohLink, open_client, open_listener, unix_endpoint
 from rtkit.manager import daemon
-from rtkit.manager.processes.tcp_endpoint import TcpEndpoint
+from rtkit.manager.tcp_endpoint import TcpEndpoint
 from rtkit.settings.configuration import CommandLineSettings, read
 
 settings = read(CommandLineSettings(overrides=("net.endpoints:localhost:0",))).settings

@@ -14,8 +14,8 @@ from typing import Any
 import pytest
 
 from rtkit.logs.logs import Log
-from rtkit.manager.processes import warm_up as rehearsal
-from rtkit.manager.processes.warm_up import warm_up
+from rtkit.manager.slaves import warm_up as rehearsal
+from rtkit.manager.slaves.warm_up import warm_up
 from rtkit.modules.loader import Loader
 
 

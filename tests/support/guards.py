@@ -41,13 +41,13 @@ GUARDS = (
     ),
     Guard(
         "system/test_stuck.py::test_a_stuck_callback_is_named_with_its_line",
-        "rtkit/manager/processes/watchdog.py",
+        "rtkit/manager/slaves/watchdog.py",
         "        return age_ns > bound_s * 1e9",
         "        return False",
     ),
     Guard(
         "system/test_faults.py::test_a_creation_that_hangs_is_given_up_in_time_and_cleaned_away",
-        "rtkit/manager/processes/watchdog.py",
+        "rtkit/manager/slaves/watchdog.py",
         "            bound_s = min(bound_s, watched.age_s)",
         "            bound_s = 1e6",
     ),
@@ -90,13 +90,13 @@ GUARDS = (
     ),
     Guard(
         "system/test_faults.py::test_what_a_component_started_ends_with_its_slave",
-        "rtkit/manager/processes/slave_supervisor.py",
+        "rtkit/manager/slaves/slave_supervisor.py",
         "            end_sessions(over, is_ancestor=is_all_ours)",
         "            pass",
     ),
     Guard(
         "system/test_faults.py::test_two_hundred_children_end_with_their_slave",
-        "rtkit/manager/processes/slave_supervisor.py",
+        "rtkit/manager/slaves/slave_supervisor.py",
         "            end_sessions(over, is_ancestor=is_all_ours)",
         "            pass",
     ),
@@ -131,13 +131,13 @@ GUARDS = (
     ),
     Guard(
         "system/test_faults.py::test_a_killed_zygote_is_replaced_and_its_slaves_run_on",
-        "rtkit/manager/processes/slave_connections.py",
+        "rtkit/manager/slaves/slave_connections.py",
         "            self._slave_supervisor.restart()\n",
         "            return\n",
     ),
     Guard(
         "system/test_faults.py::test_a_stopped_zygote_costs_only_new_slaves",
-        "rtkit/manager/processes/slave_supervisor.py",
+        "rtkit/manager/slaves/slave_supervisor.py",
         '(f"the zygote is stopped (pid {report.si_pid})" * is_stopped)',
         '("")',
     ),
@@ -149,7 +149,7 @@ GUARDS = (
     ),
     Guard(
         "system/test_restart.py::test_the_end_of_a_found_slave_is_told_with_its_reason",
-        "rtkit/manager/processes/zygote.py",
+        "rtkit/manager/slaves/zygote.py",
         "            if self._children:\n                self._listen()",
         "            self._children.clear()",
     ),
@@ -210,7 +210,7 @@ GUARDS = (
     ),
     Guard(
         "system/test_manager.py::test_a_manager_without_descriptors_refuses_the_new_and_keeps_the_old",
-        "rtkit/manager/processes/slave_connections.py",
+        "rtkit/manager/slaves/slave_connections.py",
         "            os.close(self._spare)\n            self._spare = -1",
         "            self._spare = -1",
     ),

@@ -163,7 +163,7 @@ def zygote_of(manager: int) -> int:
             command = Path(f"/proc/{child}/cmdline").read_bytes()
         except OSError:
             continue
-        if b"rtkit.manager.processes.zygote" in command:
+        if b"rtkit.manager.slaves.zygote" in command:
             return child
     return 0
 

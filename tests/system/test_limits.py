@@ -15,7 +15,7 @@ import pytest
 
 from rtkit.deployment.actions import ChangeState, Create
 from rtkit.deployment.facts import ComponentFacts
-from rtkit.manager.processes.tree_usage import tree_usage
+from rtkit.manager.limits.usage import tree_usage
 from rtkit.resources import resource
 from rtkit.rtc.enums import Transition
 from rtkit.tree.client import Tree

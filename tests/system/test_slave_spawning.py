@@ -21,7 +21,7 @@ DYING = """
 import os
 import sys
 
-if "rtkit.manager.processes.zygote" in sys.orig_argv and os.path.exists({flag!r}):
+if "rtkit.manager.slaves.zygote" in sys.orig_argv and os.path.exists({flag!r}):
     os._exit(7)
 """
 

@@ -94,7 +94,7 @@ def _end_remains(name: str) -> int:
     own = (places.manager_socket(name), places.control_socket(name), places.manager_lock(name))
     if not traces(name) and not any(map(os.path.lexists, own)):
         return 0
-    from rtkit.manager.stale_resources import end_remains
+    from rtkit.manager.predecessor.stale_resources import end_remains
 
     return end_remains(name)
 

@@ -26,7 +26,7 @@ def check_reserved(app: App, system: WantedSystem, snapshot: Snapshot) -> None:
         return
     from rtkit.deployment.limits import overbooked
     from rtkit.deployment.reserving import reserved
-    from rtkit.manager.processes.capacity import capacity
+    from rtkit.manager.limits.capacity import capacity
 
     managers = {each.manager for each in (snapshot, *snapshot.others)}
     elsewhere = _elsewhere(app, managers) if app.finds_managers else {}

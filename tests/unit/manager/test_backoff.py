@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from rtkit.manager.processes.backoff import Backoff
+from rtkit.manager.child_process import Backoff
 
 
 def test_each_wait_is_longer_up_to_ten_seconds():

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from rtkit.manager.processes.capacity import capacity
+from rtkit.manager.limits.capacity import capacity
 
 MIB = 1 << 20
 

@@ -16,8 +16,8 @@ from rtkit.container.orphans import end_sessions
 from rtkit.errors import Refused
 from rtkit.link import places, running
 from rtkit.manager import claim
-from rtkit.manager.processes.unreported import living_slaves
-from rtkit.manager.stale_resources import end_remains
+from rtkit.manager.predecessor.stale_resources import end_remains
+from rtkit.manager.predecessor.unreported import living_slaves
 
 TAKE = """
 from contextlib import ExitStack

@@ -172,9 +172,9 @@ def test_slaves_of_an_earlier_manager_have_their_limits_again() -> None:
 
 def test_a_manager_without_limits_loads_nothing_of_what_keeps_them() -> None:
     code = (
-        "import sys, rtkit.manager.daemon, rtkit.manager.loop, rtkit.manager.processes.zygote\n"
-        "names = ('limiter', 'cgroup', 'capacity', 'tree_usage')\n"
-        "print([n for n in names if f'rtkit.manager.processes.{n}' in sys.modules])"
+        "import sys, rtkit.manager.daemon, rtkit.manager.loop, rtkit.manager.slaves.zygote\n"
+        "names = ('limiter', 'control_groups', 'capacity')\n"
+        "print([n for n in names if f'rtkit.manager.limits.{n}' in sys.modules])"
     )
     told = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert told.stdout == "[]\n"

@@ -13,7 +13,7 @@ import pytest
 from rtkit.container.inherited import MARK, unmarked
 from rtkit.container.orphans import began_at
 from rtkit.link.deadline import boot_id
-from rtkit.manager.processes.descendants import Descendants, end_descendants
+from rtkit.manager.predecessor.descendants import Descendants, end_descendants
 
 DEAD = 999_999_999
 

@@ -12,7 +12,7 @@ import pytest
 from rtkit.link import places
 from rtkit.logs import outputs
 from rtkit.logs.outputs import cut, forget_old, head
-from rtkit.manager.processes.exit_diagnostics import ExitDiagnostics, exit_diagnostics, log_crash
+from rtkit.manager.slaves.exit_diagnostics import ExitDiagnostics, exit_diagnostics, log_crash
 from rtkit.tree.logbook import Logbook
 
 CRASH = f"""Fatal Python error: Segmentation fault

@@ -15,7 +15,7 @@ from rtkit.component.options import BufferOptions, EmptyPolicy, FullPolicy, Port
 from rtkit.component.waiting import grant_by
 from rtkit.container.heartbeats import CALLBACKS, HeartbeatReader, Heartbeats
 from rtkit.container.stacks import place_of
-from rtkit.manager.processes.watchdog import DEADLINE_S, callback_deadline_s
+from rtkit.manager.slaves.watchdog import DEADLINE_S, callback_deadline_s
 
 
 @pytest.fixture

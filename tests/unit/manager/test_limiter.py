@@ -13,9 +13,9 @@ from collections.abc import Callable, Iterator
 import pytest
 
 from rtkit.deployment.limits import NO_LIMITS, SlaveLimits
-from rtkit.manager.processes import limiter as module
-from rtkit.manager.processes.limiter import Limiter
-from rtkit.manager.processes.tree_usage import proportional_memory, tree_usage
+from rtkit.manager.limits import limiter as module
+from rtkit.manager.limits.limiter import Limiter
+from rtkit.manager.limits.usage import proportional_memory, tree_usage
 
 MIB = 1 << 20
 Start = Callable[[str], "subprocess.Popen[str]"]

@@ -14,7 +14,7 @@ import pytest
 from rtkit.container.heartbeats import Heartbeats
 from rtkit.container.slave_checkpoint import CheckpointWriter
 from rtkit.manager.core.events import SlaveExitedUnseen, SlaveFound
-from rtkit.manager.processes.unreported import (
+from rtkit.manager.predecessor.unreported import (
     UnreportedSlaves,
     checkpoints_of_the_dead,
     living_slaves,

@@ -13,7 +13,7 @@ import pytest
 from rtkit.container.heartbeats import STACKS_AT, Heartbeats, heartbeats_path
 from rtkit.container.stacks import open_stacks, write_stacks
 from rtkit.manager.core.events import CallbackStuck, ProcessInspected
-from rtkit.manager.processes.watchdog import POLL_S, Watchdog
+from rtkit.manager.slaves.watchdog import POLL_S, Watchdog
 
 KEY = 7
 

@@ -13,9 +13,9 @@ from collections.abc import Iterator
 from contextlib import suppress
 
 from rtkit.link import places
-from rtkit.manager.processes.unreported import is_slave
+from rtkit.manager.predecessor.unreported import is_slave
 
-ZYGOTE = "rtkit.manager.processes.zygote"
+ZYGOTE = "rtkit.manager.slaves.zygote"
 """The module that a zygote runs, with two arguments: a descriptor, and its settings."""
 
 

@@ -17,8 +17,7 @@ from rtkit.container.control_channel import ControlChannel
 from rtkit.container.inherited import unmarked, withhold
 from rtkit.deployment.message import Message
 from rtkit.errors import Malformed
-from rtkit.manager.processes.backoff import Backoff
-from rtkit.manager.processes.zygote import reason
+from rtkit.manager.child_process import Backoff, exit_reason
 
 _log = logging.getLogger(__name__)
 _ONE_THREAD = dict.fromkeys(("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"), "1")
@@ -54,7 +53,7 @@ class ForkServer:
         with theirs:
             withhold()
             theirs.set_inheritable(True)
-            module = ["-P", "-m", "rtkit.manager.processes.zygote"]
+            module = ["-P", "-m", "rtkit.manager.slaves.zygote"]
             arguments = [sys.executable, *module, str(theirs.fileno()), self._settings]
             environment = {**unmarked(os.environ), **_ONE_THREAD}  # it outlives the manager
             self.pid = os.posix_spawn(sys.executable, arguments, environment)
@@ -119,5 +118,5 @@ class ForkServer:
             signal.pidfd_send_signal(pidfd, signal.SIGKILL)
         os.close(pidfd)
         report = os.waitid(os.P_PID, self.pid, os.WEXITED)
-        how = reason(report) if report is not None else "exit status unknown"
+        how = exit_reason(report) if report is not None else "exit status unknown"
         return how if is_over else "its line broke, and it was killed"

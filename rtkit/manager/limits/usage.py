@@ -1,4 +1,4 @@
-"""Sums up the usage of a process tree: memory, processes, descriptors, processor time."""
+"""Usage of a process, and of all that descends from it: processor time, memory, descriptors."""
 
 from __future__ import annotations
 
@@ -10,6 +10,13 @@ from rtkit.container.orphans import family
 
 _TICK_S = 1.0 / os.sysconf("SC_CLK_TCK")
 _PAGE_BYTES = os.sysconf("SC_PAGE_SIZE")
+
+
+class Usage(NamedTuple):
+    """Processor time of all threads [s], and memory that is resident [bytes]."""
+
+    cpu_s: float
+    memory_bytes: int
 
 
 class Used(NamedTuple):
@@ -26,6 +33,17 @@ class Used(NamedTuple):
     memory: int = 0
     largest: int = 0
     cpu_s: float = 0.0
+
+
+def usage(pid: int) -> Usage | None:
+    """Return what a process uses; None when it is gone.
+
+    Source: proc(5), fields 14, 15 and 24 of ``/proc/PID/stat``.
+    """
+    fields = _stat(pid)
+    if not fields:
+        return None
+    return Usage((int(fields[11]) + int(fields[12])) * _TICK_S, int(fields[21]) * _PAGE_BYTES)
 
 
 def tree_usage(pid: int) -> Used:

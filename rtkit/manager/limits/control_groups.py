@@ -1,6 +1,6 @@
 """Puts limited slaves into control groups, where version 2 of the kernel's lets this user.
 
-They only hold what runs away between two looks (see `rtkit.manager.processes.limiter`): most
+They only hold what runs away between two looks (see `rtkit.manager.limits.limiter`): most
 containers and log-ins let nobody write them, and what a limit means is to be the same everywhere.
 """
 

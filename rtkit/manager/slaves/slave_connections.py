@@ -22,7 +22,7 @@ from rtkit.errors import Malformed
 from rtkit.link import unix
 from rtkit.manager.core import events as ev
 from rtkit.manager.core.adoption import SETTLE_S
-from rtkit.manager.processes.slave_supervisor import SlaveSupervisor
+from rtkit.manager.slaves.slave_supervisor import SlaveSupervisor
 
 _log = logging.getLogger(__name__)
 _READ, _WRITE = selectors.EVENT_READ, selectors.EVENT_WRITE

@@ -13,9 +13,9 @@ from rtkit.container.orphans import end_sessions
 from rtkit.errors import Refused
 from rtkit.link import places, running, unix
 from rtkit.manager.claim import remove_stale, take_lock
-from rtkit.manager.processes.descendants import end_descendants
-from rtkit.manager.processes.unregistered_forks import end_lost
-from rtkit.manager.processes.unreported import is_slave, living_slaves
+from rtkit.manager.predecessor.descendants import end_descendants
+from rtkit.manager.predecessor.unregistered_forks import end_lost
+from rtkit.manager.predecessor.unreported import is_slave, living_slaves
 
 TERM_S = 7.0
 """Grace between TERM and KILL, in which components finalise [s]."""

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from rtkit.deployment.limits import NO_LIMITS, SlaveLimits
-from rtkit.manager.processes.cgroup import ControlGroups, control_groups
+from rtkit.manager.limits.control_groups import ControlGroups, control_groups
 
 FILES = ("cgroup.procs", "memory.max", "memory.swap.max", "pids.max", "cpu.max")
 LIMITS = SlaveLimits(memory=1 << 20, processes=2, processor=0.5)

@@ -1,6 +1,12 @@
-"""Back-off of restarts: each wait in a row is longer."""
+"""Child processes of a manager: how one ended, and the back-off of its restarts."""
 
 from __future__ import annotations
+
+import os
+
+STOPS = (os.CLD_STOPPED, os.CLD_TRAPPED)
+ENDS = (os.CLD_EXITED, os.CLD_KILLED, os.CLD_DUMPED)
+"""Codes of reports by `os.waitid`: a child has stopped, or has ended."""
 
 _FIRST_S = 0.1
 _MOST_S = 10.0
@@ -39,3 +45,10 @@ class Backoff:
         if self.failures == 1:
             return 0.0
         return min(_FIRST_S * 2.0 ** min(self.failures - 2, 30), _MOST_S)
+
+
+def exit_reason(report: os.waitid_result) -> str:
+    """Return how a process ended: ``signal 9`` or ``exit status 3``."""
+    if report.si_code == os.CLD_EXITED:
+        return f"exit status {report.si_status}"
+    return f"signal {report.si_status}"

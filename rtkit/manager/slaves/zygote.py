@@ -30,12 +30,11 @@ from rtkit.container.slave import Slave
 from rtkit.container.subreaper import become_subreaper
 from rtkit.deployment.message import Message
 from rtkit.logs.logs import Log, share_log
-from rtkit.manager.processes.heap_compaction import fill_gaps
-from rtkit.manager.processes.warm_up import warm_up
+from rtkit.manager.child_process import ENDS, STOPS, exit_reason
+from rtkit.manager.slaves.heap_compaction import fill_gaps
+from rtkit.manager.slaves.warm_up import warm_up
 
 _OPTIONS = os.WEXITED | os.WSTOPPED | os.WCONTINUED | os.WNOHANG
-STOPS = (os.CLD_STOPPED, os.CLD_TRAPPED)
-ENDS = (os.CLD_EXITED, os.CLD_KILLED, os.CLD_DUMPED)
 AHEAD = (
     "rtkit.component.composite",
     "rtkit.component.fsm",
@@ -210,7 +209,7 @@ class Zygote:
                 name = self._children.pop(report.si_pid, None)
                 self._end_orphans(name)
                 if name is not None:
-                    self._tell({"ended": report.si_pid, "reason": reason(report)})
+                    self._tell({"ended": report.si_pid, "reason": exit_reason(report)})
             elif report.si_pid in self._children:
                 self._tell({"halted": report.si_pid, "is_halted": report.si_code in STOPS})
 
@@ -228,13 +227,6 @@ def main() -> None:
     log = share_log(settings["manager"], "zygote", is_shown=settings["is_shown"])
     Zygote(ControlChannel(socket.socket(fileno=int(sys.argv[1]))), settings, log).run()
     os._exit(0)
-
-
-def reason(report: os.waitid_result) -> str:
-    """Return how a process ended: ``signal 9`` or ``exit status 3``."""
-    if report.si_code == os.CLD_EXITED:
-        return f"exit status {report.si_status}"
-    return f"signal {report.si_status}"
 
 
 if __name__ == "__main__":

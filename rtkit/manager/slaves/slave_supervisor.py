@@ -26,12 +26,12 @@ from rtkit.container.orphans import (
 )
 from rtkit.container.slave_checkpoint import SlaveCheckpoint, checkpoint_path
 from rtkit.link.streams import remove_socket
+from rtkit.manager.child_process import ENDS, STOPS, exit_reason
 from rtkit.manager.core import events as ev
-from rtkit.manager.processes.fork_server import ForkServer
-from rtkit.manager.processes.former_zygotes import FormerZygotes
-from rtkit.manager.processes.unreported import UNKNOWN, UnreportedSlaves
-from rtkit.manager.processes.watchdog import remove_traces
-from rtkit.manager.processes.zygote import ENDS, STOPS, reason
+from rtkit.manager.predecessor.former_zygotes import FormerZygotes
+from rtkit.manager.predecessor.unreported import UNKNOWN, UnreportedSlaves
+from rtkit.manager.slaves.fork_server import ForkServer
+from rtkit.manager.slaves.watchdog import remove_traces
 
 NOBODY: Mapping[int, SlaveCheckpoint] = {}
 _NO_ZYGOTE = 0
@@ -275,7 +275,7 @@ class SlaveSupervisor:
                 yield ev.SpawnDisabled(f"the zygote is stopped (pid {report.si_pid})" * is_stopped)
             return
         if report.si_pid == self._server.pid:
-            self._server.ends[report.si_pid] = reason(report)
+            self._server.ends[report.si_pid] = exit_reason(report)
             while events := self.receive():
                 yield from events
         self._buried(report.si_pid)
@@ -322,7 +322,7 @@ class SlaveSupervisor:
 
     def _event_of(self, report: os.waitid_result) -> ev.Event | None:
         if report.si_code in ENDS:
-            return self._ended(report.si_pid, reason(report))
+            return self._ended(report.si_pid, exit_reason(report))
         key = self._keys.get(report.si_pid)
         return None if key is None else ev.SlaveStopped(key, report.si_code in STOPS)
 

@@ -24,8 +24,8 @@ from rtkit.deployment.limits import (
 )
 from rtkit.fast_dataclass import dataclass, field
 from rtkit.manager.core.events import SlaveOverLimit
-from rtkit.manager.processes import tree_usage as tree
-from rtkit.manager.processes.cgroup import ControlGroups, control_groups
+from rtkit.manager.limits import usage as tree
+from rtkit.manager.limits.control_groups import ControlGroups, control_groups
 
 LOOK_S = 0.05
 """How often what can run away is looked at [s]."""

@@ -1,0 +1,1 @@
+"""Processes that an earlier manager left: found again and adopted, or ended."""

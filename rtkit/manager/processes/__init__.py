@@ -1,1 +1,0 @@
-"""Processes of a manager: their start, their connections, their exit."""

@@ -1,0 +1,1 @@
+"""Slave processes: the zygote that forks them, their supervision, their connections."""
