@@ -18,7 +18,6 @@ from rtkit.component.fsm import EVENT_NAME
 from rtkit.deployment import actions as act
 from rtkit.deployment.capture import SystemHeading, capture
 from rtkit.deployment.extension import MODULE
-from rtkit.deployment.fake_manager import FakeManager
 from rtkit.modules.loader import Loader
 from rtkit.profile.write import write_rtc, write_rts
 from rtkit.rtc.create import parse_create
@@ -27,6 +26,7 @@ from rtkit.rtc.pattern import ComponentPattern, ContextPattern
 from rtkit.rtc.profiles import ConnectorProfile, PortRef
 
 ROOT = Path(__file__).resolve().parent.parent
+sys.path.insert(0, str(ROOT / "tests" / "support"))
 DATE = "2025-01-01T00:00:00"
 TYPES = (
     "ConsoleIn",
@@ -140,6 +140,8 @@ def pattern(component: Component) -> ComponentPattern:
 def rts_document(system: System, patterns: Iterable[ComponentPattern]) -> bytes:
     """Return the profile of a system of samples, as if it lived and had been saved."""
     name, abstract, creates, wires = system
+    from fake_manager import FakeManager
+
     world = FakeManager(patterns)
     for create in creates:
         world.perform(act.Create(create)).raise_for_error()

@@ -8,12 +8,13 @@ import io
 import re
 
 import pytest
+from fake_manager import FakeManager
+from fake_tree import fake_tree
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from rtkit.cli import _out
 from rtkit.deployment.facts import ComponentFacts, ProcessFacts
-from rtkit.deployment.fake_manager import FakeManager
 from rtkit.rtc.enums import ExecutionKind, Polarity, PortType
 from rtkit.rtc.profiles import (
     ConnectorProfile,
@@ -24,7 +25,6 @@ from rtkit.rtc.profiles import (
     PortRef,
     TypeProfile,
 )
-from rtkit.tree.fake import fake_tree
 
 TEXT = st.text(
     st.one_of(st.sampled_from("\x1b\x9b\x07\n\r\t\u202e\u200b\x00ab/.:*"), st.characters()),

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+from fake_manager import FakeManager
+from fake_tree import fake_tree
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from systems import ACTIVE, INACTIVE, INSTANCES, by_key, disturb, disturbances, make_world, profiles
@@ -13,7 +15,6 @@ from rtkit.deployment.actions import Result
 from rtkit.deployment.applying import Applier
 from rtkit.deployment.check import deviations
 from rtkit.deployment.facts import Snapshot
-from rtkit.deployment.fake_manager import FakeManager
 from rtkit.deployment.goal import DeploymentGoal
 from rtkit.deployment.live import LiveIndex
 from rtkit.deployment.planning.reference_model import judge
@@ -21,7 +22,6 @@ from rtkit.deployment.wanted import wanted
 from rtkit.errors import RtkitError
 from rtkit.rtc.create import parse_create
 from rtkit.rtc.enums import LifeCycleState, ReturnCode
-from rtkit.tree.fake import fake_tree
 
 few = settings(max_examples=20, deadline=None)
 

@@ -6,11 +6,11 @@ import os.path
 from collections.abc import Mapping
 
 import pytest
+from fake_manager import FakeManager
 
 from rtkit.deployment.capture import SystemHeading, capture
 from rtkit.deployment.check import deviations
 from rtkit.deployment.creation import creation_plan
-from rtkit.deployment.fake_manager import FakeManager
 from rtkit.deployment.live import LiveIndex
 from rtkit.deployment.plan import merged
 from rtkit.deployment.running import start_plan, stop_plan, teardown_plan

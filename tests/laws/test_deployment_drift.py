@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import replace
 
 import pytest
+from fake_manager import FakeManager
+from fake_tree import fake_tree
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from systems import INSTANCES, PORTS, SETS, disturb, disturbances, make_world, profiles
@@ -14,7 +16,6 @@ from rtkit.deployment.actions import Result
 from rtkit.deployment.applying import Applier
 from rtkit.deployment.check import deviations, surplus
 from rtkit.deployment.extension import policy_in
-from rtkit.deployment.fake_manager import FakeManager
 from rtkit.deployment.goal import DeploymentGoal
 from rtkit.deployment.live import LiveIndex
 from rtkit.deployment.wanted import wanted
@@ -24,7 +25,6 @@ from rtkit.profile.common import ExtensionProperty
 from rtkit.rtc.enums import LifeCycleState, ReturnCode
 from rtkit.rtc.pattern import ComponentPattern
 from rtkit.rtc.profiles import ConnectorProfile, PortRef, TypeProfile
-from rtkit.tree.fake import fake_tree
 
 few = settings(max_examples=20, deadline=None)
 DATE = "2025-01-01T00:00:00"

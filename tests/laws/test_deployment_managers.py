@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+from fake_tree import fake_tree
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from systems import ACTIVE, INACTIVE, INSTANCES, disturb, disturbances, make_world, profiles
@@ -24,7 +25,6 @@ from rtkit.errors import RtkitError, Unreachable
 from rtkit.profile import rts_model as rts
 from rtkit.profile.common import ExtensionProperty
 from rtkit.rtc.enums import ReturnCode
-from rtkit.tree.fake import fake_tree
 from rtkit.tree.manager_set import ManagerSet
 from rtkit.tree.resurrect import resurrect
 from rtkit.tree.start import Starter

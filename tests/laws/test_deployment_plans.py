@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import pytest
+from fake_manager import FakeManager
+from fake_tree import fake_tree
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from systems import ACTIVE, INACTIVE, by_key, disturb, disturbances, make_world, profiles
@@ -12,7 +14,6 @@ from rtkit.deployment.actions import Result
 from rtkit.deployment.capture import SystemHeading, capture
 from rtkit.deployment.check import deviations
 from rtkit.deployment.creation import creation_plan
-from rtkit.deployment.fake_manager import FakeManager
 from rtkit.deployment.live import LiveIndex
 from rtkit.deployment.plan import merged
 from rtkit.deployment.runner import PlanRunner
@@ -23,7 +24,6 @@ from rtkit.deployment.wiring import wiring_plan
 from rtkit.errors import Refused
 from rtkit.profile import rts_model as rts
 from rtkit.rtc.enums import ReturnCode
-from rtkit.tree.fake import fake_tree
 from rtkit.tree.resurrect import resurrect
 
 few = settings(max_examples=40, deadline=None)

@@ -4,17 +4,17 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+from fake_manager import FakeManager
+from fake_tree import fake_tree
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from systems import INSTANCES, disturb, disturbances, make_world, profiles
 
 from rtkit.deployment import actions as act
 from rtkit.deployment.applying import Applier
-from rtkit.deployment.fake_manager import FakeManager
 from rtkit.deployment.goal import DeploymentGoal
 from rtkit.deployment.states.variants import StateDifference, variant
 from rtkit.deployment.wanted import wanted
-from rtkit.tree.fake import fake_tree
 
 few = settings(max_examples=25, deadline=None)
 systems = profiles(stand_ins=False)

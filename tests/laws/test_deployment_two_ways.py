@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+from fake_manager import FakeManager
+from fake_tree import fake_tree
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from systems import ACTIVE, INACTIVE, by_key, make_world, profiles
 
 from rtkit.deployment.applying import Applier
-from rtkit.deployment.fake_manager import FakeManager
 from rtkit.deployment.goal import DeploymentGoal
 from rtkit.deployment.live import LiveIndex
 from rtkit.deployment.runner import PlanRunner
@@ -17,7 +18,6 @@ from rtkit.deployment.running import start_plan, stop_plan, teardown_plan
 from rtkit.deployment.system import WantedSystem
 from rtkit.deployment.wanted import wanted
 from rtkit.profile import rts_model as rts
-from rtkit.tree.fake import fake_tree
 from rtkit.tree.resurrect import resurrect
 from rtkit.tree.start import Starter
 

@@ -5,19 +5,19 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 
 import statekit
+from fake_manager import FakeManager
+from fake_tree import fake_tree
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from rtkit.deployment.actions import Action, Result
 from rtkit.deployment.applying import Applier
 from rtkit.deployment.facts import Snapshot
-from rtkit.deployment.fake_manager import FakeManager
 from rtkit.deployment.states.followed import Followed
 from rtkit.deployment.states.spec import spec_to_text
 from rtkit.errors import Refused
 from rtkit.manager.following.own_site import Ended
 from rtkit.manager.following.worker import FollowingWorker
-from rtkit.tree.fake import fake_tree
 
 STATES = statekit.robot()
 TEXT = spec_to_text(STATES, ["", ""])

@@ -10,6 +10,7 @@ import itertools
 import math
 from contextlib import suppress
 
+from fake_shell import OWN, FakeShell, facts, module_of, wire
 from hypothesis import settings
 from hypothesis import strategies as st
 from hypothesis.stateful import (
@@ -25,7 +26,6 @@ from rtkit.deployment.limits import NO_LIMITS, limits_in
 from rtkit.errors import Malformed, NotFound, Refused
 from rtkit.manager.core import events as ev
 from rtkit.manager.core.stopping import FINALISE_S, TERM_S
-from rtkit.manager.fake import OWN, FakeShell, facts, module_of, wire
 from rtkit.rtc.create import parse_create
 from rtkit.rtc.enums import Transition
 

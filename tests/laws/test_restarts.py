@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+from fake_tree import fake_tree
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from managed import Managed
@@ -22,7 +23,6 @@ from rtkit.deployment.runner import PlanRunner
 from rtkit.deployment.running import start_plan
 from rtkit.deployment.system import WantedSystem
 from rtkit.deployment.wanted import wanted
-from rtkit.tree.fake import fake_tree
 from rtkit.tree.resurrect import resurrect
 from rtkit.tree.start import Starter
 

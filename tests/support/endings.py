@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from typing import Any
 
+from fake_shell import FakeShell, facts
+
 from rtkit.deployment import actions as act
 from rtkit.manager.core import events as ev
-from rtkit.manager.fake import FakeShell, facts
 from rtkit.property.exchange import Reply
 from rtkit.rtc.create import parse_create
 from rtkit.rtc.enums import LifeCycleState

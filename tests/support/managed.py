@@ -8,17 +8,18 @@ from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 from unittest import mock
 
+from fake_manager import FakeManager
+from fake_shell import FakeCall, FakeShell
+
 from rtkit.container.user_requests import UserRequests
 from rtkit.deployment import actions as act
 from rtkit.deployment.actions import Action, Result
 from rtkit.deployment.facts import Snapshot
-from rtkit.deployment.fake_manager import FakeManager
 from rtkit.errors import Refused
 from rtkit.fast_dataclass import replace
 from rtkit.manager.core import events as ev
 from rtkit.manager.core.events import OWN_PROCESS
 from rtkit.manager.core.state import Process
-from rtkit.manager.fake import FakeCall, FakeShell
 from rtkit.rtc.create import parse_create
 from rtkit.rtc.enums import LifeCycleState, Transition
 from rtkit.rtc.pattern import ComponentPattern

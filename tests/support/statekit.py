@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+from fake_manager import FakeManager
+
 from rtkit.deployment import actions as act
 from rtkit.deployment.actions import Action, Result
-from rtkit.deployment.fake_manager import FakeManager
 from rtkit.deployment.goal import DeploymentGoal
 from rtkit.deployment.states.machine import machine_of
 from rtkit.deployment.states.states import States

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
+from fake_manager import FakeManager
 from hypothesis import strategies as st
 
 from rtkit.deployment import actions as act
 from rtkit.deployment.facts import Snapshot
-from rtkit.deployment.fake_manager import FakeManager
 from rtkit.profile import rts_model as rts
 from rtkit.profile.common import ExtensionProperty
 from rtkit.rtc.enums import LifeCycleState, PortType

@@ -8,13 +8,13 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 import pytest
+from fake_manager import FakeManager
+from fake_tree import fake_tree
 
 from rtkit.deployment import actions as act
-from rtkit.deployment.fake_manager import FakeManager
 from rtkit.rtc.enums import LifeCycleState, Polarity, PortType
 from rtkit.rtc.pattern import ComponentPattern, ContextPattern
 from rtkit.rtc.profiles import PortInterfaceProfile, PortProfile, TypeProfile
-from rtkit.tree.fake import fake_tree
 
 LONG = {"dataport.data_type": "IDL:RTC/TimedLong:1.0"}
 TEXT = {"dataport.data_type": "IDL:RTC/TimedString:1.0"}

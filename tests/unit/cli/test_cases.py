@@ -13,9 +13,9 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import pytest
+from fake_manager import FakeManager
 
 from rtkit.deployment.actions import Connect
-from rtkit.deployment.fake_manager import FakeManager
 from rtkit.rtc.profiles import ConnectorProfile, PortRef
 
 FOLDER = Path(__file__).parent / "cases"

@@ -13,6 +13,8 @@ from typing import Any
 
 import click
 import pytest
+from fake_manager import FakeManager
+from fake_tree import fake_tree
 
 from rtkit.cli import COMMANDS
 from rtkit.cli._group import CommandGroup
@@ -25,9 +27,7 @@ from rtkit.cli.completion.fitting import is_fit
 from rtkit.cli.completion.grammar import ask
 from rtkit.cli.completion.line import quoted, read
 from rtkit.component.check import refusal
-from rtkit.deployment.fake_manager import FakeManager
 from rtkit.rtc.serde import encode
-from rtkit.tree.fake import fake_tree
 
 BREAKS = " \t\n\"'><=;|&(:"
 

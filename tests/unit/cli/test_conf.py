@@ -10,9 +10,9 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from fake_manager import FakeManager
 
 from rtkit.deployment import actions as act
-from rtkit.deployment.fake_manager import FakeManager
 
 Run = Callable[[str], Any]
 STD = "/localhost/Std0.rtc"

@@ -7,8 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-
-from rtkit.deployment.fake_manager import FakeManager
+from fake_manager import FakeManager
 
 Run = Callable[[str], Any]
 OUT, INTO = "/localhost/local.host_cxt/Output0.rtc:out", "/localhost/Std0.rtc:in"

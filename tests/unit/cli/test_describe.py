@@ -7,7 +7,8 @@ from dataclasses import replace
 from textwrap import dedent
 from typing import Any
 
-from rtkit.deployment.fake_manager import FakeManager
+from fake_manager import FakeManager
+
 from rtkit.rtc.enums import ExecutionKind
 from rtkit.rtc.profiles import ConnectorProfile, ModuleProfile, PortRef
 

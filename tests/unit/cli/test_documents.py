@@ -9,9 +9,8 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from fake_manager import FakeManager
 from lxml import etree
-
-from rtkit.deployment.fake_manager import FakeManager
 
 Run = Callable[[str], Any]
 FILES = Path(__file__).parent / "files"

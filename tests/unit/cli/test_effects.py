@@ -8,15 +8,15 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from fake_manager import FakeManager
+from fake_tree import fake_tree
 
 from rtkit.cli.rtact import main as rtact
 from rtkit.cli.rtmgr import main as rtmgr
 from rtkit.deployment import actions as act
 from rtkit.deployment.actions import Result
-from rtkit.deployment.fake_manager import FakeManager
 from rtkit.rtc.enums import LifeCycleState, PortType, ReturnCode, Transition
 from rtkit.rtc.profiles import PortRef
-from rtkit.tree.fake import fake_tree
 
 Run = Callable[[str], Any]
 STD, INPUT, OUTPUT = (

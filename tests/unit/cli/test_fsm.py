@@ -9,8 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-
-from rtkit.deployment.fake_manager import FakeManager
+from fake_manager import FakeManager
 
 Run = Callable[[str], Any]
 STD = "/localhost/Std0.rtc"

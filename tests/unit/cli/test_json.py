@@ -11,13 +11,13 @@ from typing import Any
 import click
 import jsonrecords
 import pytest
+from fake_manager import FakeManager
 
 from rtkit.cli import COMMANDS, _records
 from rtkit.component.codec import codec_for
 from rtkit.component.geometry import Point2D, Pose2D, TimedPose2D
 from rtkit.component.literal import Literal
 from rtkit.component.types import Time, TimedDouble, TimedLong
-from rtkit.deployment.fake_manager import FakeManager
 from rtkit.probe.tap import Arrival
 from rtkit.recording.entries import RecordedStream, RecordedValue
 from rtkit.recording.mcap_file import RecordingWriter

@@ -9,13 +9,13 @@ from collections.abc import Callable
 from typing import Any
 
 import pytest
+from fake_manager import FakeManager
+from fake_tree import fake_tree
 
 from rtkit.cli.rtcwd import main as rtcwd
 from rtkit.deployment import actions as act
 from rtkit.deployment.actions import Result
-from rtkit.deployment.fake_manager import FakeManager
 from rtkit.rtc.enums import ReturnCode
-from rtkit.tree.fake import fake_tree
 
 Run = Callable[[str], Any]
 SHELLS = [name for name in ("bash", "dash", "zsh", "fish", "tcsh") if shutil.which(name)]

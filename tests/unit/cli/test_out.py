@@ -7,9 +7,9 @@ from collections.abc import Callable
 from typing import Any
 
 import pytest
+from fake_manager import FakeManager
 
 from rtkit.cli import _out
-from rtkit.deployment.fake_manager import FakeManager
 
 Run = Callable[[str], Any]
 

@@ -10,11 +10,12 @@ from pathlib import Path
 
 import jsonrecords
 import pytest
+from fake_manager import FakeManager
+from fake_tree import fake_tree
 
 from rtkit.cli import rtapply, rtplan, rtresurrect
 from rtkit.deployment import actions as act
 from rtkit.deployment.actions import Result
-from rtkit.deployment.fake_manager import FakeManager
 from rtkit.deployment.planning.costs import (
     ENOUGH,
     Mean,
@@ -26,7 +27,6 @@ from rtkit.errors import Unreachable
 from rtkit.rtc.enums import LifeCycleState, PortType, ReturnCode
 from rtkit.rtc.pattern import ComponentPattern
 from rtkit.rtc.profiles import ConnectorProfile, PortProfile, PortRef, TypeProfile
-from rtkit.tree.fake import fake_tree
 
 PROFILE = """<?xml version="1.0" encoding="UTF-8"?>
 <rts:RtsProfile xmlns:rts="http://www.openrtp.org/namespaces/rts"

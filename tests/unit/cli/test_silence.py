@@ -8,9 +8,9 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+from fake_tree import fake_tree
 
 from rtkit.tree import place
-from rtkit.tree.fake import fake_tree
 
 SERVER = "/localhost:9 was not"
 

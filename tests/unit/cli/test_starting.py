@@ -7,16 +7,16 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from fake_manager import FakeManager
+from fake_tree import fake_tree
 
 from rtkit.cli import rtact, rtcheck, rtdeact, rtresurrect, rtstart, rtstop
 from rtkit.deployment import actions as act
 from rtkit.deployment.actions import Result
-from rtkit.deployment.fake_manager import FakeManager
 from rtkit.errors import Unreachable
 from rtkit.rtc.enums import ReturnCode
 from rtkit.rtc.pattern import ComponentPattern
 from rtkit.rtc.profiles import TypeProfile
-from rtkit.tree.fake import fake_tree
 from rtkit.tree.wakeup import Wakeup
 
 COMMANDS = {

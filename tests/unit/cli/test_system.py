@@ -9,19 +9,19 @@ from pathlib import Path
 
 import jsonrecords
 import pytest
+from fake_manager import FakeManager
+from fake_tree import fake_tree
 from lxml import etree
 
 from rtkit.cli import rtcheck, rtcryo, rtresurrect, rtstart, rtstop, rtteardown
 from rtkit.deployment import actions as act
 from rtkit.deployment.actions import Result
-from rtkit.deployment.fake_manager import FakeManager
 from rtkit.errors import Refused, Unreachable
 from rtkit.profile.read import read_rts
 from rtkit.profile.words import property_value
 from rtkit.rtc.enums import LifeCycleState, PortType, ReturnCode
 from rtkit.rtc.pattern import ComponentPattern
 from rtkit.rtc.profiles import ConnectorProfile, PortProfile, PortRef, TypeProfile
-from rtkit.tree.fake import fake_tree
 
 COMMANDS = {
     "rtcheck": rtcheck,

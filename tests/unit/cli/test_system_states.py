@@ -9,11 +9,12 @@ from typing import Any
 
 import jsonrecords
 import pytest
+from fake_manager import FakeManager
+from fake_tree import fake_tree
 
 from rtkit.cli import rtapply, rtplan, rtresurrect, rtstart, rtstate, rtteardown
 from rtkit.deployment import actions as act
 from rtkit.deployment.actions import Result
-from rtkit.deployment.fake_manager import FakeManager
 from rtkit.deployment.states.followed import Followed
 from rtkit.deployment.states.spec import spec_from_text
 from rtkit.fast_dataclass import replace
@@ -21,7 +22,6 @@ from rtkit.rtc.enums import PortType, ReturnCode
 from rtkit.rtc.pattern import ComponentPattern
 from rtkit.rtc.profiles import PortProfile, TypeProfile
 from rtkit.tree.client import Tree
-from rtkit.tree.fake import fake_tree
 
 PROFILE = """<?xml version="1.0" encoding="UTF-8"?>
 <rts:RtsProfile xmlns:rts="http://www.openrtp.org/namespaces/rts"

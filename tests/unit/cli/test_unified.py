@@ -7,14 +7,14 @@ import subprocess
 import sys
 
 import pytest
+from fake_manager import FakeManager
+from fake_tree import fake_tree
 
 from rtkit import __version__
 from rtkit.cli import COMMANDS
 from rtkit.cli._rtkit import run
 from rtkit.cli._verbs import SUMMARIES, WORDS
 from rtkit.cli.completion.functions import SHELLS, script
-from rtkit.deployment.fake_manager import FakeManager
-from rtkit.tree.fake import fake_tree
 
 
 def test_a_verb_is_its_command(world: FakeManager, capsys: pytest.CaptureFixture[str]) -> None:

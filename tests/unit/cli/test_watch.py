@@ -5,14 +5,14 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import pytest
+from fake_manager import FakeManager
+from fake_tree import fake_tree
 
 from rtkit.cli import _out
 from rtkit.cli._app import Main
 from rtkit.cli.rtget import main as rtget
 from rtkit.cli.rtls import main as rtls
 from rtkit.deployment import actions as act
-from rtkit.deployment.fake_manager import FakeManager
-from rtkit.tree.fake import fake_tree
 
 Watch = Callable[..., tuple[int, list[float]]]
 

@@ -8,8 +8,8 @@ from types import SimpleNamespace
 from typing import Any
 
 import pytest
+from fake_manager import FakeManager
 
-from rtkit.deployment.fake_manager import FakeManager
 from rtkit.deployment.live import LiveIndex
 from rtkit.deployment.wanted import wanted
 from rtkit.profile import rts_model as rts

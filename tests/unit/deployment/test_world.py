@@ -1,5 +1,6 @@
+from fake_manager import FakeManager
+
 from rtkit.deployment import actions as act
-from rtkit.deployment.fake_manager import FakeManager
 from rtkit.rtc.enums import LifeCycleState, PortType, Transition
 from rtkit.rtc.pattern import ComponentPattern
 from rtkit.rtc.profiles import ConnectorProfile, PortProfile, PortRef, TypeProfile

@@ -5,13 +5,13 @@ from __future__ import annotations
 import signal
 
 import pytest
+from fake_shell import FakeShell, facts, wire
 
 from rtkit.deployment.actions import Connect, Create, Delete, Disconnect, EndSlave
 from rtkit.errors import Malformed
 from rtkit.manager.core import events as ev
 from rtkit.manager.core.adoption import SETTLE_S
 from rtkit.manager.core.import_check import TRIAL
-from rtkit.manager.fake import FakeShell, facts, wire
 
 
 def test_what_a_found_slave_holds_is_known_again() -> None:

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+from fake_shell import FakeShell, wire
+
 from rtkit.deployment.actions import Connect, Create, Delete
 from rtkit.deployment.capture import SystemHeading, capture
 from rtkit.manager.core import events as ev
-from rtkit.manager.fake import FakeShell, wire
 
 
 def test_what_a_guest_holds_is_shown_under_the_usual_name() -> None:

@@ -6,6 +6,7 @@ import signal
 
 import pytest
 from endings import heir
+from fake_shell import OWN, FakeShell
 
 from rtkit.deployment.actions import ActivateSet, ChangeState, Create, Delete, SetParameters, Tick
 from rtkit.deployment.batch import stamped_id
@@ -14,7 +15,6 @@ from rtkit.manager.core import events as ev
 from rtkit.manager.core import procedures
 from rtkit.manager.core.batches import REMEMBERED, TOO_OLD
 from rtkit.manager.core.stopping import FINALISE_S, TERM_S
-from rtkit.manager.fake import OWN, FakeShell
 from rtkit.property.exchange import NOT_BEGUN, Reply
 from rtkit.rtc.enums import ReturnCode, Transition
 

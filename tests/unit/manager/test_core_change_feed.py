@@ -5,11 +5,11 @@ from __future__ import annotations
 from typing import Any
 
 import pytest
+from fake_shell import OWN, FakeShell, facts
 
 from rtkit.deployment.delta import TREE, Delta, FullSnapshot, snapshot_from_text
 from rtkit.deployment.metrics import FIGURES, Metrics
 from rtkit.manager.core import events as ev
-from rtkit.manager.fake import OWN, FakeShell, facts
 from rtkit.property.exchange import Reply
 from rtkit.rtc.serde import decode
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import signal
 
 import pytest
+from fake_shell import OWN, FakeShell, facts, module_of, wire
 
 from rtkit.deployment.actions import (
     ChangeState,
@@ -19,7 +20,6 @@ from rtkit.deployment.actions import (
 from rtkit.errors import Malformed, NotFound, Refused
 from rtkit.manager.core import events as ev
 from rtkit.manager.core.import_check import TRIAL
-from rtkit.manager.fake import OWN, FakeShell, facts, module_of, wire
 from rtkit.rtc.enums import ReturnCode, Transition
 from rtkit.rtc.pattern import ComponentPattern
 from rtkit.rtc.profiles import ModuleProfile, TypeProfile

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import pytest
+from fake_shell import FakeShell
 
 from rtkit.deployment.actions import Create
-from rtkit.manager.fake import FakeShell
 
 TYPE = "PeriodicECSharedComposite"
 

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import pytest
+from fake_shell import OWN, PORTS, FakeShell, facts, wire
 
 from rtkit.deployment.actions import Connect, Delete, Disconnect
 from rtkit.errors import NotFound, Refused
 from rtkit.manager.core import events as ev
-from rtkit.manager.fake import OWN, PORTS, FakeShell, facts, wire
 from rtkit.rtc.profiles import ConnectorProfile, PortRef
 from rtkit.rtc.serde import encode
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import pytest
+from fake_shell import FakeShell
 
 from rtkit.deployment.actions import (
     Attach,
@@ -14,7 +15,6 @@ from rtkit.deployment.actions import (
     Tick,
 )
 from rtkit.deployment.batch import Batch, batch_from_text, batch_to_text
-from rtkit.manager.fake import FakeShell
 from rtkit.rtc.enums import Transition
 
 

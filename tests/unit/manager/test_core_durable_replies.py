@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from fake_shell import OWN, FakeShell, facts, wire
+
 from rtkit.deployment import actions as act
 from rtkit.deployment.batch import results_from_text
 from rtkit.manager.core import events as ev
 from rtkit.manager.core.durable_replies import RETRY_S
-from rtkit.manager.fake import OWN, FakeShell, facts, wire
 from rtkit.property.exchange import Reply
 from rtkit.rtc.create import parse_create
 from rtkit.rtc.enums import Transition

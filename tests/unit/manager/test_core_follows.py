@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 
 import statekit
+from fake_shell import FakeShell
 
 from rtkit.deployment.delta import TREE, Delta, snapshot_from_text
 from rtkit.deployment.states.followed import Followed
@@ -12,7 +13,6 @@ from rtkit.deployment.states.spec import spec_to_text
 from rtkit.deployment.user_events import user_events
 from rtkit.manager.core import events as ev
 from rtkit.manager.core.follows import told
-from rtkit.manager.fake import FakeShell
 from rtkit.property.exchange import Reply
 from rtkit.rtc.serde import decode
 

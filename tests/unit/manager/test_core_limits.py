@@ -6,13 +6,13 @@ import subprocess
 import sys
 
 from endings import come_back, make
+from fake_shell import FakeShell, facts
 
 from rtkit.deployment import actions as act
 from rtkit.deployment.limits import NO_LIMITS, Capacity, SlaveLimits
 from rtkit.errors import RtkitError
 from rtkit.manager.core import events as ev
 from rtkit.manager.core.stopping import HANGING_S
-from rtkit.manager.fake import FakeShell, facts
 from rtkit.rtc.enums import LifeCycleState
 
 MIB = 1 << 20

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import pytest
 from endings import come_back, do, heir, in_error, make, pass_time, restore
+from fake_shell import FakeShell, facts
 
 from rtkit.deployment import actions as act
 from rtkit.deployment.delta import TREE, Delta, applied, delta_between, snapshot_from_text
 from rtkit.deployment.restart_status import RestartStatus
 from rtkit.deployment.user_events import SUPERVISION, UserEvent, user_events
 from rtkit.manager.core import events as ev
-from rtkit.manager.fake import FakeShell, facts
 from rtkit.property.exchange import Reply
 from rtkit.rtc.enums import LifeCycleState, Transition
 from rtkit.rtc.serde import decode

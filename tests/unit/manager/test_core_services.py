@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import pytest
+from fake_shell import OWN, FakeShell, facts, wire
 
 from rtkit.deployment.actions import Connect, Disconnect
 from rtkit.errors import Unreachable
-from rtkit.manager.fake import OWN, FakeShell, facts, wire
 from rtkit.rtc.enums import Polarity, PortType
 from rtkit.rtc.profiles import PortInterfaceProfile, PortProfile
 from rtkit.rtc.serde import encode

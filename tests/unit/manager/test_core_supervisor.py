@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import pytest
 from endings import come_back, do, in_error, make, pass_time
+from fake_shell import FakeShell, facts, wire
 
 from rtkit.deployment import actions as act
 from rtkit.deployment.supervision import HEALTHY_S
 from rtkit.errors import Refused
 from rtkit.manager.core import events as ev
 from rtkit.manager.core.stopping import HANGING_S
-from rtkit.manager.fake import FakeShell, facts, wire
 from rtkit.rtc.enums import LifeCycleState, Transition
 
 STUCK = "stuck in on_execute since 12:00:00 (a.py:7)"

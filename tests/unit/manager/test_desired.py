@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import pytest
+from fake_shell import wire
 
 from rtkit.deployment import actions as act
 from rtkit.deployment.actions import Action
 from rtkit.deployment.facts import ComponentFacts
 from rtkit.manager.core.desired import DesiredState
 from rtkit.manager.core.record_desired import note
-from rtkit.manager.fake import wire
 from rtkit.rtc.enums import Transition
 from rtkit.rtc.pattern import ComponentPattern
 from rtkit.rtc.profiles import TypeProfile

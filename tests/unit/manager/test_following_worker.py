@@ -8,11 +8,11 @@ from threading import Event
 
 import pytest
 import statekit
+from fake_manager import FakeManager
 
 from rtkit.deployment.actions import Action, Result
 from rtkit.deployment.delta import TREE
 from rtkit.deployment.facts import Snapshot
-from rtkit.deployment.fake_manager import FakeManager
 from rtkit.deployment.lease import LeaseHolder
 from rtkit.deployment.states.followed import Followed
 from rtkit.deployment.states.spec import spec_to_text
@@ -242,8 +242,9 @@ def test_what_cannot_be_read_is_followed_no_more(manager: Manager) -> None:
 
 def _lead(manager: Manager, state: str) -> None:
     """Lead the system to a state as another command would."""
+    from fake_tree import fake_tree
+
     from rtkit.deployment.applying import Applier
-    from rtkit.tree.fake import fake_tree
 
     changed = manager.world.changed
     tree, goal = fake_tree(manager.world), manager.states.goal(state)

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import pytest
+from fake_shell import OWN, FakeShell
 
 from rtkit.deployment.actions import Create, Register, Unregister
-from rtkit.manager.fake import OWN, FakeShell
 
 
 @pytest.fixture

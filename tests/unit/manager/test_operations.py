@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import pytest
+from fake_shell import OWN, FakeShell, facts
 
 from rtkit.deployment.actions import ChangeState, Create
 from rtkit.errors import NotFound, Refused
 from rtkit.manager.core import configuring, operations
 from rtkit.manager.core import events as ev
-from rtkit.manager.fake import OWN, FakeShell, facts
 from rtkit.manager.query_server import ManagerQueryServer
 from rtkit.property.exchange import Reply, Request
 from rtkit.rtc.enums import Transition

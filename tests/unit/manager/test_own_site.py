@@ -7,13 +7,13 @@ from queue import Queue
 from threading import Thread
 
 import pytest
+from fake_shell import FakeShell
 
 from rtkit.deployment.actions import Delete
 from rtkit.deployment.batch import results_to_text
 from rtkit.deployment.lease import Immortal, Lease
 from rtkit.errors import Refused
 from rtkit.manager.core.events import BatchRequested
-from rtkit.manager.fake import FakeShell
 from rtkit.manager.following.own_site import Ended, OwnSite
 from rtkit.manager.query_server import ManagerQueryServer
 from rtkit.property.exchange import Reply, Request

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import pytest
+from fake_shell import FakeShell, wire
 
 from rtkit.errors import Malformed, NotFound
 from rtkit.manager.core.preconnect import connector
 from rtkit.manager.core.startup import StartUp
-from rtkit.manager.fake import FakeShell, wire
 from rtkit.rtc.profiles import PortRef
 
 

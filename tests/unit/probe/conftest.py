@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import pytest
+from fake_manager import FakeManager
+from fake_tree import fake_tree
 
-from rtkit.deployment.fake_manager import FakeManager
 from rtkit.rtc.enums import PortType
 from rtkit.rtc.pattern import ComponentPattern
 from rtkit.rtc.profiles import PortProfile, TypeProfile
 from rtkit.tree.client import Tree
-from rtkit.tree.fake import fake_tree
 
 _LONG = {"dataport.data_type": "IDL:RTC/TimedLong:1.0"}
 _TEXT = {"dataport.data_type": "IDL:RTC/TimedString:1.0"}

@@ -6,16 +6,16 @@ from collections.abc import Iterator
 from typing import Any
 
 import pytest
+from fake_manager import FakeManager
+from fake_tree import fake_tree
 
 from rtkit.deployment import actions as act
-from rtkit.deployment.fake_manager import FakeManager
 from rtkit.errors import Malformed, NotFound, Refused
 from rtkit.rtc.enums import LifeCycleState, PortType, Transition
 from rtkit.rtc.pattern import ComponentPattern, ContextPattern
 from rtkit.rtc.profiles import PortProfile, TypeProfile
 from rtkit.tree.client import Tree
 from rtkit.tree.connect import connect
-from rtkit.tree.fake import fake_tree
 
 LONG = {"dataport.data_type": "IDL:RTC/TimedLong:1.0"}
 A, B = "/localhost/A.rtc", "/localhost/B.rtc"

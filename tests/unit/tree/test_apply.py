@@ -3,10 +3,11 @@
 import threading
 
 import pytest
+from fake_manager import FakeManager
+from fake_tree import fake_tree
 
 from rtkit.deployment import actions as act
 from rtkit.deployment.actions import Result
-from rtkit.deployment.fake_manager import FakeManager
 from rtkit.deployment.plan import Check, Layer, LayeredPlan, PlannedAction
 from rtkit.deployment.runner import PlanRunner, roll_back
 from rtkit.deployment.site import UNFINISHED
@@ -15,7 +16,6 @@ from rtkit.rtc.enums import ReturnCode
 from rtkit.rtc.pattern import ComponentPattern
 from rtkit.rtc.profiles import TypeProfile
 from rtkit.tree import grace
-from rtkit.tree.fake import fake_tree
 from rtkit.tree.grace import uninterrupted
 
 SETS = {"default": {"a": "1", "b": "1"}}

@@ -1,11 +1,11 @@
 import pytest
+from fake_manager import FakeManager
+from fake_tree import fake_tree
 
 from rtkit.deployment import actions as act
-from rtkit.deployment.fake_manager import FakeManager
 from rtkit.errors import NotFound
 from rtkit.rtc.pattern import ComponentPattern
 from rtkit.rtc.profiles import TypeProfile
-from rtkit.tree.fake import fake_tree
 
 
 def test_the_real_client_sees_the_world():

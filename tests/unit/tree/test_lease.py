@@ -5,14 +5,14 @@ import threading
 import time
 
 import pytest
+from fake_manager import FakeManager
+from fake_tree import fake_tree
 
-from rtkit.deployment.fake_manager import FakeManager
 from rtkit.deployment.lease import Lease, LeaseHolder, holder_from_text
 from rtkit.errors import NotFound, Refused
 from rtkit.link.process_watch import ProcessWatch
 from rtkit.rtc.serde import encode
 from rtkit.tree import lease
-from rtkit.tree.fake import fake_tree
 from rtkit.tree.lease import Leases
 
 

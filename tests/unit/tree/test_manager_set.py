@@ -6,11 +6,12 @@ from dataclasses import replace
 from typing import NoReturn
 
 import pytest
+from fake_manager import FakeManager
+from fake_tree import fake_tree
 
 from rtkit.deployment import actions as act
 from rtkit.deployment.applying import Applier
 from rtkit.deployment.creation import creation_plan
-from rtkit.deployment.fake_manager import FakeManager
 from rtkit.deployment.goal import DeploymentGoal
 from rtkit.deployment.live import LiveIndex
 from rtkit.deployment.multi_manager import homes_in, inward, outward
@@ -23,7 +24,6 @@ from rtkit.rtc.enums import LifeCycleState, PortType
 from rtkit.rtc.pattern import ComponentPattern
 from rtkit.rtc.profiles import ConnectorProfile, PortProfile, PortRef, TypeProfile
 from rtkit.tree import managers
-from rtkit.tree.fake import fake_tree
 from rtkit.tree.manager_set import ManagerSet, subscription_at
 from rtkit.tree.resurrect import resurrect
 

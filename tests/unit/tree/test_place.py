@@ -8,12 +8,12 @@ import socket
 import threading
 
 import pytest
+from fake_manager import FakeManager
+from fake_tree import fake_tree
 
-from rtkit.deployment.fake_manager import FakeManager
 from rtkit.errors import Unreachable
 from rtkit.rtc.names import parse_path
 from rtkit.tree import place
-from rtkit.tree.fake import fake_tree
 from rtkit.tree.place import servers, strange_servers
 from rtkit.tree.view import NodeKind, TreeNode
 

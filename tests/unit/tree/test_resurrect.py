@@ -1,17 +1,17 @@
 """Bringing a system up on the fake world: all of it, or nothing."""
 
 import pytest
+from fake_manager import FakeManager
+from fake_tree import fake_tree
 
 from rtkit.deployment import actions as act
 from rtkit.deployment.actions import Result
-from rtkit.deployment.fake_manager import FakeManager
 from rtkit.deployment.runner import PlanRunner
 from rtkit.deployment.system import WantedComponent, WantedConnector, WantedSystem
 from rtkit.errors import NotFound, Refused
 from rtkit.rtc.enums import PortType, ReturnCode
 from rtkit.rtc.pattern import ComponentPattern
 from rtkit.rtc.profiles import ConnectorProfile, PortProfile, PortRef, TypeProfile
-from rtkit.tree.fake import fake_tree
 from rtkit.tree.resurrect import resurrect
 
 SETS = {"default": {"gain": "1"}, "fast": {"gain": "9"}}

@@ -7,11 +7,12 @@ from threading import Event, Thread
 from typing import Any
 
 import pytest
+from fake_manager import FakeManager
+from fake_tree import fake_tree
 
 from rtkit.deployment import actions as act
 from rtkit.deployment.actions import Action, ChangeState, Result
 from rtkit.deployment.conditions import NO_ORDERS, Orders, OrderTarget, StartCondition
-from rtkit.deployment.fake_manager import FakeManager
 from rtkit.deployment.live import LiveIndex
 from rtkit.deployment.running import start_plan, stop_plan
 from rtkit.deployment.system import WantedComponent, WantedSystem
@@ -21,7 +22,6 @@ from rtkit.rtc.pattern import ComponentPattern, ContextPattern
 from rtkit.rtc.profiles import TypeProfile
 from rtkit.tree import grace
 from rtkit.tree.client import Tree
-from rtkit.tree.fake import fake_tree
 from rtkit.tree.start import Starter
 from rtkit.tree.wakeup import Wakeup
 

@@ -6,10 +6,11 @@ import json
 from typing import Any
 
 import pytest
+from fake_manager import FakeManager
+from fake_tree import fake_tree
 
 from rtkit.deployment import actions as act
 from rtkit.deployment.delta import Delta
-from rtkit.deployment.fake_manager import FakeManager
 from rtkit.errors import Unreachable
 from rtkit.rtc.enums import Transition
 from rtkit.rtc.pattern import ComponentPattern
@@ -17,7 +18,6 @@ from rtkit.rtc.profiles import TypeProfile
 from rtkit.rtc.serde import encode
 from rtkit.tree import subscription
 from rtkit.tree.client import Tree
-from rtkit.tree.fake import fake_tree
 from rtkit.tree.subscription import ManagerSubscription, SubscriptionEnded, TreeChange
 
 

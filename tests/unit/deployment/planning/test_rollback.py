@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+from fake_manager import FakeManager
+
 from rtkit.deployment.actions import Create
 from rtkit.deployment.facts import Snapshot
-from rtkit.deployment.fake_manager import FakeManager
 from rtkit.deployment.live import LiveIndex
 from rtkit.deployment.planning.model import Model
 from rtkit.deployment.planning.model_builder import build_model

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import pytest
 import statekit
+from fake_manager import FakeManager
+from fake_tree import fake_tree
 
 from rtkit.deployment.applying import Applier
-from rtkit.deployment.fake_manager import FakeManager
 from rtkit.deployment.states.following import SystemTransition
 from rtkit.deployment.states.leading import Leader
 from rtkit.deployment.states.states import States
 from rtkit.errors import Refused
-from rtkit.tree.fake import fake_tree
 
 
 class Robot:

@@ -7,10 +7,11 @@ import os
 from collections.abc import Callable
 from threading import RLock
 
+from fake_manager import FakeManager
+
 from rtkit.deployment.batch import batch_from_text, results_to_text
 from rtkit.deployment.delta import TREE, FullSnapshot, delta_between, snapshot_to_text
 from rtkit.deployment.facts import Snapshot
-from rtkit.deployment.fake_manager import FakeManager
 from rtkit.deployment.listing import listing_of, listing_to_text
 from rtkit.deployment.part import part_of
 from rtkit.errors import NotFound, RtkitError

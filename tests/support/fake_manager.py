@@ -9,10 +9,11 @@ from __future__ import annotations
 import itertools
 from collections.abc import Callable, Iterable, Mapping
 
+import fake_composites as composites
+
 from rtkit.component.check import WRONG_TYPE, refusal
 from rtkit.component.period import check_rate
 from rtkit.deployment import actions as act
-from rtkit.deployment import fake_composites as composites
 from rtkit.deployment.actions import Action, Result
 from rtkit.deployment.extension import with_policy
 from rtkit.deployment.facts import ComponentFacts, ProcessFacts, Snapshot
