@@ -13,7 +13,8 @@ from rtkit.cli._properties import record, shown
 
 if TYPE_CHECKING:
     from rtkit.property.values import Element, Value
-    from rtkit.tree.properties import PropertyTarget, ProviderConnectionEnd
+    from rtkit.tree.properties import PropertyTarget
+    from rtkit.wires.wire import PropertyClient
 
 _HEAD = ("type", "access", "unit", "quality")
 _CALL_S = 0.1
@@ -90,7 +91,7 @@ class ServiceListing:
         return _columns([_cells(row) for row in rows])
 
 
-def _completed(end: ProviderConnectionEnd, above: str, rows: Sequence[Value]) -> Iterator[Value]:
+def _completed(end: PropertyClient, above: str, rows: Sequence[Value]) -> Iterator[Value]:
     """Yield rows with the values that user code computes, where that is quick.
 
     The service itself calls no such code to list what there is.

@@ -13,12 +13,12 @@ from rtkit.errors import Malformed, Refused
 from rtkit.link import places
 from rtkit.property.codes import PropertyError
 from rtkit.property.naming import canonical_segment, escape, segment_of
-from rtkit.proxy.blocking_connection import BlockingConnection
-from rtkit.proxy.line_connection import LineConnection
-from rtkit.proxy.provider_connection import ProviderConnection, Wire
 from rtkit.serving.event_loop import PropertyEventLoop
 from rtkit.serving.provider import PropertyProvider
-from rtkit.tree.properties import BoundedEnd
+from rtkit.wires.blocking_connection import BlockingConnection
+from rtkit.wires.line.provider_connection import LineConnection
+from rtkit.wires.provider_connection import ConnectionMaker, ProviderConnection
+from rtkit.wires.wire import BoundedClient
 
 _HERE = ("", "localhost", "127.0.0.1")
 
@@ -44,7 +44,7 @@ class ProviderAddress(NamedTuple):
         name: What it is called, where the other side asks for a name.
     """
 
-    wire: Wire
+    wire: ConnectionMaker
     name: str
 
 
@@ -131,7 +131,7 @@ def _tcp(address: str, setting: ProxySettings) -> ProviderAddress:
 def _zenoh(name: str, setting: ProxySettings) -> ProviderAddress:
     from rtkit.link import keys
     from rtkit.link.zenoh import open_client, unix_endpoint
-    from rtkit.proxy.zenoh_connection import ZenohConnection
+    from rtkit.wires.zenoh.provider_connection import ZenohConnection
 
     service = _service(name.removeprefix("/localhost/"))
     path = places.check_socket_length(places.service_key_socket(service))
@@ -145,9 +145,9 @@ def _zenoh(name: str, setting: ProxySettings) -> ProviderAddress:
 
 
 def _serial(device: str, setting: ProxySettings) -> ProviderAddress:
-    from rtkit.proxy.serial_connection import SerialConnection
     from rtkit.wires.serial.address import read_address
     from rtkit.wires.serial.client import connect_serial
+    from rtkit.wires.serial.provider_connection import SerialConnection
 
     name = read_address(device).device.rpartition("/")[2]
 
@@ -158,7 +158,7 @@ def _serial(device: str, setting: ProxySettings) -> ProviderAddress:
 
 
 def _mqtt(address: str, setting: ProxySettings) -> ProviderAddress:
-    from rtkit.proxy.mqtt_connection import MqttConnection
+    from rtkit.wires.mqtt.provider_connection import MqttConnection
     from rtkit.wires.mqtt.session import read_address
 
     place = read_address(address)
@@ -178,8 +178,8 @@ def _http(address: str, setting: ProxySettings) -> ProviderAddress:
 
 
 def _ice(address: str, setting: ProxySettings) -> ProviderAddress:
-    from rtkit.proxy.ice_connection import IceConnection
     from rtkit.wires.ice.protocol import read_address
+    from rtkit.wires.ice.provider_connection import IceConnection
 
     place = read_address(f"ice:{address}")
     if not place.service:
@@ -189,7 +189,7 @@ def _ice(address: str, setting: ProxySettings) -> ProviderAddress:
     )
 
 
-def _calls(another: Callable[[], BoundedEnd], host: PropertyEventLoop) -> Wire:
+def _calls(another: Callable[[], BoundedClient], host: PropertyEventLoop) -> ConnectionMaker:
     return lambda: BlockingConnection(host, another(), another)
 
 

@@ -23,10 +23,10 @@ from rtkit.property.reading import read
 from rtkit.property.values import Value
 from rtkit.proxy.names import Allowed, Names
 from rtkit.proxy.narrowing import narrowed, tells_access
-from rtkit.proxy.provider_connection import STATUS, ProviderConnection, Wire
 from rtkit.proxy.subscriptions import RelayedSubscriptions
 from rtkit.proxy.uplink import Uplink
 from rtkit.serving.event_loop import PropertyEventLoop
+from rtkit.wires.provider_connection import STATUS, ConnectionMaker, ProviderConnection
 
 MOST_HOPS = 8
 _ROUTE = "~proxy.route"
@@ -51,7 +51,7 @@ class Relay:
     def __init__(
         self,
         host: PropertyEventLoop,
-        wire: Wire,
+        wire: ConnectionMaker,
         *,
         names: Names,
         allowed: Allowed,

@@ -22,7 +22,7 @@ from rtkit.property.subscription import (
     SubscriptionOptions,
 )
 from rtkit.property.values import is_number
-from rtkit.proxy.provider_connection import Answering, ProviderConnection
+from rtkit.wires.provider_connection import Answering, ProviderConnection
 
 if TYPE_CHECKING:
     from rtkit.proxy.uplink import Uplink

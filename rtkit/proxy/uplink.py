@@ -15,8 +15,8 @@ from rtkit.errors import RtkitError
 from rtkit.property.codes import PropertyError
 from rtkit.property.exchange import NOT_BEGUN
 from rtkit.property.messages import Answer, Payload
-from rtkit.proxy.provider_connection import Answering, ProviderConnection, Wire
 from rtkit.serving.event_loop import PropertyEventLoop
+from rtkit.wires.provider_connection import Answering, ConnectionMaker, ProviderConnection
 
 _FIRST_PAUSE_S = 0.05
 _LONGEST_PAUSE_S = 2.0
@@ -41,7 +41,7 @@ class Uplink:
     def __init__(
         self,
         host: PropertyEventLoop,
-        wire: Wire,
+        wire: ConnectionMaker,
         judge: Judging,
         came: Callable[[], None],
         went: Callable[[str], None],

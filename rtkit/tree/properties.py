@@ -6,53 +6,25 @@ name of a present service that fits is the service.
 
 from __future__ import annotations
 
-import math
 import os
 from collections.abc import Callable, Iterable, Sequence
-from typing import TYPE_CHECKING, NamedTuple, Protocol
+from typing import TYPE_CHECKING, NamedTuple
 
 from rtkit.errors import Unreachable
 from rtkit.property.codes import PropertyError, code_of
-from rtkit.property.messages import Answer, Payload, PropertyEvent
+from rtkit.property.messages import Answer, Payload
 from rtkit.property.naming import EXTENSIONS
 from rtkit.rtc.names import LOCAL, is_local_host
 
 if TYPE_CHECKING:
     from rtkit.tree.live import ThisHost
+    from rtkit.wires.wire import PropertyClient
 
 
 _SERIAL = "serial:"
 _HTTP = "http://"
 _ICE = "ice://"
 WEB_ROOT = "/ps"
-
-
-class ProviderConnectionEnd(Protocol):
-    """A connection to the owner of properties."""
-
-    def ask(self, target: str, payload: Payload | None = None) -> Answer:
-        """GET, or SET."""
-        ...
-
-    def listen(self, target: str) -> None:
-        """Begin to listen."""
-        ...
-
-    def event(self, timeout_s: float | None = None) -> PropertyEvent | None:
-        """Return the next event, None if none came in time."""
-        ...
-
-    def close(self) -> None:
-        """End the connection."""
-        ...
-
-
-class BoundedEnd(ProviderConnectionEnd, Protocol):
-    """A connection on which each request may be given up sooner."""
-
-    def ask(self, target: str, payload: Payload | None = None, until: float = math.inf) -> Answer:
-        """GET, or SET that has begun at `until`, by the monotonic clock [s], or never does."""
-        ...
 
 
 class PropertyTarget(NamedTuple):
@@ -80,7 +52,7 @@ class PropertyTarget(NamedTuple):
 
 
 def bound_of(
-    end: ProviderConnectionEnd, typed: str | None, parameters: Sequence[str], timeout_s: float
+    end: PropertyClient, typed: str | None, parameters: Sequence[str], timeout_s: float
 ) -> list[str]:
     """Return the parameter by which a request to set states how long its client waits.
 
@@ -127,11 +99,11 @@ class PropertyConnections:
         self._cwd = cwd
         self._at = at
         self._timeout_s = timeout_s
-        self._ends: dict[str, ProviderConnectionEnd] = {}
+        self._ends: dict[str, PropertyClient] = {}
         self._services: list[str] | None = None
         self._this_host: ThisHost | None = None
 
-    def find(self, typed: str) -> tuple[PropertyTarget, ProviderConnectionEnd]:
+    def find(self, typed: str) -> tuple[PropertyTarget, PropertyClient]:
         """Return where a property is and the connection to its owner.
 
         Raises:
@@ -154,7 +126,7 @@ class PropertyConnections:
         except Exception as error:
             raise printed_error(typed, error) from error
 
-    def _in_tree(self, place: PropertyTarget) -> tuple[PropertyTarget, ProviderConnectionEnd]:
+    def _in_tree(self, place: PropertyTarget) -> tuple[PropertyTarget, PropertyClient]:
         """Return where a property of a component, of a manager or of this host is."""
         from rtkit.tree.live_place import name_of_host, open_live, split
 
@@ -198,7 +170,7 @@ class PropertyConnections:
         answer = self._endpoint().ask(asked).value()
         return [] if answer == "()" else str(answer).strip("()").split()
 
-    def _endpoint(self) -> ProviderConnectionEnd:
+    def _endpoint(self) -> PropertyClient:
         if "" not in self._ends and self._at.startswith(_HTTP):
             self._ends[""] = self._web(self._at)
         elif "" not in self._ends and self._at.startswith(_ICE):
@@ -210,14 +182,14 @@ class PropertyConnections:
             self._ends[""] = connect_tcp(host or LOCAL, int(port), self._timeout_s)
         return self._ends[""]
 
-    def _on_web(self, typed: str) -> tuple[PropertyTarget, ProviderConnectionEnd]:
+    def _on_web(self, typed: str) -> tuple[PropertyTarget, PropertyClient]:
         """Return what ``http://HOST:PORT/ps/SERVICE/NAME`` is."""
         address, _, rest = typed.partition(f"{WEB_ROOT}/")
         if address not in self._ends:
             self._ends[address] = self._web(address)
         return self._behind(self._ends[address], "", rest, typed)
 
-    def _on_ice(self, typed: str) -> tuple[PropertyTarget, ProviderConnectionEnd]:
+    def _on_ice(self, typed: str) -> tuple[PropertyTarget, PropertyClient]:
         """Return what ``ice://HOST:PORT/SERVICE/NAME`` is."""
         where, _, rest = typed.removeprefix(_ICE).partition("/")
         if where not in self._ends:
@@ -226,8 +198,8 @@ class PropertyConnections:
 
     @staticmethod
     def _behind(
-        endpoint: ProviderConnectionEnd, asked: str, path: str, typed: str
-    ) -> tuple[PropertyTarget, ProviderConnectionEnd]:
+        endpoint: PropertyClient, asked: str, path: str, typed: str
+    ) -> tuple[PropertyTarget, PropertyClient]:
         """Return what a path behind an endpoint is; a request shows whether it is a service."""
         services = str(endpoint.ask(asked).value()).strip("()").split()
         place = parse(path, "/", services, os.uname().nodename)
@@ -235,7 +207,7 @@ class PropertyConnections:
             raise PropertyError("no-service", f"there is {' '.join(services) or 'none'}")
         return place._replace(typed=typed), OfService(endpoint, place.service)
 
-    def _on_line(self, typed: str) -> tuple[PropertyTarget, ProviderConnectionEnd]:
+    def _on_line(self, typed: str) -> tuple[PropertyTarget, PropertyClient]:
         """Return what a name behind a serial line, or ``serial:DEVICE/NAME``, is."""
         from rtkit.wires.serial.address import split_target
         from rtkit.wires.serial.client import connect_serial
@@ -246,17 +218,17 @@ class PropertyConnections:
         name, mark, parameters = target.partition("?")
         return PropertyTarget(typed, "", name, parameters if mark else None), self._ends[address]
 
-    def _web(self, address: str) -> ProviderConnectionEnd:
+    def _web(self, address: str) -> PropertyClient:
         from rtkit.wires.http.client import connect_http
 
         return connect_http(address, self._timeout_s)
 
-    def _objects(self, address: str) -> ProviderConnectionEnd:
+    def _objects(self, address: str) -> PropertyClient:
         from rtkit.wires.ice.client import connect_ice
 
         return connect_ice(address, self._timeout_s)
 
-    def _end(self, place: PropertyTarget) -> ProviderConnectionEnd:
+    def _end(self, place: PropertyTarget) -> PropertyClient:
         if not place.service:
             known = " ".join(self._known()) or "none"
             first = place.name.split(".")[0]
@@ -265,7 +237,7 @@ class PropertyConnections:
             self._ends[place.service] = self._connected(place.service)
         return self._ends[place.service]
 
-    def _connected(self, service: str) -> ProviderConnectionEnd:
+    def _connected(self, service: str) -> PropertyClient:
         if self._at:
             return OfService(self._endpoint(), service)
         from rtkit.link.places import service_socket
@@ -283,18 +255,18 @@ class PropertyConnections:
 class OfService:
     """Connection to one of several services behind an endpoint."""
 
-    def __init__(self, endpoint: ProviderConnectionEnd, service: str) -> None:
+    def __init__(self, endpoint: PropertyClient, service: str) -> None:
         self._endpoint = endpoint
         self._service = service
         self.event = endpoint.event
         self.close = endpoint.close
 
     def ask(self, target: str, payload: Payload | None = None) -> Answer:
-        """See `ProviderConnectionEnd.ask`."""
+        """See `PropertyClient.ask`."""
         return self._endpoint.ask(f"{self._service}/{target}", payload)
 
     def listen(self, target: str) -> None:
-        """See `ProviderConnectionEnd.listen`."""
+        """See `PropertyClient.listen`."""
         self._endpoint.listen(f"{self._service}/{target}")
 
 

@@ -9,8 +9,9 @@ from collections.abc import Sequence
 from rtkit.closing import Closing
 from rtkit.errors import RtkitError
 from rtkit.property.messages import PropertyEvent
-from rtkit.tree.properties import PropertyConnections, ProviderConnectionEnd, printed_error
+from rtkit.tree.properties import PropertyConnections, printed_error
 from rtkit.tree.wakeup import Wakeup
+from rtkit.wires.wire import PropertyClient
 
 _Heard = tuple[str, PropertyEvent | Exception]
 
@@ -30,7 +31,7 @@ class PropertySubscription(Closing):
         self._come: deque[_Heard] = deque()
         self._wakeup = Wakeup()
         names: dict[int, dict[str, str]] = {}
-        ends: dict[int, ProviderConnectionEnd] = {}
+        ends: dict[int, PropertyClient] = {}
         try:
             for typed in targets:
                 place, end = places.find(typed)
@@ -53,7 +54,7 @@ class PropertySubscription(Closing):
         """Return the descriptor."""
         return self._wakeup.fileno()
 
-    def _receive(self, end: ProviderConnectionEnd, names: dict[str, str], first: str) -> None:
+    def _receive(self, end: PropertyClient, names: dict[str, str], first: str) -> None:
         try:
             while (event := end.event()) is not None:
                 self._note(names.get(event.name, event.name), event)

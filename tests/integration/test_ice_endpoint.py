@@ -27,8 +27,8 @@ from rtkit.property.messages import PropertyEvent
 from rtkit.property.service import Service
 from rtkit.property.spec import PropertySpec
 from rtkit.property.types import parse_type
-from rtkit.proxy import keepalive
 from rtkit.proxy.bridge import bridge
+from rtkit.wires import provider_connection as keepalive
 from rtkit.wires.ice import endpoint, protocol, served_client, subscriber
 from rtkit.wires.ice import session as ice_session
 from rtkit.wires.ice.client import IceClient, connect_ice

@@ -19,9 +19,9 @@ from rtkit.property.messages import PropertyEvent
 from rtkit.property.service import Service
 from rtkit.property.spec import PropertySpec
 from rtkit.property.types import parse_type
-from rtkit.proxy import keepalive
 from rtkit.proxy.bridge import bridge
 from rtkit.proxy.relay import Relay
+from rtkit.wires import provider_connection as keepalive
 from rtkit.wires.line.client import connect_tcp, connect_unix
 from rtkit.wires.line.connection import Connection
 from rtkit.wires.serve import ServedObject, serve

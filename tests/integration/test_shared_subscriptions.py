@@ -15,7 +15,7 @@ from rtkit.link import keys, places
 from rtkit.link.zenoh import open_client, unix_endpoint
 from rtkit.property.service import Service
 from rtkit.wires.serve import ServedObject, serve
-from rtkit.wires.zenoh.client import PropertyClient
+from rtkit.wires.zenoh.client import ZenohClient
 from rtkit.wires.zenoh.subscriptions import ZenohSubscription
 
 _MANY = 200
@@ -56,7 +56,7 @@ def test_all_hear_all_and_each_event_is_sent_once(served: ServedObject) -> None:
             lambda sample: sent.append(sample.payload.to_string()), indirect=False
         )
         _session(stack).declare_subscriber(f"{_key()}/@e/*", handler)
-        clients = [PropertyClient(_session(stack), _key(), BOUND_S) for _ in range(2)]
+        clients = [ZenohClient(_session(stack), _key(), BOUND_S) for _ in range(2)]
         subscriptions = [
             stack.enter_context(client.listen("tick?queue=1000"))
             for client in clients * 3
@@ -73,7 +73,7 @@ def test_all_hear_all_and_each_event_is_sent_once(served: ServedObject) -> None:
 def test_who_has_closed_its_session_is_told_so(served: ServedObject) -> None:
     with ExitStack() as stack:
         session = _session(stack)
-        client = PropertyClient(session, _key(), BOUND_S)
+        client = ZenohClient(session, _key(), BOUND_S)
         assert client.ask("tick").payload == "0"
         session.close()
         with pytest.raises(Unreachable, match="has ended"):
@@ -83,7 +83,7 @@ def test_who_has_closed_its_session_is_told_so(served: ServedObject) -> None:
 def test_those_that_are_left_hear_on(served: ServedObject) -> None:
     endpoint = Zenoh()
     with ExitStack() as stack:
-        gone = PropertyClient(_session(stack), _key(), BOUND_S)
+        gone = ZenohClient(_session(stack), _key(), BOUND_S)
         ZenohSubscription(gone, "tick.listen?queue=9&initial=0", "queue=9").renew()
         with endpoint.listen("tick?queue=9&initial=0") as events:
             stack.close()  # without a word: its session is gone, its lease is not over

@@ -12,7 +12,7 @@ from rtkit.property.messages import PropertyEvent
 from rtkit.wires.http.client import HttpClient
 from rtkit.wires.ice.client import IceClient
 from rtkit.wires.line.client import LineClient, listening
-from rtkit.wires.zenoh.client import PropertyClient
+from rtkit.wires.zenoh.client import ZenohClient
 
 BOUND_S = 30.0
 
@@ -37,7 +37,7 @@ class Zenoh:
         path = places.service_key_socket(service)
         self._session = open_client(unix_endpoint(path), BOUND_S)
         key = keys.property_service(os.uname().nodename, service)
-        self._client = PropertyClient(self._session, key, BOUND_S)
+        self._client = ZenohClient(self._session, key, BOUND_S)
         self.ask = self._client.ask
 
     @contextmanager

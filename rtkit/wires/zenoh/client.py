@@ -26,7 +26,7 @@ _MOST_KNOWN = 4096
 """Targets of which a client remembers the keys, and how long they may be."""
 
 
-class PropertyClient:
+class ZenohClient:
     """Asks one service over a session that others may use too.
 
     Args:

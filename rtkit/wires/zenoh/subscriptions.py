@@ -33,7 +33,7 @@ class Asking(Protocol):
     """Client that asks the service."""
 
     def ask_to_listen(self, target: str, subscription: str, group: str) -> Joined | None:
-        """See `PropertyClient.ask_to_listen`."""
+        """See `ZenohClient.ask_to_listen`."""
         ...
 
 

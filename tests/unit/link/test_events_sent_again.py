@@ -11,7 +11,7 @@ from itertools import count
 import pytest
 
 from rtkit.property.messages import PropertyEvent
-from rtkit.proxy.mqtt_connection import MqttConnection, _Subscription
+from rtkit.wires.mqtt.provider_connection import MqttConnection, _Subscription
 from rtkit.wires.serial.address import SerialAddress
 from rtkit.wires.serial.client import SerialClient
 from rtkit.wires.zenoh.properties import EventPosition, Joined

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from rtkit.proxy.request_scheduler import RequestScheduler, ScheduledRequest
+from rtkit.wires.request_scheduler import RequestScheduler, ScheduledRequest
 
 
 class Asked:

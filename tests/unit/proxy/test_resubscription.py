@@ -7,8 +7,8 @@ from collections.abc import Callable
 from rtkit.property.codes import PropertyError
 from rtkit.property.messages import DONE, Answer, Payload, PropertyEvent, Requester
 from rtkit.property.subscription import Listener
-from rtkit.proxy.provider_connection import Answering, Gone, Hearing, over
 from rtkit.proxy.subscriptions import RelayedSubscriptions
+from rtkit.wires.provider_connection import Answering, Gone, Hearing, over
 
 Placed = Callable[["Asked | PropertyError"], None]
 

@@ -13,9 +13,8 @@ from rtkit.link.deadline import with_deadline
 from rtkit.property.codes import PropertyError
 from rtkit.property.line import Replies, write_request
 from rtkit.property.messages import Answer, Payload, PropertyEvent
-from rtkit.proxy.keepalive import Keepalive
-from rtkit.proxy.provider_connection import STATUS, Answering, Gone, Hearing, slot
 from rtkit.serving.event_loop import PropertyEventLoop
+from rtkit.wires.provider_connection import STATUS, Answering, Gone, Hearing, Keepalive, slot
 
 _PIECE = 1 << 16
 _MOST_OUT = 1 << 24

@@ -10,9 +10,8 @@ from queue import Empty, SimpleQueue
 from rtkit.errors import RtkitError, Unreachable
 from rtkit.property.codes import code_of
 from rtkit.property.messages import DONE, Answer, Payload
-from rtkit.proxy.loop_inbox import LoopInbox
-from rtkit.proxy.provider_connection import Answering, Gone, Hearing, slot
 from rtkit.serving.event_loop import PropertyEventLoop
+from rtkit.wires.provider_connection import Answering, Gone, Hearing, LoopInbox, slot
 from rtkit.wires.serial.client import SerialClient
 
 _ENDED = Answer("the connection has ended", "no-service")

@@ -12,18 +12,16 @@ from rtkit.errors import RtkitError, Unreachable
 from rtkit.property.codes import code_of
 from rtkit.property.exchange import NOT_BEGUN
 from rtkit.property.messages import DONE, Answer, Payload
-from rtkit.proxy.loop_inbox import LoopInbox
-from rtkit.proxy.provider_connection import Answering, Gone, Hearing, with_id
-from rtkit.proxy.request_scheduler import RequestScheduler, ScheduledRequest
-from rtkit.proxy.waiting import Waiting
 from rtkit.serving.event_loop import PropertyEventLoop
-from rtkit.tree.properties import BoundedEnd
+from rtkit.wires.provider_connection import Answering, Gone, Hearing, LoopInbox, Waiting, with_id
+from rtkit.wires.request_scheduler import RequestScheduler, ScheduledRequest
+from rtkit.wires.wire import BoundedClient
 
 _LATE = Answer(NOT_BEGUN, "timeout")
 _LOOK_S = 1.0
 """How long an event is waited for, until is looked whether it is still wanted [s]."""
 
-_Call = Callable[[BoundedEnd | None], BoundedEnd | None]
+_Call = Callable[[BoundedClient | None], BoundedClient | None]
 """Made over a connection, which is made before if there is none; returns it."""
 _MOST_AT_ONCE = 8
 """Connections for requests."""
@@ -38,10 +36,10 @@ class BlockingConnection:
     """
 
     def __init__(
-        self, host: PropertyEventLoop, end: BoundedEnd, another: Callable[[], BoundedEnd]
+        self, host: PropertyEventLoop, end: BoundedClient, another: Callable[[], BoundedClient]
     ) -> None:
         self._host = host
-        self._end: BoundedEnd | None = end
+        self._end: BoundedClient | None = end
         self._another = another
         self._calls: SimpleQueue[_Call | None] = SimpleQueue()
         self._turns = RequestScheduler(_MOST_AT_ONCE)
@@ -73,7 +71,7 @@ class BlockingConnection:
         def work() -> None:
             self._calls.put(call)
 
-        def call(end: BoundedEnd | None) -> BoundedEnd | None:
+        def call(end: BoundedClient | None) -> BoundedClient | None:
             if monotonic() > until:
                 self._host.post(lambda: self._answered(number, turn, _LATE))
                 return end
@@ -135,7 +133,7 @@ class BlockingConnection:
 
     def _hear(
         self,
-        end: BoundedEnd,
+        end: BoundedClient,
         target: str,
         is_over: threading.Event,
         inbox: LoopInbox,
@@ -181,7 +179,7 @@ class BlockingConnection:
         self._listening.clear()
         self._waiting.end(Answer("the connection has ended", "no-service"))
 
-    def _work(self, end: BoundedEnd | None) -> None:
+    def _work(self, end: BoundedClient | None) -> None:
         """Make calls, one after the other, over one connection, made when it is needed."""
         while (call := self._calls.get()) is not None:
             end = call(end)

@@ -8,13 +8,19 @@ from functools import partial
 from rtkit.errors import Unreachable
 from rtkit.link import secret
 from rtkit.property.messages import Answer, Payload, PropertyEvent
-from rtkit.proxy.keepalive import Keepalive
-from rtkit.proxy.loop_inbox import LoopInbox
-from rtkit.proxy.provider_connection import STATUS, Answering, Gone, Hearing, with_id
-from rtkit.proxy.waiting import Waiting
 from rtkit.serving.event_loop import PropertyEventLoop
 from rtkit.wires.ice.protocol import IceAddress, runtime
 from rtkit.wires.ice.session import IceSession, Outcome
+from rtkit.wires.provider_connection import (
+    STATUS,
+    Answering,
+    Gone,
+    Hearing,
+    Keepalive,
+    LoopInbox,
+    Waiting,
+    with_id,
+)
 
 
 class IceConnection:

@@ -14,9 +14,6 @@ from rtkit.property.codes import PropertyError
 from rtkit.property.line import read_event
 from rtkit.property.messages import Answer, Mark, Payload, PropertyEvent
 from rtkit.property.naming import parse_target
-from rtkit.proxy.loop_inbox import LoopInbox
-from rtkit.proxy.provider_connection import Answering, Gone, Hearing, over, with_id
-from rtkit.proxy.waiting import Waiting
 from rtkit.serving.event_loop import PropertyEventLoop
 from rtkit.wires.mqtt.session import (
     DEADLINE,
@@ -26,6 +23,15 @@ from rtkit.wires.mqtt.session import (
     MqttAddress,
     MqttSession,
     topic_of,
+)
+from rtkit.wires.provider_connection import (
+    Answering,
+    Gone,
+    Hearing,
+    LoopInbox,
+    Waiting,
+    over,
+    with_id,
 )
 from rtkit.wires.zenoh.properties import LEASE_S
 

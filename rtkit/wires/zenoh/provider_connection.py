@@ -15,10 +15,17 @@ from rtkit.errors import Unreachable
 from rtkit.link.deadline import deadline_to_bytes
 from rtkit.property.codes import PropertyError
 from rtkit.property.messages import Answer, Payload, PropertyEvent
-from rtkit.proxy.loop_inbox import LoopInbox
-from rtkit.proxy.provider_connection import STATUS, Answering, Gone, Hearing, over, with_id
-from rtkit.proxy.waiting import Waiting
 from rtkit.serving.event_loop import PropertyEventLoop
+from rtkit.wires.provider_connection import (
+    STATUS,
+    Answering,
+    Gone,
+    Hearing,
+    LoopInbox,
+    Waiting,
+    over,
+    with_id,
+)
 from rtkit.wires.zenoh.properties import (
     LEASE_S,
     EventProgress,

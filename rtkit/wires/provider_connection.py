@@ -1,0 +1,192 @@
+"""Connection of a proxy to the owner it stands for: its interface, and what each wire builds on."""
+
+from __future__ import annotations
+
+import itertools
+import math
+import threading
+from collections import deque
+from collections.abc import Callable
+from time import monotonic
+from typing import Protocol
+
+from rtkit.property.codes import PASSING
+from rtkit.property.messages import Answer, Payload, PropertyEvent
+from rtkit.property.naming import parse_parameters
+from rtkit.property.subscription import LONGEST_QUEUE
+from rtkit.serving.event_loop import PropertyEventLoop
+
+Answering = Callable[[Answer], object]
+Hearing = Callable[[PropertyEvent], object]
+Gone = Callable[[str], object]
+
+STATUS = "~proxy.status"
+"""Property that every proxy answers itself; asked of a silent peer, to learn that it lives."""
+ASKED_S = 5.0
+"""Silence after which a peer that owes an answer is asked for a sign of life [s]."""
+DEAD_S = 15.0
+"""Silence after which the connection is given up [s]."""
+
+
+class ProviderConnection(Protocol):
+    """Connection to an owner, used by the loop only; its callbacks run there."""
+
+    def start(self, gone: Gone) -> None:
+        """Start the connection; `gone` is called once with the reason when it ends."""
+        ...
+
+    def ask(
+        self,
+        target: str,
+        payload: Payload | None,
+        id: str,
+        answer: Answering,
+        until: float = math.inf,
+    ) -> None:
+        """GET, or SET; `answer` is called exactly once, also when the connection ends.
+
+        What is asked one after the other arrives in that order. By the id, one of
+        `rtkit.property.idempotency.shared`, a repetition is known; it is empty for nothing. What
+        has not begun at `until`, by the monotonic clock of this host [s], is to be done by nobody.
+        """
+        ...
+
+    def has_room(self, name: str) -> bool:
+        """Return whether it can listen to this beside what it listens to."""
+        ...
+
+    def listen(self, name: str, options: str, hear: Hearing, answer: Answering) -> None:
+        """Listen to a property, with the parameters `options`."""
+        ...
+
+    def leave(self, name: str) -> None:
+        """Listen to a property no longer."""
+        ...
+
+    def check(self, now: float) -> None:
+        """Check whether the peer has been silent for too long [s, of a monotonic clock]."""
+        ...
+
+    def close(self) -> None:
+        """Close the connection; callers that wait for an answer get an error."""
+        ...
+
+
+ConnectionMaker = Callable[[], ProviderConnection]
+"""Makes a connection. It may take its time, on a thread of its own, and raises `RtkitError`."""
+
+
+def with_id(target: str, id: str) -> str:
+    """Return a target with an id among its parameters, for wires that have no other place."""
+    return f"{target}{'&' if '?' in target else '?'}id={id}" if id else target
+
+
+def over(name: str, reply: Answer) -> PropertyEvent | None:
+    """Return the last event of a listening that the owner does not go on with, None if it may."""
+    if not reply.error or reply.error in PASSING:
+        return None
+    return PropertyEvent(name, "", 0.0, 0, "bad", 0, reply.error)
+
+
+def slot(name: str) -> str:
+    """Return the name in events of a property: an inner name has events of its listing."""
+    return "" if name == "properties" else name.removesuffix(".properties")
+
+
+class Keepalive:
+    """Measures how long nothing has been received."""
+
+    def __init__(self) -> None:
+        self._since = monotonic()
+        self._is_asked = False
+
+    def end(self) -> None:
+        """Note that the peer was heard from, or owes nothing."""
+        self._since, self._is_asked = monotonic(), False
+
+    def check(
+        self, now: float, ask: Callable[[], object], give_up: Callable[[str, str], object]
+    ) -> None:
+        """Ask for a sign of life when it has lasted long; give up, saying why, when too long."""
+        silent_s = now - self._since
+        if silent_s > DEAD_S and self._is_asked:
+            give_up(f"no answer within {DEAD_S:g} s", "timeout")
+        elif silent_s > ASKED_S and not self._is_asked:
+            self._is_asked = True
+            ask()
+
+
+class Waiting:
+    """Requests that are not answered yet; used by the loop only."""
+
+    def __init__(self) -> None:
+        self._count = itertools.count(1)
+        self._by_number: dict[int, Answering] = {}
+
+    def __len__(self) -> int:
+        return len(self._by_number)
+
+    def expect(self, answer: Answering) -> int:
+        """Add a waiting caller; return the number of its request."""
+        number = next(self._count)
+        self._by_number[number] = answer
+        return number
+
+    def answer(self, number: int, reply: Answer) -> None:
+        """Answer the caller of a request; none waits once the connection has ended."""
+        answer = self._by_number.pop(number, None)
+        if answer is not None:
+            answer(reply)
+
+    def end(self, reply: Answer) -> None:
+        """Answer all callers with an error: no answers come any more."""
+        waiting, self._by_number = self._by_number, {}
+        for answer in waiting.values():
+            answer(reply)
+
+
+class LoopInbox:
+    """Inbox of the events of one subscription.
+
+    Args:
+        options: Parameters of the listening; the queue is one of them.
+        hear: Called on the loop with each event.
+    """
+
+    def __init__(
+        self, host: PropertyEventLoop, options: str, hear: Callable[[PropertyEvent], object]
+    ) -> None:
+        self._host = host
+        self._hear = hear
+        self._events: deque[PropertyEvent] = deque(maxlen=_queue_of(options))
+        self._dropped = 0
+        self._is_posted = False
+        self._lock = threading.Lock()
+
+    def put(self, event: PropertyEvent, lost: int = 0) -> None:
+        """Take an event, before which some were lost; a full queue drops its oldest."""
+        with self._lock:
+            if self._events.maxlen != 1:
+                event = event._replace(dropped=event.dropped + lost)
+            if len(self._events) == self._events.maxlen and self._events.maxlen > 1:
+                self._dropped += 1 + self._events[0].dropped
+            self._events.append(event)
+            if self._is_posted:
+                return
+            self._is_posted = True
+        self._host.post(self._empty)
+
+    def _empty(self) -> None:
+        with self._lock:
+            events, dropped = list(self._events), self._dropped
+            self._events.clear()
+            self._dropped, self._is_posted = 0, False
+        if dropped:
+            events[0] = events[0]._replace(dropped=events[0].dropped + dropped)
+        for event in events:
+            self._hear(event)
+
+
+def _queue_of(options: str) -> int:
+    queue = (parse_parameters(options).get("queue") or "1") if options else "1"
+    return max(1, min(int(queue), LONGEST_QUEUE)) if queue.isdecimal() else 1
