@@ -20,7 +20,7 @@ from rtkit.errors import Unreachable
 from rtkit.link import keys, places
 from rtkit.link.zenoh import open_client, unix_endpoint
 from rtkit.wires.line.client import connect_unix
-from rtkit.wires.zenoh.client import PropertyClient
+from rtkit.wires.zenoh.client import ZenohClient
 from rtkit.wires.zenoh.subscriptions import ZenohSubscription
 
 _TIMES = 300
@@ -35,7 +35,7 @@ _BARE_LINES_IS = "a loop that sends each line back, in another process"
 
 def _zenoh() -> Lines:
     with _server() as _, _session(places.service_key_socket("bench")) as ours:
-        client = PropertyClient(ours, _key(), 10.0)
+        client = ZenohClient(ours, _key(), 10.0)
         with _session(f"{places.runtime_dir()}/bare.zps") as bare:
             for what, payload, floor in (("GET", None, None), ("SET", "2.5", "2.5")):
                 measured = paired(
@@ -81,7 +81,7 @@ def _bulk() -> Lines:
     names = "%20".join(f"p{index}" for index in range(_MANY))
     target = f"properties?values&names=({names})"
     with _server(), _session(places.service_key_socket("bench")) as ours:
-        client = PropertyClient(ours, _key(), 10.0)
+        client = ZenohClient(ours, _key(), 10.0)
         length = len(client.ask(target).value())
         with _session(f"{places.runtime_dir()}/bare.zps") as bare:
             measured = paired(
@@ -132,7 +132,7 @@ print((made - begin) * 1e3, (listed - made) * 1e3,
 
 def _events() -> Lines:
     with _server(), _session(places.service_key_socket("bench")) as ours:
-        client = PropertyClient(ours, _key(), 10.0)
+        client = ZenohClient(ours, _key(), 10.0)
         lost: list[int] = []
         with _session(f"{places.runtime_dir()}/bare.zps") as bare, ExitStack() as stack:
             subscriptions = [stack.enter_context(client.listen("tick?queue=10000&initial=0"))
