@@ -68,12 +68,12 @@ def main(
     A line below a component tells why it is in Error, does not answer or is a zombie.
     """
     from rtkit.deployment.delta import TREE
-    from rtkit.deployment.metrics import FIGURES
+    from rtkit.deployment.metrics import METRICS
 
     scopes = scopes_of(app, paths or (f"/{LOCAL}",))
     is_wide = not all(scope.is_one_manager for scope in scopes)
     look = Look(TITLES.index(sort), reverse)
-    with Observers(app, (TREE, FIGURES), is_wide=is_wide) as subscriptions:
+    with Observers(app, (TREE, METRICS), is_wide=is_wide) as subscriptions:
         top = Top(app, subscriptions, scopes)
         if is_json or once or number or not _is_live():
             _write_pages(top, look, 1 if once else number, is_json=is_json)

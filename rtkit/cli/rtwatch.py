@@ -86,7 +86,7 @@ def main(
     all, have come.
     """
     from rtkit.deployment.delta import TREE
-    from rtkit.deployment.metrics import FIGURES
+    from rtkit.deployment.metrics import METRICS
 
     if not paths:
         raise WrongArguments("No component specified.")
@@ -97,7 +97,7 @@ def main(
     until = None if duration_s is None else time.monotonic() + duration_s
     scopes = scopes_of(app, paths)
     is_wide = managers is not None or not all(scope.is_one_manager for scope in scopes)
-    lines = (TREE, FIGURES) if HEARTBEAT in wanted else (TREE,)
+    lines = (TREE, METRICS) if HEARTBEAT in wanted else (TREE,)
     left = number
     with Observers(app, lines, is_wide=is_wide) as subscriptions:
         watch = _Watch(app, subscriptions, scopes, wanted, states, managers)

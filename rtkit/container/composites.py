@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from rtkit.component.base import Component
 from rtkit.component.composites_index import is_composite
-from rtkit.container.services_of_container import ContainerServices
+from rtkit.container.operations import ContainerServices
 from rtkit.errors import RtkitError
 
 if TYPE_CHECKING:

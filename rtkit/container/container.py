@@ -25,9 +25,9 @@ from rtkit.container.data_connectors import DataConnectors
 from rtkit.container.execution_contexts import ExecutionContexts, release
 from rtkit.container.facts import facts_of
 from rtkit.container.neighbours import Neighbours
+from rtkit.container.operations import LATER, Operations, in_time
 from rtkit.container.pacer import Pacer, Work
 from rtkit.container.port_wiring import PortWiring
-from rtkit.container.services_of_container import LATER, Operations, in_time
 from rtkit.container.state_machines import StateMachines
 from rtkit.container.user_requests import UserRequests
 from rtkit.deployment.message import Message

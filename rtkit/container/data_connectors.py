@@ -9,9 +9,9 @@ from rtkit import fault
 from rtkit.component.base import Component
 from rtkit.component.port import InPort, OutPort
 from rtkit.component.service import ServicePort
+from rtkit.container.operations import LATER, ContainerServices, Operations
 from rtkit.container.port_wiring import PortWiring
 from rtkit.container.service_connectors import ServiceConnectors
-from rtkit.container.services_of_container import LATER, ContainerServices, Operations
 from rtkit.deployment.message import Message
 from rtkit.errors import NotFound, Refused, RtkitError, Unreachable
 from rtkit.link.ends import Fetcher, Outlet

@@ -9,7 +9,7 @@ from rtkit.component.base import Component
 from rtkit.component.composites_index import is_composite
 from rtkit.component.context import ExecutionContext, always
 from rtkit.component.period import check_rate
-from rtkit.container.services_of_container import (
+from rtkit.container.operations import (
     LATER,
     ContainerServices,
     Operations,

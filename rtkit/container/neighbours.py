@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 
-from rtkit.container.services_of_container import LATER, ContainerServices, Operations
+from rtkit.container.operations import LATER, ContainerServices, Operations
 from rtkit.deployment.message import Message
 from rtkit.errors import RtkitError
 from rtkit.link import keys, places

@@ -19,8 +19,8 @@ from rtkit.component.invocation import (
 from rtkit.component.reentrancy import Reentrancy
 from rtkit.component.service import ServicePort
 from rtkit.component.waiting import waiting
+from rtkit.container.operations import LATER, ContainerServices, Operations
 from rtkit.container.port_wiring import PortWiring
-from rtkit.container.services_of_container import LATER, ContainerServices, Operations
 from rtkit.deployment.message import Message
 from rtkit.errors import NotFound, Refused, RtkitError, Unreachable
 from rtkit.link.ends import CallerEnd

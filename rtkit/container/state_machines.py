@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any
 
-from rtkit.container.services_of_container import LATER, ContainerServices, Operations, in_time
+from rtkit.container.operations import LATER, ContainerServices, Operations, in_time
 from rtkit.deployment.message import Message
 from rtkit.errors import Malformed, Refused, RtkitError
 

@@ -12,7 +12,7 @@ from rtkit.errors import Malformed
 from rtkit.fast_dataclass import dataclass, field
 from rtkit.rtc.serde import decode
 
-FIGURES = "figures"
+METRICS = "figures"
 """The topic on which metrics are sent."""
 
 PERIOD_S = 1.0

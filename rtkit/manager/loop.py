@@ -20,7 +20,7 @@ from rtkit.container.container import ComponentContainer
 from rtkit.container.stacks import ASK, STACK_SIGNAL, open_stacks, write_stacks
 from rtkit.deployment.delta import TREE
 from rtkit.deployment.message import Message
-from rtkit.deployment.metrics import FIGURES
+from rtkit.deployment.metrics import METRICS
 from rtkit.errors import RtkitError
 from rtkit.fast_dataclass import replace
 from rtkit.link import keys, places
@@ -127,7 +127,7 @@ class Loop:
 
     def open_lines(self, link: Link, service: str) -> None:
         """Publish on the manager's topics, from now on, what the core wants published."""
-        for line in (TREE, FIGURES):
+        for line in (TREE, METRICS):
             listened = partial(self._listened, line)
             self._announce[line] = link.announce(keys.line_key(service, line), listened)
 
@@ -335,7 +335,7 @@ class Loop:
 
     def _publish(self, line: str, message: Message) -> None:
         whole = {**message, "time": time.time()}
-        if line == FIGURES:
+        if line == METRICS:
             whole["at_s"] = time.monotonic()
             for process in whole["processes"]:
                 used = usage(process["pid"])

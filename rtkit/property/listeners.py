@@ -42,7 +42,9 @@ class Listeners:
         """Return whether anybody listens to anything."""
         return bool(self._all)
 
-    def register(self, place: NameEntry, wish: SubscriptionOptions, caller: Requester) -> Listener:
+    def register(
+        self, place: NameEntry, options: SubscriptionOptions, caller: Requester
+    ) -> Listener:
         """Register a caller as listener; one that listens already gets the new options and lease.
 
         Raises:
@@ -51,13 +53,13 @@ class Listeners:
         is_names = place.field == "properties" or place.node is None
         key = (caller, f"{place.name}?" if is_names else place.name, place.path)
         known = self._all.get(key)
-        if known is not None and known.wish == wish:
+        if known is not None and known.options == options:
             known.renew(self._service.clock())
             return known
         if sum(1 for each in self._all if each[0] is caller) >= MOST_OF_CALLER:
             raise PropertyError("denied", f"more than {MOST_OF_CALLER} listeners")
         name = ".".join((place.name, *place.path))
-        listener = Listener(name, place.path, wish, caller)
+        listener = Listener(name, place.path, options, caller)
         listener.renew(self._service.clock())
         first, value = self._first(place, listener, is_names)
         if known is not None:
@@ -82,7 +84,7 @@ class Listeners:
         node = place.node
         assert node is not None
         if node.function is None:
-            if listener.wish.has_initial or node.value is None:
+            if listener.options.has_initial or node.value is None:
                 self._service.value_of(node)
         elif node.value is None:
             node.put(node.function.describe(), self._service.wall())
@@ -98,7 +100,7 @@ class Listeners:
     def changed(self, node: PropertyNode, has_changed: bool) -> None:
         """Notify the listeners of a property that it was set."""
         for listener in node.listeners or ():
-            if not has_changed and not listener.wish.is_all:
+            if not has_changed and not listener.options.is_all:
                 continue
             made = _event(node, listener)
             if made is not None and listener.offer(*made):
@@ -117,7 +119,7 @@ class Listeners:
                 (Word("removed"), *([as_value(removed)] if removed else ())),
             )
             for listener in listeners:
-                payload = write(difference) if listener.wish.is_difference else event.payload
+                payload = write(difference) if listener.options.is_difference else event.payload
                 made = event._replace(name=listener.name, payload=payload)
                 if listener.offer(made, None):
                     listener.caller.wake()

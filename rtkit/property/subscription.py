@@ -45,15 +45,15 @@ class Listener:
 
     __slots__ = (
         "_at", "_baseline", "_dropped", "_events", "_offered", "caller", "ends_at", "has_ended",
-        "name", "path", "wish",
+        "name", "options", "path",
     )  # fmt: skip
 
     def __init__(
-        self, name: str, path: tuple[str, ...], wish: SubscriptionOptions, caller: Requester
+        self, name: str, path: tuple[str, ...], options: SubscriptionOptions, caller: Requester
     ) -> None:
         self.name = name
         self.path = path
-        self.wish = wish
+        self.options = options
         self.caller = caller
         self.ends_at: float | None = None
         self.has_ended = False
@@ -65,20 +65,20 @@ class Listener:
 
     def renew(self, now: float) -> None:
         """Begin the lease anew."""
-        self.ends_at = now + self.wish.lease_s if self.wish.lease_s else None
+        self.ends_at = now + self.options.lease_s if self.options.lease_s else None
 
     def offer(self, event: PropertyEvent, value: object, *, is_first: bool = False) -> bool:
         """Queue an event if it is one for this listener; return whether it is."""
-        wish = self.wish
-        if not is_first and not wish.is_all:
+        options = self.options
+        if not is_first and not options.is_all:
             if event.payload == self._offered and not event.code:
                 return False
-            if wish.deadband and not event.code and self._is_within(value):
+            if options.deadband and not event.code and self._is_within(value):
                 return False
         self._offered, self._baseline = event.payload, value
-        if is_first and not wish.has_initial:
+        if is_first and not options.has_initial:
             return False
-        if len(self._events) >= wish.queue:
+        if len(self._events) >= options.queue:
             self._events.popleft()
             self._dropped += 1
         self._events.append(event)
@@ -93,24 +93,24 @@ class Listener:
         elif is_vector(value) and is_vector(before) and len(value) == len(before):  # type: ignore[arg-type]
             pairs = list(zip(value, before, strict=True))  # type: ignore[call-overload]
         return bool(pairs) and all(
-            abs(new - old) < self.wish.deadband  # type: ignore[operator]
+            abs(new - old) < self.options.deadband  # type: ignore[operator]
             for new, old in pairs
         )
 
     def take(self, now: float) -> PropertyEvent | None:
         """Return the next event that is to be sent now, with the count of those left out."""
-        if not self._events or now < self._at + self.wish.every_s:
+        if not self._events or now < self._at + self.options.every_s:
             return None
         self._at = now
         event = self._events.popleft()
-        if self._dropped and self.wish.queue > 1:
+        if self._dropped and self.options.queue > 1:
             event = event._replace(dropped=self._dropped)
         self._dropped = 0
         return event
 
     def due(self) -> float | None:
         """Return when there is something to send or to end, None when nothing is to come."""
-        times = [self._at + self.wish.every_s] if self._events else []
+        times = [self._at + self.options.every_s] if self._events else []
         if self.ends_at is not None:
             times.append(self.ends_at)
         return min(times, default=None)
@@ -138,7 +138,7 @@ def options_of(parameters: dict[str, Value]) -> SubscriptionOptions:
     if mode not in ("change", "all", "diff"):
         raise PropertyError("bad-parameter", "mode is change, all or diff")
     initial = given.pop("initial", True)
-    wish = SubscriptionOptions(
+    options = SubscriptionOptions(
         int(queue),
         _number(given, "every", 0),
         _number(given, "deadband", 0),
@@ -149,7 +149,7 @@ def options_of(parameters: dict[str, Value]) -> SubscriptionOptions:
     )
     if given:
         raise PropertyError("bad-parameter", f"not a parameter of listen: {min(given)}")
-    return wish
+    return options
 
 
 def _number(given: dict[str, Value], key: str, default: float) -> float:

@@ -49,7 +49,7 @@ class RelayedOptions(NamedTuple):
     is_alike: bool
 
 
-def wished(parameters: dict[str, str | None]) -> RelayedOptions:
+def relayed_options(parameters: dict[str, str | None]) -> RelayedOptions:
     """Read options; those that cannot be understood are left to the owner, which refuses them."""
     given = dict(parameters)
     lease = _number(given.get("lease"), 0.0)
@@ -83,17 +83,17 @@ class RelayedListener(Listener):
 
     __slots__ = ("_lost", "_waiting", "text")
 
-    def __init__(self, name: str, wish: RelayedOptions, caller: Requester, now: float) -> None:
-        kept = SubscriptionOptions(queue=wish.queue, is_all=True, lease_s=wish.lease_s)
+    def __init__(self, name: str, options: RelayedOptions, caller: Requester, now: float) -> None:
+        kept = SubscriptionOptions(queue=options.queue, is_all=True, lease_s=options.lease_s)
         super().__init__(name, (), kept, caller)
-        self.text = wish.text
+        self.text = options.text
         self._waiting: deque[PropertyEvent] = deque()
         self._lost = 0
         self.renew(now)
 
     def pass_on(self, event: PropertyEvent) -> None:
         """Take an event; a full queue drops its oldest."""
-        if len(self._waiting) >= self.wish.queue:
+        if len(self._waiting) >= self.options.queue:
             self._lost += 1 + self._waiting.popleft().dropped
         self._waiting.append(event)
 
@@ -102,7 +102,7 @@ class RelayedListener(Listener):
         if not self._waiting:
             return None
         event = self._waiting.popleft()
-        if self._lost and self.wish.queue > 1:
+        if self._lost and self.options.queue > 1:
             event = event._replace(dropped=event.dropped + self._lost)
         self._lost = 0
         return event
@@ -128,9 +128,9 @@ class RelayedSubscription:
         last: What the owner sent last.
     """
 
-    def __init__(self, name: str, wish: RelayedOptions) -> None:
+    def __init__(self, name: str, options: RelayedOptions) -> None:
         self.name = name
-        self.wish = wish
+        self.options = options
         self.connection: ProviderConnection | None = None
         self.has_begun = False
         self.is_asked = False
@@ -170,24 +170,24 @@ class RelayedSubscriptions:
         self, name: str, parameters: dict[str, str | None], caller: Requester, answer: Answering
     ) -> None:
         """Register a caller as listener; an existing one gets the new options and lease."""
-        wish = wished(parameters)
+        options = relayed_options(parameters)
         mine = self._of.get(caller, {})
         known = mine.get(name)
-        if known is not None and known[0].text == wish.text:
-            known[0].wish = known[0].wish._replace(lease_s=wish.lease_s)
+        if known is not None and known[0].text == options.text:
+            known[0].options = known[0].options._replace(lease_s=options.lease_s)
             known[0].renew(self._clock())
             answer(DONE)
             return
         if len(mine) >= _MOST_OF_CALLER:
             answer(Answer(f"more than {_MOST_OF_CALLER} listeners", "denied"))
             return
-        relayed = RelayedListener(name, wish, caller, self._clock())
-        listening = self._alike.get((name, wish.text)) if wish.is_alike else None
+        relayed = RelayedListener(name, options, caller, self._clock())
+        listening = self._alike.get((name, options.text)) if options.is_alike else None
         if listening is None:
-            listening = RelayedSubscription(name, wish)
+            listening = RelayedSubscription(name, options)
             self._all.add(listening)
-            if wish.is_alike:
-                self._alike[name, wish.text] = listening
+            if options.is_alike:
+                self._alike[name, options.text] = listening
             listening.waiting.append((relayed, answer))
             self._start(listening)
         elif not listening.has_begun:
@@ -241,7 +241,7 @@ class RelayedSubscriptions:
             listening.connection = connection
             connection.listen(
                 listening.name,
-                _with_initial(listening.wish.text) if is_again else listening.wish.text,
+                _with_initial(listening.options.text) if is_again else listening.options.text,
                 lambda event: self._heard(listening, connection, event),
                 lambda reply: self._answered(listening, reply),
             )
@@ -269,7 +269,7 @@ class RelayedSubscriptions:
     def _join(
         self, listening: RelayedSubscription, relayed: RelayedListener, answer: Answering
     ) -> None:
-        if not listening.wish.has_initial or listening.last is None:
+        if not listening.options.has_initial or listening.last is None:
             self._attach(listening, relayed, answer)
             return
 
@@ -393,7 +393,7 @@ class RelayedSubscriptions:
         if listening.is_used or listening not in self._all:
             return
         self._all.discard(listening)
-        key = (listening.name, listening.wish.text)
+        key = (listening.name, listening.options.text)
         if self._alike.get(key) is listening:
             del self._alike[key]
         if listening.connection is not None:

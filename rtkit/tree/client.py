@@ -232,7 +232,7 @@ class Tree(ByPath, Closing):
         """The connections by their managers; here there is only one."""
         return {self.manager: self}
 
-    def picture(self) -> FullSnapshot:
+    def full_snapshot(self) -> FullSnapshot:
         """Return all facts, and the number of the last delta in them.
 
         Raises:

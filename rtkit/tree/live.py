@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 from rtkit.deployment.delta import TREE
 from rtkit.deployment.extension import FOLLOW
 from rtkit.deployment.facts import Snapshot
-from rtkit.deployment.metrics import FIGURES, ComponentMetrics, Metrics
+from rtkit.deployment.metrics import METRICS, ComponentMetrics, Metrics
 from rtkit.deployment.properties import Change, Shown, of_component, of_manager
 from rtkit.deployment.shown_ports import OwnEnds
 from rtkit.errors import NotFound, Unreachable
@@ -73,7 +73,7 @@ def _subscription(tree: Tree) -> ManagerSubscription:
     """Listen to all that properties are made of; who only asks once does without."""
     from rtkit.tree.subscription import ManagerSubscription
 
-    return ManagerSubscription(tree, (TREE, FIGURES))
+    return ManagerSubscription(tree, (TREE, METRICS))
 
 
 def _is_count(target: str) -> bool:

@@ -24,7 +24,7 @@ from rtkit.deployment.delta import (
     delta_from_text,
 )
 from rtkit.deployment.facts import Snapshot
-from rtkit.deployment.metrics import FIGURES, Metrics, metrics_from_text
+from rtkit.deployment.metrics import METRICS, Metrics, metrics_from_text
 from rtkit.deployment.user_events import UserEvent, user_events
 from rtkit.errors import Unreachable
 from rtkit.tree.client import Tree
@@ -124,7 +124,7 @@ class ManagerSubscription(Closing):
         heard: list[Heard] = []
         while self._heard and not self._is_over:
             line, text = self._heard.popleft()
-            if line == FIGURES:
+            if line == METRICS:
                 heard.append(metrics_from_text(text))
             else:
                 heard += self._delta(delta_from_text(text))
@@ -148,7 +148,7 @@ class ManagerSubscription(Closing):
         """Derive the changes of missed deltas from a new snapshot."""
         lost = max(0, delta.number - self._number - 1) if delta.run == self._run else 0
         try:
-            snapshot = self.tree.picture()
+            snapshot = self.tree.full_snapshot()
         except Unreachable as error:
             return [self._end(str(error))]
         missed = delta_between(self.facts, snapshot.facts, snapshot.run, snapshot.number)
@@ -173,7 +173,7 @@ class ManagerSubscription(Closing):
     def _first_snapshot(self) -> FullSnapshot:
         """Take a snapshot, again until deltas of the manager are seen to arrive."""
         for _ in range(_TRIES):
-            snapshot = self.tree.picture()
+            snapshot = self.tree.full_snapshot()
             until = monotonic() + _HEAR_S
             while not any(line == TREE for line, _ in self._heard):
                 if not select.select([self._wakeup], [], [], max(0.0, until - monotonic()))[0]:

@@ -110,7 +110,7 @@ class SharedSubscription(Subscriber):
 
     def enter(self, id: str) -> EventPosition:
         """Add a member; return the position up to which it has the events."""
-        lease_s = max((each.wish.lease_s for each in self._listeners), default=0.0)
+        lease_s = max((each.options.lease_s for each in self._listeners), default=0.0)
         self._until[id] = monotonic() + lease_s if lease_s else float("inf")
         return self._at
 

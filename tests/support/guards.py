@@ -66,7 +66,7 @@ GUARDS = (
     Guard(
         "laws/test_restarts.py::test_after_restarts_there_is_nothing_to_plan",
         "rtkit/manager/core/recovery.py",
-        """    if wish.active_set not in ("", facts.active_set, asked.active_set):""",
+        """    if desired.active_set not in ("", facts.active_set, asked.active_set):""",
         "    if False:",
     ),
     Guard(

@@ -14,7 +14,7 @@ from rtkit.deployment import actions as act
 from rtkit.deployment.actions import Result
 from rtkit.deployment.delta import TREE
 from rtkit.deployment.message import Message
-from rtkit.deployment.metrics import FIGURES
+from rtkit.deployment.metrics import METRICS
 from rtkit.errors import Malformed, Refused, RtkitError, Unreachable
 from rtkit.manager.core import adoption, configuring, modules, report_intake
 from rtkit.manager.core.batches import STOPPING, Batches
@@ -173,7 +173,7 @@ class Core:
         (listeners.add if is_heard else listeners.discard)(who)
         if line == TREE:
             self._announcer.listen(bool(listeners))
-        elif line == FIGURES:
+        elif line == METRICS:
             self._survey.listen(bool(listeners))
 
     def _follow(self, asked: FollowAsked) -> None:

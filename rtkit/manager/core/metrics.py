@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Protocol
 
-from rtkit.deployment.metrics import FIGURES, PERIOD_S, ComponentMetrics, ProcessMetrics
+from rtkit.deployment.metrics import METRICS, PERIOD_S, ComponentMetrics, ProcessMetrics
 from rtkit.errors import Malformed
 from rtkit.manager.core.events import Instruction, Publish, SendToContainer
 from rtkit.manager.core.state import ManagerState, Process
@@ -100,7 +100,7 @@ class MetricsCollector:
             if each.is_ready and not each.is_trial
         ]
         message = {"run": self._run_id, "number": self._number, "processes": processes}
-        self._out.append(Publish(FIGURES, message))
+        self._out.append(Publish(METRICS, message))
 
     def _metrics(self, process: Process) -> ProcessMetrics:
         answer = self._answers.get(process.key)

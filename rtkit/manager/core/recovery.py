@@ -103,8 +103,8 @@ def _bonds(state: ManagerState) -> _Bonds:
                 wires.setdefault(end.instance, []).append(wire)
     shares = [
         (owner, context, participant)
-        for owner, wish in state.kept.components.items()
-        for context, participants in wish.attached.items()
+        for owner, desired in state.kept.components.items()
+        for context, participants in desired.attached.items()
         for participant in participants
     ]
     return _Bonds(wires, shares)
@@ -140,9 +140,9 @@ def _bound(state: ManagerState, missing: Iterable[str], bonds: _Bonds) -> Iterab
     for instance in missing:
         for wire in bonds.wires.get(instance, ()):
             yield tuple(end.instance for end in wire.ports)
-        wish = state.kept.components[instance]
-        if _is_composite(wish):
-            members = parse_create(wish.create).options["members"].split(",")
+        desired = state.kept.components[instance]
+        if _is_composite(desired):
+            members = parse_create(desired.create).options["members"].split(",")
             yield (instance, *(each.strip() for each in members))
     for owner, _, participant in bonds.shares:
         yield owner, participant
@@ -152,18 +152,18 @@ def _complete(
     state: ManagerState, group: Collection[str], bonds: _Bonds, failed: Failed
 ) -> Procedure:
     """Bring those to their end that are bound to each other."""
-    wishes = state.kept.components
+    wanted = state.kept.components
     fresh = [each for each in group if not lives(state, each)]
     yield from _make_all(state, fresh, failed)
     ready = {
-        each: DesiredComponent("") if each in fresh else state.since_made.get(each, wishes[each])
+        each: DesiredComponent("") if each in fresh else state.since_made.get(each, wanted[each])
         for each in group
-        if each in wishes and _answers(state, each)
+        if each in wanted and _answers(state, each)
     }
     for each in (*fresh, *ready):
         state.since_made.pop(each, None)
     # Ports of a composite come with its configuration; those of others are there.
-    composites = [each for each in ready if _is_composite(wishes[each])]
+    composites = [each for each in ready if _is_composite(wanted[each])]
     yield Gather(tuple(_configure(state, i, ready[i], failed) for i in composites))
     single = (each for each in ready if each not in composites)
     configures = (_configure(state, i, ready[i], failed) for i in single)
@@ -173,8 +173,8 @@ def _complete(
         tuple(
             _activate(state, instance, context, failed)
             for instance, asked in ready.items()
-            if instance in wishes
-            for context in wishes[instance].active
+            if instance in wanted
+            for context in wanted[instance].active
             if context not in asked.active
         )
     )
@@ -184,16 +184,16 @@ def _complete(
 def _make_all(state: ManagerState, instances: Collection[str], failed: Failed) -> Steps:
     """Make components side by side, composites last."""
     kept = state.kept
-    wishes = {each: kept.components[each] for each in instances if each in kept.components}
-    kept.revived.update(wishes)
+    wanted = {each: kept.components[each] for each in instances if each in kept.components}
+    kept.revived.update(wanted)
     try:
-        single = [(each, wish) for each, wish in wishes.items() if not _is_composite(wish)]
-        yield Gather(tuple(_make(state, each, wish, failed) for each, wish in single))
-        for instance, wish in wishes.items():
-            if _is_composite(wish):
-                yield Gather((_make(state, instance, wish, failed),))
+        single = [(each, desired) for each, desired in wanted.items() if not _is_composite(desired)]
+        yield Gather(tuple(_make(state, each, desired, failed) for each, desired in single))
+        for instance, desired in wanted.items():
+            if _is_composite(desired):
+                yield Gather((_make(state, instance, desired, failed),))
     finally:
-        kept.revived.difference_update(wishes)
+        kept.revived.difference_update(wanted)
 
 
 def _connects(
@@ -236,16 +236,16 @@ def _adopt(state: ManagerState) -> None:
         kept.found(instance)
         if instance not in kept.components and facts.create and not facts.is_stand_in:
             kept.adopt(facts, state.since_made.get(instance))
-    for instance, wish in kept.components.items():
-        if read_rules(parse_create(wish.create).options):
+    for instance, desired in kept.components.items():
+        if read_rules(parse_create(desired.create).options):
             state.ruled.add(instance)
     for wire in state.connectors.values():
         if all(end.instance in kept.components for end in wire.ports):
             kept.wire(wire)
 
 
-def _is_composite(wish: DesiredComponent) -> bool:
-    return "members" in parse_create(wish.create).options
+def _is_composite(desired: DesiredComponent) -> bool:
+    return "members" in parse_create(desired.create).options
 
 
 def _activate(state: ManagerState, instance: str, context: str, failed: Failed) -> Procedure:
@@ -265,15 +265,15 @@ def _is_active(state: ManagerState, instance: str, context: str) -> bool:
     return any(c.id == context and c.state is LifeCycleState.ACTIVE for c in contexts)
 
 
-def _make(state: ManagerState, instance: str, wish: DesiredComponent, failed: Failed) -> Procedure:
+def _make(state: ManagerState, instance: str, row: DesiredComponent, failed: Failed) -> Procedure:
     from rtkit.rtc.pattern import ComponentPattern
 
     try:
-        pattern = decode(ComponentPattern, json.loads(wish.pattern)) if wish.pattern else None
+        pattern = decode(ComponentPattern, json.loads(row.pattern)) if row.pattern else None
     except (ValueError, Malformed) as error:
         failed(f"create {instance}", Malformed(str(error)))
         return Result()
-    create = act.Create(wish.create, wish.names, pattern)
+    create = act.Create(row.create, row.names, pattern)
     yield from _try(state, create, f"create {instance}", failed)
     return Result()
 
@@ -289,19 +289,19 @@ def _configure(
 
 
 def _settings(state: ManagerState, instance: str, asked: DesiredComponent) -> Iterable[Action]:
-    facts, wish = state.components[instance], state.kept.components[instance]
-    for set_id, values in wish.sets.items():
+    facts, desired = state.components[instance], state.kept.components[instance]
+    for set_id, values in desired.sets.items():
         now, last = facts.sets.get(set_id, {}), asked.sets.get(set_id, {})
         changed = {k: v for k, v in values.items() if v not in (now.get(k), last.get(k))}
         if changed:
             yield act.SetParameters(instance, set_id, changed)
-    if wish.active_set not in ("", facts.active_set, asked.active_set):
-        yield act.ActivateSet(instance, wish.active_set)
-    if wish.states != asked.states:
-        yield act.SetStructure(instance, wish.states)
-    if wish.events != asked.events:
-        yield act.SetEventProfiles(instance, wish.events)
-    for context, rate in wish.rates.items():
+    if desired.active_set not in ("", facts.active_set, asked.active_set):
+        yield act.ActivateSet(instance, desired.active_set)
+    if desired.states != asked.states:
+        yield act.SetStructure(instance, desired.states)
+    if desired.events != asked.events:
+        yield act.SetEventProfiles(instance, desired.events)
+    for context, rate in desired.rates.items():
         if rate != asked.rates.get(context):
             yield act.SetRate(instance, context, rate)
 

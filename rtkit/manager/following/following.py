@@ -13,7 +13,7 @@ from threading import Thread
 from typing import TYPE_CHECKING, Any
 
 from rtkit.deployment.delta import TREE
-from rtkit.deployment.metrics import FIGURES
+from rtkit.deployment.metrics import METRICS
 from rtkit.deployment.states.followed import Followed
 from rtkit.deployment.states.spec import spec_from_text
 from rtkit.errors import Malformed
@@ -79,7 +79,7 @@ class Following:
 
     def _listen(self, who: str, lines: Sequence[str]) -> None:
         """Subscribe a follower to these topics, and no others; called on its thread."""
-        for line in (TREE, FIGURES):
+        for line in (TREE, METRICS):
             self._post(ListenersChanged(line, line in lines, who))
 
     def heard(self, line: str, message: Mapping[str, Any]) -> None:

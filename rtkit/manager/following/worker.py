@@ -9,7 +9,7 @@ from threading import Event, Thread
 from typing import TYPE_CHECKING, Any, Protocol
 
 from rtkit.deployment.delta import TREE
-from rtkit.deployment.metrics import FIGURES
+from rtkit.deployment.metrics import METRICS
 from rtkit.deployment.states.followed import Followed
 from rtkit.deployment.states.spec import spec_from_text
 from rtkit.errors import RtkitError
@@ -151,7 +151,7 @@ class FollowingWorker:
         leader = Leader(self._states, self._reach, self._failed, time.monotonic)
         conditions = self._states.machine.conditions.values()
         self.needs_metrics = any(condition.needs_metrics for condition in conditions)
-        self._listen((TREE, FIGURES) if self.needs_metrics else (TREE,))
+        self._listen((TREE, METRICS) if self.needs_metrics else (TREE,))
         last = self.told
         if last.is_led:
             self._came(leader.lead(SystemTransition(last.before, last.event, last.state)))

@@ -8,7 +8,7 @@ import pytest
 from fake_shell import OWN, FakeShell, facts
 
 from rtkit.deployment.delta import TREE, Delta, FullSnapshot, snapshot_from_text
-from rtkit.deployment.metrics import FIGURES, Metrics
+from rtkit.deployment.metrics import METRICS, Metrics
 from rtkit.manager.core import events as ev
 from rtkit.property.exchange import Reply
 from rtkit.rtc.serde import decode
@@ -29,7 +29,7 @@ class Listener:
 
         monkeypatch.setattr(shell, "_carry_out", hear)
 
-    def picture(self) -> FullSnapshot:
+    def full_snapshot(self) -> FullSnapshot:
         replies: list[Reply] = []
         self.shell.feed(ev.SnapshotRequested(replies.append))
         return snapshot_from_text(replies[0].value())
@@ -40,7 +40,7 @@ class Listener:
         return told
 
     def metrics(self) -> list[Metrics]:
-        told = [decode(Metrics, message) for line, message in self.messages if line == FIGURES]
+        told = [decode(Metrics, message) for line, message in self.messages if line == METRICS]
         self.messages.clear()
         return told
 
@@ -58,22 +58,22 @@ def listener(shell: FakeShell, monkeypatch: pytest.MonkeyPatch) -> Listener:
 def test_nothing_is_told_while_nobody_listens(shell: FakeShell, listener: Listener) -> None:
     shell.make("A")
     assert listener.messages == []
-    picture = listener.picture()
-    assert [each.instance for each in picture.facts.components] == ["A"]
+    snapshot = listener.full_snapshot()
+    assert [each.instance for each in snapshot.facts.components] == ["A"]
     (ping,) = listener.delta()[-1:]
-    assert (ping.run, ping.number) == (picture.run, picture.number)
+    assert (ping.run, ping.number) == (snapshot.run, snapshot.number)
     shell.feed(ev.ListenersChanged(TREE, False))
     shell.make("B")
     assert listener.messages == []
 
 
 def test_news_follow_the_picture_number_by_number(shell: FakeShell, listener: Listener) -> None:
-    picture = listener.picture()
+    snapshot = listener.full_snapshot()
     listener.delta()
     shell.make("A", "slave")
     told = listener.delta()
     numbers = [each.number for each in told]
-    assert numbers == list(range(picture.number + 1, picture.number + 1 + len(told)))
+    assert numbers == list(range(snapshot.number + 1, snapshot.number + 1 + len(told)))
     assert [process.state for each in told for process in each.processes] == ["starting", "up"]
     # It appears once, with its names: not while it is being made.
     (made,) = (component for each in told for component in each.components)
@@ -83,7 +83,7 @@ def test_news_follow_the_picture_number_by_number(shell: FakeShell, listener: Li
 
 
 def test_an_older_listener_sees_a_gap(shell: FakeShell, listener: Listener) -> None:
-    first = listener.picture()
+    first = listener.full_snapshot()
     shell.feed(ev.ListenersChanged(TREE, False))
     listener.delta()
     shell.make("A")
@@ -93,7 +93,7 @@ def test_an_older_listener_sees_a_gap(shell: FakeShell, listener: Listener) -> N
 
 
 def test_the_end_is_told(shell: FakeShell, listener: Listener) -> None:
-    listener.picture()
+    listener.full_snapshot()
     shell.stop()
     shell.serve()
     assert shell.is_finished
@@ -108,7 +108,7 @@ def test_figures_are_asked_for_only_while_wanted(shell: FakeShell, listener: Lis
     shell.make("A")
     shell.wait(5.0)
     assert shell.told == []
-    shell.feed(ev.ListenersChanged(FIGURES, True))
+    shell.feed(ev.ListenersChanged(METRICS, True))
     assert shell.told == [(OWN, {"op": "metrics"})]
     assert listener.metrics() == []
     shell.say(OWN, metrics=[report("A")])
@@ -117,7 +117,7 @@ def test_figures_are_asked_for_only_while_wanted(shell: FakeShell, listener: Lis
     assert (process.answered, process.components[0].written) == (True, {"out": 3})
     shell.wait(1.0)
     assert len(shell.told) == 2
-    shell.feed(ev.ListenersChanged(FIGURES, False))
+    shell.feed(ev.ListenersChanged(METRICS, False))
     shell.wait(5.0)
     assert len(shell.told) == 2
 
@@ -126,7 +126,7 @@ def test_who_does_not_answer_is_told_of_and_not_asked_again(
     shell: FakeShell, listener: Listener
 ) -> None:
     key = shell.make("A", "slave")
-    shell.feed(ev.ListenersChanged(FIGURES, True))
+    shell.feed(ev.ListenersChanged(METRICS, True))
     for count in (1, 2, 3):
         shell.say(OWN, metrics=[])
         shell.wait(1.0)
@@ -142,7 +142,7 @@ def test_who_does_not_answer_is_told_of_and_not_asked_again(
 
 def test_figures_that_are_none_change_nothing(shell: FakeShell, listener: Listener) -> None:
     shell.make("A")
-    shell.feed(ev.ListenersChanged(FIGURES, True))
+    shell.feed(ev.ListenersChanged(METRICS, True))
     with pytest.raises(ValueError, match="metrics"):
         shell.say(OWN, metrics="many")
     shell.wait(2.0)

@@ -102,7 +102,7 @@ def test_another_wish_takes_the_place_of_the_first() -> None:
     clock = Clock()
     service, subscription, _ = make("x.listen?queue=5", clock)
     service.handle(PropertyRequest("x.listen?queue=7", "self", lambda _: None, subscription))
-    assert [each.wish.queue for each in subscription.listeners] == [7]
+    assert [each.options.queue for each in subscription.listeners] == [7]
 
 
 def test_who_is_gone_is_forgotten() -> None:

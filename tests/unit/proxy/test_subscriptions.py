@@ -6,7 +6,7 @@ import pytest
 
 from rtkit.property.messages import PropertyEvent, Requester
 from rtkit.property.naming import parse_parameters
-from rtkit.proxy.subscriptions import RelayedListener, wished
+from rtkit.proxy.subscriptions import RelayedListener, relayed_options
 
 
 @pytest.mark.parametrize(
@@ -28,8 +28,8 @@ from rtkit.proxy.subscriptions import RelayedListener, wished
     ],
 )
 def test_wishes(text: str, passed_on: str, queue: int, lease_s: float, is_alike: bool) -> None:
-    wish = wished(parse_parameters(text))
-    assert (wish.text, wish.queue, wish.lease_s, wish.is_alike) == (
+    options = relayed_options(parse_parameters(text))
+    assert (options.text, options.queue, options.lease_s, options.is_alike) == (
         passed_on, queue, lease_s, is_alike)  # fmt: skip
 
 
@@ -39,7 +39,7 @@ def event(number: int, dropped: int = 0) -> PropertyEvent:
 
 def test_a_queue_holds_what_it_may_and_counts_what_it_lost() -> None:
     relayed = RelayedListener(
-        "count", wished(parse_parameters("queue=3&lease=2")), Requester(), now=10.0
+        "count", relayed_options(parse_parameters("queue=3&lease=2")), Requester(), now=10.0
     )
     assert (relayed.ends_at, relayed.due()) == (12.0, 12.0)
     relayed.pass_on(event(0, dropped=5))
@@ -55,7 +55,7 @@ def test_a_queue_holds_what_it_may_and_counts_what_it_lost() -> None:
 
 
 def test_of_the_latest_nothing_is_counted() -> None:
-    relayed = RelayedListener("count", wished({}), Requester(), now=0.0)
+    relayed = RelayedListener("count", relayed_options({}), Requester(), now=0.0)
     relayed.pass_on(event(1))
     relayed.pass_on(event(2))
     assert (relayed.take(0.0), relayed.pending, relayed.due()) == (event(2), 0, None)

@@ -62,7 +62,7 @@ def test_the_last_news_end_it(world: FakeManager) -> None:
     tree = fake_tree(world)
     with ManagerSubscription(tree) as subscription:
         tell = subscription._take_in("tree")
-        number = tree.picture().number
+        number = tree.full_snapshot().number
         tell(json.dumps(encode(Delta("fake", number + 1, is_last=True))))
         assert subscription.wait(10.0) == [SubscriptionEnded("manager 'manager' ends")]
         assert subscription.wait(10.0) == []
