@@ -14,7 +14,7 @@ from rtkit.profile.xmlnames import NAMESPACES, clark, split
 NO_DATE = "1970-01-01T00:00:00"
 """Date of a profile without any."""
 
-_ORDERS = (
+ORDERS = (
     "StartUp",
     "ShutDown",
     "Activation",
@@ -126,7 +126,7 @@ def _lift_connector(
 
 
 def _lift_orders(root: Any, component: Any, found: Findings) -> None:
-    for name in _ORDERS:
+    for name in ORDERS:
         for nested in component.findall(clark(f"rts:{name}")):
             said = f"{name} moved out of its component"
             found.repaired(nested, "old-form", said, allowed="below the root")

@@ -79,8 +79,26 @@ class Attr:
     read: Callable[[str], Any] | None
 
 
+def field_name(local: str) -> str:
+    """Return the field of a model for an XML name: that in small letters.
+
+    >>> field_name("dataType"), field_name("OnExecute")
+    ('data_type', 'on_execute')
+    """
+    return re.sub("(?<!^)(?=[A-Z])", "_", local).lower()
+
+
+def local_name(field: str) -> str:
+    """Return the XML name of an attribute for a field of a model.
+
+    >>> local_name("data_type")
+    'dataType'
+    """
+    first, *others = field.split("_")
+    return first + "".join(map(str.capitalize, others))
+
+
 def attribute(
-    field: str,
     name: str,
     kind: str = TEXT,
     *,
@@ -89,7 +107,10 @@ def attribute(
     words: tuple[str, ...] = (),
     respellings: dict[str, str] | None = None,
 ) -> Attr:
-    """Describe an attribute by its short name; `words` make it an enumeration."""
+    """Describe an attribute by its short name, from which its field follows.
+
+    `words` make it an enumeration.
+    """
     kind = WORD if words else kind
     check: dict[str, Callable[[str], Any] | None] = {
         FLAG: lambda text: text.strip() in _FLAGS,
@@ -105,7 +126,7 @@ def attribute(
         WORD: {word: word for word in words}.__getitem__,
     }
     return Attr(
-        field,
+        field_name(name.partition(":")[2]),
         clark(name),
         kind,
         required or supply is not None,
@@ -116,6 +137,11 @@ def attribute(
         check.get(kind),
         read.get(kind),
     )
+
+
+def required(*names: str) -> list[Attr]:
+    """Describe attributes that hold any text and must be there."""
+    return [attribute(name, required=True) for name in names]
 
 
 @dataclass(frozen=True, slots=True)
@@ -134,10 +160,15 @@ class Child:
 
 
 def child(
-    field: str, name: str, spec: ElementSpec | None = None, *, many: bool = False, least: int = 0
+    name: str,
+    spec: ElementSpec | None = None,
+    *,
+    field: str = "",
+    many: bool = False,
+    least: int = 0,
 ) -> Child:
-    """Describe a child element by its short name."""
-    return Child(field, clark(name), spec, many, least)
+    """Describe a child element by its short name, which gives the field unless one is stated."""
+    return Child(field or field_name(name.partition(":")[2]), clark(name), spec, many, least)
 
 
 _OLDER = {
@@ -175,7 +206,7 @@ class ElementSpec:
     def __init__(
         self,
         make: Callable[..., Any],
-        attributes: Iterable[Attr] = (),
+        attributes: Iterable[Attr | str] = (),
         children: Iterable[Child] = (),
         *,
         xsi_type: str | None = None,
@@ -195,7 +226,9 @@ class ElementSpec:
         self.wraps = wraps
         self.rule = rule
         self.foreign_field = "around" if wraps else "foreign"
-        self.attributes = tuple(attributes)
+        self.attributes = tuple(
+            attribute(item) if isinstance(item, str) else item for item in attributes
+        )
         self.known = {item.name: item for item in self.attributes}
         self.blank, self._places = _fields(make, wraps)
         self.foreign_place = self._places[self.foreign_field]

@@ -201,13 +201,13 @@ def _parameter(item: ConfigurationParameter) -> tuple[str, ...]:
 def _callbacks(profile: RtcProfile) -> Section | None:
     heads = ("Callback", "Description", "Before", "After")
     rows = []
-    for field, name in ACTIONS:
+    for field, name in ACTIONS.items():
         status: ActionStatus | None = getattr(profile.actions, field, None)
         if status is None or not status.implemented:
             continue
         doc = status.doc
         texts = (doc.description, doc.pre_condition, doc.post_condition) if doc else ("", "", "")
-        rows.append((name[:1].lower() + name[1:], *(text or "" for text in texts)))
+        rows.append((name, *(text or "" for text in texts)))
     if not any(any(row[1:]) for row in rows):
         return section("Callbacks", [", ".join(row[0] for row in rows)])
     return section("Callbacks", table=PageTable(heads, tuple(rows)))

@@ -111,10 +111,10 @@ def _behaviour(profile: RtcProfile) -> Iterator[Outline]:
     if profile.actions is None:
         return
     implemented = []
-    for field, name in ACTIONS:
+    for field, name in ACTIONS.items():
         status: ActionStatus | None = getattr(profile.actions, field)
         if status is not None and status.implemented:
-            implemented.append(name[:1].lower() + name[1:])
+            implemented.append(name)
     yield entry("callbacks", " ".join(implemented) or "(none)")
 
 

@@ -28,7 +28,7 @@ _PARTS = (
 )
 _CONTAINERS = {
     "configuration_set": ("configurations",),
-    "actions": tuple(field for field, _ in ACTIONS),
+    "actions": tuple(ACTIONS),
 }
 
 
@@ -134,8 +134,8 @@ def _constraint(constraint: Constraint | None) -> str:
 
 
 def _actions(things: Things, profile: RtcProfile, takes_all: bool) -> None:
-    for field, name in ACTIONS:
+    for field, name in ACTIONS.items():
         status = getattr(profile.actions, field, None)
         if status is not None and (takes_all or status.implemented):
             fields = fields_of(status) if takes_all else {}
-            put(things, ThingKey(4, "callback", name[:1].lower() + name[1:]), Thing(fields))
+            put(things, ThingKey(4, "callback", name), Thing(fields))

@@ -111,9 +111,7 @@ def _actions(callbacks: Iterable[str]) -> Actions:
     Raises:
         Malformed: There is no such callback.
     """
-    fields = {
-        name[:1].lower() + name[1:]: field for field, name in ACTIONS if field not in _LEFT_OUT
-    }
+    fields = {name: field for field, name in ACTIONS.items() if field not in _LEFT_OUT}
     wanted = set()
     for name in callbacks:
         if name not in fields:
