@@ -1,6 +1,24 @@
 """Errors of rtkit: each with its kind and its exit status.
 
-Nothing is printed here: the command line shows messages, the daemon logs them.
+Nothing is printed here: the command line shows messages, the daemon logs them. The exit
+status is in the column ``exit``; ``--exit-detail`` selects the last one, so that a script tells
+"the system is wrong" from "I could not look". Any other exception is a fault of rtkit itself.
+
+=================================  ===========  ====  ======
+error                              kind         exit  detail
+=================================  ===========  ====  ======
+RtkitError                         error           1       1
+├─ UsageProblem                    usage           2       2
+├─ Malformed (ValueError)          malformed       1       2
+├─ Refused                         refused         1       1
+├─ InvalidDocument                 invalid         1       3
+├─ NotFound (LookupError)          not-found       1       4
+├─ Unreachable (OSError)           unreachable     1       5
+├─ Impossible                      impossible      1       7
+├─ LimitReached                    limit           1       8
+└─ Partial                         partial         1       6
+(any other exception)              bug             1      70
+=================================  ===========  ====  ======
 """
 
 from __future__ import annotations
