@@ -73,7 +73,7 @@ bench: $(READY)
 	@$(BIN)/python -m bench $(ROWS)
 
 man: $(READY)
-	$(BIN)/python -m rtkit.cli._man man
+	$(BIN)/python -m rtkit.cli.help.man man
 
 clean:
 	rm -rf .venv build dist .mypy_cache .pytest_cache .ruff_cache .import_linter_cache .hypothesis

@@ -12,9 +12,9 @@ from pathlib import Path
 import click
 import pytest
 
-from rtkit.cli import COMMANDS
-from rtkit.cli._app import App, Main
-from rtkit.cli._verbs import SUMMARIES
+from rtkit.cli import COMMANDS, MODULES, load
+from rtkit.cli.help.verbs import SUMMARIES
+from rtkit.cli.shared.app import App, Main
 from rtkit.deployment import extension
 from rtkit.deployment.known_keys import OF_COMPONENTS, OF_PORTS, OF_SYSTEMS
 
@@ -53,11 +53,11 @@ FORBIDDEN_ON_THE_WAY = (
 
 
 def test_files_and_scripts_are_those_of_the_table() -> None:
-    files = {file.stem for file in (ROOT / "rtkit" / "cli").glob("rt*.py")}
+    files = {file.stem for file in (ROOT / "rtkit" / "cli").rglob("rt*.py")}
     with (ROOT / "pyproject.toml").open("rb") as stream:
         scripts = tomllib.load(stream)["project"]["scripts"]
     assert files == set(COMMANDS.values())
-    assert scripts == {name: f"rtkit.cli.{name}:main" for name in COMMANDS.values()} | SHARED
+    assert scripts == {name: f"{module}:main" for name, module in MODULES.items()} | SHARED
 
 
 def test_the_readme_lists_each_command_once() -> None:
@@ -70,7 +70,7 @@ def test_the_readme_lists_each_command_once() -> None:
 
 @pytest.mark.parametrize("verb", COMMANDS)
 def test_a_command_s_help_begins_as_the_table_says(verb: str) -> None:
-    main = importlib.import_module(f"rtkit.cli.{COMMANDS[verb]}").main
+    main = load(verb)
     assert isinstance(main, Main)
     assert main.name == COMMANDS[verb]
     assert f"rt{verb}" == main.name
@@ -84,7 +84,7 @@ SYSTEM = {*FACTS, "lxml", "rtkit.profile"}
 FOR_REPAIRS_AND_CHANGES = (
     "difflib",
     "locale",
-    "rtkit.cli._progress",
+    "rtkit.cli.shared.progress",
     "rtkit.cli.system.step_times",
     "rtkit.deployment.listing",
     "rtkit.deployment.planning",
@@ -125,7 +125,7 @@ PROFILE = """<?xml version="1.0" encoding="UTF-8"?>
 """
 WITH_ONE = """
 import sys
-from rtkit.cli.{name} import main
+from rtkit.cli import load
 import rtkit.tree.client
 class Tree:
     host, manager, timeout_s = 'box', 'm', 10.0
@@ -143,7 +143,7 @@ class Tree:
         return Snapshot('box', 'm', 1, '', components=(facts,))
     def part(self, instances):
         return self.snapshot()
-status = main({arguments!r}, tree=Tree())
+status = load({name!r})({arguments!r}, tree=Tree())
 print(status, [name for name in {heavy!r} if name in sys.modules], file=sys.stderr)
 """
 
@@ -167,7 +167,7 @@ def test_the_verdict_on_a_valid_profile_imports_nothing_heavy() -> None:
     needed = {"lxml", "rtkit.profile", "concurrent.futures", "yaml"}
     script = (
         "import sys\n"
-        "from rtkit.cli.rtprofile import main\n"
+        "from rtkit.cli.profiles.rtprofile import main\n"
         f"assert main(['validate', {str(ROOT / 'profiles' / 'Motor.xml')!r}]) == 0\n"
         f"names = {(*FORBIDDEN_ON_THE_WAY, 'elementpath', 'difflib', 'urllib')}\n"
         f"found = [name for name in names if name in sys.modules and name not in {needed}]\n"
@@ -202,7 +202,7 @@ FOR_WHO_MAKES_COMPONENTS = (
 )
 VISIT = f"""
 import queue, sys, threading
-import rtkit.cli.rtprint, rtkit.cli._printing, rtkit.probe.fields, rtkit.probe.text
+import rtkit.cli.data.rtprint, rtkit.cli.data.printing, rtkit.probe.fields, rtkit.probe.text
 import rtkit.container.attached_process
 from rtkit.component.types import TimedLong
 from rtkit.link.streams import Streams
@@ -282,8 +282,8 @@ def test_nothing_tells_where_it_was_written() -> None:
 def _commands() -> Iterator[tuple[str, click.Command]]:
     """Yield each command, and each word of those that have words, as it is typed."""
     for name in COMMANDS.values():
-        yield name, importlib.import_module(f"rtkit.cli.{name}").main.command
-    from rtkit.cli.rtprofile import WORDS
+        yield name, load(name).command
+    from rtkit.cli.profiles.rtprofile import WORDS
 
     for word, each in WORDS.items():
         yield f"rtprofile {word}", importlib.import_module(each.module).main.command

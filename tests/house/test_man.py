@@ -11,12 +11,12 @@ from pathlib import Path
 import click
 import pytest
 
-from rtkit.cli import COMMANDS
-from rtkit.cli._app import App
-from rtkit.cli._examples import EXAMPLES
-from rtkit.cli._group import CommandGroup, Subcommand
-from rtkit.cli._man import pages
-from rtkit.cli._verbs import WORDS
+from rtkit.cli import COMMANDS, load
+from rtkit.cli.help.examples import EXAMPLES
+from rtkit.cli.help.man import pages
+from rtkit.cli.help.verbs import WORDS
+from rtkit.cli.shared.app import App
+from rtkit.cli.shared.group import CommandGroup, Subcommand
 
 FOLDER = Path(__file__).parents[2] / "man"
 PAGES = pages()
@@ -48,7 +48,7 @@ def test_pages_are_well_formed(name: str) -> None:
 
 def test_every_option_is_on_its_page() -> None:
     for name in COMMANDS.values():
-        command = importlib.import_module(f"rtkit.cli.{name}").main.command
+        command = load(name).command
         for parameter in command.params:
             for option in parameter.opts:
                 if option.startswith("-"):
@@ -61,7 +61,7 @@ def words_of(command: click.Command) -> dict[str, Subcommand]:
 
 def test_every_option_of_a_word_is_on_the_page() -> None:
     for name in COMMANDS.values():
-        for word in words_of(importlib.import_module(f"rtkit.cli.{name}").main.command).values():
+        for word in words_of(load(name).command).values():
             main = importlib.import_module(word.module).main
             assert " ".join(main.command.help.split()).startswith(word.summary.rstrip("."))
             options = [option for each in main.command.params for option in each.opts]
@@ -78,7 +78,7 @@ def test_examples_can_be_typed(line: str) -> None:
         name, *arguments = [COMMANDS[arguments[0]], *arguments[1:]]
     if "-h" in arguments:
         return
-    command = importlib.import_module(f"rtkit.cli.{name}").main.command
+    command = load(name).command
     words = words_of(command)
     if words:
         name, *arguments = arguments

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import contextlib
-import importlib
 import io
 import re
 
@@ -13,7 +12,8 @@ from fake_tree import fake_tree
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from rtkit.cli import _out
+from rtkit.cli import load
+from rtkit.cli.shared import terminal
 from rtkit.deployment.facts import ComponentFacts, ProcessFacts
 from rtkit.rtc.enums import ExecutionKind, Polarity, PortType
 from rtkit.rtc.profiles import (
@@ -87,28 +87,26 @@ def worlds(draw: st.DrawFn) -> FakeManager:
 @given(world=worlds())
 @settings(deadline=None, max_examples=60)
 def test_terminals_get_printable_lines(is_coloured: bool, world: FakeManager) -> None:
-    had_colour = _out.has_colour
-    _out.has_colour = lambda: is_coloured
+    had_colour = terminal.has_colour
+    terminal.has_colour = lambda: is_coloured
     try:
         for line in LINES:
             name, *arguments = line.split()
             out = io.StringIO()
             with contextlib.redirect_stdout(out):
-                status = importlib.import_module(f"rtkit.cli.{name}").main(
-                    arguments, tree=fake_tree(world)
-                )
+                status = load(name)(arguments, tree=fake_tree(world))
             shown = out.getvalue()
             if is_coloured:
                 shown = COLOURS.sub("", shown)
             assert status == 0
-            assert all(_out.printable(text) == text for text in shown.split("\n"))
+            assert all(terminal.printable(text) == text for text in shown.split("\n"))
     finally:
-        _out.has_colour = had_colour
+        terminal.has_colour = had_colour
 
 
 @given(st.lists(st.text(st.sampled_from("ab部"), min_size=1, max_size=9)), st.integers(1, 60))
 def test_columns_keep_order_and_width(texts: list[str], width: int) -> None:
-    lines = _out.columns([(text, text) for text in texts], width)
+    lines = terminal.columns([(text, text) for text in texts], width)
     assert " ".join(lines).split() == texts
     for line in lines:
-        assert _out.display_width(line) <= width or line in texts
+        assert terminal.display_width(line) <= width or line in texts

@@ -7,7 +7,6 @@ once it has written something, or when it has nothing to write.
 
 from __future__ import annotations
 
-import importlib
 import json
 import os
 import selectors
@@ -57,10 +56,10 @@ class Commands:
 
 def serve() -> None:
     """Answer requests until there are no more."""
-    from rtkit.cli import COMMANDS
+    from rtkit.cli import COMMANDS, load
 
     for name in COMMANDS.values():
-        importlib.import_module(f"rtkit.cli.{name}")
+        load(name)
     import rtkit.link.zenoh
     import rtkit.tree.client  # noqa: F401
 
@@ -93,8 +92,9 @@ def _become(argv: list[str], given: int, pipes: list[tuple[int, int]]) -> None:
     sys.stdin, sys.stdout = open(0, closefd=False), open(1, "w", closefd=False)  # noqa: SIM115
     sys.stderr = open(2, "w", buffering=1, closefd=False)  # noqa: SIM115
     sys.argv = argv
-    name = "" if argv[0] == "rtkit" else f".{argv[0]}"
-    sys.exit(importlib.import_module(f"rtkit.cli{name}").main())
+    from rtkit import cli
+
+    sys.exit(cli.main() if argv[0] == "rtkit" else cli.load(argv[0])())
 
 
 def _read(pid: int, ends: list[int], is_endless: bool) -> list[str]:

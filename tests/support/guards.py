@@ -180,7 +180,7 @@ GUARDS = (
     ),
     Guard(
         "system/test_system_calls.py::test_calls_here_and_there[cryo]",
-        "rtkit/cli/_atomic.py",
+        "rtkit/cli/shared/atomic.py",
         "    os.fsync(stream.fileno())\n",
         "",
     ),

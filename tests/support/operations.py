@@ -9,8 +9,8 @@ from pathlib import Path
 
 from faultkit import Operation, Site
 
-from rtkit.cli.rtresurrect import main as rtresurrect
-from rtkit.cli.rtstart import main as rtstart
+from rtkit.cli.system.rtresurrect import main as rtresurrect
+from rtkit.cli.system.rtstart import main as rtstart
 from rtkit.deployment.actions import Connect, Create
 from rtkit.resources import resource
 from rtkit.rtc.profiles import ConnectorProfile, PortRef

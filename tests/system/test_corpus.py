@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib
 import os.path
 import shlex
 from collections.abc import Callable, Iterator
@@ -10,6 +9,7 @@ from typing import Any
 
 import pytest
 
+from rtkit.cli import load
 from rtkit.deployment.stated import Stated, stated
 from rtkit.profile.read import read_rts
 from rtkit.tree.connect import connect
@@ -48,7 +48,7 @@ def typed(
     with connect() as tree:
 
         def run(name: str, *arguments: str) -> tuple[int, str, str]:
-            status = importlib.import_module(f"rtkit.cli.{name}").main(arguments, tree=tree)
+            status = load(name)(arguments, tree=tree)
             return (status, *capsys.readouterr())
 
         yield run

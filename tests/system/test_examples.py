@@ -20,8 +20,8 @@ from forked import Commands
 from serialkit import Cable
 
 from rtkit.cli import COMMANDS
-from rtkit.cli._examples import EXAMPLES
-from rtkit.cli._verbs import WORDS
+from rtkit.cli.help.examples import EXAMPLES
+from rtkit.cli.help.verbs import WORDS
 from rtkit.link.tcp_endpoint import free_port
 
 ROOT = Path(__file__).parents[2]

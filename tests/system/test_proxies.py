@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 from mosquittokit import MOSQUITTO, PASSWORD, Mosquitto, Stranger
 
-from rtkit.cli._examples import EXAMPLES
+from rtkit.cli.help.examples import EXAMPLES
 
 ARM = """
 class Arm:

@@ -11,7 +11,7 @@ from typing import Any
 
 import pytest
 
-from rtkit.cli import COMMANDS
+from rtkit.cli import COMMANDS, MODULES
 
 README = Path(__file__).parents[2] / "README.md"
 BLOCK = re.compile(r"^(<!-- not run[^\n]*\n)?```(\w+)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
@@ -41,8 +41,8 @@ def variables(shell: Any) -> dict[str, str]:
     commands.mkdir()
     python = f'exec "{sys.executable}"'
     scripts = {
-        name: f"{python} -c 'from rtkit.cli.{name} import main; exit(main())' \"$@\""
-        for name in COMMANDS.values()
+        name: f"{python} -c 'from {module} import main; exit(main())' \"$@\""
+        for name, module in MODULES.items()
     }
     for name, line in {**scripts, "python": f'{python} "$@"'}.items():
         (commands / name).write_text(f"#!/bin/sh\n{line}\n", encoding="utf-8")

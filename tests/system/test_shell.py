@@ -262,7 +262,7 @@ def test_a_stopped_manager_is_told_in_time_and_a_wait_for_it_can_be_broken_off(
         script = (
             "import os, signal, sys, threading\n"
             "signal.signal(signal.SIGINT, signal.default_int_handler)\n"
-            "from rtkit.cli.rtls import main\n"
+            "from rtkit.cli.tree.rtls import main\n"
             "from rtkit.link import zenoh\n"
             "opening = zenoh.zenoh.open\n"
             "def open_and_interrupt(config):\n"

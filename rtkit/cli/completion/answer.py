@@ -14,9 +14,9 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from rtkit.cli import COMMANDS
-from rtkit.cli._process import write
-from rtkit.cli._verbs import SUMMARIES, WORDS
 from rtkit.cli.completion.candidates import Candidate, Files, those
+from rtkit.cli.help.verbs import SUMMARIES, WORDS
+from rtkit.cli.shared.console_process import write
 from rtkit.errors import RtkitError
 
 if TYPE_CHECKING:
@@ -108,7 +108,7 @@ def candidates(
         if name in _WORDS_OF and not before:
             return those(_WORDS_OF[name], typed)
         if name == "help" and not before:
-            from rtkit.cli._help import TOPICS
+            from rtkit.cli.help.topics import TOPICS
 
             told = [Candidate(topic, about) for topic, about in TOPICS.items()]
             return [*(each for each in told if each.text.startswith(typed)), *_verbs(typed)]

@@ -6,11 +6,12 @@ import importlib
 import os
 from collections.abc import Callable, Iterable
 
-from rtkit.cli._app import working_directory
+from rtkit.cli import MODULES
 from rtkit.cli.completion.candidates import Candidate, Files, those
 from rtkit.cli.completion.grammar import CursorMeaning
 from rtkit.cli.completion.live import CompletionSource, instances_of
 from rtkit.cli.completion.places import WantedPath, in_state, living, paths, with_row
+from rtkit.cli.shared.app import working_directory
 from rtkit.rtc.names import parse_path
 from rtkit.tree.view import NodeKind, TreeNode
 
@@ -158,7 +159,7 @@ def _connectors(asked: CursorMeaning, live: CompletionSource) -> Found:
 
 
 def _words(asked: CursorMeaning, live: CompletionSource) -> Found:
-    module = importlib.import_module(f"rtkit.cli.{asked.command}")
+    module = importlib.import_module(MODULES[asked.command])
     return those(getattr(module, "FORMS", None) or module.WORDS, asked.typed)
 
 

@@ -12,9 +12,9 @@ from typing import NamedTuple
 
 import click
 
-from rtkit.cli import COMMANDS
-from rtkit.cli._group import CommandGroup
+from rtkit.cli import COMMANDS, load
 from rtkit.cli.completion.candidates import Candidate
+from rtkit.cli.shared.group import CommandGroup
 
 ARGUMENTS: dict[str, tuple[str, ...]] = {
     "rtact": ("inactive",),
@@ -122,7 +122,7 @@ def ask(name: str, words: Sequence[str], typed: str) -> CursorMeaning | None:
     """Return the meaning of `typed` behind a command and `words`; None for a foreign command."""
     if name not in COMMANDS.values():
         return None
-    command: click.Command = importlib.import_module(f"rtkit.cli.{name}").main.command
+    command = load(name).command
     if not isinstance(command, CommandGroup):
         return _ask(name, command, words, typed)
     before = _ask(name, command, words, typed)

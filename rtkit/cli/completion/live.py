@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
-from rtkit.cli._app import working_directory
+from rtkit.cli.shared.app import working_directory
 from rtkit.rtc.names import parse_path
 from rtkit.tree.place import manager_of, root_for
 from rtkit.tree.resolve import find

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from typing import NamedTuple
 
-from rtkit.cli._app import working_directory
 from rtkit.cli.completion.candidates import Candidate, those
 from rtkit.cli.completion.live import CompletionSource, Plain
+from rtkit.cli.shared.app import working_directory
 from rtkit.deployment.listing import ListingRow
 from rtkit.tree.view import NodeKind, TreeNode
 

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 
-from rtkit.cli._app import working_directory
 from rtkit.cli.completion.candidates import Candidate
 from rtkit.cli.completion.live import CompletionSource
 from rtkit.cli.completion.places import WantedPath, living, paths
+from rtkit.cli.shared.app import working_directory
 from rtkit.errors import RtkitError
 from rtkit.rtc.names import LOCAL
 from rtkit.tree.live_place import split

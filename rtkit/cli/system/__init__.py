@@ -1,1 +1,1 @@
-"""Shared parts of the commands that bring systems up from profiles, run and end them."""
+"""Commands on whole systems: what runs, compared with an RTS profile and changed towards it."""

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
-from rtkit.cli._app import App, check_at_most_one
+from rtkit.cli.shared.app import App, check_at_most_one
 from rtkit.errors import InvalidDocument
 from rtkit.fast_dataclass import dataclass
 

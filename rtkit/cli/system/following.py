@@ -6,7 +6,7 @@ import hashlib
 import json
 from typing import TYPE_CHECKING
 
-from rtkit.cli._app import App
+from rtkit.cli.shared.app import App
 from rtkit.deployment.extension import FOLLOW
 from rtkit.errors import InvalidDocument, NotFound, Refused
 

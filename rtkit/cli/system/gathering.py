@@ -6,7 +6,7 @@ import os
 from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING
 
-from rtkit.cli._app import App
+from rtkit.cli.shared.app import App
 from rtkit.errors import Unreachable
 from rtkit.rtc.names import MANAGER_SUFFIX
 

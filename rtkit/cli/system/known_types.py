@@ -6,6 +6,7 @@ import os
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
+from rtkit.cli.shared.component_profiles import SEARCH_PATH
 from rtkit.deployment.extension import CREATE, MODULE, stated_id
 from rtkit.deployment.identity import is_same_id
 from rtkit.deployment.system import KnownType
@@ -15,9 +16,6 @@ from rtkit.rtc.create import CreateString
 if TYPE_CHECKING:
     from rtkit.deployment.facts import Snapshot
     from rtkit.profile.rts_model import RtsProfile
-
-SEARCH_PATH = "RTKIT_PROFILE_PATH"
-"""Folders of RTC profiles, beside those that ship with rtkit."""
 
 
 def known_types(profile: RtsProfile, snapshot: Snapshot) -> dict[str, KnownType]:

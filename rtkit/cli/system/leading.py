@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 
-from rtkit.cli._app import App
+from rtkit.cli.shared.app import App
 from rtkit.cli.system import step_times
 from rtkit.deployment.applying import Applier
 from rtkit.deployment.states.following import SystemTransition

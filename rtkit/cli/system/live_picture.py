@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from rtkit.cli._app import App
+from rtkit.cli.shared.app import App
 from rtkit.cli.system import shared
 
 if TYPE_CHECKING:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import click
 
-from rtkit.cli._app import App
+from rtkit.cli.shared.app import App
 from rtkit.cli.system import shared
 from rtkit.errors import UsageProblem
 

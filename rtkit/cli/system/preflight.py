@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection, Mapping
 from typing import TYPE_CHECKING
 
-from rtkit.cli._app import App
+from rtkit.cli.shared.app import App
 from rtkit.cli.system.present_code import present_code
 from rtkit.errors import NotFound
 from rtkit.rtc.create import parse_create
@@ -113,7 +113,7 @@ def _described(app: App, wanted: Mapping[str, str]) -> dict[str, Blueprint]:
     """Return the RTC profiles of the types of components, where a profile is of just that type."""
     if not wanted:
         return {}
-    from rtkit.cli._components import profiles
+    from rtkit.cli.shared.component_profiles import profiles
     from rtkit.deployment.identity import type_of
     from rtkit.static_check.stock import CandidateDocument, stocked
 

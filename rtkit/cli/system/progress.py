@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
-from rtkit.cli._app import App
+from rtkit.cli.shared.app import App
 from rtkit.errors import RtkitError
 
 if TYPE_CHECKING:

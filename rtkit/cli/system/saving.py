@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import click
 from click.core import ParameterSource
 
-from rtkit.cli._app import App
+from rtkit.cli.shared.app import App
 from rtkit.cli.system import planning
 from rtkit.cli.system.document import is_saved_plan, parse_document
 from rtkit.errors import InvalidDocument, Malformed, Refused, UsageProblem
@@ -39,7 +39,7 @@ def save(
         Refused: There is something else.
         NotFound: It cannot be written.
     """
-    from rtkit.cli._atomic import STDOUT, write_output
+    from rtkit.cli.shared.atomic import STDOUT, write_output
     from rtkit.deployment.planning.saved import to_text
     from rtkit.profile.read import STDIN, read_bytes
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import click
 from click.core import ParameterSource
 
-from rtkit.cli._app import App
+from rtkit.cli.shared.app import App
 from rtkit.cli.system import shared
 
 if TYPE_CHECKING:
@@ -80,7 +80,7 @@ def run(
 
 
 def _carry_out(app: App, plan: StartPlan, taken: list[tuple[Action, float]]) -> None:
-    from rtkit.cli._progress import counted, metered
+    from rtkit.cli.shared.progress import counted, metered
     from rtkit.tree.start import Starter
 
     source = click.get_current_context().get_parameter_source("timeout")

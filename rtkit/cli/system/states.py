@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from typing import TYPE_CHECKING, Any
 
-from rtkit.cli._records import time_text
+from rtkit.cli.shared.json_records import time_text
 from rtkit.cli.system.planning import DeploymentInputs
 from rtkit.errors import InvalidDocument, Malformed, NotFound
 

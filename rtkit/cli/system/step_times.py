@@ -10,7 +10,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
-from rtkit.cli._app import App
+from rtkit.cli.shared.app import App
 from rtkit.errors import Malformed, RtkitError
 
 if TYPE_CHECKING:
@@ -52,7 +52,7 @@ def note(app: App, taken: Sequence[tuple[Action, float]], types: Mapping[str, st
     """Add the durations of actions [s]; a file that cannot be written is reported, not raised."""
     if not taken:
         return
-    from rtkit.cli._atomic import write_output
+    from rtkit.cli.shared.atomic import write_output
     from rtkit.deployment.planning.costs import times_to_text
     from rtkit.link.places import make_private, state_dir
 

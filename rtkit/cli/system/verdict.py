@@ -6,7 +6,7 @@ import time
 from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
-from rtkit.cli import _records
+from rtkit.cli.shared import json_records
 from rtkit.report.finding import ERROR, WARNING, Checked, Finding
 from rtkit.report.forms import JSON, report_lines
 
@@ -58,7 +58,7 @@ def told(form: str, source: str, system: WantedSystem, found: Sequence[Deviation
     connection, of the profile in the file `source`.
     """
     if form == JSON:
-        yield from _records.lines("deviation", map(_record, found))
+        yield from json_records.lines("deviation", map(_record, found))
         return
     now = time.strftime("%Y-%m-%dT%H:%M:%S", time.gmtime())
     yield from report_lines(form, _checked(source, system, found), RULES, TOOL, now)

@@ -5,19 +5,19 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING
 
-from rtkit.cli import _out
-from rtkit.cli._app import App
-from rtkit.cli._moments import clock
-from rtkit.cli._observers import Observers, write_now
-from rtkit.cli._records import line as json_line
-from rtkit.cli._records import time_text
+from rtkit.cli.shared import terminal
+from rtkit.cli.shared.app import App
+from rtkit.cli.shared.json_records import line as json_line
+from rtkit.cli.shared.json_records import time_text
+from rtkit.cli.shared.moments import clock
+from rtkit.cli.shared.observers import Observers, write_now
 from rtkit.cli.system.following import followed_in
 from rtkit.deployment.delta import TREE
 from rtkit.deployment.states.followed import IS_SO
 from rtkit.errors import Refused, from_kind
 
 if TYPE_CHECKING:
-    from rtkit.cli._observers import ManagerTold
+    from rtkit.cli.shared.observers import ManagerTold
     from rtkit.deployment.states.followed import Followed
     from rtkit.deployment.user_events import UserEvent
 
@@ -95,4 +95,4 @@ class Watching:
             }
             write_now([json_line("transition", record)])
             return
-        write_now([_out.printable(f"[{clock(told.time)}] {told}")])
+        write_now([terminal.printable(f"[{clock(told.time)}] {told}")])

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib
 import shlex
 from collections.abc import Callable
 from typing import NamedTuple
@@ -11,6 +10,7 @@ import pytest
 from fake_manager import FakeManager
 from fake_tree import fake_tree
 
+from rtkit.cli import load
 from rtkit.deployment import actions as act
 from rtkit.rtc.enums import LifeCycleState, Polarity, PortType
 from rtkit.rtc.pattern import ComponentPattern, ContextPattern
@@ -132,8 +132,7 @@ def run(
         with monkeypatch.context() as patch:
             while "=" in words[0]:
                 patch.setenv(*words.pop(0).split("=", 1))
-            main = importlib.import_module(f"rtkit.cli.{words[0]}").main
-            status: int = main(words[1:], tree=fake_tree(world))
+            status: int = load(words[0])(words[1:], tree=fake_tree(world))
         return status
 
     def typed(line: str) -> Outcome:

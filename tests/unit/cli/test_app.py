@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib
 import io
 import signal
 import subprocess
@@ -14,8 +13,9 @@ import click
 import pytest
 
 from rtkit import __version__
-from rtkit.cli import COMMANDS, _out, _process
-from rtkit.cli._app import App, Main, WrongArguments, command
+from rtkit.cli import COMMANDS, load
+from rtkit.cli.shared import console_process, terminal
+from rtkit.cli.shared.app import App, Main, WrongArguments, command
 from rtkit.errors import (
     InvalidDocument,
     Malformed,
@@ -132,7 +132,7 @@ def test_common_options(run: Run, name: str) -> None:
 
 @pytest.mark.parametrize("name", COMMANDS.values())
 def test_help_tells_what_may_be_repeated_and_what_holds_otherwise(name: str) -> None:
-    main = importlib.import_module(f"rtkit.cli.{name}").main
+    main = load(name)
     options = [each for each in main.command.params if isinstance(each, click.Option)]
     for each in (each for each in options if not (each.is_flag or each.count)):
         told = each.help or ""
@@ -149,7 +149,7 @@ def test_the_time_out_reaches_the_connection(monkeypatch: pytest.MonkeyPatch) ->
         raise Unreachable("nobody")
 
     monkeypatch.setattr("rtkit.tree.connect.connect", connect)
-    from rtkit.cli.rtls import main
+    from rtkit.cli.tree.rtls import main
 
     assert main(["--timeout", "2.5"]) == 1
     assert asked == {"timeout_s": 2.5}
@@ -177,7 +177,7 @@ def test_a_connection_made_here_is_closed_and_one_handed_in_is_not() -> None:
 def test_a_reader_that_leaves_is_no_error(monkeypatch: pytest.MonkeyPatch) -> None:
     script = (
         "import sys\n"
-        "from rtkit.cli._app import command\n"
+        "from rtkit.cli.shared.app import command\n"
         "import click\n"
         "@command('rtmuch')\n"
         "def main(app):\n"
@@ -204,7 +204,7 @@ def test_a_closed_stdout_is_told_by_whoever_writes_to_it(
 ) -> None:
     script = (
         "import sys; sys.stdout.close(); sys.stdout = None\n"
-        "from rtkit.cli._app import command\n"
+        "from rtkit.cli.shared.app import command\n"
         "@command('rtquiet')\n"
         f"def main(app): {body}\n"
         f"sys.argv = ['rtquiet', *{arguments}]\n"
@@ -218,7 +218,7 @@ def test_a_closed_stdout_is_told_by_whoever_writes_to_it(
 def test_a_full_disk_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
     script = (
         "import sys\n"
-        "from rtkit.cli._app import command\n"
+        "from rtkit.cli.shared.app import command\n"
         "@command('rtfull')\n"
         "def main(app): print('x')\n"
         "sys.argv = ['rtfull']\n"
@@ -238,8 +238,8 @@ def test_a_full_disk_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_characters_that_the_output_lacks_are_escaped(monkeypatch: pytest.MonkeyPatch) -> None:
     ascii_only = io.TextIOWrapper(io.BytesIO(), encoding="ascii")
     monkeypatch.setattr(sys, "stdout", ascii_only)
-    _process.prepare()
-    _out.write(["größe"])
+    console_process.prepare()
+    terminal.write(["größe"])
     ascii_only.flush()
     assert ascii_only.buffer.getvalue() == b"gr\\xf6\\xdfe\n"  # type: ignore[attr-defined]
 

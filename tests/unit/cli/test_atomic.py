@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from rtkit.cli._atomic import write_output
+from rtkit.cli.shared.atomic import write_output
 from rtkit.errors import NotFound, Refused
 
 

@@ -16,8 +16,7 @@ import pytest
 from fake_manager import FakeManager
 from fake_tree import fake_tree
 
-from rtkit.cli import COMMANDS
-from rtkit.cli._group import CommandGroup
+from rtkit.cli import COMMANDS, load
 from rtkit.cli.completion import grammar
 from rtkit.cli.completion.answer import candidates, complete, shown
 from rtkit.cli.completion.argument_types import KINDS
@@ -26,6 +25,7 @@ from rtkit.cli.completion.files import named
 from rtkit.cli.completion.fitting import is_fit
 from rtkit.cli.completion.grammar import ask
 from rtkit.cli.completion.line import quoted, read
+from rtkit.cli.shared.group import CommandGroup
 from rtkit.component.check import refusal
 from rtkit.rtc.serde import encode
 
@@ -65,7 +65,7 @@ def test_what_is_put_in_is_what_was_meant(text: str, quote: str) -> None:
 def all_commands() -> list[tuple[str, click.Command]]:
     found: list[tuple[str, click.Command]] = []
     for name in COMMANDS.values():
-        command = importlib.import_module(f"rtkit.cli.{name}").main.command
+        command = load(name).command
         found.append((name, command))
         if isinstance(command, CommandGroup):
             inner = {word: importlib.import_module(w.module) for word, w in command.words.items()}
@@ -319,7 +319,7 @@ def test_nothing_heavy_is_imported(line: str, tmp_path: Path) -> None:
              "importlib.metadata", "rtkit.component", "rtkit.manager", "tempfile")  # fmt: skip
     script = (
         "import sys\n"
-        "from rtkit.cli._rtkit import run\n"
+        "from rtkit.cli.unified import run\n"
         "import rtkit.tree.client\n"
         "from rtkit.deployment.listing import Listing, ListingRow\n"
         "names = ('localhost/A.rtc',)\n"

@@ -10,9 +10,9 @@ from pathlib import Path
 import jsonrecords
 import pytest
 
-from rtkit.cli.doctor import data_link, folders, installation, live
-from rtkit.cli.doctor.diagnosis import ERROR, NOTE, OK, WARNING, Diagnosis
-from rtkit.cli.rtdoctor import main
+from rtkit.cli.managers.doctor import data_link, folders, installation, live
+from rtkit.cli.managers.doctor.diagnosis import ERROR, NOTE, OK, WARNING, Diagnosis
+from rtkit.cli.managers.rtdoctor import main
 from rtkit.deployment.facts import ProcessFacts, Snapshot
 from rtkit.deployment.listing import Listing, ListingRow
 from rtkit.errors import Unreachable

@@ -11,8 +11,8 @@ import pytest
 from fake_manager import FakeManager
 from fake_tree import fake_tree
 
-from rtkit.cli.rtact import main as rtact
-from rtkit.cli.rtmgr import main as rtmgr
+from rtkit.cli.components.rtact import main as rtact
+from rtkit.cli.managers.rtmgr import main as rtmgr
 from rtkit.deployment import actions as act
 from rtkit.deployment.actions import Result
 from rtkit.rtc.enums import LifeCycleState, PortType, ReturnCode, Transition
@@ -233,7 +233,7 @@ def test_a_set_that_is_not_active_is_not_activated(world: FakeManager, run: Run)
 def test_values_are_kept_as_they_are(
     world: FakeManager, capsys: pytest.CaptureFixture[str], value: str
 ) -> None:
-    from rtkit.cli.rtconf import main as rtconf
+    from rtkit.cli.components.rtconf import main as rtconf
 
     tree = fake_tree(world)
     assert rtconf([STD, "set", "param", value], tree=tree) == 0

@@ -9,7 +9,7 @@ import sys
 import pytest
 
 from rtkit.cli import COMMANDS
-from rtkit.cli._verbs import WORDS
+from rtkit.cli.help.verbs import WORDS
 
 LINES = [
     *(f"{name} {option}" for name in COMMANDS.values() for option in ("-h", "--version")),
@@ -29,11 +29,12 @@ LINES = [
 # Each line runs in a child of one process that has imported everything: a new one each would take
 # a minute for what is here a second.
 SCRIPT = """
-import importlib, os, sys
+import os, sys
+from rtkit import cli
 from rtkit.cli import COMMANDS
 import rtkit.cli.completion.answer, rtkit.cli.completion.grammar
 for name in COMMANDS.values():
-    importlib.import_module(f"rtkit.cli.{name}")
+    cli.load(name)
 for line in sys.stdin.read().splitlines():
     print(line, flush=True)
     read, write = os.pipe()
@@ -47,8 +48,7 @@ for line in sys.stdin.read().splitlines():
             os.close(1)
             sys.stdout = sys.__stdout__ = None
         name = sys.argv[0]
-        module = importlib.import_module("rtkit.cli" if name == "rtkit" else f"rtkit.cli.{name}")
-        sys.exit(module.main())
+        sys.exit(cli.main() if name == "rtkit" else cli.load(name)())
     os.close(write)
     with open(read, "rb") as stream:
         told = stream.read()

@@ -8,10 +8,10 @@ from typing import Any
 import pytest
 
 from rtkit.cli import COMMANDS
-from rtkit.cli._help import TOPICS, text
-from rtkit.cli._man import pages
-from rtkit.cli._rtkit import run as rtkit
-from rtkit.cli._statuses import DETAILS, STATUSES
+from rtkit.cli.help.man import pages
+from rtkit.cli.help.statuses import DETAILS, STATUSES
+from rtkit.cli.help.topics import TOPICS, text
+from rtkit.cli.unified import run as rtkit
 from rtkit.component.options import parse_options
 from rtkit.errors import BUG_EXIT, RtkitError
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib
 import json
 from collections.abc import Callable
 from pathlib import Path
@@ -13,7 +12,8 @@ import jsonrecords
 import pytest
 from fake_manager import FakeManager
 
-from rtkit.cli import COMMANDS, _records
+from rtkit.cli import COMMANDS, load
+from rtkit.cli.shared import json_records
 from rtkit.component.codec import codec_for
 from rtkit.component.geometry import Point2D, Pose2D, TimedPose2D
 from rtkit.component.literal import Literal
@@ -112,18 +112,17 @@ def test_every_command_that_reads_has_json() -> None:
     lacking = {
         name
         for name in COMMANDS.values()
-        if name not in WITHOUT
-        and not any("--json" in each.opts for each in _options(f"rtkit.cli.{name}"))
+        if name not in WITHOUT and not any("--json" in each.opts for each in _options(name))
     }
     assert lacking == set()
 
 
-def _options(module: str) -> list[click.Parameter]:
-    return list(importlib.import_module(module).main.command.params)
+def _options(name: str) -> list[click.Parameter]:
+    return list(load(name).command.params)
 
 
 def test_the_words_of_rtmgr(capsys: pytest.CaptureFixture[str]) -> None:
-    from rtkit.cli.mgr.words import _tell_status
+    from rtkit.cli.managers.words import _tell_status
     from rtkit.tree.managers import Status
 
     for address in ("", "localhost:2810"):
@@ -216,7 +215,7 @@ def test_exports(tmp_path: Path, run: Run) -> None:
 
 
 def test_values_and_their_statistics() -> None:
-    from rtkit.cli._printing import json_line
+    from rtkit.cli.data.printing import json_line
     from rtkit.probe.report import record_of
     from rtkit.probe.spec import Stream
     from rtkit.probe.stats import Stats, stamp_reader
@@ -231,13 +230,13 @@ def test_values_and_their_statistics() -> None:
         data = Literal(TimedDouble, json.dumps(record["value"])).at(Time()).data
         assert repr(data) == repr(number)
         stats.take(arrival)
-    line = _records.line("stream-stats", record_of(Stream("s", ()), stats.summary(), 0))
+    line = json_records.line("stream-stats", record_of(Stream("s", ()), stats.summary(), 0))
     (record,) = jsonrecords.checked(line)
     assert jsonrecords.kind_of(record) == "stream-stats"
 
 
 def test_a_record_cannot_steer_a_terminal() -> None:
-    text = _records.line("parameter", {"name": "a\x9b31m", "value": "ü"})
+    text = json_records.line("parameter", {"name": "a\x9b31m", "value": "ü"})
     assert text.isprintable()
     assert json.loads(text)["name"] == "a\x9b31m"
-    assert "ü" in _records.line("parameter", {"name": "a", "value": "ü"})
+    assert "ü" in json_records.line("parameter", {"name": "a", "value": "ü"})

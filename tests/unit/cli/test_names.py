@@ -12,7 +12,7 @@ import pytest
 from fake_manager import FakeManager
 from fake_tree import fake_tree
 
-from rtkit.cli.rtcwd import main as rtcwd
+from rtkit.cli.tree.rtcwd import main as rtcwd
 from rtkit.deployment import actions as act
 from rtkit.deployment.actions import Result
 from rtkit.rtc.enums import ReturnCode

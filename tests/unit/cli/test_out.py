@@ -9,18 +9,18 @@ from typing import Any
 import pytest
 from fake_manager import FakeManager
 
-from rtkit.cli import _out
+from rtkit.cli.shared import terminal
 
 Run = Callable[[str], Any]
 
 
 @pytest.fixture
-def terminal(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(_out, "is_terminal", lambda: True)
+def on_terminal(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(terminal, "is_terminal", lambda: True)
 
 
 def columns(texts: list[str], width: int) -> list[str]:
-    return _out.columns([(text, text) for text in texts], width)
+    return terminal.columns([(text, text) for text in texts], width)
 
 
 @pytest.mark.parametrize(
@@ -43,10 +43,10 @@ def test_columns_are_filled_row_by_row(texts: list[str], width: int, lines: list
 
 def test_columns_take_styled_text_for_what_is_seen() -> None:
     cells = [("a", "\x1b[1ma\x1b[0m"), ("bb", "bb"), ("ccc", "ccc"), ("d", "d")]
-    assert _out.columns(cells, 8) == ["\x1b[1ma\x1b[0m    bb", "ccc  d"]
+    assert terminal.columns(cells, 8) == ["\x1b[1ma\x1b[0m    bb", "ccc  d"]
 
 
-@pytest.mark.usefixtures("terminal")
+@pytest.mark.usefixtures("on_terminal")
 def test_a_terminal_gets_columns(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("NO_COLOR", "1")
     assert run("rtls /localhost").out == (
@@ -56,7 +56,7 @@ def test_a_terminal_gets_columns(run: Run, monkeypatch: pytest.MonkeyPatch) -> N
     assert run("rtls -1 /localhost/manager.mgr/slave1.mgr").out == "Input0.rtc\n"
 
 
-@pytest.mark.usefixtures("terminal")
+@pytest.mark.usefixtures("on_terminal")
 @pytest.mark.parametrize(
     ("line", "shown"),
     [
@@ -95,14 +95,14 @@ def test_the_environment_decides_on_colour(
 ) -> None:
     for name, value in environment.items():
         monkeypatch.setenv(name, value)
-    assert _out.has_colour() is is_coloured
+    assert terminal.has_colour() is is_coloured
 
 
-@pytest.mark.usefixtures("terminal")
+@pytest.mark.usefixtures("on_terminal")
 def test_a_dumb_terminal_gets_no_colour(monkeypatch: pytest.MonkeyPatch) -> None:
-    assert _out.has_colour()
+    assert terminal.has_colour()
     monkeypatch.setenv("TERM", "dumb")
-    assert not _out.has_colour()
+    assert not terminal.has_colour()
 
 
 @pytest.mark.parametrize(
@@ -119,15 +119,15 @@ def test_a_dumb_terminal_gets_no_colour(monkeypatch: pytest.MonkeyPatch) -> None
     ],
 )
 def test_what_steers_a_terminal_is_escaped(text: str, shown: str) -> None:
-    assert _out.printable(text) == shown
+    assert terminal.printable(text) == shown
 
 
-@pytest.mark.usefixtures("terminal")
+@pytest.mark.usefixtures("on_terminal")
 def test_a_value_is_escaped_for_a_terminal_only(
     world: FakeManager, run: Run, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     world.update("Std0", sets={"default": {"param": "a\x1b[2Jb"}})
     line = shlex.join(["rtconf", "/localhost/Std0.rtc", "get", "param"])
     assert run(line).out == "a\\x1b[2Jb\n"
-    monkeypatch.setattr(_out, "is_terminal", lambda: False)
+    monkeypatch.setattr(terminal, "is_terminal", lambda: False)
     assert run(line).out == "a\x1b[2Jb\n"

@@ -13,7 +13,7 @@ import pytest
 from fake_manager import FakeManager
 from fake_tree import fake_tree
 
-from rtkit.cli import rtapply, rtplan, rtresurrect
+from rtkit.cli.system import rtapply, rtplan, rtresurrect
 from rtkit.deployment import actions as act
 from rtkit.deployment.actions import Result
 from rtkit.deployment.planning.costs import (

@@ -16,7 +16,7 @@ COMMAND = """
 import os, signal, sys
 sys.argv[:] = ["/somewhere/rtwait"]
 signal.signal(signal.SIGINT, {before})
-from rtkit.cli._app import command
+from rtkit.cli.shared.app import command
 @command("rtwait")
 def main(app):
     {body}

@@ -13,7 +13,7 @@ from pathlib import Path
 import pytest
 from lxml import etree
 
-from rtkit.cli.rtprofile import main
+from rtkit.cli.profiles.rtprofile import main
 from rtkit.profile.rules import RULES
 
 FILES = Path(__file__).parent / "files"
@@ -65,7 +65,7 @@ def test_nobody_waits_for_a_terminal(
 
 def script(line: list[str]) -> list[str]:
     code = (
-        "import sys\nfrom rtkit.cli.rtprofile import main\n"
+        "import sys\nfrom rtkit.cli.profiles.rtprofile import main\n"
         f"status = main({line!r})\nprint('rich' in sys.modules, file=sys.stderr)\nsys.exit(status)"
     )
     return [sys.executable, "-c", code]

@@ -9,7 +9,8 @@ import threading
 
 import pytest
 
-from rtkit.cli import _reader, _record
+from rtkit.cli.data import recorder
+from rtkit.cli.shared import stdout_reader
 from rtkit.errors import Refused
 
 
@@ -20,7 +21,7 @@ def test_the_end_of_a_reader_is_heard_though_nothing_is_written(
     heard = threading.Event()
     with os.fdopen(write, "w") as stdout:
         monkeypatch.setattr(sys, "stdout", stdout)
-        with _reader.while_read(heard.set) as reader:
+        with stdout_reader.while_read(heard.set) as reader:
             reader.check()
             os.close(read)
             assert heard.wait(30)
@@ -32,7 +33,7 @@ def test_a_reader_that_stays(monkeypatch: pytest.MonkeyPatch) -> None:
     read, write = os.pipe()
     with os.fdopen(write, "w") as stdout:
         monkeypatch.setattr(sys, "stdout", stdout)
-        with _reader.while_read(pytest.fail) as reader:
+        with stdout_reader.while_read(pytest.fail) as reader:
             pass
         assert not reader.is_gone
     os.close(read)
@@ -40,7 +41,7 @@ def test_a_reader_that_stays(monkeypatch: pytest.MonkeyPatch) -> None:
 
 def test_what_nobody_can_leave(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(sys, "stdout", io.StringIO())
-    with _reader.while_read(pytest.fail) as reader:
+    with stdout_reader.while_read(pytest.fail) as reader:
         reader.check()
 
 
@@ -48,8 +49,8 @@ def test_a_terminal_is_shown_no_mcap(monkeypatch: pytest.MonkeyPatch) -> None:
     master, slave = os.openpty()
     with os.fdopen(slave, "w") as stdout:
         monkeypatch.setattr(sys, "stdout", stdout)
-        with pytest.raises(Refused, match="cannot show MCAP"), _record.opened("-", "mcap"):
+        with pytest.raises(Refused, match="cannot show MCAP"), recorder.opened("-", "mcap"):
             pass
-        with _record.opened("-", "text") as file:
+        with recorder.opened("-", "text") as file:
             assert file is stdout.buffer
     os.close(master)

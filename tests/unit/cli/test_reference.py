@@ -10,6 +10,8 @@ from typing import Any
 
 import pytest
 
+from rtkit.cli import load
+
 INDEX = Path(__file__).parent / "reference.txt"
 CASES = Path(__file__).parent / "cases"
 TESTS = Path(__file__).parents[2]
@@ -133,7 +135,7 @@ def cases() -> list[Any]:
     [(name, options) for names, options in OPTIONS.items() for name in names.split()],
 )
 def test_every_option_of_the_table_is_there(name: str, options: str) -> None:
-    command = importlib.import_module(f"rtkit.cli.{name}").main.command
+    command = load(name).command
     known = {word for each in command.params for word in each.opts} | {"-h", "--help"}
     assert {*options.split(), *COMMON.split()} <= known
 

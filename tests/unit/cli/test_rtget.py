@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from rtkit.cli.rtget import main
+from rtkit.cli.properties.rtget import main
 
 
 @pytest.fixture(autouse=True)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import signal
 import threading
 
-from rtkit.cli._signals import heard_by_main
+from rtkit.cli.shared.signals import heard_by_main
 
 BOUND_S = 30.0
 

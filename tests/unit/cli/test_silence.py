@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib
 import socket
 from collections.abc import Iterator
 from pathlib import Path
@@ -10,6 +9,7 @@ from pathlib import Path
 import pytest
 from fake_tree import fake_tree
 
+from rtkit.cli import load
 from rtkit.tree import place
 
 SERVER = "/localhost:9 was not"
@@ -31,7 +31,7 @@ def service(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Iterator[None]:
 
 def typed(line: str, capsys: pytest.CaptureFixture[str]) -> tuple[int, str, str]:
     command, *words = line.split()
-    status: int = importlib.import_module(f"rtkit.cli.{command}").main(words)
+    status: int = load(command)(words)
     captured = capsys.readouterr()
     return status, captured.out, captured.err
 

@@ -10,7 +10,8 @@ import pytest
 from fake_manager import FakeManager
 from fake_tree import fake_tree
 
-from rtkit.cli import rtact, rtcheck, rtdeact, rtresurrect, rtstart, rtstop
+from rtkit.cli.components import rtact, rtdeact
+from rtkit.cli.system import rtcheck, rtresurrect, rtstart, rtstop
 from rtkit.deployment import actions as act
 from rtkit.deployment.actions import Result
 from rtkit.errors import Unreachable

@@ -13,7 +13,7 @@ from fake_manager import FakeManager
 from fake_tree import fake_tree
 from lxml import etree
 
-from rtkit.cli import rtcheck, rtcryo, rtresurrect, rtstart, rtstop, rtteardown
+from rtkit.cli.system import rtcheck, rtcryo, rtresurrect, rtstart, rtstop, rtteardown
 from rtkit.deployment import actions as act
 from rtkit.deployment.actions import Result
 from rtkit.errors import Refused, Unreachable

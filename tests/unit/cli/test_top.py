@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import pytest
 
-from rtkit.cli.top.page import TITLES, Look, cut, ordered, short, table
-from rtkit.cli.top.rates import Rater, RateRow
-from rtkit.cli.top.screen import keys_of
+from rtkit.cli.observing.top.page import TITLES, Look, cut, ordered, short, table
+from rtkit.cli.observing.top.rates import Rater, RateRow
+from rtkit.cli.observing.top.screen import keys_of
 from rtkit.deployment.facts import ComponentFacts, ProcessFacts, Snapshot
 from rtkit.deployment.metrics import ComponentMetrics, ContextMetrics, Metrics, ProcessMetrics
 from rtkit.rtc.enums import ExecutionKind, LifeCycleState

@@ -12,9 +12,9 @@ from fake_tree import fake_tree
 
 from rtkit import __version__
 from rtkit.cli import COMMANDS
-from rtkit.cli._rtkit import run
-from rtkit.cli._verbs import SUMMARIES, WORDS
 from rtkit.cli.completion.functions import SHELLS, script
+from rtkit.cli.help.verbs import SUMMARIES, WORDS
+from rtkit.cli.unified import run
 
 
 def test_a_verb_is_its_command(world: FakeManager, capsys: pytest.CaptureFixture[str]) -> None:
@@ -96,9 +96,9 @@ def test_a_shell_takes_its_functions(shell: str) -> None:
 @pytest.mark.parametrize(
     ("argv", "absent"),
     [
-        ([], ("click", "difflib", "rtkit.cli._app")),
+        ([], ("click", "difflib", "rtkit.cli.shared.app")),
         (["--version"], ("click", "difflib")),
-        (["ls", "-h"], ("rtkit.cli.rtcat", "rtkit.cli.rtmgr", "zenoh")),
+        (["ls", "-h"], ("rtkit.cli.tree.rtcat", "rtkit.cli.managers.rtmgr", "zenoh")),
     ],
 )
 def test_only_what_is_asked_for_is_imported(argv: list[str], absent: tuple[str, ...]) -> None:

@@ -8,10 +8,10 @@ import pytest
 from fake_manager import FakeManager
 from fake_tree import fake_tree
 
-from rtkit.cli import _out
-from rtkit.cli._app import Main
-from rtkit.cli.rtget import main as rtget
-from rtkit.cli.rtls import main as rtls
+from rtkit.cli.properties.rtget import main as rtget
+from rtkit.cli.shared import terminal
+from rtkit.cli.shared.app import Main
+from rtkit.cli.tree.rtls import main as rtls
 from rtkit.deployment import actions as act
 
 Watch = Callable[..., tuple[int, list[float]]]
@@ -40,8 +40,8 @@ def watch(world: FakeManager, monkeypatch: pytest.MonkeyPatch) -> Watch:
             user_event()
             return set()
 
-        monkeypatch.setattr("rtkit.cli._observers.wait_for", wait_for)
-        monkeypatch.setattr("rtkit.cli._observers.monotonic", lambda: now)
+        monkeypatch.setattr("rtkit.cli.shared.observers.wait_for", wait_for)
+        monkeypatch.setattr("rtkit.cli.shared.observers.monotonic", lambda: now)
         monkeypatch.setattr("time.monotonic", lambda: now)
         monkeypatch.setattr("signal.signal", lambda *_: None)
         return rtls(arguments, tree=fake_tree(world)), waits
@@ -70,7 +70,7 @@ def test_a_terminal_is_cleared_each_time(
     capsys: pytest.CaptureFixture[str],
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr(_out, "is_terminal", lambda: True)
+    monkeypatch.setattr(terminal, "is_terminal", lambda: True)
     monkeypatch.setenv("NO_COLOR", "1")
     status, waits = watch(
         ["-l", "--watch=0.25", "/localhost/Std0.rtc"], lambda: world.update("Std0", trouble="x")

@@ -1,0 +1,1 @@
+"""Commands that change components: states, connectors, configuration, composites."""

@@ -1,0 +1,125 @@
+"""``rtcon``: connect ports."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import click
+
+from rtkit.cli.shared.app import App, command, strict_option
+from rtkit.errors import Malformed, Refused, UsageProblem, from_kind
+
+if TYPE_CHECKING:
+    from rtkit.deployment.facts import Snapshot
+    from rtkit.rtc.names import Path
+    from rtkit.rtc.profiles import ConnectorProfile
+    from rtkit.tree.wiring import ResolvedPort
+
+
+@command("rtcon")
+@click.option("-i", "--id", "connector_id", default="", metavar="ID", help="Id of the connector.")
+@click.option("-n", "--name", default="", metavar="NAME", help="Name of the connector.")
+@click.option(
+    "-p", "--property", "texts", multiple=True, metavar="KEY=VALUE", help="Connector property."
+)
+@click.option("-d", "--no-duplicates", is_flag=True, help="Fail if such a connection exists.")
+@strict_option()
+@click.option("--force", is_flag=True, help="Connect ports of different data types.")
+@click.argument("paths", nargs=-1, metavar="PORT PORT...")
+def main(
+    app: App,
+    paths: tuple[str, ...],
+    connector_id: str,
+    name: str,
+    texts: tuple[str, ...],
+    no_duplicates: bool,
+    force: bool,
+) -> None:
+    """Connect the first port to each of the others.
+
+    A port is COMPONENT:NAME; which of a data connection's ports is the out port does not matter.
+    A connector joins two ports: with three ports or more there is one for each port after the
+    first, and the id given with -i gets the suffix -2 for the second of them, and so on. Either
+    all are made or none. Properties, and values of them, that nothing here knows are warned of.
+    """
+    from rtkit.component.check import ANY_DATA_TYPE
+    from rtkit.component.options import remarks
+    from rtkit.tree.wiring import find_ends, make_connector
+
+    given = _properties(app, texts) | ({ANY_DATA_TYPE: "YES"} if force else {})
+    app.warn(remarks(given))
+    ports = _port_paths(app, paths)
+    snapshot, (first, *others) = find_ends(app.tree, ports)
+    if no_duplicates and connector_id:
+        snapshot = app.tree.snapshot()  # the id may be in use at quite other ports
+    wires = []
+    for other, each_id in zip(others, _ids(connector_id, len(others)), strict=True):
+        wires.append(make_connector(first, other, each_id, name, given))
+        if no_duplicates:
+            _check_new(snapshot, first, other, each_id, name)
+    _make(app, wires, {wire.connector_id for wire in snapshot.connectors})
+
+
+def _properties(app: App, texts: Sequence[str]) -> dict[str, str]:
+    given: dict[str, str] = {}
+    for text in texts:
+        key, equals, value = text.partition("=")
+        if not equals or not key:
+            raise UsageProblem(f"Bad property format: {text} (it is KEY=VALUE)")
+        if key in given:
+            app.say(f"{app.name}: warning: property {key} is given twice, the last value holds")
+        given[key] = value
+    return given
+
+
+def _port_paths(app: App, typed: Sequence[str]) -> list[Path]:
+    if not typed:
+        raise Malformed("No ports specified.")
+    paths = [app.path(each) for each in typed]
+    if paths[0].port is None:
+        raise Malformed("No source port specified.")
+    if len(paths) < 2 or any(path.port is None for path in paths[1:]):
+        raise Malformed("No destination port specified.")
+    return paths
+
+
+def _ids(wished: str, count: int) -> list[str]:
+    if wished:
+        return [wished, *(f"{wished}-{number}" for number in range(2, count + 1))]
+    from uuid import uuid4
+
+    return [str(uuid4()) for _ in range(count)]
+
+
+def _check_new(
+    snapshot: Snapshot, one: ResolvedPort, other: ResolvedPort, connector_id: str, name: str
+) -> None:
+    from rtkit.tree.wiring import between
+
+    if between(snapshot.connectors, one.ref, [other.ref]):
+        raise Refused(
+            "An identical connection already exists between"
+            f" {one.path.typed} and {other.path.typed}"
+        )
+    for wire in snapshot.connectors:
+        if wire.connector_id == connector_id:
+            raise Refused(f"A connection with ID {connector_id} already exists")
+        if name and wire.name == name and (one.ref in wire.ports or other.ref in wire.ports):
+            raise Refused(f"A connection with name {name} already exists at these ports")
+
+
+def _make(app: App, wires: Sequence[ConnectorProfile], present: set[str]) -> None:
+    from rtkit.deployment.actions import Connect, Disconnect
+
+    results = app.tree.apply([Connect(wire) for wire in wires])
+    last = results[-1]
+    if last.ok:
+        for wire in wires:
+            app.tell(f"{wire.ports[0]} -> {wire.ports[1]}: {wire.connector_id}")
+        return
+    made = [wire.connector_id for wire in wires[: len(results) - 1]]
+    undo = [Disconnect(each) for each in made if each not in present]
+    if undo:
+        app.tree.apply(undo, is_ordered=False)
+    raise from_kind(last.kind, f"Failed to make connection: {last.code.value} ({last.why})")

@@ -1,0 +1,139 @@
+"""``rtconf``: show and change configuration sets."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import click
+
+from rtkit.cli.shared.app import App, WrongArguments, command, strict_option
+from rtkit.errors import NotFound, Refused
+
+if TYPE_CHECKING:
+    from rtkit.cli.components.conf.request import ConfRequest
+    from rtkit.deployment.listing import Listing
+    from rtkit.rtc.names import Path
+    from rtkit.tree.view import TreeNode
+
+_GUARD = "\0"
+FORMS = {
+    "list": "list",
+    "get": "get PARAM",
+    "set": "set PARAM VALUE, or set PARAM=VALUE...",
+    "act": "act, with -s SET",
+    "diff": "diff SET|FILE",
+    "export": "export [FILE]",
+    "import": "import [FILE]",
+}
+
+
+class _NumbersAreArguments(click.Command):
+    """Takes ``-1.5`` for an argument, not for an option."""
+
+    def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
+        # A mark that no argument of a process can contain hides the minus from the parser.
+        start = args.index("set") if "set" in args else len(args)
+        guarded = [_GUARD + arg if _is_negative(arg) else arg for arg in args[start:]]
+        return super().parse_args(ctx, args[:start] + guarded)
+
+
+def _is_negative(argument: str) -> bool:
+    return argument[:1] == "-" and (argument[1:2].isdigit() or argument[1:2] == ".")
+
+
+@command("rtconf", cls=_NumbersAreArguments)
+@click.option("-a", "--all", "has_hidden", is_flag=True, help="Include hidden sets (__name__).")
+@click.option("-l", "is_long", is_flag=True, help="List parameters and their values.")
+@click.option("-s", "--set", "set_id", default="", metavar="SET", help="Default: the active set.")
+@click.option("--wait", is_flag=True, help="Return when the component sees it: what happens anyway")
+@click.option("--json", "is_json", is_flag=True, help="For list, get and diff: JSON objects.")
+@strict_option("Refuse to set what has no effect.")
+@click.argument("words", nargs=-1, metavar="PATH [WORD] [ARGUMENT]...")
+def main(
+    app: App,
+    words: tuple[str, ...],
+    has_hidden: bool,
+    is_long: bool,
+    set_id: str,
+    wait: bool,
+    is_json: bool,
+) -> int:
+    r"""Show and change the configuration sets of a component.
+
+    \b
+    list               the sets; the active one has a * (this is what happens without a word)
+    get PARAM          the value of a parameter
+    set PARAM VALUE    change one parameter
+    set A=1 B=2 ...    change several, all or none
+    act                make the set given with -s the active one
+    diff SET|FILE      where it differs from another set, or from what was exported
+    export [FILE]      write the sets as JSON
+    import [FILE]      take over what was exported
+
+    A change of the active set takes effect at once, and one that does not fit the parameter's
+    type or constraint is refused. Of a manager, list, get and set mean its properties. A value
+    that begins with a minus and is no number needs -- before the path.
+    """
+    from rtkit.cli.components.conf import files, properties, sets
+    from rtkit.tree.view import NodeKind
+
+    typed, asked = _asked(words, has_hidden, is_long, set_id, is_json)
+    path = app.path(typed)
+    node = _node(app.tree.listing(), path)
+    snapshot = app.tree.part([node.instance])
+    if node.kind is NodeKind.MANAGER:
+        properties.of_manager(app, snapshot.properties, path, asked)
+        return 0
+    facts = snapshot.component(node.instance)
+    if facts is None:
+        raise NotFound(f"No such object: {path.typed}")
+    if asked.verb in files.VERBS:
+        return files.do(app, facts, asked)
+    sets.of_component(app, facts, asked)
+    return 0
+
+
+def _asked(
+    words: Sequence[str], has_hidden: bool, is_long: bool, set_id: str, is_json: bool
+) -> tuple[str, ConfRequest]:
+    from rtkit.cli.components.conf.request import ConfRequest
+
+    if not words:
+        raise WrongArguments("No component specified.")
+    typed, *rest = [word.removeprefix(_GUARD) for word in words]
+    verb, *arguments = rest or ["list"]
+    count = len(arguments)
+    is_fit = {
+        "list": count == 0,
+        "get": count == 1,
+        "set": count == 2 or bool(count and all("=" in each[1:] for each in arguments)),
+        "act": count == 0 and bool(set_id),
+        "diff": count == 1,
+        "export": count < 2,
+        "import": count < 2,
+    }
+    if verb not in is_fit:
+        from rtkit.rtc.nearest import did_you_mean
+
+        hint = did_you_mean(verb, FORMS) or f" (one of {', '.join(FORMS)})"
+        raise WrongArguments(f"no such word: {verb}{hint}")
+    if not is_fit[verb]:
+        raise WrongArguments(f"expected: {FORMS[verb]}; found: {' '.join([verb, *arguments])}")
+    return typed, ConfRequest(verb, tuple(arguments), set_id, has_hidden, is_long, is_json)
+
+
+def _node(listing: Listing, path: Path) -> TreeNode:
+    from rtkit.tree.resolve import absent, find, zombie
+    from rtkit.tree.view import NodeKind, build
+
+    root = build(listing)
+    node = find(root, path, listing.host)
+    if path.port is not None and node is not None:
+        raise Refused(f"Not a component: {path.typed}")
+    if node is not None and node.kind is NodeKind.ZOMBIE and not path.is_directory:
+        raise zombie(node, path)
+    is_known = node is not None and node.kind in (NodeKind.COMPONENT, NodeKind.MANAGER)
+    if node is None or not is_known or (path.is_directory and not node.is_directory):
+        raise absent(root, path, listing.host)
+    return node

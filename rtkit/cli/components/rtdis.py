@@ -1,0 +1,75 @@
+"""``rtdis``: remove connections."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import click
+
+from rtkit.cli.shared.app import App, WrongArguments, command
+from rtkit.errors import Malformed, NotFound, Partial, from_kind
+
+if TYPE_CHECKING:
+    from rtkit.rtc.names import Path
+    from rtkit.rtc.profiles import ConnectorProfile
+    from rtkit.tree.client import Tree
+
+
+@command("rtdis")
+@click.option("-i", "--id", "connector_id", default="", metavar="ID", help="Only this connector.")
+@click.argument("paths", nargs=-1, metavar="COMPONENT|PORT...")
+def main(app: App, paths: tuple[str, ...], connector_id: str) -> None:
+    """Remove connections.
+
+    Of a component: all of all its ports. Of one port: all of it. With more ports: those of the
+    first port with any of the others.
+    """
+    if not paths:
+        raise WrongArguments("No component or port specified.")
+    found = [app.path(each) for each in paths]
+    if len(found) > 1:
+        _check_ports(found)
+    wires = _connections(app.tree, found)
+    if connector_id:
+        wires = [wire for wire in wires if wire.connector_id == connector_id]
+        if not wires:
+            raise NotFound(f"No connection from {paths[0]} with ID {connector_id}")
+    elif len(found) > 1 and not wires:
+        raise NotFound("No connection found involving the specified ports.")
+    _remove(app, wires)
+
+
+def _check_ports(paths: Sequence[Path]) -> None:
+    for path in paths:
+        if path.port is None or path.is_directory:
+            raise Malformed(f"Not a port: {path.typed}")
+
+
+def _connections(tree: Tree, paths: Sequence[Path]) -> list[ConnectorProfile]:
+    from rtkit.tree.resolve import component
+    from rtkit.tree.view import build
+    from rtkit.tree.wiring import between, find_ends, of_component
+
+    if paths[0].port is None:
+        listing = tree.listing()
+        instance = component(build(listing), paths[0], listing.host).instance
+        return of_component(tree.part([instance]), instance)
+    snapshot, (first, *others) = find_ends(tree, paths)
+    return between(snapshot.connectors, first.ref, [other.ref for other in others])
+
+
+def _remove(app: App, wires: Sequence[ConnectorProfile]) -> None:
+    from rtkit.deployment.actions import Disconnect
+
+    if not wires:
+        return
+    results = app.tree.apply([Disconnect(w.connector_id) for w in wires], is_ordered=False)
+    failures = [
+        (wire.connector_id, from_kind(result.kind, f"{result.why}: {wire.connector_id}"))
+        for wire, result in zip(wires, results, strict=True)
+        # Somebody else removed it in the meantime: the request is fulfilled.
+        if not result.ok and result.kind != NotFound.kind
+    ]
+    if failures:
+        raise Partial(f"{len(failures)} of {len(wires)} connections remain", failures)

@@ -1,0 +1,53 @@
+"""``rtexit``: finalise a component and end it, or a slave with all that it holds."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import click
+
+from rtkit.cli.shared.app import App, check_at_most_one, command
+from rtkit.errors import Malformed
+
+if TYPE_CHECKING:
+    from rtkit.deployment.actions import Delete, EndSlave
+    from rtkit.rtc.names import Path
+
+_LADDER_S = 6.0
+"""Time-out of asking, TERM and KILL together [s]."""
+
+
+@command("rtexit")
+@click.option("--force", "is_forced", is_flag=True, help="End the slave that holds it, if need be.")
+@click.argument("paths", nargs=-1, metavar="COMPONENT")
+def main(app: App, paths: tuple[str, ...], is_forced: bool) -> None:
+    """Finalise a component and end it.
+
+    Its connections and names go with it. Returns when it has ended. A slave, MANAGER.mgr/SLAVE.mgr,
+    ends with all components in it. A dead component that its policy would bring back stays away.
+
+    A component of which a callback does not come back cannot end; the request stays queued until
+    it does. With --force its slave is ended in that case, first asked (TERM), then killed, and
+    what else was in it is told and shown as zombies. A slave is ended by force at once. The
+    manager's own process is never ended so: rtmgr stop does that.
+    """
+    if not paths:
+        raise Malformed("No component specified.")
+    check_at_most_one(paths, "component")
+    action = _action(app, app.path(paths[0]), is_forced)
+    along = app.tree.perform(action, timeout_s=app.timeout_s + _LADDER_S * is_forced)
+    if along:
+        app.fail(f"ended with its slave: {along.replace(',', ', ')}")
+
+
+def _action(app: App, path: Path, is_forced: bool) -> Delete | EndSlave:
+    from rtkit.deployment.actions import Delete, EndSlave
+    from rtkit.tree.resolve import find, supervised
+    from rtkit.tree.view import build
+
+    listing = app.tree.listing()
+    root = build(listing)
+    node = find(root, path, listing.host)
+    if node is not None and node.is_slave and path.port is None:
+        return EndSlave(node.process, is_forced)
+    return Delete(supervised(root, path, listing.host).instance, is_forced)

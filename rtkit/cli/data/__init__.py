@@ -1,0 +1,1 @@
+"""Commands that print, write and record values of ports."""

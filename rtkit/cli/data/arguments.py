@@ -1,0 +1,53 @@
+"""Shared parts of the data tools: common options, and the streams of the ports typed."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING, Any, TypeVar
+
+import click
+
+from rtkit.cli.shared.app import App, WrongArguments, working_directory
+
+if TYPE_CHECKING:
+    from rtkit.probe.spec import Stream
+    from rtkit.rtc.enums import PortType
+    from rtkit.rtc.profiles import PortRef
+
+F = TypeVar("F", bound=Callable[..., Any])
+
+
+def module_options(function: F) -> F:
+    """Add ``--mod`` and ``--path``: where data types of the user's own come from."""
+    function = click.option(
+        "-p", "--path", "folders", multiple=True, metavar="DIR", help="Look for modules here too."
+    )(function)
+    return click.option(
+        "-m",
+        "--mod",
+        "modules",
+        multiple=True,
+        metavar="MODULE",
+        help="Import a module whose data types take precedence over what ports and files tell.",
+    )(function)
+
+
+def named_streams(
+    app: App,
+    typed: Sequence[str],
+    wanted: PortType,
+    unnamed: Callable[[int, PortRef], str] | None = None,
+) -> tuple[Stream, ...]:
+    """Return the streams of the ports that the user named; see `find_streams` for `unnamed`.
+
+    Raises:
+        RtkitError: There are none, or one of them is not there or not of that kind.
+    """
+    from rtkit.probe.spec import find_streams, parse_spec
+
+    if not typed:
+        raise WrongArguments("No ports specified.")
+    specs = [parse_spec(each, working_directory()) for each in typed]
+    for spec in specs:
+        app.note_place(spec.path)
+    return find_streams(app.tree, specs, wanted, unnamed)

@@ -1,0 +1,275 @@
+"""Records ports into a file."""
+
+from __future__ import annotations
+
+import re
+import signal
+import sys
+import time
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import AbstractContextManager, contextmanager, nullcontext
+from typing import IO, TYPE_CHECKING, Protocol, cast
+
+from rtkit.cli.data.arguments import named_streams
+from rtkit.cli.shared import stdout_reader
+from rtkit.cli.shared.app import App
+from rtkit.cli.shared.atomic import STDOUT
+from rtkit.cli.shared.progress import Show, metered
+from rtkit.cli.shared.signals import heard_by_main
+from rtkit.errors import Refused
+
+if TYPE_CHECKING:
+    from rtkit.probe.probe import Probe
+    from rtkit.probe.spec import Stream
+    from rtkit.probe.stats import Stamp
+    from rtkit.recording.entries import RecordedValue, RecordingSelection
+    from rtkit.rtc.profiles import PortRef
+
+_NS = 1_000_000_000
+_FLUSH_S = 0.02
+"""Time that a line of a text log waits for others: short, so that a kill loses few [s]."""
+
+
+def record(
+    app: App,
+    name: str,
+    form: str,
+    ports: Sequence[str],
+    part: RecordingSelection,
+    duration_s: float | None,
+    *,
+    is_lossless: bool,
+) -> None:
+    """Record until a limit, an interruption, or until nothing more can come.
+
+    Raises:
+        RtkitError: A port is not there, or the file exists already or cannot be written.
+    """
+    from rtkit.probe.probe import LOSSLESS, Probe, tap_ports
+    from rtkit.probe.stats import stamp_reader
+    from rtkit.probe.types import type_or_bytes
+    from rtkit.rtc.enums import PortType
+
+    app.bound(duration_s)
+    streams = named_streams(app, ports, PortType.OUT, _name)
+    types = {
+        s.name: type_or_bytes(s.data_type, s.ends[0].path.typed, app.say, s.definition)
+        for s in streams
+    }
+    with (
+        heard_by_main(),
+        _ended_in_order(),
+        opened(name, form) as file,
+        _sink(form, file, streams, types) as sink,
+        Probe(app.tree, "rtlog_recorder", streams, tap_ports(streams)) as probe,
+        _reading(name, probe) as reader,
+    ):
+        probe.connect(LOSSLESS if is_lossless else {})
+        app.tell(f"{probe.component.instance} is connected")
+        limit = _Limit(part, duration_s)
+        app.say(limit.announcement)
+        with metered(app, "record", is_writing=name == STDOUT) as show:
+            _take(probe, sink, limit, {n: stamp_reader(cls) for n, cls in types.items()}, show)
+        reader.check()
+        lost, is_cut = probe.lost, not probe.is_connected
+    if lost:
+        app.say(f"{app.name}: {lost} values were lost")
+    app.tell(f"{sink.count} entries in {name}")
+    if is_cut:
+        raise Refused("no connection is left: the components or the connections have gone")
+    if not sink.count:
+        raise Refused(f"nothing was recorded: no value came, {name} has no entries")
+
+
+def _name(_number: int, ref: PortRef) -> str:
+    """Return the name of a stream that the user did not name, so that a port can be given it."""
+    return re.sub(r"\W", "_", f"{ref.instance}_{ref.port}")
+
+
+class _Terminated(BaseException):
+    """Raised when SIGTERM arrives."""
+
+
+@contextmanager
+def _ended_in_order() -> Iterator[None]:
+    """Unwind the body on SIGTERM, so that the file is finished, and then end the process."""
+
+    def unwind(_number: int, _frame: object) -> None:
+        signal.signal(signal.SIGTERM, signal.SIG_DFL)
+        raise _Terminated
+
+    former = signal.signal(signal.SIGTERM, unwind)
+    try:
+        yield
+    except _Terminated:
+        signal.raise_signal(signal.SIGTERM)
+    finally:
+        signal.signal(signal.SIGTERM, former)
+
+
+@contextmanager
+def opened(name: str, form: str) -> Iterator[IO[bytes]]:
+    """Open a new file, or stdout for ``-``.
+
+    Raises:
+        Refused: There is one of that name, or a terminal is to show what is no text.
+    """
+    if name == STDOUT:
+        if form != "text" and sys.stdout.isatty():
+            raise Refused("a terminal cannot show MCAP: -f FILE, a pipe, or -l text")
+        yield sys.stdout.buffer if form == "text" else cast("IO[bytes]", _Counted())
+        return
+    try:
+        file = open(name, "xb")  # noqa: SIM115 - closed below; only opening it may find another
+    except FileExistsError:
+        raise Refused(f"file exists already: {name}") from None
+    with file:
+        yield file
+
+
+class _Counted:
+    """Stdout that counts the bytes written; a pipe cannot tell its position."""
+
+    def __init__(self) -> None:
+        self._count = 0
+
+    def write(self, data: bytes) -> int:
+        self._count += len(data)
+        return sys.stdout.buffer.write(data)
+
+    def tell(self) -> int:
+        return self._count
+
+    def flush(self) -> None:
+        sys.stdout.buffer.flush()
+
+
+def _reading(name: str, probe: Probe) -> AbstractContextManager[stdout_reader.StdoutReader]:
+    """Watch the reader of stdout, where the recording goes there."""
+    return (
+        stdout_reader.while_read(probe.stop)
+        if name == STDOUT
+        else nullcontext(stdout_reader.StdoutReader())
+    )
+
+
+class _Sink(Protocol):
+    """Destination of entries.
+
+    Attributes:
+        count: Number of entries written.
+        flush_at: Due time of `flush`, monotonic [s]; None while nothing waits.
+    """
+
+    count: int
+
+    @property
+    def flush_at(self) -> float | None: ...
+
+    def write(self, entry: RecordedValue) -> None: ...
+
+    def flush(self) -> None: ...
+
+
+@contextmanager
+def _sink(
+    form: str, file: IO[bytes], streams: Sequence[Stream], types: Mapping[str, type]
+) -> Iterator[_Sink]:
+    if form == "text":
+        yield _TextSink(file, types, 0.0 if file is sys.stdout.buffer else _FLUSH_S)
+        return
+    from rtkit.component.definition import has_octets
+    from rtkit.recording.entries import RecordedStream
+    from rtkit.recording.mcap_file import RecordingWriter
+
+    is_compressed = not any(map(has_octets, types.values()))
+    with RecordingWriter(file, is_compressed=is_compressed) as writer:
+        for stream in streams:
+            sources = tuple(str(end.path) for end in stream.ends)
+            writer.add_channel(
+                RecordedStream(stream.name, stream.data_type, sources), types[stream.name]
+            )
+        yield writer
+
+
+class _TextSink:
+    """Writes a line for each value, at once or `delay_s` [s] after the line before."""
+
+    def __init__(self, file: IO[bytes], types: Mapping[str, type], delay_s: float) -> None:
+        from rtkit.component.codec import codec_for
+
+        self._file = file
+        self._delay_s = delay_s
+        self._decode = {name: codec_for(cls).decode for name, cls in types.items()}
+        self.count = 0
+        self.flush_at: float | None = None
+        self._flushed_at = 0.0
+
+    def write(self, entry: RecordedValue) -> None:
+        from rtkit.probe.text import plain
+        from rtkit.recording.text_log import line_of
+
+        value = plain(self._decode[entry.channel](entry.payload))
+        self._file.write(f"{line_of(entry.channel, entry.time_ns, value)}\n".encode())
+        self.count += 1
+        if self.flush_at is None:
+            self.flush_at = self._flushed_at + self._delay_s
+
+    def flush(self) -> None:
+        self._file.flush()
+        self.flush_at, self._flushed_at = None, time.monotonic()
+
+
+class _Limit:
+    """End of a recording: after some time, at a time, after a number of entries, or never."""
+
+    def __init__(self, part: RecordingSelection, duration_s: float | None) -> None:
+        self.count = part.end if part.is_by_index and duration_s is None else None
+        self.until: float | None = None
+        self._begin = time.monotonic()
+        if duration_s is not None:
+            self.until = time.monotonic() + duration_s
+            self.announcement = f"Recording for {duration_s}s."
+        elif self.count is not None:
+            self.announcement = f"Recording {self.count} entries."
+        elif part.end is not None:
+            self.until = time.monotonic() + (part.end - time.time_ns()) / _NS
+            date = time.strftime("%Y-%m-%d %H:%M:%S", time.localtime(part.end / _NS))
+            self.announcement = f"Recording until {date} ({part.end / _NS})."
+        else:
+            self.announcement = "Recording until interrupted."
+
+    def progress(self, count: int, now: float) -> tuple[float, float | None, str]:
+        """Return the part recorded and the whole, as entries or [s], and the number of entries."""
+        told = f"{count} entries"
+        if self.until is None:
+            return count, self.count, told
+        return now - self._begin, self.until - self._begin, told
+
+
+def _take(
+    probe: Probe, sink: _Sink, limit: _Limit, stamps: Mapping[str, Stamp], show: Show
+) -> None:
+    """Write arrivals until the limit, and flush the file's buffer when that is due."""
+    from rtkit.recording.entries import RecordedValue
+
+    while limit.count is None or sink.count < limit.count:
+        piece = probe.take(_sooner(limit.until, sink.flush_at))
+        if piece is None:
+            break
+        if limit.count is not None:
+            piece = piece[: limit.count - sink.count]
+        for arrival in piece:
+            stamp = stamps[arrival.stream](arrival.payload) or arrival.time_ns
+            sink.write(RecordedValue(arrival.stream, stamp, arrival.time_ns, arrival.payload))
+        now = time.monotonic()
+        show(*limit.progress(sink.count, now))
+        if sink.flush_at is not None and now >= sink.flush_at:
+            sink.flush()
+        if limit.until is not None and now >= limit.until:
+            break
+
+
+def _sooner(one: float | None, other: float | None) -> float | None:
+    given = [each for each in (one, other) if each is not None]
+    return min(given) if given else None

@@ -1,0 +1,143 @@
+"""``rtinject``: write values into ports."""
+
+from __future__ import annotations
+
+import sys
+import time
+from collections.abc import Iterator, Mapping
+from typing import IO, TYPE_CHECKING
+
+import click
+
+from rtkit.cli.data.arguments import module_options, named_streams
+from rtkit.cli.shared.app import App, command
+from rtkit.cli.shared.choice import NumberChoice
+from rtkit.cli.shared.lasting import lasting
+from rtkit.errors import Malformed, Refused, UsageProblem
+
+if TYPE_CHECKING:
+    from rtkit.probe.probe import Probe
+    from rtkit.probe.values import Template
+
+_ENDLESS = -1
+
+
+@command("rtinject")
+@click.option("-c", "--const", "const", metavar="VALUE", help="The value; else lines of stdin.")
+@click.option("-f", "--file", "file", type=click.File(), metavar="FILE", help="Lines of a file.")
+@click.option(
+    "-n",
+    "--number",
+    type=click.IntRange(min=_ENDLESS),
+    metavar="N",
+    help="Write so many values, -1 endlessly (default 1 with -c, else all lines).",
+)
+@click.option(
+    "-r",
+    "--rate",
+    type=NumberChoice(min=0.0, min_open=True),
+    metavar="HZ",
+    help="Values per second (default 1 with -c, else as they are read).",
+)
+@lasting("Write for so long; -n then has no effect.")
+@module_options
+@click.option("--lossless", is_flag=True, help="Wait where the port has no room for a value.")
+@click.argument("ports", nargs=-1, metavar="PORT[.STREAM]...")
+def main(
+    app: App,
+    ports: tuple[str, ...],
+    const: str | None,
+    file: IO[str] | None,
+    number: int | None,
+    rate: float | None,
+    duration_s: float | None,
+    modules: tuple[str, ...],
+    folders: tuple[str, ...],
+    lossless: bool,
+) -> None:
+    r"""Write values into ports.
+
+    A value is a JSON or YAML literal of the port's data type; nothing of it is executed. Fields
+    that are left out are zero, a time stamp is the present time. A type of nothing but a time
+    stamp and data takes the data alone.
+
+    \b
+    rtinject -c 42 Motor0.rtc:speed
+    rtinject -c '{velocity: {vx: 0.5}}' Motor0.rtc:velocity
+    rtinject -c '{"tm": {time}, "data": [1, 2, 3]}' -n 10 -r 100 Arm0.rtc:angles
+
+    It returns when everything has arrived at the ports. While it runs a component of its own,
+    rtinject_writer0, is connected to them.
+    """
+    from rtkit.probe.probe import LOSSLESS, SURE, Probe, out_ports
+    from rtkit.probe.types import data_type, import_modules
+    from rtkit.probe.values import templates
+    from rtkit.rtc.enums import PortType
+
+    if const is not None and file is not None:
+        raise UsageProblem("-c and -f cannot be used together")
+    if number == 0:
+        raise UsageProblem("-n 0 writes nothing")
+    import_modules(modules, folders)
+    app.bound(duration_s)
+    streams = named_streams(app, ports, PortType.IN)
+    types = {s.name: data_type(s.data_type, s.ends[0].path.typed, s.definition) for s in streams}
+    if const is not None:
+        times = 1 if number is None else number
+        values = _repeated(_typed(const, types), times if duration_s is None else _ENDLESS)
+    elif file is not None:
+        values = templates(file, types, file.name)
+    else:
+        values = templates(sys.stdin, types, "<stdin>")
+    period_s = 1.0 / rate if rate else (1.0 if const is not None else 0.0)
+    limit = _ENDLESS if number is None else number
+    if duration_s is not None:
+        limit = _ENDLESS
+    with Probe(app.tree, "rtinject_writer", streams, out_ports(types)) as probe:
+        probe.connect(LOSSLESS if lossless else SURE)
+        app.tell(f"{probe.component.instance} is connected")
+        _write(probe, values, period_s, limit, duration_s)
+        if not probe.flush():
+            raise Refused("cannot say whether all values have arrived: the other end is silent")
+
+
+def _typed(text: str, types: Mapping[str, type]) -> Template:
+    """Read what was typed behind -c.
+
+    Raises:
+        Malformed: It is no value of the ports' types.
+    """
+    from rtkit.probe.values import Template
+
+    try:
+        return Template(text, types)
+    except Malformed as error:
+        raise Malformed(f"-c {text}: {error}") from error
+
+
+def _repeated(template: Template, number: int) -> Iterator[Template]:
+    while number:
+        yield template
+        number -= 1
+
+
+def _write(
+    probe: Probe,
+    values: Iterator[Template],
+    period_s: float,
+    limit: int,
+    duration_s: float | None,
+) -> None:
+    """Write values at a steady rate until one of the limits."""
+    from rtkit.component.types import Time
+
+    begin = time.monotonic()
+    until = None if duration_s is None else begin + duration_s
+    for count, value in enumerate(values):
+        due = begin + count * period_s
+        if count == limit or (until is not None and max(due, time.monotonic()) >= until):
+            return
+        if not probe.wait(due):
+            raise Refused("no connection is left: the components or the connections have gone")
+        for name, data in value.at(Time.now()).items():
+            probe.write(name, data)

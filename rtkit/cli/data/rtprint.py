@@ -1,0 +1,147 @@
+"""``rtprint``: print the values that come out of ports."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+import click
+
+from rtkit.cli.data.arguments import module_options, named_streams
+from rtkit.cli.shared import stdout_reader
+from rtkit.cli.shared.app import App, command
+from rtkit.cli.shared.choice import NumberChoice
+from rtkit.cli.shared.lasting import lasting
+from rtkit.errors import Refused, UsageProblem
+
+if TYPE_CHECKING:
+    from rtkit.cli.data.printing import PrintOptions, Sink
+    from rtkit.probe.spec import Stream
+    from rtkit.probe.tap import Arrival
+
+LINES, STATS, PLOT = "lines", "stats", "plot"
+
+
+@command("rtprint")
+@click.option(
+    "-n", "--number", type=click.IntRange(min=1), metavar="N", help="Stop after N values."
+)
+@click.option(
+    "-r",
+    "--rate",
+    type=NumberChoice(min=0.0, min_open=True, max=100_000),
+    metavar="HZ",
+    help="Look this often and take the newest value of each port; -n then counts looks.",
+)
+@lasting("Stop after this time; -n then has no effect.")
+@module_options
+@click.option(
+    "-f",
+    "--field",
+    "fields",
+    multiple=True,
+    metavar="FIELD",
+    help="Only data.x, or ranges[0] (repeatable).",
+)
+@click.option("--full", "is_full", is_flag=True, help="Do not shorten long contents.")
+@click.option(
+    "--stats", "form", flag_value=STATS, help="Print no values but how they came, at the end."
+)
+@click.option("--plot", "form", flag_value=PLOT, help="Draw the numbers in them over time.")
+@click.option("--json", "is_json", is_flag=True, help="One JSON object a line.")
+@click.option(
+    "--lossless", is_flag=True, help="Lose no value; the component that writes waits instead."
+)
+@click.argument("ports", nargs=-1, metavar="PORT[.STREAM][#FORMATTER]...")
+def main(
+    app: App,
+    ports: tuple[str, ...],
+    number: int | None,
+    rate: float | None,
+    duration_s: float | None,
+    modules: tuple[str, ...],
+    folders: tuple[str, ...],
+    fields: tuple[str, ...],
+    is_full: bool,
+    form: str | None,
+    is_json: bool,
+    lossless: bool,
+) -> int:
+    """Print the values that come out of ports, as they come.
+
+    It ends after N values, after some time, or when its connections are gone. The status is 1
+    when nothing came at all. While it runs a component of its own, rtprint_reader0, is connected
+    to the ports.
+
+    A value of nothing but a time stamp and data is printed as [seconds] data; of an image only
+    what it is like; of several ports each line begins with the port. FORMATTER is a function of
+    one argument, MODULE.NAME, or rawpy for the full text of every value.
+
+    With --stats: how many values came, their rate, the intervals between them with the standard
+    deviation as jitter, their size in CDR, their age on arrival by their time stamps, and how the
+    numbers in the fields of -f are spread. With --plot: the last 30 s as curves, on a terminal as
+    they come, else at the end.
+    """
+    from rtkit.cli.data.printing import PrintOptions
+    from rtkit.probe.fields import check_field
+    from rtkit.probe.probe import LOSSLESS, Probe, tap_ports
+    from rtkit.probe.types import data_type, import_modules
+    from rtkit.rtc.enums import PortType
+
+    if form == PLOT and is_json:
+        raise UsageProblem("--plot draws: no --json")
+
+    import_modules(modules, folders)
+    app.bound(duration_s)
+    streams = named_streams(app, ports, PortType.OUT)
+    types = {s.name: data_type(s.data_type, s.ends[0].path.typed, s.definition) for s in streams}
+    for cls in types.values():
+        for field in fields:
+            check_field(cls, field)
+    sink = _sink(form or LINES, streams, types, PrintOptions(fields, is_full, is_json))
+    limit = None if duration_s is not None else number
+    with (
+        Probe(app.tree, "rtprint_reader", streams, tap_ports(streams), rate or 0.0) as probe,
+        stdout_reader.while_read(probe.stop) as reader,
+    ):
+        probe.connect(LOSSLESS if lossless else {})
+        app.tell(f"{probe.component.instance} is connected")
+        until = None if duration_s is None else time.monotonic() + duration_s
+        for piece in _limited(probe.arrivals(until), limit, is_by_piece=rate is not None):
+            sink.take(piece)
+        reader.check()
+        lost = 0 if rate else probe.lost  # at a rate values are passed over on purpose
+        is_cut = not probe.is_connected
+    sink.finish(lost)
+    if lost:
+        app.say(f"{app.name}: {lost} values were lost")
+    if is_cut:
+        raise Refused("no connection is left: the components or the connections have gone")
+    return 0 if sink.count else 1
+
+
+def _sink(
+    form: str, streams: tuple[Stream, ...], types: dict[str, type], options: PrintOptions
+) -> Sink:
+    from rtkit.cli.data import printing
+
+    if form == STATS:
+        return printing.Counter(streams, types, options)
+    if form == PLOT:
+        return printing.Plotter(streams, types, options)
+    return printing.Printer(streams, types, options)
+
+
+def _limited(
+    pieces: Iterator[list[Arrival]], limit: int | None, *, is_by_piece: bool
+) -> Iterator[list[Arrival]]:
+    """Yield pieces until there were so many of them, or of their values."""
+    left = limit
+    for piece in pieces:
+        taken = piece if left is None or is_by_piece else piece[:left]
+        yield taken
+        if left is not None:
+            left -= 1 if is_by_piece else len(taken)
+            if left <= 0:
+                return

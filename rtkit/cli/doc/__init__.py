@@ -1,1 +1,0 @@
-"""Pages of ``rtdoc`` about a component, and the forms in which they are written."""

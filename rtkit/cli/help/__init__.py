@@ -1,0 +1,1 @@
+"""Help texts: topics, statuses, examples, manual pages."""

@@ -1,0 +1,1 @@
+"""Commands that start and command managers, and check an installation."""

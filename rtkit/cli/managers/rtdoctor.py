@@ -1,0 +1,93 @@
+"""``rtdoctor``: what is wrong with this set-up, and what helps."""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Iterator, Sequence
+from typing import TYPE_CHECKING
+
+import click
+
+from rtkit.cli.shared import json_records, terminal
+from rtkit.cli.shared.app import App, WrongArguments, command, strict_option
+from rtkit.cli.shared.choice import NumberChoice
+from rtkit.errors import Refused
+
+if TYPE_CHECKING:
+    from rtkit.cli.managers.doctor.diagnosis import Diagnosis
+
+_PATIENCE_S = 0.4
+_STYLES: dict[str, dict[str, object]] = {
+    "ok": {"fg": "green"},
+    "note": {"fg": "blue"},
+    "warning": {"fg": "yellow"},
+    "error": {"fg": "red", "bold": True},
+}
+
+
+@command("rtdoctor")
+@click.option(
+    "--timeout",
+    "timeout_s",
+    type=NumberChoice(min=0.01),
+    default=_PATIENCE_S,
+    metavar="SECONDS",
+    help=f"How long to wait for each answer (default {_PATIENCE_S}).",
+)
+@strict_option("Let warnings fail too.")
+@click.option("--json", "is_json", is_flag=True, help="One JSON object for all that was looked at.")
+@click.argument("words", nargs=-1, metavar="")
+def main(app: App, words: tuple[str, ...], timeout_s: float, is_json: bool) -> int:
+    """Tell what is wrong with this set-up, and what helps.
+
+    Looked at are versions, variables, limits, the clock, folders and their rights, what killed
+    processes left, TCP doors, managers, slaves and components; a large value is sent over a
+    connection as it is made between two processes. Nothing is changed, and a manager that hangs
+    holds nothing up. What is in order is told with -v only, and by --json; the exit
+    status is 1 when something is wrong, which warnings and notes are not.
+    """
+    if words:
+        raise WrongArguments(f"takes no arguments: {' '.join(words)}")
+    found = list(_looked(timeout_s))
+    if is_json:
+        terminal.write(json_records.lines("diagnosis", map(_record, found)))
+    else:
+        terminal.write(_lines(found, is_all=app.is_verbose))
+    fatal = ("error", "warning") if app.is_strict else ("error",)
+    return app.status(Refused()) if any(each.severity in fatal for each in found) else 0
+
+
+def _looked(timeout_s: float) -> Iterator[Diagnosis]:
+    from rtkit.cli.managers.doctor import data_link, folders, installation, live, stores
+
+    yield from installation.installation(os.environ)
+    yield from data_link.data_link()
+    yield from folders.folders()
+    if folders.is_trusted():
+        yield from folders.remains()
+        yield from stores.stores()
+        yield from live.managers(timeout_s, os.environ)
+    yield from live.servers(os.environ, timeout_s)
+    if sys.stdin is not None and sys.stdin.isatty() and terminal.is_terminal():
+        yield installation.shell(os.environ, os.path.expanduser("~"))
+
+
+def _record(each: Diagnosis) -> dict[str, object]:
+    return {**each._asdict(), "cure": each.cure or None}
+
+
+def _lines(found: Sequence[Diagnosis], *, is_all: bool) -> Iterator[str]:
+    for each in found:
+        if each.severity == "ok" and not is_all:
+            continue
+        severity = terminal.styled(each.severity, _STYLES[each.severity])
+        yield f"{severity}: {terminal.printable(each.text)}"
+        if each.cure:
+            yield f"  cure: {terminal.printable(each.cure)}"
+    counts = {
+        severity: sum(each.severity == severity for each in found)
+        for severity in ("error", "warning", "note")
+    }
+    told = [f"{n} {word}{'s' * (n != 1)}" for word, n in counts.items() if n]
+    yield f"{len(found)} things looked at: {', '.join(told) or 'all in order'}"

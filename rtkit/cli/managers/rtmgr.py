@@ -1,0 +1,210 @@
+"""``rtmgr``: start, stop and command managers."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import click
+
+from rtkit import fault
+from rtkit.cli.shared.app import App, check_at_most_one, command, strict_option
+from rtkit.errors import Malformed, Unreachable, UsageProblem
+
+if TYPE_CHECKING:
+    from rtkit.cli.managers.steps import ManagerStep
+    from rtkit.tree.view import TreeNode
+
+WORDS = ("start", "stop", "restart", "status", "run")
+_ORDER = "rtkit.order"
+_FOR_START = "-f, -o, -p, -a, -i and --allow-faults"
+
+
+class _InOrder(click.Command):
+    """Remembers options with their values in the order of the command line."""
+
+    def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
+        values, _, order = self.make_parser(ctx).parse_args(list(args))
+        steps: list[tuple[str, object]] = []
+        taken: dict[str, int] = {}
+        for parameter in order:
+            name = parameter.name or ""
+            if parameter.name not in _STEP_NAMES:
+                continue
+            index = taken.get(name, 0)
+            taken[name] = index + 1
+            steps.append((name, values[name][index]))
+        ctx.meta[_ORDER] = steps
+        return super().parse_args(ctx, args)
+
+
+def _step(short: str, long: str, name: str, metavar: str, text: str) -> click.Option:
+    return click.Option([short, long, name], multiple=True, metavar=metavar, help=text)
+
+
+def _question(short: str, long: str, name: str, text: str) -> click.Option:
+    return click.Option([short, long, name], multiple=True, is_flag=True, help=text)
+
+
+_STEPS = [
+    _step("-l", "--load", "load", "PATH:INIT", "Load a module, call its init function."),
+    _step("-u", "--unload", "unload", "PATH", "Forget a module."),
+    _step("-c", "--create", "create", "CREATE", "Create a component, or a stand-in (FILE.xml)."),
+    _step("-d", "--delete", "delete", "NAME", "Finalise and delete a component."),
+    _step("-s", "--setconfig", "configure", "KEY=VALUE", "Set a property of the manager."),
+    click.Option(["--fork"], multiple=True, is_flag=True, help="Start a slave without components."),
+    _question("-m", "--modules", "modules", "List component types that modules offer."),
+    _question("-r", "--rtcs", "components", "List the components."),
+    _question("-g", "--config", "properties", "List the properties of the manager."),
+]
+_STEP_NAMES = tuple(each.name for each in _STEPS)
+
+
+@command("rtmgr", cls=_InOrder, params=_STEPS)
+@click.option("--print", "is_printing", is_flag=True, help="Print paths of created components.")
+@click.option("--json", "is_json", is_flag=True, help="Lists and status as JSON.")
+@click.option("-f", "--file", metavar="FILE", default="", help="start: the rtc.conf to read.")
+@click.option(
+    "-o", "--option", "given", multiple=True, metavar="KEY:VALUE", help="start: a property."
+)
+@click.option(
+    "-p",
+    "--port",
+    type=click.IntRange(0, 65535),
+    metavar="PORT",
+    help="start: TCP port (default 2810); 0 for any.",
+)
+@click.option("-a", "--no-door", is_flag=True, help="start: no TCP port at all.")
+@click.option("-i", "--lenient", is_flag=True, help="start: the file may be missing.")
+@click.option("--allow-faults", is_flag=True, help="start: root's manager heeds RTKIT_FAULT.")
+@strict_option("Take warnings, and notes on what is made, for errors; nothing of it stays.")
+@click.argument("words", nargs=-1, metavar="MANAGER | start|stop|restart|status|run [NAME]")
+def main(
+    app: App,
+    words: tuple[str, ...],
+    is_printing: bool,
+    is_json: bool,
+    file: str,
+    given: tuple[str, ...],
+    port: int | None,
+    no_door: bool,
+    lenient: bool,
+    allow_faults: bool,
+    **_values: object,
+) -> int:
+    r"""Start, stop and command managers.
+
+    start, stop, restart, status and run (in the foreground) take the name of a manager, by
+    default "manager". start and run read its properties from FILE, else from the file that
+    RTC_MANAGER_CONFIG names, ./rtc.conf, or one in /etc; what -o says counts more. Everything
+    else is asked of the manager at a path, or at a direct address as corbaloc::localhost:2810,
+    in the order of the command line and in one batch, and ends at the first failure.
+
+    A manager in the foreground ends in order at Ctrl-C, when its terminal is closed, and at
+    Ctrl-\ after telling where each thread is; a second Ctrl-C ends it at once.
+
+    CREATE is TYPE?key=value&key=value, for instance ConsoleIn?instance_name=In0&manager_name=s1,
+    where manager_name is the slave that is to hold the component and is started when needed; in
+    place of TYPE the file of an RTC profile makes a stand-in. Paths of modules that begin with
+    ./ or ../ are meant from here, others are looked for by the manager.
+    """
+    from rtkit.cli.managers.steps import read_step
+
+    asked = click.get_current_context().meta[_ORDER]
+    overrides = (*given, *_endpoint(port, no_door), *_faults(allow_faults))
+    is_configured = bool(file or overrides or lenient)
+    if words and words[0] in WORDS:
+        _check_word(words, bool(asked), is_configured)
+        return _word(app, words, is_json, (file, (*overrides, *_strict(app)), lenient))
+    if is_configured:
+        raise UsageProblem(f"{_FOR_START} are for rtmgr start and rtmgr run")
+    check_at_most_one(words, "manager")
+    steps = [read_step(name, str(value)) for name, value in asked]
+    if not words:
+        raise Malformed("No manager specified.")
+    if not steps:
+        _check_no_word(words[0])
+        raise Malformed("No commands specified.")
+    _command(app, words[0], steps, is_printing, is_json)
+    return 0
+
+
+def _check_no_word(typed: str) -> None:
+    """Refuse a mistyped word: the path of a manager looks otherwise."""
+    from rtkit.rtc.names import MANAGER_SUFFIX
+    from rtkit.rtc.nearest import did_you_mean
+
+    if "/" not in typed and ":" not in typed and not typed.endswith(MANAGER_SUFFIX):
+        hint = did_you_mean(typed, WORDS) or f" (one of {', '.join(WORDS)})"
+        raise UsageProblem(f"neither the path of a manager nor a word: {typed}{hint}")
+
+
+def _command(
+    app: App, typed: str, steps: Sequence[ManagerStep], is_printing: bool, is_json: bool
+) -> None:
+    from rtkit.cli.managers.steps import StepRunner
+    from rtkit.tree.resolve import manager
+    from rtkit.tree.view import build
+
+    if typed.startswith("corbaloc:"):
+        node = _at_address(app, typed)
+    else:
+        path = app.path(typed)
+        listing = app.tree.listing()
+        node = manager(build(listing), path, listing.host)
+    StepRunner(app, node, is_printing, is_json).run(steps)
+
+
+def _at_address(app: App, typed: str) -> TreeNode:
+    """Return the manager, or the slave, at a direct address; it needs no name in the tree."""
+    from rtkit.rtc.address import parse_address
+    from rtkit.rtc.names import is_local_host
+    from rtkit.tree.view import manager_node
+
+    address = parse_address(typed)
+    why = f"no manager named {address.id} answers at {address}: {typed}"
+    if not is_local_host(address.host, os.uname().nodename):
+        raise Unreachable(why)
+    try:
+        tree, slave = app.at(address)
+        node = manager_node(tree.listing(), slave)
+    except Unreachable as error:
+        raise Unreachable(f"{why} ({error})") from error
+    if node is None:
+        raise Unreachable(why)
+    return node
+
+
+def _endpoint(port: int | None, no_door: bool) -> list[str]:
+    if no_door and port is not None:
+        raise UsageProblem("a port (-p) and no port at all (-a) exclude each other")
+    if no_door:
+        return ["manager.net_servant:NO"]
+    return [] if port is None else [f"net.endpoints:localhost:{port}"]
+
+
+def _faults(is_allowed: bool) -> list[str]:
+    return [f"{fault.ALLOW_KEY}:YES"] if is_allowed else []
+
+
+def _strict(app: App) -> list[str]:
+    from rtkit.settings.properties import STRICT
+
+    return [f"{STRICT}:YES"] if app.is_strict else []
+
+
+def _check_word(words: Sequence[str], has_steps: bool, is_configured: bool) -> None:
+    if has_steps:
+        raise UsageProblem(f"{words[0]} takes no options that command a manager")
+    if is_configured and words[0] not in ("start", "run"):
+        raise UsageProblem(f"{_FOR_START} are not for {words[0]}")
+    check_at_most_one(words[1:], "name")
+
+
+def _word(
+    app: App, words: Sequence[str], is_json: bool, wanted: tuple[str, tuple[str, ...], bool]
+) -> int:
+    from rtkit.cli.managers.words import run_word
+
+    return run_word(app, words[0], words[1] if len(words) > 1 else "", is_json, wanted)

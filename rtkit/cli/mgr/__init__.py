@@ -1,1 +1,0 @@
-"""Operations of ``rtmgr``: starting and stopping managers, and requests to one."""

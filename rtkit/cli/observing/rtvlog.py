@@ -1,0 +1,250 @@
+"""``rtvlog``: print what components log."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterable, Sequence
+from typing import TYPE_CHECKING
+
+import click
+
+from rtkit.cli.shared import terminal
+from rtkit.cli.shared.app import App, WrongArguments, command
+from rtkit.cli.shared.choice import NumberChoice, WordChoice
+from rtkit.cli.shared.lasting import lasting
+from rtkit.cli.shared.observers import write_now
+from rtkit.cli.shared.wait import wait_for
+from rtkit.errors import Malformed, Unreachable
+
+if TYPE_CHECKING:
+    from rtkit.rtc.names import Path
+    from rtkit.tree.logbook import LogEntry, Wanted
+
+LEVELS = ("FATAL", "ERROR", "WARN", "INFO", "NORMAL", "DEBUG", "TRACE", "VERBOSE", "PARANOID")
+"""From few words to many; NORMAL is what a component says that is told nothing else."""
+
+_BEFORE = 10
+_SETTLE_S = 0.02
+"""Wait for simultaneous records of other processes, so that they can be put in order [s]."""
+
+_STYLES: dict[str, dict[str, object]] = {
+    "FATAL": {"fg": "white", "bg": "red", "bold": True},
+    "ERROR": {"fg": "red", "bold": True},
+    "WARN": {"fg": "yellow"},
+    "DEBUG": {"dim": True},
+    "TRACE": {"dim": True},
+    "VERBOSE": {"dim": True},
+    "PARANOID": {"dim": True},
+}
+
+
+@command("rtvlog")
+@click.option(
+    "-f",
+    "--filter",
+    "sources",
+    multiple=True,
+    metavar="SOURCE",
+    help="Print only what this logger, or one below it, says; ALL for all.",
+)
+@click.option(
+    "-l",
+    "--level",
+    type=WordChoice("level", LEVELS),
+    default="NORMAL",
+    metavar="LEVEL",
+    help="The most talkative level to be printed (default NORMAL).",
+)
+@click.option("-g", "--grep", metavar="TEXT", help="Print only what has this in it.")
+@click.option(
+    "--since",
+    "since_s",
+    type=NumberChoice(min=0.0, min_open=True),
+    metavar="SECONDS",
+    help="Begin with what was logged in the last SECONDS.",
+)
+@click.option(
+    "-n",
+    "--number",
+    type=click.IntRange(min=0),
+    metavar="N",
+    help="Begin with the last N records (default 10; all with --no-follow or --since).",
+)
+@click.option("--follow/--no-follow", default=True, help="Go on with what comes (default), or end.")
+@lasting()
+@click.option("--json", "is_json", is_flag=True, help="One JSON object a line.")
+@click.argument("paths", nargs=-1, metavar="PATH...")
+def main(
+    app: App,
+    paths: tuple[str, ...],
+    sources: tuple[str, ...],
+    level: str,
+    grep: str | None,
+    since_s: float | None,
+    number: int | None,
+    follow: bool,
+    duration_s: float | None,
+    is_json: bool,
+) -> None:
+    r"""Print what components log.
+
+    PATH is a component; a slave, for all that its process logs; a manager, for its own log and
+    those of its slaves; or a directory, for the components in it; / for everything. What is there
+    comes first, then what is logged, in the order of time. Zombies, and components of a manager
+    that does not run, have logs too.
+
+    \b
+    levels   FATAL ERROR WARN INFO NORMAL DEBUG TRACE VERBOSE PARANOID
+    sources  of a component its name; else rtkit, stdout, stderr or the name of a logger
+
+    \b
+    What code of a component prints, or logs elsewhere, while it is called bears its name; what
+    threads of its own print that of their process. After a crash the stacks are printed, too.
+
+    What a component does not log at its level (option logger.log_level) cannot be printed.
+    """
+    from rtkit.link.places import state_dir
+    from rtkit.tree.logbook import Logbook
+
+    if not paths:
+        raise WrongArguments("No component specified.")
+    app.bound(duration_s)
+    wanted = _all_of(
+        _about(app, paths), _loud_enough(level), _said_by(sources), _with(grep), _after(since_s)
+    )
+    is_tail = follow and since_s is None
+    before = number if number is not None else _BEFORE if is_tail else None
+    show = _json if is_json else _text
+    until = None if duration_s is None else time.monotonic() + duration_s
+    logbook = Logbook(state_dir(), wanted)
+    try:
+        write_now([line for entry in logbook.there(before) for line in show(entry)])
+        while follow and wait_for([logbook.fileno()], until):
+            time.sleep(_SETTLE_S)
+            write_now([line for entry in logbook.delta() for line in show(entry)])
+        if logbook.unreadable:
+            app.say(f"{app.name}: {logbook.unreadable} lines are no records")
+    finally:
+        logbook.close()
+
+
+def _all_of(*conditions: Wanted) -> Wanted:
+    return lambda entry: all(holds(entry) for holds in conditions)
+
+
+def _loud_enough(level: str) -> Wanted:
+    words = set(LEVELS[: LEVELS.index(level) + 1])
+    return lambda entry: entry.level in words
+
+
+def _said_by(sources: Sequence[str]) -> Wanted:
+    names = tuple(each.casefold() for each in sources)
+    if not names or "all" in names:
+        return lambda entry: True
+
+    def is_said(entry: LogEntry) -> bool:
+        said = {entry.source.casefold(), entry.component.casefold()}
+        return any(one == name or one.startswith(f"{name}.") for one in said for name in names)
+
+    return is_said
+
+
+def _with(text: str | None) -> Wanted:
+    if text is None:
+        return lambda entry: True
+    return lambda entry: text in entry.message or text in entry.exception
+
+
+def _after(since_s: float | None) -> Wanted:
+    from rtkit.cli.shared.json_records import time_text
+
+    if since_s is None:
+        return lambda entry: True
+    first = time_text(int((time.time() - since_s) * 1e9))
+    return lambda entry: entry.time >= first
+
+
+def _about(app: App, typed: Sequence[str]) -> Wanted:
+    """Return a predicate: whether a record is about one of the paths."""
+    read = [app.path(each) for each in typed]
+    for path in read:
+        if path.port is not None:
+            raise Malformed(f"Not a component: {path.typed}")
+    try:
+        tests = [_about_node(app, path) for path in read]
+    except Unreachable as error:
+        app.fail(f"{error}; logs are looked for by name")
+        tests = [_about_name(path) for path in read]
+    return lambda entry: any(test(entry) for test in tests)
+
+
+def _about_node(app: App, path: Path) -> Wanted:
+    from rtkit.tree.resolve import entry
+    from rtkit.tree.view import NodeKind
+
+    root, hostname = app.root(path, is_deep=False)
+    node = entry(root, path, hostname)
+    manager = app.tree.manager
+    if node.instance:
+        return _of_components(manager, {node.instance})
+    if node.is_slave:
+        return _of_file(f"{manager}.{node.process}")
+    if node.kind is NodeKind.MANAGER:
+        return _of_file(manager, is_deep=True)
+    if node.kind is NodeKind.DIRECTORY:
+        return _of_components(manager, {each.instance for each in node.walk() if each.instance})
+    return lambda entry: True
+
+
+def _about_name(path: Path) -> Wanted:
+    """Return a predicate on the last name of a path, where no manager can be asked."""
+    from rtkit.rtc.names import COMPONENT_SUFFIX, MANAGER_SUFFIX
+
+    if len(path.elements) < 2:
+        return lambda entry: True
+    *_, above, name = path.elements
+    if not name.endswith(MANAGER_SUFFIX):
+        return _of_components("", {name.removesuffix(COMPONENT_SUFFIX)})
+    own = name.removesuffix(MANAGER_SUFFIX)
+    if above.endswith(MANAGER_SUFFIX):
+        return _of_file(f"{above.removesuffix(MANAGER_SUFFIX)}.{own}")
+    return _of_file(own, is_deep=True)
+
+
+def _of_file(name: str, *, is_deep: bool = False) -> Wanted:
+    return lambda entry: entry.file == name or (is_deep and entry.file.startswith(f"{name}."))
+
+
+def _of_components(manager: str, instances: Iterable[str]) -> Wanted:
+    """Return a predicate: whether a record is from components, or loggers below theirs."""
+    names = set(instances)
+    is_near = _of_file(manager, is_deep=True) if manager else lambda _entry: True
+
+    def is_about(entry: LogEntry) -> bool:
+        return (entry.component or entry.source.partition(".")[0]) in names and is_near(entry)
+
+    return is_about
+
+
+def _text(entry: LogEntry) -> list[str]:
+    from datetime import datetime
+
+    from rtkit.cli.shared.moments import clock
+
+    who = entry.component or entry.process
+    head = f"[{who} {clock(datetime.fromisoformat(entry.time).timestamp())}] "
+    first, *others = entry.message.split("\n")
+    rest = f" <{entry.source}> {first}"
+    level = terminal.styled(f"{entry.level:<5}", _STYLES.get(entry.level))
+    more = [*others, *entry.exception.splitlines()]
+    printable = terminal.printable
+    return [printable(head) + level + printable(rest), *(f"    {printable(each)}" for each in more)]
+
+
+def _json(entry: LogEntry) -> list[str]:
+    from rtkit.cli.shared.json_records import line
+
+    manager = entry.file.removesuffix(f".{entry.process}")
+    fields = {**entry._asdict(), "manager": manager, "time": f"{entry.time[:-1]}000Z"}
+    del fields["file"]
+    return [line("log-record", fields)]

@@ -1,0 +1,1 @@
+"""Commands on documents: RTC and RTS profiles, code and pages made from them."""

@@ -1,0 +1,63 @@
+"""Reads the one profile that a word of ``rtprofile`` works on: its text, kind and notes."""
+
+from __future__ import annotations
+
+import sys
+from typing import TYPE_CHECKING, NamedTuple
+
+from rtkit.cli.shared.app import App, WrongArguments
+from rtkit.cli.shared.profile_files import STDIN, STDIN_NAME
+
+if TYPE_CHECKING:
+    from rtkit.profile.common import Note
+    from rtkit.profile.rtc_model import RtcProfile
+    from rtkit.profile.rts_model import RtsProfile
+
+
+class ReadDocument(NamedTuple):
+    """A profile that was read.
+
+    Attributes:
+        name: As the user typed it.
+        data: As it stands.
+        notes: Repairs and remarks.
+    """
+
+    name: str
+    data: bytes
+    profile: RtcProfile | RtsProfile
+    notes: tuple[Note, ...]
+
+
+def read_document(app: App, file: str | None = None, *, kind: str | None = None) -> ReadDocument:
+    """Read the profile in a file, or on stdin for ``-`` and for no file; notes are for -v.
+
+    Raises:
+        NotFound: The file cannot be read.
+        InvalidDocument: It is no profile of this kind, or of any.
+        WrongArguments: No file is named, and stdin is a terminal.
+    """
+    from rtkit.profile.read import read_profile
+
+    name, data = read_bytes_of(file)
+    reading = read_profile(data, name, kind=kind)
+    for note in reading.notes:
+        app.tell(f"{name}:{note.line}: {note.text}")
+    return ReadDocument(name, data, reading.profile, reading.notes)
+
+
+def read_bytes_of(file: str | None) -> tuple[str, bytes]:
+    """Return name and content of a file, or of stdin for ``-`` and for no file.
+
+    Raises:
+        NotFound: The file cannot be read.
+        WrongArguments: No file is named, and stdin is a terminal.
+    """
+    from rtkit.profile.parse import MAX_BYTES
+    from rtkit.profile.read import read_bytes
+
+    if file is None and (sys.stdin is None or sys.stdin.isatty()):
+        raise WrongArguments("No file specified.")
+    if file is None or file == STDIN:
+        return STDIN_NAME, sys.stdin.buffer.read(MAX_BYTES + 1)
+    return file, read_bytes(file)

@@ -1,0 +1,110 @@
+"""``rtbuild``: generate a component from its RTC profile, or Python types from an IDL file."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import click
+
+from rtkit.cli.shared import json_records, terminal
+from rtkit.cli.shared.app import App, command
+from rtkit.errors import Malformed, Refused
+
+if TYPE_CHECKING:
+    from rtkit.cli.profiles.generated_project import FileChange
+
+_SHOWN = ("written", "kept")
+
+
+@command("rtbuild", is_local=True)
+@click.option(
+    "-o", "--output", metavar="DIR", help="Where to write (default: the folder of the file)."
+)
+@click.option(
+    "-I",
+    "--include",
+    "folders",
+    multiple=True,
+    metavar="DIR",
+    help="Look for IDL files there too.",
+)
+@click.option(
+    "--mirror", "has_mirror", is_flag=True, help="Generate a mirror, too, to try it by hand."
+)
+@click.option("-n", "--dry-run", is_flag=True, help="Tell what would be written, write nothing.")
+@click.option(
+    "-f",
+    "--force",
+    is_flag=True,
+    help="Write also what was changed; what was there is kept as NAME.bak.",
+)
+@click.option("--json", "is_json", is_flag=True, help="A JSON object for each file.")
+@click.argument("files", nargs=-1, metavar="PROFILE|IDL")
+def main(
+    app: App,
+    files: tuple[str, ...],
+    output: str | None,
+    folders: tuple[str, ...],
+    has_mirror: bool,
+    dry_run: bool,
+    force: bool,
+    is_json: bool,
+) -> None:
+    r"""Generate a component from its RTC profile, or Python types from an IDL file.
+
+    \b
+    NAME.py             the component: ports, parameters, services, callbacks
+    NAME_idl.py         types and protocols, where the profile names IDL files
+    tests/test_NAME.py  a test of it
+    README.md  pyproject.toml  system.xml
+
+    Generating again keeps the code between "user code" marks, and whole files that are not code
+    once they were changed. Changed code outside of the marks is a conflict: nothing is written.
+
+    A mirror (--mirror) is a component with each port reversed, mirror/NAMEMirror.py; rtresurrect
+    mirror.xml, with a manager that was started in the folder of the project, connects both. It
+    logs what arrives; what it sends, or how it serves, is for you to write, or to rtinject.
+
+    IDL files are looked for where the profile says, beside it, in its folder idl, in the folders
+    of -I and below $RTM_ROOT.
+    """
+    from rtkit.cli.profiles import generated_project
+
+    if len(files) != 1:
+        raise Malformed("One RTC profile or IDL file has to be given.")
+    project = generated_project.read(files[0], output, folders, has_mirror=has_mirror)
+    if project.other and not force:
+        raise Refused(
+            f"{project.folder or '.'} is the folder of component {project.other}:"
+            " -o DIR gives this one its own"
+        )
+    for note in project.remarks:
+        app.tell(note)
+    for note in project.notes:
+        app.say(f"note: {note}")
+    changes = generated_project.compare(project)
+    conflicts = [each for each in changes if each.is_conflict]
+    if conflicts and not force:
+        for each in conflicts:
+            app.fail(f"{each.path}:{each.line}: {each.why}")
+        raise Refused("nothing was written; --force writes, and keeps these as NAME.bak")
+    if not dry_run:
+        generated_project.write(changes, is_forced=force)
+    _tell(app, changes, is_json=is_json, is_forced=force)
+
+
+def _tell(app: App, changes: Sequence[FileChange], *, is_json: bool, is_forced: bool) -> None:
+    if is_json:
+        assignments = [each.assignment_when(is_forced=is_forced) for each in changes]
+        records = (
+            {"path": each.path, "fate": assignment, "why": each.why or None}
+            for each, assignment in zip(changes, assignments, strict=True)
+        )
+        terminal.write(json_records.lines("built-file", records))
+        return
+    for each in changes:
+        assignment = each.assignment_when(is_forced=is_forced)
+        if assignment in _SHOWN or app.is_verbose:
+            why = f" ({each.why})" if each.why else ""
+            click.echo(terminal.printable(f"{assignment:<9}  {each.path}{why}"))

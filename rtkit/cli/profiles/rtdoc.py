@@ -1,0 +1,178 @@
+"""``rtdoc``: a page about a component, from what it says of itself."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import click
+
+from rtkit.cli.shared.app import App, check_at_most_one, command
+from rtkit.cli.shared.atomic import STDOUT, write_output
+from rtkit.errors import Malformed, NotFound, UsageProblem
+
+if TYPE_CHECKING:
+    from rtkit.cli.profiles.doc_subject import DocumentedComponent
+    from rtkit.profile_tools.page import Page, Section
+    from rtkit.rtc.profiles import TypeProfile
+
+FORMS = ("html", "rst", "latex", "markdown", "text")
+_OTHER_NAMES = {"md": "markdown", "tex": "latex", "htm": "html", "txt": "text", "plain": "text"}
+_WITH_GRAPH = ("html", "rst", "markdown")
+_OWN = ("Data ports", "Service ports", "Ports", "Configuration parameters", "Parameters")
+
+
+@command("rtdoc")
+@click.option(
+    "-f", "--format", "form", default="html", metavar="FORM",
+    help=f"One of {', '.join(FORMS)} (default html).",
+)  # fmt: skip
+@click.option(
+    "-g",
+    "--graph",
+    is_flag=True,
+    help="Draw its ports too: in html, rst, and markdown that is written to a file.",
+)
+@click.option(
+    "-o", "--output", default=STDOUT, metavar="FILE", help="Where to write it (default -, stdout)."
+)
+@click.argument("words", nargs=-1, metavar="COMPONENT | MODULE.py[:FACTORY]")
+def main(app: App, words: tuple[str, ...], form: str, graph: bool, output: str) -> None:
+    """Write a page about a component.
+
+    Its configuration set __doc__ has the texts: intro, reqs, install, usage, misc, changelog and
+    others by their names, __license__, __contact__, __url__, and in __order__ the order of the
+    sections. Ports (their property description) and parameters (the set __description__) are
+    added. Of a component without such a set its RTC profile is taken, if one is found. A module
+    is imported, and an instance made of it: its code runs.
+    """
+    chosen = _form(form)
+    if graph and chosen not in _WITH_GRAPH:
+        raise UsageProblem(f"-g: a page in {chosen} has no picture ({', '.join(_WITH_GRAPH)} have)")
+    if not words:
+        raise Malformed("No component specified.")
+    check_at_most_one(words, "component")
+    from rtkit.cli.profiles.doc_subject import dot_of, page_of
+
+    subject = _of_module(words[0]) if _is_module(words[0]) else _of_tree(app, words[0])
+    if not subject.has_documentation:
+        subject = subject._replace(told=_from_profile(app, subject.type))
+    made = page_of(subject, has_picture=graph)
+    for warning in made.warnings:
+        app.fail(f"warning: {warning}")
+    if chosen == "rst" and graph:
+        text = _rst(made.page, dot_of(subject))
+    elif chosen == "markdown" and made.page.picture:
+        text = _with_picture(made.page, output)
+    else:
+        text = _written(made.page, chosen)
+    write_output(text.encode(), output)
+
+
+def _form(typed: str) -> str:
+    form = _OTHER_NAMES.get(typed.lower(), typed.lower())
+    if form not in FORMS:
+        from rtkit.rtc.nearest import did_you_mean
+
+        hint = did_you_mean(form, FORMS) or f" (one of {', '.join(FORMS)})"
+        raise UsageProblem(f"no such format: {typed}{hint}")
+    return form
+
+
+def _is_module(typed: str) -> bool:
+    return typed.endswith(".py") or ".py:" in typed
+
+
+def _of_module(typed: str) -> DocumentedComponent:
+    from rtkit.cli.profiles.doc_subject import DocumentedComponent
+    from rtkit.cli.profiles.factory import component_class, instance_of
+    from rtkit.component.describe import describe
+
+    component = instance_of(component_class(typed, "").cls, typed, is_initialised=False)
+    told = describe(component)
+    return DocumentedComponent(component.type, told.ports, told.sets)
+
+
+def _of_tree(app: App, typed: str) -> DocumentedComponent:
+    from rtkit.cli.profiles.doc_subject import DocumentedComponent
+    from rtkit.tree.resolve import component
+    from rtkit.tree.view import build
+
+    path = app.path(typed)
+    listing = app.tree.listing()
+    instance = component(build(listing), path, listing.host).instance
+    facts = app.tree.part([instance]).component(instance)
+    if facts is None:
+        raise NotFound(f"No such object: {typed}")
+    if facts.trouble:
+        app.fail(f"warning: as last reported ({facts.trouble}): {typed}")
+    return DocumentedComponent(facts.type, facts.ports, facts.sets)
+
+
+def _from_profile(app: App, type: TypeProfile) -> tuple[Section, ...]:
+    """Return the documentation in the RTC profile of a type besides ports and parameters."""
+    from rtkit.cli.shared.component_profiles import profiles
+    from rtkit.errors import RtkitError
+    from rtkit.profile.read import read_profile
+    from rtkit.profile.rtc_model import RtcProfile
+    from rtkit.profile_tools.component_page import component_page
+
+    wanted = (type.vendor, type.category, type.type_name)
+    for name, data in profiles((), app.tell):
+        if type.type_name.encode() not in data:
+            continue
+        try:
+            profile = read_profile(data, name).profile
+        except RtkitError as error:
+            app.tell(str(error))
+            continue
+        info = profile.basic_info if isinstance(profile, RtcProfile) else None
+        if info is not None and (info.vendor, info.category, info.name) == wanted:
+            assert isinstance(profile, RtcProfile)
+            return tuple(s for s in component_page(profile).sections if s.title not in _OWN)
+    return ()
+
+
+def _rst(page: Page, dot: str = "") -> str:
+    from rtkit.cli.shared.terminal import display_width
+    from rtkit.profile_tools.rst_page import rst_page
+
+    return rst_page(page, display_width, dot)
+
+
+def _with_picture(page: Page, output: str) -> str:
+    """Return a page in Markdown, its drawing in an SVG file beside it.
+
+    Raises:
+        UsageProblem: There is no file beside which it could be.
+    """
+    import os
+
+    from rtkit.profile_tools.markdown_page import markdown_page
+
+    if output == STDOUT:
+        raise UsageProblem("-g: the picture of a page in markdown is a file beside it: -o FILE")
+    picture = f"{os.path.splitext(output)[0]}.svg"
+    write_output(page.picture.encode(), picture)
+    return markdown_page(page, os.path.basename(picture))
+
+
+def _written(page: Page, form: str) -> str:
+    from rtkit.cli.shared.terminal import display_width
+
+    if form == "html":
+        from rtkit.profile_tools.html_page import html_page
+
+        return html_page(page)
+    if form == "markdown":
+        from rtkit.profile_tools.markdown_page import markdown_page
+
+        return markdown_page(page)
+    if form == "latex":
+        from rtkit.profile_tools.latex_page import latex_page
+
+        return latex_page(page)
+    if form == "rst":
+        return _rst(page)
+    from rtkit.profile_tools.text_page import text_page
+
+    return text_page(page, display_width)

@@ -1,0 +1,53 @@
+"""``rtprofile diff``: compare two profiles by meaning."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import click
+
+from rtkit.cli.shared import json_records, terminal
+from rtkit.cli.shared.app import App, WrongArguments, command
+from rtkit.errors import Refused, UsageProblem
+
+if TYPE_CHECKING:
+    from rtkit.profile_tools.difference import Difference
+
+_STYLES: dict[str, dict[str, object]] = {
+    "added": {"fg": "green"},
+    "removed": {"fg": "red"},
+    "changed": {"fg": "yellow"},
+}
+
+
+@command("diff", is_local=True)
+@click.option("--all", "takes_all", is_flag=True, help="Also ids, dates, positions, remarks.")
+@click.option("--json", "is_json", is_flag=True, help="One object a line for each difference.")
+@click.argument("files", nargs=-1, metavar="BEFORE AFTER")
+def main(app: App, files: tuple[str, ...], takes_all: bool, is_json: bool) -> int:
+    """Compare two profiles by what they mean: components, ports, connectors, parameters, orders.
+
+    Components are the same where their instance names are, connectors where their ends are; the
+    order of elements, ids of connectors, dates, positions and remarks make no difference. One of
+    the two may be - for stdin. Exit status 0: the same, 1: different.
+    """
+    from rtkit.cli.profiles.document import read_document
+    from rtkit.profile_tools.difference import differences
+
+    if len(files) != 2:
+        raise WrongArguments(f"takes two files, not {len(files)}")
+    if files == ("-", "-"):
+        raise UsageProblem("only one of the two can come from stdin")
+    before, after = (read_document(app, file).profile for file in files)
+    found = differences(before, after, takes_all=takes_all)
+    for each in found:
+        click.echo(_object(each) if is_json else _line(each))
+    return app.status(Refused()) if found else 0
+
+
+def _line(each: Difference) -> str:
+    return terminal.styled(each.text, _STYLES[each.change])
+
+
+def _object(each: Difference) -> str:
+    return json_records.line("profile-difference", each._asdict())

@@ -1,0 +1,70 @@
+"""``rtprofile doc``: a page about a component or a system, from its profile."""
+
+from __future__ import annotations
+
+import os
+from typing import TYPE_CHECKING
+
+import click
+
+from rtkit.cli.shared.app import App, check_at_most_one, command
+from rtkit.errors import UsageProblem
+
+if TYPE_CHECKING:
+    from rtkit.profile.rtc_model import RtcProfile
+    from rtkit.profile.rts_model import RtsProfile
+    from rtkit.profile_tools.page import Page
+
+HTML, MARKDOWN = "html", "markdown"
+_ENDINGS = {".html": HTML, ".htm": HTML, ".xhtml": HTML, ".md": MARKDOWN, ".markdown": MARKDOWN}
+
+
+@command("doc", is_local=True)
+@click.option(
+    "-f",
+    "--format",
+    "form",
+    type=click.Choice((HTML, MARKDOWN)),
+    help="What to write; else as the name of the output ends, else HTML.",
+)
+@click.option("-o", "--output", default="-", metavar="FILE", help="Where to write it.")
+@click.option("--no-picture", is_flag=True, help="Without the picture.")
+@click.argument("files", nargs=-1, metavar="[FILE]")
+def main(app: App, files: tuple[str, ...], form: str | None, output: str, no_picture: bool) -> None:
+    """Write a page about a component, or a system, from what its profile documents.
+
+    An HTML page is one file, with the picture in it, without scripts, and loads nothing. Markdown
+    that is written to a file has its picture in an SVG file beside it.
+    """
+    from rtkit.cli.profiles.document import read_document
+    from rtkit.cli.shared.atomic import write_output
+
+    check_at_most_one(files, "file")
+    form = form or _ENDINGS.get(os.path.splitext(output)[1].lower(), HTML)
+    page = _page(read_document(app, *files).profile)
+    page = page._replace(picture="") if no_picture else page
+    if form == HTML:
+        from rtkit.profile_tools.html_page import html_page
+
+        write_output(html_page(page).encode(), output)
+        return
+    from rtkit.profile_tools.markdown_page import markdown_page
+
+    picture = f"{os.path.splitext(output)[0]}.svg" if page.picture and output != "-" else ""
+    if picture == output:
+        raise UsageProblem(f"the picture would replace the page: {output}")
+    if picture:
+        write_output(page.picture.encode(), picture)
+    write_output(markdown_page(page, os.path.basename(picture)).encode(), output)
+
+
+def _page(profile: RtcProfile | RtsProfile) -> Page:
+    from rtkit.profile.rts_model import RtsProfile
+
+    if isinstance(profile, RtsProfile):
+        from rtkit.profile_tools.system_page import system_page
+
+        return system_page(profile)
+    from rtkit.profile_tools.component_page import component_page
+
+    return component_page(profile)

@@ -1,0 +1,67 @@
+"""``rtprofile from``: the RTC profile of a component that exists as code."""
+
+from __future__ import annotations
+
+import os
+
+import click
+
+from rtkit.cli.shared.app import App, WrongArguments, command
+from rtkit.errors import UsageProblem
+from rtkit.profile.forms import FORMS, form_of_name
+
+_EPOCH = "SOURCE_DATE_EPOCH"
+
+
+@command("from", is_local=True)
+@click.option("-o", "--output", default="-", metavar="FILE", help="Where to write (- is stdout).")
+@click.option("--to", type=click.Choice(FORMS), help="What to write; else as FILE ends, else XML.")
+@click.option("--type", "wanted", default="", help="Which type, of a module that offers several.")
+@click.option(
+    "--initialize",
+    is_flag=True,
+    help="Call on_initialize first, for ports that are made there.",
+)
+@click.argument("modules", nargs=-1, metavar="MODULE:FACTORY")
+def main(
+    app: App,
+    modules: tuple[str, ...],
+    output: str,
+    to: str | None,
+    wanted: str,
+    initialize: bool,
+) -> None:
+    """Write the RTC profile of a component, from its code.
+
+    MODULE is a file, or a name in the places where managers look for modules; FACTORY is its init
+    function, by default NAMEInit, or the class of a component. The module is imported and an
+    instance is made of it: its code runs. What rtbuild puts into code is found again.
+    """
+    if len(modules) != 1:
+        raise WrongArguments("One MODULE:FACTORY has to be given.")
+    form = to or form_of_name(output) or FORMS[0]
+    if output != "-" and to is None and form_of_name(output) is None:
+        raise UsageProblem(f"no form to write: --to {'|'.join(FORMS)}, or a FILE that ends so")
+    from rtkit.builder.profile_of import profile_of
+    from rtkit.cli.profiles.factory import component_class, instance_of
+    from rtkit.cli.shared.atomic import write_output
+    from rtkit.component.base import Component
+    from rtkit.deployment.extension import MODULE
+    from rtkit.profile.write import write_profile
+
+    offer = component_class(modules[0], wanted)
+    component = instance_of(offer.cls, modules[0], is_initialised=initialize)
+    if not initialize and offer.cls.on_initialize is not Component.on_initialize:
+        app.tell("ports that on_initialize makes are not told: --initialize calls it")
+    module = f"{os.path.basename(offer.file)}:{offer.init}"
+    profile = profile_of(component, _now(), {MODULE: module} if offer.init else {})
+    write_output(write_profile(profile, form), output)
+
+
+def _now() -> str:
+    """Return the present time, or the one that reproducible builds set."""
+    import time
+
+    told = os.environ.get(_EPOCH, "")
+    moment = int(told) if told.isascii() and told.isdigit() else time.time()
+    return time.strftime("%Y-%m-%dT%H:%M:%S", time.gmtime(moment))

@@ -1,0 +1,89 @@
+"""``rtprofile graph``: draw a system or a component, without running it."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import click
+
+from rtkit.cli.shared.app import App, check_at_most_one, command
+from rtkit.errors import Refused, UsageProblem
+
+if TYPE_CHECKING:
+    from rtkit.drawing.scene import Scene
+    from rtkit.profile.rtc_model import RtcProfile
+    from rtkit.profile.rts_model import RtsProfile
+
+_DOT_ENDINGS = (".dot", ".gv")
+
+
+@command("graph")
+@click.option("--svg", "form", flag_value="svg", help="Write SVG (default).")
+@click.option("--dot", "form", flag_value="dot", help="Write the input of Graphviz.")
+@click.option("-o", "--output", default="-", metavar="FILE", help="Where to write it.")
+@click.option("--title", metavar="TEXT", help="What stands above it (default: the id).")
+@click.option("--live", is_flag=True, help="Draw what lives, with states and processes.")
+@click.argument("files", nargs=-1, metavar="[FILE]")
+def main(
+    app: App, files: tuple[str, ...], form: str | None, output: str, title: str | None, live: bool
+) -> int:
+    """Draw a system without running it: components, ports, connectors; or a component type.
+
+    Data flow from left to right as far as they can; service connectors are dashed, composites are
+    frames around their members. With --live a manager is asked, and each component shows its
+    state and process. Without Graphviz; for it there is --dot, or an output that ends in .dot or
+    .gv.
+    """
+    from rtkit.cli.shared.atomic import write_output
+
+    is_dot = form == "dot" or (form is None and output.lower().endswith(_DOT_ENDINGS))
+    if live:
+        write_output(_live(app, files, title, is_dot=is_dot).encode(), output)
+        return app.tell_silent_servers("not drawn")
+    from rtkit.cli.profiles.document import read_document
+
+    check_at_most_one(files, "file")
+    profile = read_document(app, *files).profile
+    write_output(_drawn(profile, title, is_dot=is_dot).encode(), output)
+    return 0
+
+
+def _live(app: App, files: tuple[str, ...], title: str | None, *, is_dot: bool) -> str:
+    """Return the drawing of the live system.
+
+    Raises:
+        UsageProblem: A file is named, too.
+        Unreachable: The manager does not answer.
+    """
+    from rtkit.cli.system.live_picture import live_scene
+
+    if files:
+        raise UsageProblem("--live draws what lives: no file")
+    told = "what lives" if title is None else title
+    return _system(live_scene(app, told), told, is_dot=is_dot)
+
+
+def _drawn(profile: RtcProfile | RtsProfile, title: str | None, *, is_dot: bool) -> str:
+    from rtkit.profile.rts_model import RtsProfile
+
+    told = profile.id if title is None else title
+    if not isinstance(profile, RtsProfile):
+        if is_dot:
+            raise Refused("dot is for systems; a component type is drawn as SVG only")
+        from rtkit.drawing.component import component_svg
+        from rtkit.profile_tools.component_scene import component_name, component_pins
+
+        return component_svg(component_name(profile), component_pins(profile))
+    from rtkit.profile_tools.system_scene import system_scene
+
+    return _system(system_scene(profile), told, is_dot=is_dot)
+
+
+def _system(scene: Scene, title: str, *, is_dot: bool) -> str:
+    if is_dot:
+        from rtkit.drawing.dot import dot_lines
+
+        return "\n".join(dot_lines(scene, title)) + "\n"
+    from rtkit.drawing.svg import picture
+
+    return picture(scene, title)

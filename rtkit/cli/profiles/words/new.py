@@ -1,0 +1,204 @@
+"""``rtprofile new``: begin the profile of a component or a system."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from rtkit.cli.shared.app import App, WrongArguments, command
+from rtkit.cli.shared.choice import NumberChoice
+from rtkit.errors import Malformed, Refused, UsageProblem
+
+if TYPE_CHECKING:
+    from rtkit.profile.rtc_model import ConfigurationParameter, RtcProfile
+    from rtkit.profile.rts_model import RtsProfile
+    from rtkit.profile_tools.new_system import NewMember
+
+_KINDS = {"component": "rtc", "rtc": "rtc", "system": "rts", "rts": "rts"}
+_FOR_COMPONENTS = (
+    "ins",
+    "outs",
+    "provides",
+    "requires",
+    "parameters",
+    "callbacks",
+    "category",
+    "rate",
+    "component_type",
+    "activity_type",
+    "max_instances",
+    "language",
+)
+_FOR_SYSTEMS = ("members", "connections", "host")
+_CALLBACKS = ("onInitialize", "onActivated", "onDeactivated", "onExecute")
+
+
+def _several(name: str, option: str, metavar: str, text: str) -> click.Option:
+    return click.Option([option, name], multiple=True, metavar=metavar, help=text)
+
+
+_OPTIONS = [
+    click.Option(["-o", "--output"], metavar="FILE", help="Where to write it (default NAME.xml)."),
+    click.Option(["-f", "--force"], is_flag=True, help="Replace what is there."),
+    click.Option(["--vendor"], default="Me", help="Who made it (default Me)."),
+    click.Option(["--release"], default="1.0.0", help="Version of it (default 1.0.0)."),
+    click.Option(["--description"], default="", help="What it is."),
+    _several("ins", "--in", "NAME:TYPE[:UNIT]", "component: an in port."),
+    _several("outs", "--out", "NAME:TYPE[:UNIT]", "component: an out port."),
+    _several("provides", "--provides", "PORT:TYPE[:IDL]", "component: a provided interface."),
+    _several("requires", "--requires", "PORT:TYPE[:IDL]", "component: a required interface."),
+    _several(
+        "parameters",
+        "--parameter",
+        "NAME:TYPE=DEFAULT[;CONSTRAINT]",
+        "component: a configuration parameter.",
+    ),
+    _several("callbacks", "--callback", "NAME", "component: a callback that it implements."),
+    click.Option(["--category"], help="component: its category (default Misc)."),
+    click.Option(["--rate"], type=NumberChoice(min=0), metavar="HZ", help="component: rate."),
+    click.Option(
+        ["--type", "component_type"],
+        type=click.Choice(("STATIC", "UNIQUE", "COMMUTATIVE")),
+        help="component: its type (default STATIC).",
+    ),
+    click.Option(
+        ["--activity", "activity_type"],
+        type=click.Choice(("PERIODIC", "SPORADIC", "EVENTDRIVEN")),
+        help="component: what drives it (default PERIODIC).",
+    ),
+    click.Option(
+        ["--max-instances"], type=click.IntRange(min=0), help="component: 0 is no limit (default)."
+    ),
+    click.Option(["--language"], help="component: its language (default Python)."),
+    _several("members", "--component", "FILE[:INSTANCE]", "system: a component, by its profile."),
+    _several("connections", "--connect", "INSTANCE.PORT=INSTANCE.PORT", "system: a connection."),
+    click.Option(["--host"], help="system: where its components are (default localhost)."),
+]
+
+
+@command("new", is_local=True, params=_OPTIONS)
+@click.argument("words", nargs=-1, metavar="component|system NAME")
+def main(
+    app: App,
+    words: tuple[str, ...],
+    output: str | None,
+    force: bool,
+    vendor: str,
+    release: str,
+    description: str,
+    **parts: Any,
+) -> None:
+    r"""Begin the profile of a component or of a system.
+
+    An RTC profile or an RTS profile.
+
+    It is valid at once. What is there is not replaced without --force; an output that ends in .yaml
+    or .json is written in that form, and - is stdout. Standard data types need no module.
+
+    A component implements onInitialize, onActivated, onDeactivated and onExecute unless --callback
+    tells others. Components of a system have the ports, parameters and rates of their profiles.
+    """
+    from rtkit.cli.shared.atomic import write_output
+    from rtkit.profile.forms import XML, form_of_name
+    from rtkit.profile.write import write_profile
+
+    kind, name = _read(words)
+    _refuse(parts, _FOR_SYSTEMS if kind == "rtc" else _FOR_COMPONENTS, kind)
+    place = output or f"{name}.xml"
+    if not force and place != "-" and os.path.lexists(place):
+        raise Refused(f"{place} is there already; --force replaces it")
+    given = {key: value for key, value in parts.items() if value not in (None, ())}
+    make = _component if kind == "rtc" else _system
+    profile = make(name, vendor, release, description, given)
+    write_output(write_profile(profile, form_of_name(place) or XML), place, is_new=not force)
+
+
+def _read(words: Sequence[str]) -> tuple[str, str]:
+    if len(words) != 2:
+        raise WrongArguments("takes what to begin and its name: component NAME or system NAME")
+    kind = _KINDS.get(words[0])
+    if kind is None:
+        raise UsageProblem(f"no such kind of profile: {words[0]} (component or system)")
+    return kind, words[1]
+
+
+def _refuse(parts: dict[str, Any], others: Sequence[str], kind: str) -> None:
+    """Refuse options that are for the other kind."""
+    context = click.get_current_context()
+    options = {option.name: option.opts[0] for option in context.command.params}
+    for name in others:
+        if parts.get(name) not in (None, ()):
+            what = "a component" if kind == "rtc" else "a system"
+            raise UsageProblem(f"{options[name]} is not for {what}")
+
+
+def _now() -> str:
+    from datetime import datetime
+
+    return datetime.now().astimezone().replace(microsecond=0).isoformat()
+
+
+def _component(
+    name: str, vendor: str, release: str, description: str, given: dict[str, Any]
+) -> RtcProfile:
+    from rtkit.profile_tools import new_component as new
+
+    ports = [new.data_port(text, "DataInPort") for text in given.pop("ins", ())]
+    ports += [new.data_port(text, "DataOutPort") for text in given.pop("outs", ())]
+    wishes = [new.interface(text, "Provided") for text in given.pop("provides", ())]
+    wishes += [new.interface(text, "Required") for text in given.pop("requires", ())]
+    parameters = [_fitting(new.parameter(text)) for text in given.pop("parameters", ())]
+    callbacks = given.pop("callbacks", _CALLBACKS)
+    heading = new.ComponentHeading(name, _now(), vendor, version=release, description=description)
+    return new.new_component(
+        heading._replace(**given), ports, new.service_ports(wishes), parameters, callbacks
+    )
+
+
+def _fitting(item: ConfigurationParameter) -> ConfigurationParameter:
+    """Refuse a parameter whose default breaks its own type or constraint."""
+    from rtkit.component.constraint_check import Declared, misfit_of
+    from rtkit.profile.constraint_format import format_constraint
+
+    rule = format_constraint(item.constraint) if item.constraint else ""
+    why = misfit_of(Declared(item.type, rule, item.constraint), item.default_value)
+    if why:
+        raise Malformed(f"{item.name} cannot be {item.default_value!r}: {why}")
+    return item
+
+
+def _system(
+    name: str, vendor: str, release: str, description: str, given: dict[str, Any]
+) -> RtsProfile:
+    from rtkit.profile_tools.new_system import new_system
+
+    members: list[NewMember] = []
+    for text in given.get("members", ()):
+        members.append(_member(text, [member.instance for member in members]))
+    return new_system(
+        name,
+        _now(),
+        members,
+        given.get("connections", ()),
+        vendor=vendor,
+        version=release,
+        abstract=description,
+        host=given.get("host", "localhost"),
+    )
+
+
+def _member(text: str, taken: Sequence[str]) -> NewMember:
+    from rtkit.profile.read import read_file
+    from rtkit.profile.rtc_model import RtcProfile
+    from rtkit.profile_tools.component_scene import component_name
+    from rtkit.profile_tools.new_system import NewMember, default_instance
+
+    file, colon, instance = text.rpartition(":")
+    if not colon or os.path.exists(text):
+        file, instance = text, ""
+    profile = read_file(file, kind="rtc").profile
+    assert isinstance(profile, RtcProfile)
+    return NewMember(profile, instance or default_instance(component_name(profile), taken))

@@ -1,0 +1,87 @@
+"""``rtprofile set``: properties of a system and of its components."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import click
+
+from rtkit.cli.shared.app import App, WrongArguments, command, strict_option
+from rtkit.errors import Malformed
+
+if TYPE_CHECKING:
+    from rtkit.profile.rts_model import RtsProfile
+
+
+@command("set", is_local=True)
+@click.option(
+    "-u",
+    "--unset",
+    "removed",
+    multiple=True,
+    metavar="[INSTANCE:]KEY",
+    help="Remove a property; repeatable.",
+)
+@click.option("-o", "--output", metavar="OUTPUT", help="Where to write it (default FILE itself).")
+@strict_option()
+@click.argument("file", metavar="FILE", required=False)
+@click.argument("said", nargs=-1, metavar="[INSTANCE:]KEY=VALUE...")
+def main(
+    app: App, file: str | None, said: tuple[str, ...], removed: tuple[str, ...], output: str | None
+) -> None:
+    """Set properties of a system and its components, in its profile.
+
+    So policies of restart, rules of health (rtkit help survival) and limits (rtkit help limits) are
+    written down, states of the system (rtkit help states), costs (rtkit.cost) and what else rtkit
+    or others know. What makes no sense is refused, and nothing is written; what looks like a
+    property of rtkit and is none is warned of. The file is replaced whole; what FILE - reads goes
+    to stdout.
+    """
+    from rtkit.cli.profiles.document import read_document
+    from rtkit.cli.shared.atomic import write_output
+    from rtkit.cli.shared.findings import say_findings
+    from rtkit.deployment.known_keys import odd_properties
+    from rtkit.profile.forms import form_of
+    from rtkit.profile.rts_model import RtsProfile
+    from rtkit.profile.write import write_profile
+    from rtkit.profile_tools.rewriting import rewritten
+    from rtkit.profile_tools.stating import stated, statement
+
+    if file is None:
+        raise WrongArguments("No file specified.")
+    if not said and not removed:
+        raise WrongArguments("No property specified.")
+    statements = [statement(each) for each in said]
+    statements += [statement(each, is_removal=True) for each in removed]
+    document = read_document(app, file, kind="rts")
+    assert isinstance(document.profile, RtsProfile)
+    profile = stated(document.profile, statements)
+    _check(profile)
+    app.warn(each.text for each in odd_properties(profile))
+    say_findings(app, rewritten(document.data, document.name).findings)
+    write_output(write_profile(profile, form_of(document.data, document.name)), output or file)
+
+
+def _check(profile: RtsProfile) -> None:
+    """Refuse properties that make no sense.
+
+    Raises:
+        Malformed: Names the component and the property.
+    """
+    from rtkit.deployment.described import properties_of
+    from rtkit.deployment.extension import SLAVE_RESTART
+    from rtkit.deployment.health import read_rules
+    from rtkit.deployment.limits import read_limits
+    from rtkit.deployment.supervision import read_policy, restart_of
+
+    for key, value in properties_of(profile.properties).items():
+        if key.startswith(SLAVE_RESTART):
+            restart_of(key, value)
+    for component in profile.components:
+        told = properties_of(component.properties)
+        try:
+            read_policy(told)
+            read_rules(told)
+            read_limits(told)
+        except Malformed as error:
+            raise Malformed(f"{component.instance_name}: {error}") from error

@@ -1,0 +1,1 @@
+"""Commands on live properties: read, set, listen, serve, relay."""

@@ -1,0 +1,110 @@
+"""Shared parts of the property commands: options, connections, the display of values."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from typing import TYPE_CHECKING, Any, TypeVar
+
+import click
+
+from rtkit.cli.shared import json_records
+from rtkit.cli.shared.app import App, working_directory
+from rtkit.cli.shared.terminal import printable
+from rtkit.errors import Malformed
+
+if TYPE_CHECKING:
+    from rtkit.property.messages import Payload
+    from rtkit.tree.properties import PropertyConnections
+
+F = TypeVar("F", bound=Callable[..., Any])
+
+
+def place_options(function: F) -> F:
+    """Add ``-p`` and ``--at``."""
+    function = click.option(
+        "--at",
+        metavar="HOST:PORT",
+        help="Ask the service at this TCP endpoint, http:// or ice://HOST:PORT, or serial:DEVICE.",
+    )(function)
+    return click.option(
+        "-p",
+        "--parameter",
+        "parameters",
+        multiple=True,
+        metavar="KEY=VALUE",
+        help="A parameter of the request (repeatable).",
+    )(function)
+
+
+@contextmanager
+def connected(app: App, at: str | None) -> Iterator[PropertyConnections]:
+    """Connect to owners of properties for as long as the context lasts.
+
+    Raises:
+        UsageError: ``--at`` is no address.
+    """
+    from rtkit.tree.properties import PropertyConnections
+
+    if at is not None and at.startswith("serial:"):
+        from rtkit.wires.serial.address import read_address
+
+        try:
+            read_address(at)
+        except Malformed as error:
+            raise click.BadParameter(str(error), param_hint="--at") from None
+    elif at is not None and not _is_door(at):
+        raise click.BadParameter(f"not HOST:PORT: {at}", param_hint="--at")
+    places = PropertyConnections(working_directory(), at or "", app.timeout_s)
+    try:
+        yield places
+    finally:
+        places.close()
+
+
+def _is_door(at: str) -> bool:
+    return at.startswith(("http://", "ice://")) or at.rpartition(":")[2].isdigit()
+
+
+def joined(parameters: Sequence[str]) -> str:
+    """Return parameters as they follow a question mark."""
+    from rtkit.property.naming import write_parameters
+
+    given: dict[str, str | None] = {}
+    for each in parameters:
+        key, mark, value = each.partition("=")
+        given[key] = value if mark else None
+    return write_parameters(given)
+
+
+def shown(payload: Payload) -> str:
+    """Return a value as one line on a terminal; bytes in hexadecimal."""
+    return payload.hex(" ") if isinstance(payload, bytes) else printable(payload)
+
+
+def record(kind: str, typed: str, payload: Payload, **more: Any) -> str:
+    """Return a value as a JSON record."""
+    from rtkit.property.plain import payload_to_plain
+
+    text = None if isinstance(payload, bytes) else payload
+    fields = {"target": typed, "value": payload_to_plain(payload), "text": text, **more}
+    return json_records.line(kind, fields)
+
+
+def write_raw(payload: Payload) -> None:
+    """Write a value as it is, without an end of line; a string without its quotes."""
+    import sys
+
+    from rtkit.property.codes import PropertyError
+    from rtkit.property.reading import read
+
+    if isinstance(payload, str):
+        try:
+            value = read(payload)
+        except PropertyError:
+            value = payload
+        text = value if isinstance(value, str) and payload.startswith('"') else payload
+        payload = text.encode("utf-8", "surrogateescape")
+    sys.stdout.flush()
+    sys.stdout.buffer.write(payload)
+    sys.stdout.buffer.flush()

@@ -1,0 +1,84 @@
+"""``rtget``: print the values of live properties."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+import click
+
+from rtkit.cli.properties.asking import connected, joined, place_options, record, shown, write_raw
+from rtkit.cli.shared import terminal
+from rtkit.cli.shared.app import App, WrongArguments, command
+from rtkit.cli.shared.choice import NumberChoice
+from rtkit.cli.shared.watch import MayWatch, WatchOption, watch
+from rtkit.errors import RtkitError
+
+
+@command("rtget", cls=MayWatch)
+@place_options
+@click.option("--json", "is_json", is_flag=True, help="One JSON object a line.")
+@click.option("--raw", "is_raw", is_flag=True, help="Bytes as they are, no quotes, no line end.")
+@click.option(
+    "--watch",
+    "period_s",
+    cls=WatchOption,
+    type=NumberChoice(min=0.05),
+    metavar="SECONDS",
+    help="Get again, every second or --watch=SECONDS, until interrupted.",
+)
+@click.argument("targets", nargs=-1, metavar="TARGET...")
+def main(
+    app: App,
+    parameters: tuple[str, ...],
+    at: str | None,
+    is_json: bool,
+    is_raw: bool,
+    period_s: float | None,
+    targets: tuple[str, ...],
+) -> int:
+    """Print the values of live properties, a line each.
+
+    TARGET is SERVICE.NAME, or a path such as /localhost/SERVICE/NAME; in place of a service it
+    may be a component, a manager or this host (/localhost/Motor0.rtc.state). Elsewhere it is
+    http://HOST:PORT/ps/SERVICE/NAME, ice://HOST:PORT/SERVICE/NAME or serial:DEVICE/NAME. Alone, a
+    service stands for the names it has. Behind the name of a property .meta asks what is known of
+    it, .properties what is below, .parameters, .gui, .history more. What cannot be got is told
+    behind the others.
+    """
+    if not targets:
+        raise WrongArguments("No targets specified.")
+    if is_raw and is_json:
+        raise click.UsageError("--raw and --json exclude each other")
+    with connected(app, at) as places:
+        from rtkit.tree.properties import asked
+
+        more = joined(parameters)
+
+        def value(target: str) -> tuple[str, str | bytes]:
+            place, end = places.find(target)
+            return place.typed, asked(lambda: end.ask(place.target(more)), place.typed)
+
+        def told(values: Iterable[tuple[str, str | bytes]]) -> list[str]:
+            if is_json:
+                return [record("property", typed, payload) for typed, payload in values]
+            return [shown(payload) for _, payload in values]
+
+        if period_s is not None:
+            watch(lambda: told(map(value, targets)), period_s)
+            return 0
+        values, failures = [], []
+        for target in targets:
+            try:
+                values.append(value(target))
+            except RtkitError as error:
+                failures.append(error)
+        if is_raw:
+            for _, payload in values:
+                write_raw(payload)
+        else:
+            terminal.write(told(values))
+    for failure in failures[:-1]:
+        app.fail(str(failure))
+    if failures:
+        raise failures[-1]
+    return 0

@@ -1,0 +1,133 @@
+"""``rtlisten``: print live properties as they change."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator
+from contextlib import ExitStack
+from typing import TYPE_CHECKING
+
+import click
+
+from rtkit.cli.properties.asking import connected, joined, place_options, record, shown, write_raw
+from rtkit.cli.shared import json_records, terminal
+from rtkit.cli.shared.app import App, WrongArguments, command
+from rtkit.cli.shared.choice import NumberChoice
+from rtkit.cli.shared.lasting import lasting
+
+if TYPE_CHECKING:
+    from rtkit.property.messages import PropertyEvent
+    from rtkit.tree.property_subscription import PropertySubscription
+
+_NS = 1_000_000_000
+
+
+@command("rtlisten")
+@place_options
+@click.option("-n", "--number", type=click.IntRange(min=1), metavar="N", help="Stop after N.")
+@lasting(long="--duration")
+@click.option("--queue", type=click.IntRange(1, 10_000), metavar="N",
+              help="Keep N events while they cannot be sent (default 1: the latest).")  # fmt: skip
+@click.option("--every", type=NumberChoice(min=0.0), metavar="SECONDS",
+              help="At most one event in this time; the last one always comes.")  # fmt: skip
+@click.option("--deadband", type=NumberChoice(min=0.0), metavar="NUMBER",
+              help="Only when a number has changed by this much.")  # fmt: skip
+@click.option("--mode", type=click.Choice(["change", "all", "diff"]),
+              help="Each change (default), each set, or of names what came and went.")  # fmt: skip
+@click.option("--json", "is_json", is_flag=True, help="One JSON object a line.")
+@click.option("--raw", "is_raw", is_flag=True, help="Bytes as they are, no quotes, no line end.")
+@click.argument("targets", nargs=-1, metavar="TARGET...")
+def main(
+    app: App,
+    parameters: tuple[str, ...],
+    at: str | None,
+    number: int | None,
+    duration_s: float | None,
+    queue: int | None,
+    every: float | None,
+    deadband: float | None,
+    mode: str | None,
+    is_json: bool,
+    is_raw: bool,
+    targets: tuple[str, ...],
+) -> int:
+    """Print live properties as they change; the present values come first.
+
+    TARGET as of rtget; a service alone stands for the names it has. It ends after N events,
+    after some time, when a property is removed or its service has gone. The status is 1 when
+    nothing came at all.
+    """
+    if not targets:
+        raise WrongArguments("No targets specified.")
+    if is_raw and is_json:
+        raise click.UsageError("--raw and --json exclude each other")
+    options = {"queue": queue, "every": every, "deadband": deadband, "mode": mode}
+    given = [f"{key}={value}" for key, value in options.items() if value is not None]
+    app.bound(duration_s)
+    until = None if duration_s is None else time.monotonic() + duration_s
+    count = 0
+    with connected(app, at) as places, ExitStack() as stack:
+        from rtkit.tree.property_subscription import PropertySubscription
+
+        heard = stack.enter_context(
+            PropertySubscription(places, targets, joined([*parameters, *given]))
+        )
+        for typed, event in _events(heard, until):
+            if event.code:
+                from rtkit.property.codes import PropertyError
+                from rtkit.tree.properties import printed_error
+
+                raise printed_error(typed, PropertyError(event.code, "it has been removed"))
+            if is_raw:
+                write_raw(event.payload)
+            else:
+                terminal.write([_json(typed, event) if is_json else _line(typed, event, targets)])
+            _flush()
+            count += 1
+            if count == number:
+                break
+    return 0 if count else 1
+
+
+def _events(
+    heard: PropertySubscription, until: float | None
+) -> Iterator[tuple[str, PropertyEvent]]:
+    """Yield events with the target as it was typed, until some time [s, monotonic].
+
+    Raises:
+        PropertyError: An owner has gone.
+        BrokenPipeError: Nobody reads stdout any more.
+    """
+    from rtkit.cli.shared.wait import wait_for
+
+    while True:
+        while (event := heard.take()) is not None:
+            yield event
+        if until is not None and time.monotonic() >= until:
+            return
+        wait_for([heard.fileno()], until)
+
+
+def _flush() -> None:
+    import sys
+
+    sys.stdout.flush()
+
+
+def _line(typed: str, event: PropertyEvent, targets: tuple[str, ...]) -> str:
+    text = shown(event.payload)
+    if len(targets) > 1:
+        text = f"{terminal.printable(typed)} {text}"
+    remarks = [event.quality] if event.quality != "good" else []
+    remarks += [f"{event.dropped} dropped"] if event.dropped else []
+    return f"{text}  ({', '.join(remarks)})" if remarks else text
+
+
+def _json(typed: str, event: PropertyEvent) -> str:
+    more = {
+        "time": json_records.time_text(int(event.time * _NS)),
+        "revision": event.revision,
+        "quality": event.quality,
+        "dropped": event.dropped,
+    }
+    return record("property-event", typed, event.payload, **more)

@@ -1,0 +1,58 @@
+"""``rtproxy``: live properties behind another door, on another wire."""
+
+from __future__ import annotations
+
+import click
+
+from rtkit.cli.shared import terminal
+from rtkit.cli.shared.app import App, command, working_directory
+
+
+@command("rtproxy", is_local=True)
+@click.option("--prefix", default="", metavar="NAME", help="Put this in front of all names.")
+@click.option("--allow-set", multiple=True, metavar="GLOB",
+              help="Names that may be set, actions that may be started (repeatable).")  # fmt: skip
+@click.argument("source", metavar="FROM")
+@click.argument("target", metavar="TO")
+def main(app: App, prefix: str, allow_set: tuple[str, ...], source: str, target: str) -> None:
+    """Open another endpoint, on another wire, to live properties.
+
+    FROM is a service or component: a path of the tree, unix:PATH, tcp:HOST:PORT/SERVICE,
+    zenoh:SERVICE, http://HOST:PORT/ps/SERVICE, ice://HOST:PORT/SERVICE, serial:DEVICE or
+    mqtt:USER@HOST/TOPIC. TO is what is opened: a name for the tree, unix:PATH, tcp:PORT, http:PORT,
+    ice:PORT, serial:DEVICE, or a topic of a broker, mqtt:USER@HOST/TOPIC (its password:
+    RTKIT_MQTT_PASSWORD). Once it is open, the command prints where.
+
+    Values, errors and events pass as they are; nothing can be set unless --allow-set says so. While
+    FROM is away requests are answered no-service and listeners hear that their values are stale;
+    they hear on when it is back.
+    """
+    import signal
+    import sys
+    import threading
+
+    from rtkit.cli.shared.signals import heard_by_main
+    from rtkit.proxy.bridge import bridge
+    from rtkit.serving.refusals import Refusals
+
+    def say(why: str) -> None:
+        print(f"rtproxy: {source}: {f'gone: {why}' if why else 'back'}", file=sys.stderr)
+
+    ended = threading.Event()
+    signal.signal(signal.SIGTERM, lambda number, frame: ended.set())
+    with (
+        heard_by_main(),
+        bridge(
+            source,
+            target,
+            prefix=prefix,
+            allow_set=allow_set,
+            cwd=working_directory(),
+            timeout_s=app.timeout_s,
+            said=say,
+            on_refusal=Refusals(),
+        ) as opened,
+    ):
+        terminal.write([opened.address])
+        sys.stdout.flush()
+        ended.wait()

@@ -1,0 +1,83 @@
+"""``rtset``: set a live property."""
+
+from __future__ import annotations
+
+import re
+import sys
+
+import click
+
+from rtkit.cli.properties.asking import connected, joined, place_options, shown
+from rtkit.cli.shared import terminal
+from rtkit.cli.shared.app import App, WrongArguments, command
+
+_NUMBER = re.compile(r"-(?:\.?\d|inf$).*")
+_MARK = "\0"
+
+
+class _TakesNumbers(click.Command):
+    """Takes ``-0.5`` for a value, not for an option."""
+
+    def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
+        end = args.index("--") if "--" in args else len(args)
+        marked = [_MARK + each if _NUMBER.fullmatch(each) else each for each in args[:end]]
+        return super().parse_args(ctx, marked + args[end:])
+
+
+@command("rtset", cls=_TakesNumbers)
+@place_options
+@click.option("--file", "path", metavar="FILE", help="Take the value from this file.")
+@click.option("--if", "revision", type=int, metavar="REV", help="Only if this is the revision.")
+@click.option("--echo", "has_echo", is_flag=True, help="Print the value that is in force then.")
+@click.argument("words", nargs=-1, metavar="TARGET VALUE")
+def main(
+    app: App,
+    parameters: tuple[str, ...],
+    at: str | None,
+    path: str | None,
+    revision: int | None,
+    has_echo: bool,
+    words: tuple[str, ...],
+) -> None:
+    """Set a live property.
+
+    An action is started by it.
+
+    TARGET VALUE, or PATH PROPERTY VALUE. A VALUE of - is read from stdin. When the command
+    returns without an error the value is in force: whoever asks now gets it, or a newer one.
+
+    An action takes its arguments as a group, or as parameters with -p; it has started when
+    the command returns, with --echo it is done and its outcome is printed.
+    """
+    given = [each.removeprefix(_MARK) for each in words]
+    wanted = 1 if path is not None else 2
+    if len(given) == wanted + 1:
+        given[:2] = [f"{given[0].rstrip('/')}/{given[1]}"]
+    if len(given) != wanted:
+        raise WrongArguments("takes a target and a value")
+    payload = _content(path) if path is not None else given[1]
+    if path is None and payload == "-":
+        payload = _decoded(sys.stdin.buffer.read())
+    more = [*parameters, *(["echo"] if has_echo else [])]
+    if revision is not None:
+        more.append(f"if={revision}")
+    with connected(app, at) as places:
+        from rtkit.tree.properties import asked, bound_of
+
+        place, end = places.find(given[0])
+        more += bound_of(end, place.parameters, more, app.timeout_s)
+        value = asked(lambda: end.ask(place.target(joined(more)), payload), place.typed)
+    if has_echo:
+        terminal.write([shown(value)])
+
+
+def _content(path: str) -> str | bytes:
+    with open(path, "rb") as stream:
+        return _decoded(stream.read())
+
+
+def _decoded(data: bytes) -> str | bytes:
+    try:
+        return data.decode("utf-8")
+    except UnicodeDecodeError:
+        return data

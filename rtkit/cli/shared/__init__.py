@@ -1,0 +1,1 @@
+"""Shared parts of the commands: the run, its options, output, signals."""

@@ -1,0 +1,482 @@
+"""Runs every command: common options, the connection to the tree, errors to exit statuses.
+
+A command file declares its options and calls one room. It is a console script (``rtls``), a verb
+of the unified tool (``rtkit ls``) and a function: ``main(["-l"], tree=some_tree)``.
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Callable, Iterable, Sequence
+from typing import TYPE_CHECKING, Any, NoReturn, TypeGuard
+
+import click
+
+from rtkit.cli.shared import console_process
+from rtkit.cli.shared.choice import NumberChoice
+from rtkit.cli.shared.terminal import printable
+from rtkit.errors import (
+    BUG_EXIT,
+    InvalidDocument,
+    Malformed,
+    Partial,
+    Refused,
+    RtkitError,
+    Unreachable,
+)
+
+if TYPE_CHECKING:
+    from rtkit.rtc.address import Address
+    from rtkit.rtc.names import Path
+    from rtkit.tree.client import Tree
+    from rtkit.tree.view import TreeNode
+
+DEFAULT_TIMEOUT_S = 10.0
+_LEAST_TIMEOUT_S = 2.0
+"""Least time-out for a manager on a busy machine [s]."""
+SETTINGS = {"max_content_width": 100}
+
+
+class App:
+    """One run of a command.
+
+    Attributes:
+        name: What the user typed to get here, the prefix of every message.
+        timeout_s: Time-out of each call [s].
+        is_verbose: Report progress on stderr, and tracebacks.
+        is_strict: Take warnings for errors.
+        form: ``xml``, ``yaml`` or ``json`` where an option says what the profile is.
+        command: The subcommand that is run, once that is known.
+        write_error: Writes one line on stderr.
+    """
+
+    def __init__(self, name: str, tree: Tree | None = None) -> None:
+        self.name = name
+        self.timeout_s = DEFAULT_TIMEOUT_S
+        self.is_verbose = False
+        self.is_strict = False
+        self.form: str | None = None
+        self.has_exit_detail = os.environ.get("RTKIT_EXIT_DETAIL", "") not in ("", "0")
+        self.command: click.Command | None = None
+        self.write_error: Callable[[str], object] = _to_stderr
+        self._tree = tree
+        self._is_own_tree = tree is None
+        self._place: str | None = None
+        self._has_warned_of_servers = False
+
+    @property
+    def tree(self) -> Tree:
+        """The connection to the manager, made at first use."""
+        if self._tree is None:
+            from rtkit.tree.connect import connect
+
+            self._tree = connect(self._place or "", self.timeout_s)
+        return self._tree
+
+    def ask(self, tree: Tree) -> None:
+        """Use a connection that was made for this run; it is closed with the run."""
+        self._tree = tree
+
+    def root(self, path: Path, *, is_deep: bool) -> tuple[TreeNode, str]:
+        """Return the tree as far as a path shows it, and the host that ``localhost`` means.
+
+        A deep tree asks the other managers of this host too.
+        """
+        if self._is_own_tree:
+            from rtkit.tree.place import root_for
+
+            self._warn_of_servers()
+            return root_for(lambda: self.tree, path, is_deep=is_deep)
+        from rtkit.tree.view import build
+
+        listing = self.tree.listing()
+        return build(listing), listing.host
+
+    def _warn_of_servers(self) -> None:
+        """Warn, once, of entries of RTKIT_SERVERS that cannot be asked."""
+        from rtkit.tree.place import strange_servers
+
+        if not self._has_warned_of_servers:
+            self._has_warned_of_servers = True
+            self.warn(strange_servers())
+
+    def tell_silent(self, root: TreeNode, nodes: Iterable[TreeNode], done: str) -> int:
+        """Report managers that did not answer, where nothing was `done`; return the exit status.
+
+        Args:
+            root: Root of the tree; it knows whether the manager asked has answered.
+            nodes: Nodes to look at.
+            done: The operation on them, ``searched``.
+        """
+        from rtkit.tree.view import silent
+
+        told = [root.trouble] if root.trouble else []
+        told += [f"{node.path} was not {done}: {node.trouble}" for node in silent(nodes)]
+        for text in told:
+            self.fail(text)
+        return self.status(Unreachable()) if told else 0
+
+    def tell_silent_servers(self, done: str) -> int:
+        """Report permanent servers of the tree that do not answer; return the exit status."""
+        if not self._is_own_tree:
+            return 0
+        from rtkit.tree.place import silent_servers
+
+        self._warn_of_servers()
+        silent = silent_servers(self.timeout_s)
+        for why in silent:
+            self.fail(f"{done}: {why}")
+        return self.status(Unreachable()) if silent else 0
+
+    def others(self) -> list[str]:
+        """Return the other known managers, each as `connect` takes it."""
+        if not self._is_own_tree:
+            return []
+        from rtkit.tree.place import others
+
+        return others(self.tree)
+
+    @property
+    def finds_managers(self) -> bool:
+        """Return whether this run looks for managers itself, because none was given."""
+        return self._is_own_tree
+
+    def at(self, address: Address) -> tuple[Tree, str]:
+        """Return the connection to the manager at an address, and the slave that it names, if any.
+
+        Raises:
+            Unreachable: No manager answers there, or another one than is meant.
+        """
+        from rtkit.tree.connect import connect_near, slave_at
+
+        if self._tree is None:
+            self._place = str(address)
+            self._tree, slave = connect_near(address, self.timeout_s)
+            return self._tree, slave
+        asked = self._tree.manager
+        if address.id not in ("", asked):
+            raise Unreachable(f"manager {address.id!r} is not the one asked: {asked!r}")
+        return self._tree, slave_at(address, asked)
+
+    def path(self, typed: str) -> Path:
+        """Read a path as typed, relative to the working directory in the tree.
+
+        The path also selects the manager to ask.
+
+        Raises:
+            Refused: Another path led to another manager.
+        """
+        from rtkit.rtc.names import parse_path
+
+        path = parse_path(typed, working_directory())
+        self.note_place(path)
+        return path
+
+    def shown(self, names: Sequence[str]) -> str:
+        """Return the path that a user can type for a component of the manager asked, if any."""
+        if not names or not self._is_own_tree:
+            return f"/{names[0]}" if names else ""
+        from rtkit.tree.place import shown
+
+        return shown(names[0], self.tree.manager, self._place or "")
+
+    def note_place(self, path: Path) -> None:
+        """Record the manager that a path selects.
+
+        Raises:
+            Refused: Another path led to another manager.
+        """
+        if not self._is_own_tree:
+            return
+        from rtkit.tree.place import manager_of
+
+        place = manager_of(path)
+        if self._place is None:
+            self._place = place
+        elif place != self._place:
+            raise Refused(
+                f"{path.typed} is at another manager ({place or 'the usual one'}"
+                f" instead of {self._place or 'the usual one'}): one command asks one manager"
+            )
+
+    def say(self, text: str) -> None:
+        """Write a line, or several, on stderr."""
+        for line in text.split("\n"):
+            self.write_error(printable(line))
+
+    def fail(self, text: str) -> None:
+        """Write one line on stderr behind the command's name."""
+        self.write_error(printable(f"{self.name}: {text}"))
+
+    def warn(self, texts: Iterable[str], mark: str = "warning: ") -> None:
+        """Write warnings about a request before it is carried out.
+
+        Raises:
+            Malformed: There are any, and they are to be taken for errors.
+        """
+        found = list(texts)
+        if found and self.is_strict:
+            raise Malformed("; ".join(found))
+        for text in found:
+            self.fail(f"{mark}{text}")
+
+    def tell(self, text: str) -> None:
+        """Write progress on stderr when asked to be verbose."""
+        if self.is_verbose:
+            self.say(text)
+
+    def status(self, error: RtkitError) -> int:
+        """Return the exit status that stands for `error`."""
+        return error.detail if self.has_exit_detail else error.exit_code
+
+    def bound(self, duration_s: float | None) -> None:
+        """Limit the wait for a manager to the duration of the command, if that is known [s]."""
+        if duration_s is not None:
+            self.timeout_s = min(self.timeout_s, max(duration_s, _LEAST_TIMEOUT_S))
+
+    def close(self) -> None:
+        """End the connection that this run made."""
+        if self._is_own_tree and self._tree is not None:
+            self._tree.close()
+            self._tree = None
+
+
+def _to_stderr(line: str) -> None:
+    click.echo(line, err=True)
+
+
+def working_directory() -> str:
+    """Return the place in the tree that relative paths start from."""
+    return os.environ.get("RTKIT_CWD") or os.environ.get("RTCSH_CWD") or "/"
+
+
+class WrongArguments(Malformed):
+    """The number of arguments is wrong: the usage is shown, the exit status is 1."""
+
+
+def check_at_most_one(words: Sequence[str], what: str) -> None:
+    """Refuse more than one argument.
+
+    Raises:
+        WrongArguments: Names those that are too many.
+    """
+    if len(words) > 1:
+        raise WrongArguments(f"takes one {what}, not also: {' '.join(words[1:])}")
+
+
+pass_app = click.make_pass_decorator(App)
+
+
+class Main:
+    """A command as console script and as function."""
+
+    def __init__(self, name: str, command: click.Command) -> None:
+        self.name = name
+        self.command = command
+
+    def __call__(
+        self, argv: Sequence[str] | None = None, tree: Tree | None = None, name: str = ""
+    ) -> int:
+        """Run with these arguments and return the exit status.
+
+        Without arguments this is the console script: those of the process are taken.
+        """
+        if argv is None:
+            return self.as_script(sys.argv[1:], os.path.basename(sys.argv[0]))
+        return _run(self.command, App(name or self.name, tree), list(argv))
+
+    def as_script(self, arguments: Sequence[str], name: str) -> NoReturn:
+        """Run as the only purpose of this process, and end the process."""
+        console_process.prepare()
+        try:
+            console_process.hear_interrupts()
+            status = _run(self.command, App(name), list(arguments))
+            if status != console_process.INTERRUPTED:
+                console_process.end(status)
+        except KeyboardInterrupt:
+            pass  # the error is already reported
+        console_process.die_interrupted()
+
+
+def command(
+    name: str, *, is_local: bool = False, **settings: Any
+) -> Callable[[Callable[..., int | None]], Main]:
+    """Turn a function that takes an `App` and its options into a command.
+
+    One that `is_local` asks no manager.
+    """
+
+    def decorate(function: Callable[..., int | None]) -> Main:
+        make: Any = click.command(
+            name=name, context_settings=SETTINGS, add_help_option=False, **settings
+        )
+        made: click.Command = make(pass_app(function))
+        own = {text for each in made.params for text in each.opts}
+        offered = common_options(is_local=is_local)
+        for option in offered:
+            option.opts = [each for each in option.opts if each not in own]
+        made.params += [option for option in offered if option.opts]
+        for each in filter(_is_repeatable, made.params):
+            each.help = f"{(each.help or '').removesuffix('.')}; repeatable."
+        # Click's mark of text that must not be re-wrapped, as a raw docstring has it.
+        made.help = made.help and made.help.replace("\\b\n", "\b\n")
+        return Main(name, made)
+
+    return decorate
+
+
+def _is_repeatable(parameter: click.Parameter) -> TypeGuard[click.Option]:
+    """Return whether an option may be given several times, and does not say so itself."""
+    is_option = isinstance(parameter, click.Option) and not parameter.is_flag
+    return is_option and parameter.multiple and "repeatable" not in (parameter.help or "")
+
+
+def strict_option(text: str = "Take warnings for errors.") -> Callable[..., Any]:
+    """Return a decorator that adds the option to take warnings for errors."""
+    return click.option(
+        "--strict",
+        is_flag=True,
+        expose_value=False,
+        callback=_set("is_strict"),
+        help=text,
+    )
+
+
+def common_options(*, is_local: bool = False) -> list[click.Option]:
+    """Return the options that every command has; one that asks nobody needs no time-out."""
+    timeout = click.Option(
+        ["--timeout"],
+        type=NumberChoice(min=0.01),
+        metavar="SECONDS",
+        expose_value=False,
+        callback=_set("timeout_s"),
+        help="Bound on every call (default 10); what was not begun by then is not done later.",
+    )
+    return [
+        *([] if is_local else [timeout]),
+        click.Option(
+            ["--exit-detail"],
+            is_flag=True,
+            expose_value=False,
+            callback=_set("has_exit_detail"),
+            help="Tell kinds of failure apart by exit status.",
+        ),
+        click.Option(
+            ["-v", "--verbose"],
+            is_flag=True,
+            expose_value=False,
+            callback=_set("is_verbose"),
+            help="Tell progress on stderr; on failure also a traceback.",
+        ),
+        click.Option(
+            ["--version"],
+            is_flag=True,
+            is_eager=True,
+            expose_value=False,
+            callback=_show_version,
+            help="Show the version and exit.",
+        ),
+        # Click's own option looks up a translation of this text at each start of a command.
+        click.Option(
+            ["-h", "--help"],
+            is_flag=True,
+            is_eager=True,
+            expose_value=False,
+            callback=_show_help,
+            help="Show this message and exit.",
+        ),
+    ]
+
+
+def _set(attribute: str) -> Callable[[click.Context, click.Parameter, Any], None]:
+    def store(context: click.Context, _parameter: click.Parameter, value: Any) -> None:
+        if value:
+            setattr(context.obj, attribute, value)
+
+    return store
+
+
+def _show_version(context: click.Context, _parameter: click.Parameter, value: bool) -> None:
+    if value:
+        from rtkit import __version__
+
+        click.echo(f"rtkit {__version__}")
+        context.exit(0)
+
+
+def _show_help(context: click.Context, _parameter: click.Parameter, value: bool) -> None:
+    if value and not context.resilient_parsing:
+        click.echo(context.get_help(), color=context.color)
+        context.exit(0)
+
+
+def _run(command: click.Command, app: App, arguments: list[str]) -> int:
+    try:
+        return _guarded(command, app, arguments)
+    except KeyboardInterrupt as error:
+        app.fail(f"interrupted; {error}" if str(error) else "interrupted")
+        return console_process.INTERRUPTED
+
+
+def _guarded(command: click.Command, app: App, arguments: list[str]) -> int:
+    try:
+        try:
+            status = _invoke(command, app, arguments)
+        finally:
+            app.close()
+        sys.stdout.flush()
+    except BrokenPipeError:
+        console_process.leave_pipe()
+        return console_process.BROKEN_PIPE
+    except Exception as error:
+        status = _failed(command, app, error)
+        console_process.give_up()
+    return status
+
+
+def _invoke(command: click.Command, app: App, arguments: list[str]) -> int:
+    # Not Command.main: that one swallows a broken pipe and writes a line of its own on Ctrl-C.
+    try:
+        with command.make_context(app.name, arguments, obj=app) as context:
+            return int(command.invoke(context) or 0)
+    except click.exceptions.Exit as leaving:
+        return leaving.exit_code
+
+
+def _failed(command: click.Command, app: App, error: Exception) -> int:
+    if app.is_verbose and not isinstance(error, click.UsageError):
+        import traceback
+
+        app.say("".join(traceback.format_exception(error)).rstrip())
+    if isinstance(error, click.UsageError | WrongArguments):
+        meant = app.command or command
+        app.say(meant.get_usage(click.Context(meant, info_name=app.name)))
+    if isinstance(error, click.ClickException):
+        app.fail(error.format_message())
+        return 1 if _lacks_argument(error) else error.exit_code
+    if isinstance(error, RtkitError):
+        _show(app, error)
+        return app.status(error)
+    if isinstance(error, OSError):
+        place = f": {error.filename}" if error.filename else ""
+        app.fail(f"{error.strerror or error}{place}")
+        return 1
+    hint = "" if app.is_verbose else "; -v shows where"
+    app.fail(f"{type(error).__name__}: {error}; this is a bug in rtkit{hint}")
+    return BUG_EXIT if app.has_exit_detail else 1
+
+
+def _lacks_argument(error: click.ClickException) -> bool:
+    """Return whether the error is the number of arguments, as with `WrongArguments`."""
+    return isinstance(error, click.MissingParameter) and isinstance(error.param, click.Argument)
+
+
+def _show(app: App, error: RtkitError) -> None:
+    if isinstance(error, Partial):
+        for _, failure in error.failures:
+            app.fail(str(failure))
+    # A document may have many faults, a line each; any other message is one line.
+    told = str(error).split("\n") if isinstance(error, InvalidDocument) else [str(error)]
+    for line in filter(None, told):
+        app.fail(line)

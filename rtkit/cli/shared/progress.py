@@ -1,0 +1,78 @@
+"""Shows progress at the foot of a terminal; a pipe or file gets the plain lines only."""
+
+from __future__ import annotations
+
+import os
+import sys
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from rtkit.cli.shared.app import App
+
+_PERIOD_S = 0.1
+
+Show = Callable[[float, float | None, str], None]
+"""Is told how much is done, of how much (None when that is open), and a few words."""
+
+
+@contextmanager
+def metered(app: App, title: str, *, is_writing: bool = False) -> Iterator[Show]:
+    """Show progress on stderr while inside, if that is a terminal; lines go above it.
+
+    A command that `is_writing` its results on a terminal shows its progress by them.
+    """
+    if not _is_terminal() or (is_writing and sys.stdout.isatty()):
+        yield _nothing
+        return
+    from rich.console import Console
+    from rich.progress import BarColumn, Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
+    from rich.text import Text
+
+    console = Console(stderr=True, highlight=False)
+    columns = (
+        SpinnerColumn(),
+        TextColumn("{task.description}"),
+        BarColumn(),
+        TextColumn("{task.fields[told]}"),
+        TimeElapsedColumn(),
+    )
+    with Progress(*columns, console=console, transient=True) as bar:
+        task = bar.add_task(title, total=None, told="")
+        former = app.write_error
+        app.write_error = lambda line: console.print(Text(line), soft_wrap=True)
+        try:
+            yield _paced(
+                lambda done, total, told: bar.update(task, completed=done, total=total, told=told)
+            )
+        finally:
+            app.write_error = former
+
+
+def counted(show: Show) -> Callable[[int, int], None]:
+    """Return a function that shows a count out of a total."""
+    return lambda done, total: show(done, total, f"{done}/{total}")
+
+
+def _paced(show: Show) -> Show:
+    """Return a function that shows progress at a readable rate: thousands a second may come."""
+    due = 0.0
+
+    def paced(done: float, total: float | None, told: str) -> None:
+        nonlocal due
+        now = time.monotonic()
+        if now >= due or done == total:
+            due = now + _PERIOD_S
+            show(done, total, told)
+
+    return paced
+
+
+def _nothing(_done: float, _total: float | None, _told: str) -> None:
+    pass
+
+
+def _is_terminal() -> bool:
+    return sys.stderr is not None and sys.stderr.isatty() and os.environ.get("TERM") != "dumb"

@@ -1,0 +1,91 @@
+"""``--watch``: shows the same again and again."""
+
+from __future__ import annotations
+
+import sys
+import time
+from collections.abc import Callable, Iterable
+
+import click
+
+from rtkit.cli.shared import terminal
+
+CLEAR = "\x1b[H\x1b[2J"
+"""Escape sequence that clears a terminal."""
+
+
+class WatchOption(click.Option):
+    """``--watch``, which takes seconds behind ``=`` only, and shows that."""
+
+    def get_help_record(self, ctx: click.Context) -> tuple[str, str] | None:
+        """Return the option with its value as optional."""
+        record = super().get_help_record(ctx)
+        return record and (record[0].replace(" SECONDS", "[=SECONDS]"), record[1])
+
+
+class MayWatch(click.Command):
+    """Takes ``--watch`` with or without ``=SECONDS``, never the next argument."""
+
+    def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
+        """Give the bare option its value, then parse as usual."""
+        end = args.index("--") if "--" in args else len(args)
+        options = ["--watch=1" if each == "--watch" else each for each in args[:end]]
+        return super().parse_args(ctx, options + args[end:])
+
+
+class WatchedScreen:
+    """Repeated output: on a terminal in place of the last one, else behind a `gap`.
+
+    It begins stale, and is shown at most once in a period as long as it stands there.
+    """
+
+    def __init__(self, period_s: float, gap: str) -> None:
+        self._period_s = period_s
+        self._gap = gap
+        self._before: list[str] | None = None
+        self._shown_at = -period_s
+        self._is_stale = True
+
+    def due(self) -> float | None:
+        """Return the time of the next output, monotonic [s]; None if nothing has changed."""
+        return self._shown_at + self._period_s if self._is_stale else None
+
+    @property
+    def is_due(self) -> bool:
+        """Return whether the output is due now."""
+        due = self.due()
+        return due is not None and time.monotonic() >= due
+
+    def stale(self) -> None:
+        """Note that something may have changed."""
+        self._is_stale = True
+
+    def forget(self) -> None:
+        """Note that the last output may have been overwritten."""
+        self._before, self._is_stale, self._shown_at = None, True, -self._period_s
+
+    def show(self, look: Callable[[], Iterable[str]]) -> None:
+        """Render the output, and write it if it differs from the last one."""
+        self._shown_at = time.monotonic()
+        lines = list(look())
+        if lines != self._before:
+            sys.stdout.write(CLEAR if terminal.is_terminal() else self._gap if self._before else "")
+            terminal.write(lines)
+            sys.stdout.flush()
+        self._before, self._is_stale = lines, False
+
+
+def watch(look: Callable[[], Iterable[str]], period_s: float) -> None:
+    """Render again in each period, and show changes, until nobody reads them."""
+    from rtkit.cli.shared.resizing import resizing
+    from rtkit.cli.shared.wait import wait_for
+
+    sight = WatchedScreen(period_s, "")
+    with resizing(terminal.is_terminal()) as wakeup:
+        while True:
+            sight.stale()
+            if wakeup.heard():
+                sight.forget()
+            if sight.is_due:
+                sight.show(look)
+            wait_for([wakeup.fileno()], sight.due() or time.monotonic() + period_s)

@@ -1,0 +1,102 @@
+"""``rtcheck``: compare the live system with a profile."""
+
+from __future__ import annotations
+
+import click
+
+from rtkit.cli.shared import terminal
+from rtkit.cli.shared.app import App, check_at_most_one, command
+from rtkit.cli.system import shared, static_checks
+from rtkit.cli.system.document import read_document
+from rtkit.errors import Refused, UsageProblem
+from rtkit.rtc.enums import UNKNOWN_STATE, LifeCycleState
+
+TOOL = "rtcheck --static"
+STATES = (*(state.value for state in LifeCycleState), UNKNOWN_STATE)
+
+
+@command("rtcheck")
+@click.option(
+    "-s",
+    "--state",
+    type=click.Choice(STATES, case_sensitive=False),
+    default=LifeCycleState.ACTIVE.value,
+    help="State that every component is to be in (default Active).",
+)
+@click.option("--json", "is_json", is_flag=True, help="One JSON object a deviation: --format json.")
+@click.option("--junit", "is_junit", is_flag=True, help="The same as --format junit.")
+@click.option("--diff", "is_diff", is_flag=True, help="Both sides of each deviation, on stdout.")
+@click.option(
+    "--static",
+    "is_static",
+    is_flag=True,
+    help="Ask nobody: compare with RTC profiles, as rtprofile check does.",
+)
+@static_checks.static_options
+@shared.system_options
+def main(
+    app: App,
+    files: tuple[str, ...],
+    state: str,
+    is_json: bool,
+    is_junit: bool,
+    is_diff: bool,
+    is_static: bool,
+    components: tuple[str, ...],
+    report: str | None,
+    ignored: tuple[str, ...],
+    dry_run: bool,
+    mapped: tuple[str, ...],
+) -> int:
+    """Compare the live system with an RTS profile (FILE, or stdin).
+
+    Components, connections, active sets, parameters and states are compared, all of them; each
+    deviation is a line on stderr that tells what was found and what was wanted. Exit status 1 when
+    something required deviates. --format writes to stdout for a build server instead; for JUnit
+    each component and each connection is a test case. With --diff a line beginning with - tells
+    what the profile says, one with + what lives; what lives besides is shown too, and is no
+    deviation.
+
+    With --static nothing that lives is asked: the components of the profile are compared with the
+    RTC profiles of their types (see rtprofile check).
+    """
+    form = "json" if is_json else "junit" if is_junit else report or static_checks.TEXT
+    if is_static:
+        if is_diff or dry_run:
+            raise UsageProblem("--static compares with no live system: no --diff, no --dry-run")
+        check_at_most_one(files, "file")
+        from rtkit.static_check.verdict import Options
+
+        options = Options(app.is_strict, ignored, static_checks.this_host)
+        return static_checks.check(app, files, components, report=form, tool=TOOL, options=options)
+    if components or ignored:
+        raise UsageProblem("--components and --ignore are for --static")
+    if is_diff and form != static_checks.TEXT:
+        raise UsageProblem("--diff has a form of its own: no --json, no --format")
+    from rtkit.cli.system.present_code import present_code
+    from rtkit.deployment.check import check_lines, deviations, diff_lines, surplus
+    from rtkit.deployment.live import LiveIndex
+
+    document = read_document(app, files)
+    snapshot = shared.look(app, document.profile, dry_run=dry_run)
+    system = shared.wanted_system(app, document, snapshot, mapped=mapped)
+    if dry_run:
+        for line in check_lines(system, state):
+            click.echo(line)
+        return 0
+    expected = None if state == UNKNOWN_STATE else LifeCycleState(state)
+    live = LiveIndex(snapshot, system)
+    present = present_code(snapshot.components)
+    found = list(deviations(system, live, expected, present))
+    if is_diff:
+        terminal.write(map(terminal.printable, diff_lines([*found, *surplus(system, live)])))
+    elif form != static_checks.TEXT:
+        from rtkit.cli.system.verdict import told
+
+        terminal.write(told(form, document.source, system, found))
+    elif found:
+        from rtkit.cli.system.verdict import text_of
+
+        for each in found:
+            app.say(text_of(each))
+    return app.status(Refused()) if any(each.is_required for each in found) else 0

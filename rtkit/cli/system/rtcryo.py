@@ -1,0 +1,95 @@
+"""``rtcryo``: save the live system as a profile."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import click
+
+from rtkit.cli.shared.app import App, command
+from rtkit.cli.shared.atomic import STDOUT, write_output
+from rtkit.cli.system import shared
+from rtkit.errors import NotFound
+from rtkit.rtc.names import MANAGER_SUFFIX
+
+if TYPE_CHECKING:
+    from rtkit.deployment.facts import Snapshot
+
+
+@command("rtcryo")
+@click.option(
+    "-a",
+    "--abstract",
+    default="RT System created by rtcryo.",
+    help="What it is (default: RT System created by rtcryo.).",
+)
+@click.option(
+    "-n", "--system-name", "name", default="RTSystem", help="Name of the system (default RTSystem)."
+)
+@click.option("-v", "--system-version", default="0", help="Version of the system (default 0).")
+@click.option("-e", "--vendor", default="Me", help="Who made the system (default Me).")
+@click.option(
+    "-o", "--output", default=STDOUT, metavar="FILE", help="Where to write it (default -, stdout)."
+)
+@shared.form_options(
+    "Write", "; without one of these, as the name of FILE ends, else XML", "json", "yaml", "xml"
+)
+@click.option("--all", "takes_all", is_flag=True, help="Also components without connections.")
+@click.argument("servers", nargs=-1, metavar="[SERVER]...")
+def main(
+    app: App,
+    servers: tuple[str, ...],
+    abstract: str,
+    name: str,
+    system_version: str,
+    vendor: str,
+    output: str,
+    takes_all: bool,
+) -> int:
+    """Save the live system as an RTS profile, with all that rtresurrect needs to make it again.
+
+    Components of the manager that is asked are saved if they are connected, on the SERVERs named or
+    everywhere. A SERVER may also be a manager of this host, /localhost/m1.mgr: what several of them
+    hold becomes one system. Servers of RTKIT_SERVERS that do not answer are told, and the status
+    is 1 then.
+    """
+    from datetime import datetime
+
+    from rtkit.deployment.capture import SystemHeading, capture
+    from rtkit.profile.forms import XML, form_of_name
+    from rtkit.profile.write import write_profile
+
+    for text in (abstract, name, system_version, vendor):
+        shared.check_text(text)
+    if app.finds_managers and any(server.endswith(MANAGER_SUFFIX) for server in servers):
+        from rtkit.cli.system.gathering import gather_named
+
+        servers = gather_named(app, servers)
+    snapshot = shared.snapshot(app)
+    date = datetime.now().replace(microsecond=0).isoformat()
+    heading = SystemHeading(date, name, system_version, vendor, abstract)
+    hosts = [_host(server, snapshot) for server in servers]
+    _tell_gaps(app, snapshot)
+    profile = capture(snapshot, heading, takes_all=takes_all, hosts=hosts)
+    write_output(write_profile(profile, app.form or form_of_name(output) or XML), output)
+    return 0 if servers else app.tell_silent_servers("not saved")
+
+
+def _host(server: str, snapshot: Snapshot) -> str:
+    from rtkit.rtc.names import LOCAL, is_local_host
+
+    host = server.strip("/")
+    if is_local_host(host, snapshot.host):
+        return LOCAL
+    if not any(n.partition("/")[0] == host for c in snapshot.components for n in c.names):
+        raise NotFound(f"No such object: {server}")
+    return host
+
+
+def _tell_gaps(app: App, snapshot: Snapshot) -> None:
+    """Report parts that could not be saved, or only as they were last reported."""
+    for component in snapshot.components:
+        if component.zombie:
+            app.fail(f"not saved, zombie ({component.zombie}): {component.instance}")
+        elif component.trouble:
+            app.fail(f"saved as last reported ({component.trouble}): {component.instance}")

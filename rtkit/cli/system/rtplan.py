@@ -1,0 +1,76 @@
+"""``rtplan``: the cheapest plan from the live system to a profile."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import click
+
+from rtkit.cli.shared import json_records, terminal
+from rtkit.cli.shared.app import App, command
+from rtkit.cli.system import planning, shared
+from rtkit.cli.system.document import read_document
+from rtkit.errors import UsageProblem
+
+CHANGE_NEEDED = 2
+
+
+@command("rtplan")
+@click.option("--json", "is_json", is_flag=True, help="The plan as one JSON object.")
+@click.option("--dot", "is_dot", is_flag=True, help="The plan as a graph (dot).")
+@click.option(
+    "--out",
+    metavar="FILE",
+    help="Save the plan, too; rtapply FILE carries out just this one.",
+)
+@click.option(
+    "--detailed-exitcode",
+    is_flag=True,
+    help=f"Exit status {CHANGE_NEEDED} when there is something to do.",
+)
+@planning.planning_options
+@shared.document_options
+def main(
+    app: App,
+    files: tuple[str, ...],
+    is_json: bool,
+    is_dot: bool,
+    out: str | None,
+    detailed_exitcode: bool,
+    **options: Any,
+) -> int:
+    """Show the cheapest plan from the live system to an RTS profile (FILE, or stdin).
+
+    Nothing is changed. Each step is shown with its cost and with what it changes; then which
+    steps may be done at once, and what is kept. What holds already takes no step: a parameter
+    that may be changed while its component runs (rtkit.hot) is set without a stop, another by
+    stopping that component and no other; one that moves is made anew with its connections.
+
+    A step costs what steps of its kind took here, on a scale with the table, once 20 were measured;
+    before, or with --costs table, what the table says (rtkit help plans). A profile may say what
+    interrupting a component costs (rtkit.cost), and --cost goes before all.
+
+    All that a profile says is compared: rates, policies and names, too, which are changed without
+    a stop. What cannot be changed in place is told, and is part of a plan with --replace only; what
+    the profile does not name is removed with --prune only (rtkit help plans).
+
+    Where there is no plan, the command tells which goals cannot hold together, and why; with
+    --exit-detail the status is 7 then.
+    """
+    from rtkit.deployment.planning import rendering
+
+    if is_json and is_dot:
+        raise UsageProblem("--json and --dot exclude each other")
+    document = read_document(app, files)
+    prepared = planning.prepare(app, document, is_dry=True, **options)
+    goal, plan = prepared.goal, prepared.plan
+    if out is not None:
+        from rtkit.cli.system.saving import save
+
+        save(out, document, prepared, options)
+    if is_json:
+        terminal.write([json_records.line("plan", rendering.as_plain(plan, goal.costs))])
+    else:
+        told = rendering.to_dot(plan) if is_dot else rendering.lines(plan, goal.costs)
+        terminal.write(map(terminal.printable, told))
+    return CHANGE_NEEDED if detailed_exitcode and plan.moves else 0

@@ -1,0 +1,48 @@
+"""``rtstart``: activate the system that a profile describes."""
+
+from __future__ import annotations
+
+from rtkit.cli.shared.app import App, command
+from rtkit.cli.system import following, shared, starting
+from rtkit.cli.system.document import read_document
+
+
+@command("rtstart")
+@starting.plan_options("active")
+@shared.system_options
+def main(
+    app: App,
+    files: tuple[str, ...],
+    no_wait: bool,
+    draws: bool,
+    dry_run: bool,
+    mapped: tuple[str, ...],
+) -> None:
+    """Activate every component of an RTS profile (FILE, or stdin), in its order.
+
+    Each is active before the next is told, unless the profile's Activation says otherwise: by
+    places in the order, waiting times, and components that come first. Required components must
+    be there and must become active, else the rest is not begun; nor is it when a component that
+    comes first is not ready in time.
+
+    --timeout bounds a plan with such conditions as a whole. Without it the plan ends when nothing
+    has happened for 10 s after the last time that it names.
+    """
+    from rtkit.deployment.conditions import start_orders, stop_orders
+    from rtkit.deployment.running import start_plan
+
+    document = read_document(app, files)
+    with document.naming():
+        orders = start_orders(document.profile)
+        stop_orders(document.profile)  # a system that cannot be stopped as written is not started
+    is_followed = not (dry_run or draws) and following.is_wanted(document)
+    starting.run(
+        app,
+        document,
+        lambda system, live: start_plan(system, live, orders, wait=not no_wait),
+        draws=draws,
+        dry_run=dry_run,
+        mapped=mapped,
+    )
+    if is_followed:
+        following.begin_as_told(app, document, mapped)

@@ -1,0 +1,158 @@
+"""``rtstate``: the states of a system: which one it is in, and the way to another."""
+
+from __future__ import annotations
+
+from functools import partial
+
+import click
+
+from rtkit.cli.shared import json_records, terminal
+from rtkit.cli.shared.app import App, command
+from rtkit.cli.system import planning, shared
+from rtkit.cli.system.document import read_document
+from rtkit.errors import InvalidDocument, Malformed, Refused, UsageProblem
+
+
+@command("rtstate")
+@click.option("-g", "--goto", metavar="STATE", help="Lead the system to this state.")
+@click.option("-e", "--event", metavar="EVENT", help="Lead it to where this event leads.")
+@click.option(
+    "-f",
+    "--follow",
+    is_flag=True,
+    help="Have its manager lead it wherever its events lead, and watch until interrupted.",
+)
+@click.option(
+    "--unfollow",
+    metavar="NAME",
+    help="End that: the manager follows the system of this name, or identity, no more.",
+)
+@click.option(
+    "-n",
+    "--number",
+    type=click.IntRange(min=1),
+    metavar="N",
+    help="With --follow: watch until N transitions were made.",
+)
+@click.option("--json", "is_json", is_flag=True, help="One JSON object.")
+@click.option("--rollback", is_flag=True, help="When a step fails, go back to what was before.")
+@shared.wait_option
+@planning.way_options
+@shared.system_options
+def main(
+    app: App,
+    files: tuple[str, ...],
+    goto: str | None,
+    event: str | None,
+    follow: bool,
+    unfollow: str | None,
+    number: int | None,
+    is_json: bool,
+    rollback: bool,
+    wait_s: float,
+    costs: tuple[str, ...],
+    basis: str,
+    stand_in: bool,
+    transmit: bool,
+    replaces: bool,
+    dry_run: bool,
+    mapped: tuple[str, ...],
+) -> int:
+    """Show in which of its states a system is, or lead it to another (FILE, or stdin).
+
+    A system profile may define states, what each asks for, and events that lead from one to
+    another (rtkit help states). A system is in the state whose conditions all hold; that is seen,
+    not remembered. The transition is the cheapest plan: what both states ask for is not touched.
+
+    With --goto and --event managers of this host that do not run are started when needed; only one
+    rtapply, rtresurrect or rtstate works at a manager at a time.
+
+    A state that cannot be reached and has the event failed leads on by it; the status is 1 then.
+
+    Without options the states are shown, with the way to each and the events of the present one;
+    the status is 1 when the system is in none.
+
+    With --follow the manager of the system follows its events from now on, also after its own
+    restart, until --unfollow, rtteardown or a transition that fails without an event failed. The
+    command only watches: each transition is told on stdout, and an interruption ends nothing but
+    the watching. What a profile with rtkit.follow=true describes is followed from rtapply,
+    rtresurrect or rtstart on.
+    """
+    if sum((goto is not None, event is not None, follow, unfollow is not None)) > 1:
+        raise UsageProblem("--goto, --event, --follow and --unfollow exclude each other")
+    if unfollow is not None:
+        return _unfollow(app, files, unfollow)
+    if number is not None and not follow:
+        raise UsageProblem("--number is for --follow")
+    if is_json and (goto is not None or event is not None):
+        raise UsageProblem("--json is for states and for --follow")
+    if dry_run and follow:
+        raise UsageProblem("--dry-run and --follow exclude each other")
+    from rtkit.cli.system import following
+    from rtkit.cli.system.states import as_lines, as_record, states_of
+    from rtkit.deployment.planning.rendering import lines
+
+    is_led = goto is not None or event is not None
+    document = read_document(app, files)
+    if follow:
+        following.check_one_manager(document)
+    begun = planning.begin(
+        app,
+        document,
+        is_dry=dry_run,
+        mapped=mapped,
+        costs=costs,
+        basis=basis,
+        stand_in=stand_in,
+        transmit=transmit,
+        replaces=replaces,
+        starts=is_led,
+        lease=shared.leases(app, files, wait_s) if is_led and not dry_run else None,
+    )
+    states, snapshot = states_of(begun), begun.snapshot
+    if follow:
+        from rtkit.cli.system.watching import Watching
+
+        app.ask(following.owner(app))
+        start = partial(following.begin, app, document, states, rolls_back=rollback)
+        Watching(app, states.name, is_json=is_json).run(start, number)
+        return 0
+    told = following.followed_in(snapshot, states.name)
+    now = states.now(snapshot)
+    if goto is None and event is None:
+        ways = [states.way(state, snapshot) for state in states.machine.table]
+        if is_json:
+            terminal.write([json_records.line("system-state", as_record(states, now, ways, told))])
+        else:
+            terminal.write(map(terminal.printable, as_lines(states, now, ways, told)))
+        return 0 if now else 1
+    try:
+        if event is None:
+            target = states.machine.check_state(goto or "")
+        elif not now:
+            raise Malformed("the system is in none of its states; --goto leads it to one")
+        else:
+            target = states.machine.next(now, event)
+    except Malformed as error:
+        raise InvalidDocument(f"{begun.document.source}: {error}") from error
+    if dry_run:
+        goal = states.goal(target)
+        terminal.write(map(terminal.printable, lines(goal.plan(snapshot), goal.costs)))
+        return 0
+    from rtkit.cli.system.leading import leader
+    from rtkit.deployment.states.following import SystemTransition
+
+    leading = leader(app, states, app.say, rolls_back=rollback)
+    _, _, reached = leading.lead(SystemTransition(now, event or "goto", target))
+    if reached != target:
+        raise Refused(f"{target} was not reached; the system was led to {reached}")
+    return 0
+
+
+def _unfollow(app: App, files: tuple[str, ...], name: str) -> int:
+    from rtkit.cli.system import following
+
+    if files:
+        raise UsageProblem("--unfollow takes the name of a system, and no FILE")
+    app.say(following.end(app.tree, following.named(shared.snapshot(app), name)))
+    return 0

@@ -1,0 +1,44 @@
+"""``rtstodot``: a system, of a profile or live, as a graph for Graphviz."""
+
+from __future__ import annotations
+
+import sys
+
+import click
+
+from rtkit.cli.shared import terminal
+from rtkit.cli.shared.app import App, WrongArguments, command
+from rtkit.cli.system import shared
+from rtkit.errors import UsageProblem
+
+_TITLE = "rtsprofile"
+
+
+@command("rtstodot")
+@shared.form_options("Read", "; without -x and -y, as name and content say", "yaml", "xml")
+@click.option("--live", is_flag=True, help="Draw what lives, with colours for states.")
+@click.argument("files", nargs=-1, metavar="[FILE]")
+def main(app: App, files: tuple[str, ...], live: bool) -> int:
+    """Write the system of an RTS profile as a graph for Graphviz.
+
+    It is read from FILE, or from stdin. Components are boxes with their ports at both sides,
+    connectors arrows, those of services dashed. With --live a manager is asked, else nothing
+    needs to run.
+    """
+    from rtkit.drawing.dot import dot_lines
+
+    if live:
+        if files or app.form:
+            raise UsageProblem("--live draws what lives: no file, no form")
+        from rtkit.cli.system.live_picture import live_scene
+
+        scene = live_scene(app, _TITLE)
+    else:
+        if not files and (sys.stdin is None or sys.stdin.isatty()):
+            raise WrongArguments("No file specified; --live draws what lives.")
+        from rtkit.cli.system.document import read_document
+        from rtkit.profile_tools.system_scene import system_scene
+
+        scene = system_scene(read_document(app, files).profile)
+    terminal.write(dot_lines(scene, _TITLE))
+    return app.tell_silent_servers("not drawn") if live else 0

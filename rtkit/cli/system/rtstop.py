@@ -1,0 +1,52 @@
+"""``rtstop``: deactivate the system that a profile describes."""
+
+from __future__ import annotations
+
+from rtkit.cli.shared.app import App, command
+from rtkit.cli.system import shared, starting
+from rtkit.cli.system.document import read_document
+from rtkit.errors import InvalidDocument
+
+
+@command("rtstop")
+@starting.plan_options("inactive")
+@shared.system_options
+def main(
+    app: App,
+    files: tuple[str, ...],
+    no_wait: bool,
+    draws: bool,
+    dry_run: bool,
+    mapped: tuple[str, ...],
+) -> None:
+    """Deactivate every component of an RTS profile (FILE, or stdin), in reverse order.
+
+    The order is that of the profile's Deactivation if there is one, else the reverse of the start.
+    A component that is missing or refuses is reported; the others are stopped all the same. Who
+    waits for another one to be inactive does not wait for one that is in Error or gone.
+
+    --timeout bounds a plan with conditions as a whole. Without it the plan ends when nothing has
+    happened for 10 s after the last time that it names.
+    """
+    from rtkit.deployment.conditions import NO_ORDERS, start_orders, stop_orders
+    from rtkit.deployment.running import stop_plan
+
+    document = read_document(app, files)
+    with document.naming():
+        orders = stop_orders(document.profile)
+    started = NO_ORDERS
+    try:
+        if not orders:
+            with document.naming():
+                started = start_orders(document.profile)
+    except InvalidDocument as error:
+        app.fail(f"{error}; stopped in reverse of the order of the components")
+    starting.run(
+        app,
+        document,
+        lambda system, live: stop_plan(system, live, orders, started=started, wait=not no_wait),
+        draws=draws,
+        dry_run=dry_run,
+        mapped=mapped,
+        may_lack=True,
+    )

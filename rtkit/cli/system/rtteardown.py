@@ -1,0 +1,48 @@
+"""``rtteardown``: remove the connections, and the components, of a system."""
+
+from __future__ import annotations
+
+import click
+
+from rtkit.cli.shared.app import App, command
+from rtkit.cli.system import shared
+from rtkit.cli.system.document import read_document
+
+
+@command("rtteardown")
+@click.option("--exit", "ends", is_flag=True, help="Also end the components, in reverse order.")
+@shared.system_options
+def main(
+    app: App,
+    files: tuple[str, ...],
+    ends: bool,
+    dry_run: bool,
+    mapped: tuple[str, ...],
+) -> None:
+    """Remove every connection of an RTS profile (FILE, or stdin).
+
+    What is missing is reported; the rest is removed all the same. A system that its manager
+    follows (rtstate) is followed no more.
+    """
+    from rtkit.deployment.live import LiveIndex
+    from rtkit.deployment.running import left_now, teardown_plan
+
+    document = read_document(app, files)
+    snapshot = shared.look(app, document.profile, dry_run=dry_run, may_lack=True)
+    system = shared.wanted_system(app, document, snapshot, mapped=mapped)
+    if not dry_run:
+        from rtkit.cli.system import following
+
+        if following.end_if_followed(app, document, snapshot):
+            snapshot = shared.remains(app)
+    plan = teardown_plan(system, LiveIndex(snapshot, system), ends_components=ends)
+    if dry_run:
+        shared.show(plan)
+        return
+    from rtkit.cli.system import progress, step_times
+
+    with (
+        progress.telling(app, system, left_now),
+        step_times.noting(app, system, snapshot) as taken,
+    ):
+        shared.runner(app, taken=taken).run(plan)

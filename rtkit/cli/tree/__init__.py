@@ -1,0 +1,1 @@
+"""Commands that list and change the tree, and describe what is in it."""

@@ -1,0 +1,121 @@
+"""``rtfind``: search the tree."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Sequence
+
+import click
+
+from rtkit.cli.shared import json_records, terminal
+from rtkit.cli.shared.app import App, WrongArguments, check_at_most_one, command
+from rtkit.errors import Malformed, UsageProblem
+from rtkit.tree.resolve import absent, find
+from rtkit.tree.view import NodeKind, TreeNode, once
+
+_LETTERS: dict[str, tuple[NodeKind, ...]] = {
+    "c": (NodeKind.COMPONENT,),
+    "d": (NodeKind.ROOT, NodeKind.HOST, NodeKind.DIRECTORY, NodeKind.MANAGER),
+    "m": (NodeKind.MANAGER,),
+    "n": (NodeKind.HOST,),
+    "z": (NodeKind.ZOMBIE,),
+}
+
+
+@command("rtfind")
+@click.option(
+    "-t",
+    "--type",
+    "letters",
+    default="".join(_LETTERS),
+    metavar="TYPES",
+    help="Any of c components, d directories (managers and hosts too), m managers, n hosts,"
+    " z zombies (default: all).",
+)
+@click.option("-n", "--name", "names", multiple=True, metavar="PATTERN", help="Name, with * and ?.")
+@click.option(
+    "-i", "--iname", "inames", multiple=True, metavar="PATTERN", help="The same, any case."
+)
+@click.option(
+    "-m",
+    "--maxdepth",
+    "depth",
+    type=click.IntRange(min=0),
+    default=0,
+    metavar="LEVELS",
+    help="So many levels below the start; 0, the default: all.",
+)
+@click.option(
+    "-u", "--unique", is_flag=True, help="Each component once, not also below its managers."
+)
+@click.option("--json", "is_json", is_flag=True, help="One JSON object a line, as rtls --json.")
+@click.argument("starts", nargs=-1, metavar="START")
+def main(
+    app: App,
+    starts: tuple[str, ...],
+    letters: str,
+    names: tuple[str, ...],
+    inames: tuple[str, ...],
+    depth: int,
+    unique: bool,
+    is_json: bool,
+) -> int:
+    """Search the tree.
+
+    Prints the path of each entry, START among them, that is of one of the types and whose name
+    matches one of the patterns. Nothing found is no failure; a manager that does not answer,
+    and so could not be searched, is.
+    """
+    if not starts:
+        raise WrongArguments("No start specified.")
+    check_at_most_one(starts, "start")
+    kinds = _kinds(letters)
+    patterns = [_pattern(each, 0) for each in names]
+    patterns += [_pattern(each, re.IGNORECASE) for each in inames]
+    root, start = _start(app, starts[0])
+    nodes = list(_walk(start, depth or -1))
+    found = [node for node in nodes if node.kind in kinds and _matches(node.name, patterns)]
+    found = once(found) if unique else found
+    if is_json:
+        from rtkit.cli.tree.rtls import entry_record
+
+        terminal.write(json_records.lines("entry", map(entry_record, found)))
+    else:
+        terminal.write(terminal.printable(node.path) for node in found)
+    return app.tell_silent(root, nodes, "searched")
+
+
+def _kinds(letters: str) -> set[NodeKind]:
+    unknown = [letter for letter in letters if letter not in _LETTERS]
+    if unknown:
+        raise UsageProblem(f"no type of entry: {unknown[0]} (any of {''.join(_LETTERS)})")
+    return {kind for letter in letters for kind in _LETTERS[letter]}
+
+
+def _pattern(text: str, flags: int) -> re.Pattern[str]:
+    parts = (".*" if c == "*" else "." if c == "?" else re.escape(c) for c in text)
+    return re.compile("".join(parts), flags | re.DOTALL)
+
+
+def _matches(name: str, patterns: Sequence[re.Pattern[str]]) -> bool:
+    return not patterns or any(pattern.fullmatch(name) for pattern in patterns)
+
+
+def _start(app: App, typed: str) -> tuple[TreeNode, TreeNode]:
+    """Return the root of the tree and the node from which to search."""
+    path = app.path(typed)
+    if path.port is not None:
+        raise Malformed(f"Not a directory: {path.typed}")
+    root, hostname = app.root(path, is_deep=True)
+    node = find(root, path, hostname)
+    if node is None:
+        raise absent(root, path, hostname)
+    if path.is_directory and not node.is_directory:
+        raise Malformed(f"Not a directory: {path.typed}")
+    return root, node
+
+
+def _walk(node: TreeNode, depth: int) -> Iterator[TreeNode]:
+    yield node
+    for child in node.entries() if depth else ():
+        yield from _walk(child, depth - 1)

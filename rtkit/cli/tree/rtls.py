@@ -1,0 +1,197 @@
+"""``rtls``: list what is known at a place of the tree."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Container, Iterable, Iterator
+from typing import TYPE_CHECKING
+
+import click
+
+from rtkit.cli.shared import json_records, terminal
+from rtkit.cli.shared.app import App, check_at_most_one, command
+from rtkit.cli.shared.choice import NumberChoice
+from rtkit.cli.shared.watch import MayWatch, WatchedScreen, WatchOption
+from rtkit.cli.tree.service_listing import ServiceListing, service_at
+from rtkit.errors import Malformed, Unreachable
+from rtkit.tree.resolve import entry
+from rtkit.tree.view import NodeKind, TreeNode, once
+
+if TYPE_CHECKING:
+    from rtkit.rtc.names import Path
+
+_Show = Callable[[list[TreeNode]], Iterable[str]]
+_BLANK = ("-", "-", "-", "-", "-")
+_STYLES = {
+    NodeKind.HOST: "directory",
+    NodeKind.DIRECTORY: "directory",
+    NodeKind.MANAGER: "manager",
+    NodeKind.ZOMBIE: "zombie",
+}
+
+
+@command("rtls", cls=MayWatch)
+@click.option("-l", "is_long", is_flag=True, help="State, ports and connections of each entry.")
+@click.option("-R", "--recurse", is_flag=True, help="List directories below, one block each.")
+@click.option(
+    "-u", "--unique", is_flag=True, help="Each component once, not also below its managers."
+)
+@click.option("-1", "is_single", is_flag=True, help="One name a line (as when not on a terminal).")
+@click.option("--json", "is_json", is_flag=True, help="One JSON object a line.")
+@click.option(
+    "--watch",
+    "period_s",
+    cls=WatchOption,
+    type=NumberChoice(min=0.05),
+    metavar="SECONDS",
+    help="List again whenever something has changed, after a second or --watch=SECONDS at least.",
+)
+@click.argument("paths", nargs=-1, metavar="[PATH]")
+def main(
+    app: App,
+    paths: tuple[str, ...],
+    is_long: bool,
+    recurse: bool,
+    unique: bool,
+    is_single: bool,
+    is_json: bool,
+    period_s: float | None,
+) -> int:
+    """List directories, managers and components of the tree.
+
+    Without a path: the working directory (RTKIT_CWD). A zombie, an entry with nobody behind it,
+    has a * before its name. With -l each line tells the state, then ports and how many of them
+    are connected (all, in, out, service), then the name and in brackets what else to know.
+    Of a served object (rtserve): its properties; with -l type, access, unit, quality, name, value.
+    Managers that do not answer, whose entries are missing, are told, and the status is 1 then.
+    Watched, it is written again only when it has changed, on a terminal in place of what was.
+    """
+    check_at_most_one(paths, "path")
+    path = app.path(paths[0] if paths else ".")
+    if path.port is not None:
+        raise Malformed("Cannot list ports.")
+    gap = "" if is_json else "\n"
+    service = service_at(paths[0] if paths else ".")
+    if service is not None:
+        listing = ServiceListing(app, service, is_long, recurse, is_json, is_single)
+        if period_s is None:
+            terminal.write(listing.look())
+        else:
+            from rtkit.cli.tree.service_watch import watch_service
+
+            watch_service(listing, WatchedScreen(period_s, gap))
+        return 0
+    show = _json if is_json else _long if is_long else _short(is_single)
+
+    def look() -> tuple[TreeNode, TreeNode]:
+        root, hostname = app.root(path, is_deep=recurse or is_long)
+        return root, entry(root, path, hostname)
+
+    def lines(node: TreeNode) -> Iterable[str]:
+        if not node.is_directory:
+            return show([node])
+        below = list(node.walk())[1:] if recurse else node.entries()
+        kept = once(below) if unique else below
+        return _blocks(node, ".", set(kept), show) if recurse and not is_json else show(kept)
+
+    if period_s is None:
+        root, node = look()
+        terminal.write(lines(node))
+        return app.tell_silent(root, node.walk() if recurse else (), "listed")
+    _watch(app, path, lambda: lines(look()[1]), WatchedScreen(period_s, gap))
+    return 0
+
+
+def _watch(app: App, path: Path, look: Callable[[], Iterable[str]], sight: WatchedScreen) -> None:
+    """Show again when something has changed."""
+    from rtkit.cli.shared.observers import Observers
+    from rtkit.cli.shared.resizing import resizing
+    from rtkit.deployment.delta import TREE
+    from rtkit.tree.subscription import SubscriptionEnded
+
+    is_wide = len(path.elements) < 2
+    with (
+        Observers(app, (TREE,), is_wide=is_wide) as subscriptions,
+        resizing(terminal.is_terminal()) as wakeup,
+    ):
+        for told in subscriptions.listen(None, (wakeup.fileno(),), sight.due):
+            if wakeup.heard():
+                sight.forget()
+            for each in told:
+                if isinstance(each.heard, SubscriptionEnded):
+                    app.fail(f"{each.heard.why}; waiting for it to come back")
+                sight.stale()
+            if not sight.is_due or "" not in subscriptions.subscriptions:
+                continue
+            try:
+                sight.show(look)
+            except Unreachable as error:  # it is ending: the subscriptions report that
+                app.tell(str(error))
+
+
+def _blocks(node: TreeNode, title: str, kept: Container[TreeNode], show: _Show) -> Iterator[str]:
+    yield f"{terminal.printable(title)}:"
+    yield from show([child for child in node.entries() if child in kept])
+    yield ""
+    for child in node.entries():
+        if child.is_directory:
+            yield from _blocks(child, f"{title}/{child.name}", kept, show)
+
+
+def _short(is_single: bool) -> _Show:
+    if is_single or not terminal.is_terminal():
+        return lambda nodes: [_label(node, "/")[1] for node in nodes]
+
+    def in_columns(nodes: list[TreeNode]) -> list[str]:
+        from shutil import get_terminal_size
+
+        return terminal.columns([_label(node, "/") for node in nodes], get_terminal_size().columns)
+
+    return in_columns
+
+
+def _long(nodes: list[TreeNode]) -> list[str]:
+    rows = [_cells(node) for node in nodes]
+    widths = [max(map(len, column)) + 2 for column in zip(*rows, strict=True)]
+    show_state = terminal.state if terminal.has_colour() else str.ljust
+    lines = []
+    for node, (state, *counts) in zip(nodes, rows, strict=True):
+        cells = "".join(map(str.ljust, counts, widths[1:]))
+        line = show_state(state, widths[0]) + cells + _label(node, "")[1]
+        remark = node.remark
+        lines.append(f"{line}  ({terminal.printable(remark)})" if remark else line)
+    return lines
+
+
+def _json(nodes: list[TreeNode]) -> Iterator[str]:
+    for node in nodes:
+        yield json_records.line("entry", entry_record(node))
+
+
+def entry_record(node: TreeNode) -> dict[str, object]:
+    """Return the record of an entry in a listing, for JSON."""
+    row = {} if node.row is None else node.row._asdict()
+    if node.kind is NodeKind.ZOMBIE:
+        row["state"] = None  # the last known state is that of a dead process
+    kind = node.kind.name.lower()
+    return {"path": node.path, "kind": kind, **row, "remark": node.remark}
+
+
+def _label(node: TreeNode, slash: str) -> tuple[str, str]:
+    star = "*" if node.kind is NodeKind.ZOMBIE else ""
+    text = terminal.printable(star + node.name + (slash if node.is_directory else ""))
+    return text, terminal.styled(text, terminal.STYLES.get(_STYLES.get(node.kind, "")))
+
+
+def _cells(node: TreeNode) -> tuple[str, ...]:
+    row = node.row
+    if row is None or node.kind is NodeKind.ZOMBIE:
+        return _BLANK
+    ports = row.ins + row.outs + row.services
+    connected = row.ins_connected + row.outs_connected + row.services_connected
+    return (
+        terminal.printable(row.state),
+        f"{ports}/{connected}",
+        f"{row.ins}/{row.ins_connected}",
+        f"{row.outs}/{row.outs_connected}",
+        f"{row.services}/{row.services_connected}",
+    )

@@ -1,0 +1,159 @@
+"""Lists a property service for ``rtls``: names, or with them type, access, unit, value."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator, Sequence
+from time import monotonic
+from typing import TYPE_CHECKING, cast
+
+from rtkit.cli.properties.asking import record, shown
+from rtkit.cli.shared import terminal
+from rtkit.cli.shared.app import App, working_directory
+
+if TYPE_CHECKING:
+    from rtkit.property.values import Element, Value
+    from rtkit.tree.properties import PropertyTarget
+    from rtkit.wires.wire import PropertyClient
+
+_HEAD = ("type", "access", "unit", "quality")
+_CALL_S = 0.1
+_CALLS_S = 1.0
+"""Time-out of one value, and of all, that user code computes [s]."""
+
+
+def service_at(typed: str) -> PropertyTarget | None:
+    """Return the place in a service that a path names, None if it names something else."""
+    from rtkit.link.places import services
+
+    known = services()
+    if not known:
+        return None
+    from rtkit.tree.properties import parse
+
+    place = parse(typed, working_directory(), known, os.uname().nodename)
+    return place if place.service else None
+
+
+class ServiceListing:
+    """Listing of a place in a service.
+
+    Attributes:
+        app: The run of the command.
+        place: The place.
+        is_deep: Names further below are shown, too.
+        has_values: Values are shown.
+        names: Of the properties whose values were shown last.
+    """
+
+    def __init__(
+        self,
+        app: App,
+        place: PropertyTarget,
+        is_long: bool,
+        recurse: bool,
+        is_json: bool,
+        is_single: bool,
+    ) -> None:
+        self.app = app
+        self.place = place
+        self.is_deep = recurse
+        self.has_values = is_long or is_json
+        self.names: list[str] = []
+        self._is_json = is_json
+        self._is_single = is_single
+
+    def look(self) -> list[str]:
+        """Ask the service, and return the lines to show.
+
+        Raises:
+            PropertyError: As the service answers.
+        """
+        from rtkit.cli.properties.asking import connected
+        from rtkit.tree.properties import asked
+
+        typed = self.place.typed
+        base = f"{self.place.name}.properties" if self.place.name else "properties"
+        options = ["meta"] * self.has_values + ["all"] * self.is_deep
+        target = f"{base}?{'&'.join(options)}" if options else base
+        with connected(self.app, None) as places:
+            _, end = places.find(typed)
+            rows = _group(asked(lambda: end.ask(target), typed))
+            if self.has_values:
+                rows = tuple(_completed(end, self.place.name, rows))
+        if not self.has_values:
+            names = [shown(str(name)) for name in rows]
+            is_plain = self._is_single or not terminal.is_terminal()
+            return names if is_plain else _in_columns(names)
+        self.names = [name for name, _, *value in map(_row, rows) if value]
+        if self._is_json:
+            return [_record(typed, row) for row in rows]
+        return _columns([_cells(row) for row in rows])
+
+
+def _completed(end: PropertyClient, above: str, rows: Sequence[Value]) -> Iterator[Value]:
+    """Yield rows with the values that user code computes, where that is quick.
+
+    The service itself calls no such code to list what there is.
+    """
+    from rtkit.property.reading import ValueLimits, read
+
+    until = monotonic() + _CALLS_S
+    for row in rows:
+        name, meta, *value = _row(row)
+        is_readable = not isinstance(meta, tuple) and "r" in _field(cast("Element", meta), "access")
+        if value or not is_readable or monotonic() >= until:
+            yield row
+            continue
+        path = f"{above}.{name}" if above else name
+        told, error = end.ask(f"{path}?timeout={_CALL_S}")
+        is_shown = not error and isinstance(told, str)
+        yield (name, meta, read(str(told), ValueLimits(text=1 << 26))) if is_shown else row
+
+
+def _in_columns(names: list[str]) -> list[str]:
+    from shutil import get_terminal_size
+
+    return terminal.columns([(name, name) for name in names], get_terminal_size().columns)
+
+
+def _row(row: Value) -> tuple[str, Value, *tuple[Value, ...]]:
+    """Return name, description and, unless it is hidden or only has others below it, the value."""
+    assert isinstance(row, tuple)
+    name, meta, *value = (*row, ()) if len(row) == 1 else row
+    return (str(name), meta, *value)
+
+
+def _group(text: str | bytes) -> tuple[Value, ...]:
+    from rtkit.property.reading import ValueLimits, read
+
+    value = read(str(text), ValueLimits(text=1 << 26, items=1 << 24))
+    return value if isinstance(value, tuple) else (value,)
+
+
+def _cells(row: Value) -> tuple[str, ...]:
+    from rtkit.property.values import Element
+    from rtkit.property.writing import write
+
+    name, meta, *value = _row(row)
+    told = [_field(meta, key) for key in _HEAD] if isinstance(meta, Element) else ["-"] * 4
+    text = write(value[0]) if value else ""
+    return (*told, name, text if len(text) <= 200 else f"{text[:200]}…")
+
+
+def _field(meta: Element, key: str) -> str:
+    found = meta.find(key)
+    return str(found.leaf) if found is not None and found.leaf is not None else "-"
+
+
+def _columns(rows: list[tuple[str, ...]]) -> list[str]:
+    cells = [tuple(map(terminal.printable, row)) for row in rows]
+    widths = [max(map(len, column)) + 2 for column in zip(*cells, strict=True)]
+    return ["".join(map(str.ljust, row, widths)).rstrip() for row in cells]
+
+
+def _record(typed: str, row: Value) -> str:
+    from rtkit.property.writing import write
+
+    name, _, *value = _row(row)
+    return record("property", f"{typed.rstrip('/')}.{name}", write(value[0]) if value else "()")
