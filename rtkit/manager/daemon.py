@@ -34,6 +34,7 @@ from rtkit.manager.core.events import (
     StopRequested,
     StoreRead,
 )
+from rtkit.manager.core.requests import NOBODY
 from rtkit.manager.core.startup import StartUp
 from rtkit.manager.core.state import ManagerState, Process
 from rtkit.manager.predecessor.descendants import bear_mark, end_descendants
@@ -98,7 +99,7 @@ def run(name: str, wanted: CommandLineSettings, is_shown: bool = False) -> int:
             loop = _assemble(state, dead, keeper, is_shown, report.warn, stack)
             loop.recall(remembered)
             done = partial(_started, loop, keeper, report, state.settings)
-            start_up = StartUp(state, loop.post, done, report.warn)
+            start_up = StartUp(state, loop.requests, loop.post, done, report.warn)
             _register(loop, state, stack)
             loop.settle(start_up.restore)
             loop.run()
@@ -346,7 +347,7 @@ def _register(loop: Loop, state: ManagerState, stack: ExitStack) -> None:
     every_s = settings.number("manager.update_master_manager.interval")
     if not settings.flag("manager.update_master_manager.enable"):
         every_s = 0.0
-    found = OperationRequested("add_master_manager", str(master), lambda _reply: None)
+    found = OperationRequested("add_master_manager", str(master), NOBODY)
     registrar = Registrar(master, state.name, every_s, lambda: loop.post(found))
     stack.callback(registrar.close)
 

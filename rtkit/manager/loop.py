@@ -29,6 +29,7 @@ from rtkit.link.segments import remove_orphans
 from rtkit.logs.outputs import cut
 from rtkit.manager.core import events as ev
 from rtkit.manager.core.core import Core
+from rtkit.manager.core.requests import PendingRequests
 from rtkit.manager.core.state import Process
 from rtkit.manager.following.following import Following
 from rtkit.manager.limits.usage import usage
@@ -63,6 +64,7 @@ class Loop:
     """Owns the core; everybody else only enqueues (`post`).
 
     Attributes:
+        requests: Who waits for answers.
         query_server: Where requests are taken.
         following: Follows the events of systems.
         has_failed: The manager ends because its start failed.
@@ -79,8 +81,9 @@ class Loop:
         self._core = core
         self._keeper = keeper
         keeper.heard = lambda *told: self.post(ev.RowsStored(*told))
-        self.query_server = ManagerQueryServer(core.state)
-        self.following = Following(self.post, core.state)
+        self.requests = PendingRequests()
+        self.query_server = ManagerQueryServer(core.state, self.requests)
+        self.following = Following(self.post, core.state, self.requests)
         self.query_server.follow = self.following.ask
         self.has_failed = False
         self._container = container
@@ -353,9 +356,9 @@ class Loop:
                     self._container.put(message)
                 else:
                     self._lines.send(key, message)
-            case ev.AnswerClient(answer, reply):
+            case ev.AnswerClient(request, reply):
                 fault.point("manager.answering")
-                answer(reply)
+                self.requests.answer(request, reply)
                 fault.point("manager.answered")
             case ev.SpawnSlave(key, name):
                 unspawned = self._slave_supervisor.fork(key, name)

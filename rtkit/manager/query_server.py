@@ -27,6 +27,7 @@ from rtkit.manager.core.events import (
     SnapshotRequested,
     StopRequested,
 )
+from rtkit.manager.core.requests import PendingRequests
 from rtkit.manager.core.state import ManagerState
 from rtkit.manager.loadable import loadable
 from rtkit.manager.reexec import open_report
@@ -53,11 +54,12 @@ class ManagerQueryServer:
         follow: Receives requests to follow a system, or not to.
     """
 
-    def __init__(self, state: ManagerState) -> None:
+    def __init__(self, state: ManagerState, requests: PendingRequests) -> None:
         self.restart: RestartRequest | None = None
         self.lease = Lease(ProcessWatch)
         self.follow: Callable[[Request], object] = lambda _request: None
         self._state = state
+        self._requests = requests
         self._views: dict[str, str] = {}
 
     def forget_views(self) -> None:
@@ -73,7 +75,7 @@ class ManagerQueryServer:
         if monotonic() > request.until:
             raise Unreachable(NOT_BEGUN)
         if request.is_extension and request.name == "picture":
-            return SnapshotRequested(request.answer)
+            return SnapshotRequested(self._requests.add(request.answer))
         if request.is_extension and request.name == "lease":
             request.answer(Reply(self.lease.asked(request.payload)))
             return None
@@ -91,7 +93,8 @@ class ManagerQueryServer:
             request.answer(Reply(self._property(keys.unescape(request.name))))
             return None
         if request.name == "batch":
-            return BatchRequested(batch_from_text(request.payload), request.answer, request.until)
+            batch = batch_from_text(request.payload)
+            return BatchRequested(batch, self._requests.add(request.answer), request.until)
         if request.name in ("stop", "shutdown"):
             request.answer(Reply(str(self._state.pid)))
             return StopRequested()
@@ -151,24 +154,24 @@ class ManagerQueryServer:
         if name in operations.READ:
             raise Refused(f"read-only property: {name}")
         if name == "create_component" and request.id:
-            return _create_once(request)
+            return self._create_once(request)
         if name in operations.DO:
-            return OperationRequested(name, argument, request.answer)
-        return OperationRequested("set_configuration", f"{name}:{argument}", request.answer)
+            return OperationRequested(name, argument, self._requests.add(request.answer))
+        change = f"{name}:{argument}"
+        return OperationRequested("set_configuration", change, self._requests.add(request.answer))
 
+    def _create_once(self, request: Request) -> BatchRequested:
+        """Return a creation as a batch, so that it is known by its id when it comes again."""
 
-def _create_once(request: Request) -> BatchRequested:
-    """Return a creation as a batch, so that it is known by its id when it comes again."""
+        def answer(reply: Reply) -> None:
+            if not reply.error:
+                (result,) = results_from_text(reply.text)
+                reply = Reply(result.value) if result.ok else Reply(result.why, result.kind)
+            request.answer(reply)
 
-    def answer(reply: Reply) -> None:
-        if not reply.error:
-            (result,) = results_from_text(reply.text)
-            reply = Reply(result.value) if result.ok else Reply(result.why, result.kind)
-        request.answer(reply)
-
-    made = (Create(request.payload or ""),)
-    batch = Batch(made, True, operations.TIMEOUT_S, request.id[:MAX_ID])
-    return BatchRequested(batch, answer, request.until)
+        made = (Create(request.payload or ""),)
+        batch = Batch(made, True, operations.TIMEOUT_S, request.id[:MAX_ID])
+        return BatchRequested(batch, self._requests.add(answer), request.until)
 
 
 def _aside(request: Request, work: Callable[[], str]) -> None:

@@ -76,7 +76,7 @@ def heir(shell: FakeShell, boot: str = "") -> FakeShell:
 def restore(shell: FakeShell) -> None:
     """Have a core make again what is missing at once."""
     replies: list[Reply] = []
-    shell.feed(ev.RecoveryRequested(replies.append))
+    shell.feed(ev.RecoveryRequested(shell.requests.add(replies.append)))
     while shell.spawned:
         shell.fork(next(iter(shell.spawned)))
     shell.serve()

@@ -18,6 +18,7 @@ from rtkit.errors import NotFound, RtkitError
 from rtkit.manager.core import events as ev
 from rtkit.manager.core.core import Core
 from rtkit.manager.core.import_check import TRIAL
+from rtkit.manager.core.requests import PendingRequests
 from rtkit.manager.core.state import ManagerState, Process
 from rtkit.property.exchange import Reply
 from rtkit.rtc.create import parse_create
@@ -107,6 +108,7 @@ class FakeShell:
     """Carries instructions out by noting them.
 
     Attributes:
+        requests: Who waits for answers.
         now: The time [s].
         calls: Messages that wait for an answer, in order.
         told: Messages that want none, as (key, message).
@@ -125,6 +127,7 @@ class FakeShell:
         state = ManagerState("host", "manager", 100, "1", names=("localhost/manager.mgr",))
         state.processes[OWN] = Process(OWN, "manager", 100, "up")
         self.core = Core(state)
+        self.requests = PendingRequests()
         self.now = 1000.0
         self.calls: list[FakeCall] = []
         self.told: list[tuple[int, Mapping[str, Any]]] = []
@@ -188,8 +191,8 @@ class FakeShell:
             case ev.LimitSlave(key, pid, limits):
                 assert pid == self.state.processes[key].pid != 0
                 self.limits[key] = limits
-            case ev.AnswerClient(answer, reply):
-                answer(reply)
+            case ev.AnswerClient(request, reply):
+                self.requests.answer(request, reply)
             case ev.WakeAt(moment):
                 self.wake_at = moment if self.wake_at is None else min(moment, self.wake_at)
             case ev.ExitDaemon():
@@ -208,7 +211,7 @@ class FakeShell:
         """Hand in a batch, of a client that waits until then."""
         asked = FakeRequest()
         batch = Batch(actions, ordered, timeout_s, id)
-        self.feed(ev.BatchRequested(batch, asked.replies.append, until))
+        self.feed(ev.BatchRequested(batch, self.requests.add(asked.replies.append), until))
         return asked
 
     def stop(self) -> None:

@@ -129,7 +129,7 @@ class Managed(FakeManager):
             if process.is_slave and process.is_alive and process.pid:
                 held = [each for each in self.containers.components if keys[each] == process.key]
                 self._come_back(process, held)
-        self.shell.feed(ev.RecoveryRequested(lambda _reply: None))
+        self.shell.feed(ev.RecoveryRequested(self.shell.requests.add(lambda _reply: None)))
 
     def _come_back(self, process: Process, held: list[str]) -> None:
         wires = [wire for (name, _), wire in self.ends.items() if name == process.name]

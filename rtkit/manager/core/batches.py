@@ -17,7 +17,6 @@ from rtkit.manager.core.desired import ANSWERED
 from rtkit.manager.core.durable_replies import DurableReplies, unkept
 from rtkit.manager.core.effects import AcquireSlave, Procedure
 from rtkit.manager.core.events import (
-    Answer,
     AnswerClient,
     BatchRequested,
     Instruction,
@@ -41,7 +40,7 @@ class _Job:
 
     def __init__(self, asked: BatchRequested) -> None:
         self.batch = asked.batch
-        self.answers = [asked.answer]
+        self.requests = [asked.request]
         self.until = asked.until
         self.results: list[Result | None] = [None] * len(asked.batch.actions)
         self.pending = len(self.results)
@@ -86,11 +85,11 @@ class Batches:
         """Begin a batch as soon as it can be recorded, unless it is or was done already."""
         id = asked.batch.id
         if id and id in self._jobs:
-            self._jobs[id].answers.append(asked.answer)
+            self._jobs[id].requests.append(asked.request)
         elif id and id in self._answered:
-            self._out.append(AnswerClient(asked.answer, Reply(self._answered[id])))
+            self._out.append(AnswerClient(asked.request, Reply(self._answered[id])))
         elif self._is_too_old(id):
-            self._out.append(AnswerClient(asked.answer, Reply(TOO_OLD.format(id), Refused.kind)))
+            self._out.append(AnswerClient(asked.request, Reply(TOO_OLD.format(id), Refused.kind)))
         else:
             self._admit(_Job(asked))
 
@@ -115,13 +114,13 @@ class Batches:
         def tell(results: list[Result]) -> None:
             (result,) = results
             text, kind = (result.value, "") if result.ok else (result.why, result.kind)
-            self._out.append(AnswerClient(asked.answer, Reply(text, kind)))
+            self._out.append(AnswerClient(asked.request, Reply(text, kind)))
 
         def done(result: Result) -> None:
             self._keeping.finish([operations.action(asked.name, asked.argument)], [result], tell)
 
         if self.is_stopping:
-            self._out.append(AnswerClient(asked.answer, Reply(STOPPING, Refused.kind)))
+            self._out.append(AnswerClient(asked.request, Reply(STOPPING, Refused.kind)))
         else:
             steps = operations.DO[asked.name](self._state, asked.argument)
             self._tasks.begin(steps, operations.TIMEOUT_S, done)
@@ -138,8 +137,7 @@ class Batches:
         self._keeping.admit(job.batch.actions, go_on)
 
     def _answer(self, job: _Job, reply: Reply) -> None:
-        answers: list[Answer] = job.answers
-        self._out.extend(AnswerClient(answer, reply) for answer in answers)
+        self._out.extend(AnswerClient(request, reply) for request in job.requests)
         self._jobs.pop(job.batch.id, None)
 
     def _begin(self, job: _Job) -> None:

@@ -10,7 +10,7 @@ from collections.abc import Mapping
 from rtkit.deployment.delta import TREE, Delta, FullSnapshot, delta_between, snapshot_to_text
 from rtkit.deployment.facts import ComponentFacts, Snapshot
 from rtkit.fast_dataclass import replace
-from rtkit.manager.core.events import Answer, AnswerClient, Instruction, Publish
+from rtkit.manager.core.events import AnswerClient, Instruction, Publish
 from rtkit.manager.core.state import ManagerState
 from rtkit.property.exchange import Reply
 from rtkit.rtc.profiles import ConnectorProfile
@@ -29,7 +29,7 @@ class ChangeFeed:
         self._connectors: dict[str, ConnectorProfile] = {}
         self._processes: list[tuple[object, ...]] = []
         self._claims: list[str] = []
-        self._held: list[Answer] | None = None
+        self._held: list[int] | None = None
 
     @property
     def run_id(self) -> str:
@@ -50,13 +50,13 @@ class ChangeFeed:
     def release(self) -> None:
         """Send snapshots from now on, first to the clients that have waited."""
         held, self._held = self._held, None
-        for answer in held or ():
-            self.send_picture(answer)
+        for request in held or ():
+            self.send_picture(request)
 
-    def send_picture(self, answer: Answer) -> None:
+    def send_picture(self, request: int) -> None:
         """Answer with a snapshot, after an empty delta, which shows that deltas arrive."""
         if self._held is not None:
-            self._held.append(answer)
+            self._held.append(request)
             return
         if self._known is None:
             self._begin()
@@ -64,7 +64,7 @@ class ChangeFeed:
         assert self._known is not None
         self._publish(Delta(self.run_id, self._number + 1))
         whole = FullSnapshot(self.run_id, self._number, self._known)
-        self._out.append(AnswerClient(answer, Reply(snapshot_to_text(whole))))
+        self._out.append(AnswerClient(request, Reply(snapshot_to_text(whole))))
 
     def run(self) -> None:
         """Publish what has changed since the last time, if there are subscribers."""

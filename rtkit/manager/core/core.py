@@ -22,7 +22,6 @@ from rtkit.manager.core.change_feed import ChangeFeed
 from rtkit.manager.core.durable_replies import DurableReplies
 from rtkit.manager.core.events import (
     AdoptSlave,
-    Answer,
     AnswerClient,
     BatchRequested,
     CallbackStuck,
@@ -50,6 +49,7 @@ from rtkit.manager.core.events import (
     SlaveStopped,
     SnapshotRequested,
     SpawnDisabled,
+    StartStepDone,
     StopRequested,
     StoreRead,
     TimerExpired,
@@ -110,8 +110,8 @@ class Core:
         match event:
             case BatchRequested():
                 self._batches.take(event)
-            case SnapshotRequested(answer):
-                self._announcer.send_picture(answer)
+            case SnapshotRequested(request):
+                self._announcer.send_picture(request)
             case ListenersChanged(line, is_heard, who):
                 self._listened(line, is_heard, who)
             case FollowAsked():
@@ -146,8 +146,10 @@ class Core:
                 self._tasks.inspected(key)
             case StoreRead():
                 self._remember(event)
-            case RecoveryRequested(answer):
-                self._restore(answer)
+            case RecoveryRequested(request):
+                self._restore(request)
+            case StartStepDone(step):
+                self.state.kept.begin(step)
             case RowsStored(number, why, is_lost):
                 self._keeping.kept(number, why, is_lost=is_lost)
             case StopRequested(is_urgent, is_kept):
@@ -178,7 +180,7 @@ class Core:
 
     def _follow(self, asked: FollowAsked) -> None:
         if self._is_stopping:
-            self._out.append(AnswerClient(asked.answer, Reply(STOPPING, Refused.kind)))
+            self._out.append(AnswerClient(asked.request, Reply(STOPPING, Refused.kind)))
         else:
             self._follows.ask(asked)
 
@@ -205,11 +207,11 @@ class Core:
             else:
                 state.kept.found(facts.instance)
 
-    def _restore(self, answer: Answer) -> None:
+    def _restore(self, request: int) -> None:
         self._announcer.release()
 
         def tell(results: list[Result]) -> None:
-            self._out.append(AnswerClient(answer, Reply(results[0].value)))
+            self._out.append(AnswerClient(request, Reply(results[0].value)))
 
         def done(result: Result) -> None:
             self._keeping.finish([act.Tick("", "")], [result], tell)

@@ -1,12 +1,12 @@
 """Events of a manager, and the instructions of its core to the shell.
 
-Processes are named by a key: a number that is never used twice, whatever their names.
+Both are plain data: a process is named by a key and a request by a number, neither used twice.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 
 from rtkit.deployment.batch import Batch
 from rtkit.deployment.limits import SlaveLimits
@@ -15,7 +15,6 @@ from rtkit.deployment.states.followed import Followed
 from rtkit.fast_dataclass import dataclass
 from rtkit.property.exchange import Reply
 
-Answer = Callable[[Reply], None]
 Row = tuple[str, str, str | None]
 """A row of desired state: kind, name and value; without a value it is to be removed."""
 
@@ -32,7 +31,7 @@ class BatchRequested:
     """
 
     batch: Batch
-    answer: Answer
+    request: int
     until: float = math.inf
 
 
@@ -40,7 +39,7 @@ class BatchRequested:
 class SnapshotRequested:
     """A client that subscribes to deltas requests the snapshot they begin with."""
 
-    answer: Answer
+    request: int
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,7 +57,7 @@ class FollowAsked:
 
     system: str
     text: str | None
-    answer: Answer
+    request: int
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,7 +65,7 @@ class FollowSaid:
     """A follower reports the outcome of its system, and waits until that is stored."""
 
     told: Followed
-    answer: Answer
+    request: int
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,7 +74,7 @@ class OperationRequested:
 
     name: str
     argument: str
-    answer: Answer
+    request: int
 
 
 @dataclass(frozen=True, slots=True)
@@ -108,7 +107,14 @@ class StoreRead:
 class RecoveryRequested:
     """All live processes have reported: what is desired and missing is to be created."""
 
-    answer: Answer
+    request: int
+
+
+@dataclass(frozen=True, slots=True)
+class StartStepDone:
+    """A step of the manager's own start is done, and is not to be done again by the next one."""
+
+    step: str
 
 
 @dataclass(frozen=True, slots=True)
@@ -256,6 +262,7 @@ Event = (
     | StopRequested
     | StoreRead
     | RecoveryRequested
+    | StartStepDone
     | RowsStored
     | SlaveForked
     | SlaveFailed
@@ -343,7 +350,7 @@ class RemoveStore:
 class AnswerClient:
     """Answer a request."""
 
-    answer: Answer
+    request: int
     reply: Reply
 
 

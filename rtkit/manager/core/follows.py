@@ -11,7 +11,7 @@ from rtkit.deployment.states.followed import Followed
 from rtkit.errors import NotFound, Refused, RtkitError
 from rtkit.manager.core.desired import FOLLOWED, REACHED, DesiredState
 from rtkit.manager.core.durable_replies import DurableReplies, unkept
-from rtkit.manager.core.events import Answer, AnswerClient, FollowAsked, FollowSaid, Instruction
+from rtkit.manager.core.events import AnswerClient, FollowAsked, FollowSaid, Instruction
 from rtkit.manager.core.state import ManagerState
 from rtkit.property.exchange import Reply, failure
 from rtkit.rtc.serde import encode
@@ -39,9 +39,9 @@ class Follows:
                     raise Refused(unkept(why))
                 told = self._change(asked)
             except RtkitError as error:
-                self._out.append(AnswerClient(asked.answer, failure(error)))
+                self._out.append(AnswerClient(asked.request, failure(error)))
             else:
-                self._answer_when_kept(asked.answer, told)
+                self._answer_when_kept(asked.request, told)
 
         self._keeping.admit([_BEGIN] if asked.text is not None else [], go_on)
 
@@ -69,13 +69,13 @@ class Follows:
         """Take in what became of a system, if it is still followed."""
         if said.told.system in self._state.kept.followed:
             self._state.kept.put(REACHED, said.told.system, said.told)
-        self._answer_when_kept(said.answer, "")
+        self._answer_when_kept(said.request, "")
 
-    def _answer_when_kept(self, answer: Answer, text: str) -> None:
+    def _answer_when_kept(self, request: int, text: str) -> None:
         def tell(results: list[Result]) -> None:
             why = self._state.unkept
             reply = failure(Refused(unkept(why))) if why else Reply(results[0].value)
-            self._out.append(AnswerClient(answer, reply))
+            self._out.append(AnswerClient(request, reply))
 
         self._keeping.finish([act.Tick("", "")], [Result(value=text)], tell)
 

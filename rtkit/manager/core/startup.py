@@ -13,8 +13,9 @@ from rtkit.deployment import actions as act
 from rtkit.deployment.actions import Action
 from rtkit.deployment.batch import Batch, results_from_text
 from rtkit.errors import Refused, RtkitError
-from rtkit.manager.core.events import BatchRequested, RecoveryRequested
+from rtkit.manager.core.events import BatchRequested, RecoveryRequested, StartStepDone
 from rtkit.manager.core.preconnect import connector
+from rtkit.manager.core.requests import PendingRequests
 from rtkit.manager.core.state import ManagerState
 from rtkit.property.exchange import Reply
 from rtkit.rtc.create import parse_create
@@ -66,11 +67,13 @@ class StartUp:
     def __init__(
         self,
         state: ManagerState,
-        post: Callable[[BatchRequested | RecoveryRequested], object],
+        requests: PendingRequests,
+        post: Callable[[BatchRequested | RecoveryRequested | StartStepDone], object],
         done: Callable[[list[tuple[str, str]]], object],
         warn: Callable[[str], object],
     ) -> None:
         self._state = state
+        self._requests = requests
         self._post = post
         self._done = done
         self._warn = warn
@@ -82,7 +85,7 @@ class StartUp:
 
     def restore(self) -> None:
         """Have the desired state of an earlier manager recovered, then begin."""
-        self._post(RecoveryRequested(self._restored))
+        self._post(RecoveryRequested(self._requests.add(self._restored)))
 
     def _restored(self, reply: Reply) -> None:
         for result in results_from_text(reply.value()):
@@ -104,7 +107,8 @@ class StartUp:
             if actions:
                 heard = partial(self._heard, key, item)
                 asked = tuple(map(act.strict, actions) if self._is_strict else actions)
-                self._post(BatchRequested(Batch(asked, True, TIMEOUT_S), heard))
+                batch = Batch(asked, True, TIMEOUT_S)
+                self._post(BatchRequested(batch, self._requests.add(heard)))
                 return
         self._done(self._failures)
 
@@ -131,7 +135,7 @@ class StartUp:
                 result.raise_for_error()
                 if result.note:
                     self._warn(f"{key}: {item}: {result.note}")
-            self._state.kept.begin(f"{key}: {item}")
+            self._post(StartStepDone(f"{key}: {item}"))
         except RtkitError as error:
             self._fail(key, item, str(error))
         self.begin()

@@ -18,6 +18,7 @@ from rtkit.deployment.states.followed import Followed
 from rtkit.deployment.states.spec import spec_from_text
 from rtkit.errors import Malformed
 from rtkit.manager.core.events import Event, FollowAsked, FollowSaid, ListenersChanged
+from rtkit.manager.core.requests import PendingRequests
 from rtkit.manager.core.state import ManagerState
 from rtkit.property.exchange import Request, failure
 
@@ -34,9 +35,10 @@ Post = Callable[["Event | Request"], object]
 class Following:
     """Followers of a manager; called on its loop except where stated."""
 
-    def __init__(self, post: Post, state: ManagerState) -> None:
+    def __init__(self, post: Post, state: ManagerState, requests: PendingRequests) -> None:
         self._post = post
         self._state = state
+        self._requests = requests
         self._workers: dict[str, FollowingWorker] = {}
         self._numbers = itertools.count()
         self._has_begun = self._is_over = False
@@ -69,7 +71,7 @@ class Following:
         site = OwnSite(self._post, self._state.name, purpose)
 
         def say(told: Followed) -> None:
-            self._post(FollowSaid(told, site.answer))
+            self._post(FollowSaid(told, self._requests.add(site.answer)))
             site.awaited()
 
         listen = partial(self._listen, f"{name} {next(self._numbers)}")
@@ -130,11 +132,11 @@ class Following:
         if wanted is not None:
             text = json.dumps(wanted, separators=(",", ":"))
             states, _ = spec_from_text(text)
-            return FollowAsked(states.name, text, request.answer)
+            return FollowAsked(states.name, text, self._requests.add(request.answer))
         if not isinstance(name, str):
             raise Malformed("neither {start: …} nor {stop: NAME}")
         worker = self._workers.get(name)
         if worker is not None:
             worker.end()
             worker.join(_END_S)
-        return FollowAsked(name, None, request.answer)
+        return FollowAsked(name, None, self._requests.add(request.answer))

@@ -31,7 +31,7 @@ class Listener:
 
     def full_snapshot(self) -> FullSnapshot:
         replies: list[Reply] = []
-        self.shell.feed(ev.SnapshotRequested(replies.append))
+        self.shell.feed(ev.SnapshotRequested(self.shell.requests.add(replies.append)))
         return snapshot_from_text(replies[0].value())
 
     def delta(self) -> list[Delta]:

@@ -18,7 +18,7 @@ FULL = "database or disk is full (x)"
 def restored(shell: FakeShell) -> list[tuple[str, str]]:
     """Have a core make again what is missing; return what it says failed."""
     replies: list[Reply] = []
-    shell.feed(ev.RecoveryRequested(replies.append))
+    shell.feed(ev.RecoveryRequested(shell.requests.add(replies.append)))
     while shell.spawned:
         shell.fork(next(iter(shell.spawned)))
     shell.serve()
@@ -191,7 +191,7 @@ def test_all_is_made_again_when_nothing_has_survived() -> None:
 
 def test_what_is_made_again_is_configured_connected_and_active_in_this_order() -> None:
     shell = heir(system())
-    shell.feed(ev.RecoveryRequested(lambda _reply: None))
+    shell.feed(ev.RecoveryRequested(shell.requests.add(lambda _reply: None)))
     shell.fork("s")
     ops = []
     while shell.calls:
@@ -265,7 +265,7 @@ def test_who_dies_with_his_manager_did_not_die_by_himself() -> None:
 def test_failures_of_restoring_are_told_and_the_rest_is_done() -> None:
     shell = heir(system())
     replies: list[Reply] = []
-    shell.feed(ev.RecoveryRequested(replies.append))
+    shell.feed(ev.RecoveryRequested(shell.requests.add(replies.append)))
     shell.fork("s")
     shell.refuse(shell.next("create"))
     shell.serve()

@@ -23,14 +23,14 @@ LED = Followed(NAME, "explore", "standby", "start", 1, 5.0)
 
 def asked(shell: FakeShell, text: str | None) -> Reply:
     replies: list[Reply] = []
-    shell.feed(ev.FollowAsked(NAME, text, replies.append))
+    shell.feed(ev.FollowAsked(NAME, text, shell.requests.add(replies.append)))
     (reply,) = replies
     return reply
 
 
 def said(shell: FakeShell, followed: Followed) -> Reply:
     replies: list[Reply] = []
-    shell.feed(ev.FollowSaid(followed, replies.append))
+    shell.feed(ev.FollowSaid(followed, shell.requests.add(replies.append)))
     (reply,) = replies
     return reply
 
@@ -122,15 +122,19 @@ def test_each_transition_is_an_event_for_those_who_listen() -> None:
     shell = FakeShell()
     published: list[Delta] = []
     replies: list[Reply] = []
-    shell.feed(ev.SnapshotRequested(replies.append))
+    shell.feed(ev.SnapshotRequested(shell.requests.add(replies.append)))
     facts = snapshot_from_text(replies[0].value()).facts
     told: list[tuple[str, str]] = []
     for event in (
-        ev.FollowAsked(NAME, TEXT, replies.append),
-        ev.FollowSaid(LED, replies.append),
-        ev.FollowSaid(Followed(NAME, "explore", waits="rtapply", count=1), replies.append),
-        ev.FollowSaid(Followed(NAME, "x", count=1, why="no", is_over=True), replies.append),
-        ev.FollowAsked(NAME, None, replies.append),
+        ev.FollowAsked(NAME, TEXT, shell.requests.add(replies.append)),
+        ev.FollowSaid(LED, shell.requests.add(replies.append)),
+        ev.FollowSaid(
+            Followed(NAME, "explore", waits="rtapply", count=1), shell.requests.add(replies.append)
+        ),
+        ev.FollowSaid(
+            Followed(NAME, "x", count=1, why="no", is_over=True), shell.requests.add(replies.append)
+        ),
+        ev.FollowAsked(NAME, None, shell.requests.add(replies.append)),
     ):
         found = shell.feed(event)
         published += [decode(Delta, each.message) for each in found if isinstance(each, ev.Publish)]

@@ -24,7 +24,7 @@ def listen(shell: FakeShell, monkeypatch: pytest.MonkeyPatch) -> list[UserEvent]
     """Return a list to which everything is added that happens from now on."""
     heard: list[UserEvent] = []
     replies: list[Reply] = []
-    shell.feed(ev.SnapshotRequested(replies.append))
+    shell.feed(ev.SnapshotRequested(shell.requests.add(replies.append)))
     known = snapshot_from_text(replies[0].value()).facts
     carry_out = shell._carry_out
 
@@ -263,7 +263,7 @@ def test_nothing_seems_to_have_ended_that_outlived_its_manager() -> None:
     before = shell.state.snapshot()
     other = heir(shell)
     replies: list[Reply] = []
-    other.feed(ev.SnapshotRequested(replies.append))
+    other.feed(ev.SnapshotRequested(other.requests.add(replies.append)))
     assert not replies
     held = {**facts("A"), "create": before.components[0].create, "names": ["localhost/A.rtc"]}
     other.feed(ev.SlaveFound(pid, "s", [held], []))

@@ -25,7 +25,7 @@ class Client:
 
     def __init__(self, shell: FakeShell) -> None:
         self.shell = shell
-        self.query_server = ManagerQueryServer(shell.state)
+        self.query_server = ManagerQueryServer(shell.state, shell.requests)
 
     def ask(self, name: str, payload: str | None = None) -> list[Reply]:
         replies: list[Reply] = []

@@ -14,6 +14,7 @@ from rtkit.deployment.batch import results_to_text
 from rtkit.deployment.lease import Immortal, Lease
 from rtkit.errors import Refused
 from rtkit.manager.core.events import BatchRequested
+from rtkit.manager.core.requests import PendingRequests
 from rtkit.manager.following.own_site import Ended, OwnSite
 from rtkit.manager.query_server import ManagerQueryServer
 from rtkit.property.exchange import Reply, Request
@@ -25,7 +26,8 @@ class Manager:
     """A desk that is served at once; batches are answered by the test."""
 
     def __init__(self) -> None:
-        self.query_server = ManagerQueryServer(FakeShell().state)
+        self.requests = PendingRequests()
+        self.query_server = ManagerQueryServer(FakeShell().state, self.requests)
         self.query_server.lease = Lease(lambda _pid: Immortal())
         self.batches: Queue[BatchRequested] = Queue()
         self.site = self.another("the manager itself, which follows S")
@@ -64,7 +66,7 @@ def test_it_is_looked_at_and_acted_on_like_any_manager() -> None:
     _, found = aside(lambda: manager.site.apply([Delete("A")]))
     asked = manager.batches.get(timeout=WAIT_S)
     assert asked.batch.actions == (Delete("A"),)
-    asked.answer(Reply(results_to_text([])))
+    manager.requests.answer(asked.request, Reply(results_to_text([])))
     assert found.get(timeout=WAIT_S) == ()
     with pytest.raises(Refused, match="starts no other"):
         manager.site.start("m1")

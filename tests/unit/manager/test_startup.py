@@ -23,7 +23,11 @@ def start(shell, warned=None, **given):
     outcome = []
     posted = []
     start_up = StartUp(
-        shell.state, posted.append, outcome.append, ([] if warned is None else warned).append
+        shell.state,
+        shell.requests,
+        posted.append,
+        outcome.append,
+        ([] if warned is None else warned).append,
     )
     start_up.begin()
     while posted:
