@@ -9,10 +9,11 @@ from rtkit.property import components
 from rtkit.property.codes import PropertyError
 from rtkit.property.functional import FunctionalProperty
 from rtkit.property.lanes import first_only
-from rtkit.property.messages import DONE, Answer, Payload, PropertyRequest
+from rtkit.property.messages import DONE, Answer, Payload
 from rtkit.property.naming import RequestTarget
 from rtkit.property.parameters import COMMON, checked_parameters
 from rtkit.property.registry import NameEntry
+from rtkit.property.requests import PropertyRequest
 from rtkit.property.types import from_payload, parse_type
 from rtkit.property.values import Element, Value
 from rtkit.property.writing import write

@@ -7,9 +7,10 @@ A leaf is read as a value once its entities are decoded; what is no value is a s
 from __future__ import annotations
 
 import re
+from collections.abc import Callable
 
 from rtkit.property.codes import PropertyError
-from rtkit.property.reading import Budget, read_item, syntax
+from rtkit.property.limits import Budget, syntax
 from rtkit.property.values import Element, Value
 
 NAME = r"[A-Za-z_][A-Za-z0-9_.\-]*"
@@ -26,6 +27,10 @@ _NAMED = {"lt": "<", "gt": ">", "amp": "&", "quot": '"', "apos": "'"}
 _NOT_XML = re.compile("[\x00-\x08\x0b\x0c\x0e-\x1f\ud800-\udfff\ufffe\uffff]")
 
 
+ReadItem = Callable[[str, int, Budget], Value]
+"""Reads the text of a leaf as a value that lies some levels deep."""
+
+
 class _Open:
     """Element whose end has not been read yet."""
 
@@ -38,7 +43,9 @@ class _Open:
         self.text: str | None = None
 
 
-def read_element(text: str, start: int, depth: int, budget: Budget) -> tuple[Element, int]:
+def read_element(
+    text: str, start: int, depth: int, budget: Budget, read_item: ReadItem
+) -> tuple[Element, int]:
     """Read the element that begins at `start`; return it, and where it ends.
 
     Raises:
@@ -51,7 +58,7 @@ def read_element(text: str, start: int, depth: int, budget: Budget) -> tuple[Ele
             closing = _CLOSE.match(text, position)
             if closing is None or closing[1] != opened[-1].name:
                 raise syntax(position, f"expected </{opened[-1].name}>")
-            element = _closed(opened.pop(), depth + len(opened), budget)
+            element = _closed(opened.pop(), depth + len(opened), budget, read_item)
             position = closing.end()
         elif opened and text.startswith("<!--", position):
             position = _comment(text, position, opened[-1])
@@ -117,12 +124,12 @@ def _characters(text: str, position: int, parent: _Open) -> int:
     return end
 
 
-def _closed(opened: _Open, depth: int, budget: Budget) -> Element:
-    leaf = None if opened.text is None else _leaf(opened.text, depth + 1, budget)
+def _closed(opened: _Open, depth: int, budget: Budget, read_item: ReadItem) -> Element:
+    leaf = None if opened.text is None else _leaf(opened.text, depth + 1, budget, read_item)
     return Element(opened.name, opened.attributes, tuple(opened.children), leaf)
 
 
-def _leaf(text: str, depth: int, budget: Budget) -> Value:
+def _leaf(text: str, depth: int, budget: Budget, read_item: ReadItem) -> Value:
     """Return the value in a leaf; depth bounds how often leaves can lie in leaves."""
     budget.spend(depth)
     try:

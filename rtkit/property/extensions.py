@@ -10,11 +10,12 @@ from typing import TYPE_CHECKING
 
 from rtkit.property import components
 from rtkit.property.codes import PropertyError
-from rtkit.property.messages import Payload, PropertyRequest, Requester
+from rtkit.property.messages import Payload
 from rtkit.property.meta import meta, meta_field
 from rtkit.property.naming import canonical
 from rtkit.property.reading import read
 from rtkit.property.registry import NameEntry, as_value
+from rtkit.property.requests import PropertyRequest, Requester
 from rtkit.property.spec import gui
 from rtkit.property.subscription import options_of
 from rtkit.property.types import Content, check, from_payload, parse_type

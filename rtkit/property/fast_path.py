@@ -13,8 +13,8 @@ from typing import TYPE_CHECKING
 from rtkit.property.codes import PropertyError
 
 if TYPE_CHECKING:
-    from rtkit.property.messages import Requester
     from rtkit.property.node import PropertyNode
+    from rtkit.property.requests import Requester
     from rtkit.property.service import Service
 
 _MOST_KNOWN = 4096

@@ -11,7 +11,8 @@ from collections.abc import Callable, Hashable
 from hashlib import blake2b
 
 from rtkit.property.codes import PASSING
-from rtkit.property.messages import Answer, Payload, PropertyRequest
+from rtkit.property.messages import Answer, Payload
+from rtkit.property.requests import PropertyRequest
 
 _REMEMBERED = 1024
 _MOST_BYTES = 1 << 22

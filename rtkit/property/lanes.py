@@ -11,9 +11,10 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 from rtkit.property.codes import PropertyError
-from rtkit.property.messages import Answer, PropertyRequest
+from rtkit.property.messages import Answer
 from rtkit.property.naming import canonical
 from rtkit.property.reading import lone_number
+from rtkit.property.requests import PropertyRequest
 
 if TYPE_CHECKING:
     from rtkit.property.node import PropertyNode

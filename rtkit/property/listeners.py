@@ -8,9 +8,10 @@ from typing import TYPE_CHECKING
 
 from rtkit.property import components
 from rtkit.property.codes import PropertyError
-from rtkit.property.messages import Answer, PropertyEvent, Requester
+from rtkit.property.messages import Answer, PropertyEvent
 from rtkit.property.node import PropertyNode
 from rtkit.property.registry import NameEntry, as_value
+from rtkit.property.requests import Requester
 from rtkit.property.subscription import Listener, SubscriptionOptions
 from rtkit.property.types import Content
 from rtkit.property.user_code import Unfolded

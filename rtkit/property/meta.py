@@ -11,8 +11,8 @@ from rtkit.property.values import Element, Value, Word
 from rtkit.property.writing import write
 
 if TYPE_CHECKING:
-    from rtkit.property.messages import Requester
     from rtkit.property.node import PropertyNode
+    from rtkit.property.requests import Requester
     from rtkit.property.service import Service
 
 

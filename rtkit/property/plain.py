@@ -5,8 +5,9 @@ from __future__ import annotations
 from typing import Any
 
 from rtkit.property.codes import PropertyError
+from rtkit.property.limits import LIMITS
 from rtkit.property.messages import Payload
-from rtkit.property.reading import LIMITS, read
+from rtkit.property.reading import read
 from rtkit.property.types import Content
 from rtkit.property.values import Element, Value
 

@@ -7,21 +7,11 @@ Source: `property-service` reference, section 3. Nothing is repaired: what canno
 from __future__ import annotations
 
 import re
-from typing import NamedTuple
 
 from rtkit.property.codes import PropertyError
+from rtkit.property.limits import LIMITS, Budget, ValueLimits, syntax
 from rtkit.property.values import Value, Word
 
-
-class ValueLimits(NamedTuple):
-    """Limits of a value: text [characters], nesting of brackets and elements, items."""
-
-    text: int = 1 << 20
-    depth: int = 64
-    items: int = 1_000_000
-
-
-LIMITS = ValueLimits()
 _SHORT = 32
 _LONGEST_NUMBER = 1000
 """Digits of an integer; to read one takes the square of its length."""
@@ -42,41 +32,6 @@ _FLAT = re.compile(r"\([^()<>\"{}\x00-\x08\x0b\x0c\x0e-\x1f\x7f-\x9f]*\)")
 _NUMBER = re.compile(r"[+-]?(?:(\d+)|(?:\d+\.\d*|\.?\d+)(?:[eE][+-]?\d+)?|inf)|nan", re.ASCII)
 _ESCAPE = re.compile(r"\\(?:([\"\\nrt])|u\{([0-9A-Fa-f]{1,6})\}|)")
 _ESCAPED = {'"': '"', "\\": "\\", "n": "\n", "r": "\r", "t": "\t"}
-
-
-class Budget:
-    """Counts items over groups, elements and leaves, and bounds what may still be read."""
-
-    __slots__ = ("items", "limits")
-
-    def __init__(self, limits: ValueLimits) -> None:
-        self.limits = limits
-        self.items = 0
-
-    def spend(self, depth: int) -> None:
-        """Count one item at a depth.
-
-        Raises:
-            PropertyError: ``too-large``.
-        """
-        self.items += 1
-        self.check()
-        if depth > self.limits.depth:
-            raise PropertyError("too-large", f"nested deeper than {self.limits.depth}")
-
-    def check(self) -> None:
-        """Look whether what was counted is too much.
-
-        Raises:
-            PropertyError: ``too-large``.
-        """
-        if self.items > self.limits.items:
-            raise PropertyError("too-large", f"more than {self.limits.items} items")
-
-
-def syntax(offset: int, expected: str) -> PropertyError:
-    """Return the error for a text that cannot be read from `offset` [characters] on."""
-    return PropertyError("syntax", f"{offset} {expected}")
 
 
 def read(text: str, limits: ValueLimits = LIMITS) -> Value:
@@ -138,9 +93,10 @@ def read_item(text: str, depth: int, budget: Budget) -> Value:
             budget.items += 1
             item = _string(token[4], start)
         else:
-            from rtkit.property.elements import read_element
+            from rtkit.property.elements import read_element  # seldom needed: seven patterns
 
-            item, position = read_element(text, start, depth + len(open_groups) + 1, budget)
+            level = depth + len(open_groups) + 1
+            item, position = read_element(text, start, level, budget, read_item)
         if open_groups:
             open_groups[-1].append(item)
         else:

@@ -23,12 +23,13 @@ from rtkit.property.functional import FunctionalProperty
 from rtkit.property.idempotency import IdempotencyCache, identity_of
 from rtkit.property.lanes import NAMES, first_only, lane_of, wait_of
 from rtkit.property.listeners import Listeners
-from rtkit.property.messages import DONE, Answer, Payload, PropertyRequest, Requester, failed
+from rtkit.property.messages import DONE, Answer, Payload, failed
 from rtkit.property.naming import RequestTarget, parse_target
 from rtkit.property.node import PropertyNode
 from rtkit.property.parameters import COMMON, OF_GET, checked_parameters
 from rtkit.property.reading import read
 from rtkit.property.registry import NameEntry, Registry
+from rtkit.property.requests import PropertyRequest, Requester
 from rtkit.property.spec import PropertySpec, Reader, Writer, plain
 from rtkit.property.types import Content, check, from_payload, parse_type, to_payload
 from rtkit.property.user_code import AT_ONCE, Unfolded, UserCode, result_of

@@ -8,10 +8,10 @@ section 6.
 from __future__ import annotations
 
 from collections import deque
-from typing import NamedTuple
+from typing import NamedTuple, Protocol
 
 from rtkit.property.codes import PropertyError
-from rtkit.property.messages import PropertyEvent, Requester
+from rtkit.property.messages import PropertyEvent
 from rtkit.property.values import Value, is_number, is_vector
 
 LONGEST_QUEUE = 10_000
@@ -40,6 +40,18 @@ class SubscriptionOptions(NamedTuple):
     is_difference: bool = False
 
 
+class EventReceiver(Protocol):
+    """Requester as a listener knows it: whoever its events are for."""
+
+    identity: str
+
+    def wake(self) -> None:
+        """Note that a listener of it has something to send."""
+
+    def unlisten(self, listener: Listener) -> None:
+        """Forget a listener that has ended."""
+
+
 class Listener:
     """Subscription to one property, or to a part of it."""
 
@@ -49,7 +61,7 @@ class Listener:
     )  # fmt: skip
 
     def __init__(
-        self, name: str, path: tuple[str, ...], options: SubscriptionOptions, caller: Requester
+        self, name: str, path: tuple[str, ...], options: SubscriptionOptions, caller: EventReceiver
     ) -> None:
         self.name = name
         self.path = path

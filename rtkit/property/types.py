@@ -11,7 +11,8 @@ from functools import lru_cache
 from typing import NamedTuple
 
 from rtkit.property.codes import PropertyError
-from rtkit.property.reading import LIMITS, lone_number, read
+from rtkit.property.limits import LIMITS
+from rtkit.property.reading import lone_number, read
 from rtkit.property.values import Element, Value, Word, is_number, is_vector, kind_of
 from rtkit.property.writing import write
 

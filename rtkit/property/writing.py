@@ -8,7 +8,8 @@ from __future__ import annotations
 import re
 
 from rtkit.property.codes import PropertyError
-from rtkit.property.reading import CONTROL, LIMITS, read
+from rtkit.property.limits import LIMITS
+from rtkit.property.reading import CONTROL, read
 from rtkit.property.values import Element, Value, Word
 from rtkit.xmltext import bad_character
 

@@ -17,9 +17,10 @@ from time import monotonic
 from rtkit.property.codes import PropertyError
 from rtkit.property.idempotency import IdempotencyCache, is_shared, marked, shared
 from rtkit.property.lanes import wait_of
-from rtkit.property.messages import Answer, PropertyRequest, Requester
+from rtkit.property.messages import Answer
 from rtkit.property.naming import RequestTarget, parse_target, write_parameters
 from rtkit.property.reading import read
+from rtkit.property.requests import PropertyRequest, Requester
 from rtkit.property.values import Value
 from rtkit.proxy.names import Allowed, Names
 from rtkit.proxy.narrowing import narrowed, tells_access

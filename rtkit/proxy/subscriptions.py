@@ -12,9 +12,10 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING, NamedTuple
 
 from rtkit.property.codes import PASSING, PropertyError
-from rtkit.property.messages import DONE, Answer, PropertyEvent, Requester
+from rtkit.property.messages import DONE, Answer, PropertyEvent
 from rtkit.property.naming import write_parameters
 from rtkit.property.reading import read
+from rtkit.property.requests import Requester
 from rtkit.property.subscription import (
     LONGEST_LEASE_S,
     LONGEST_QUEUE,
@@ -82,6 +83,8 @@ class RelayedListener(Listener):
     """Listener through the proxy: holds what the owner sent until it can be sent on."""
 
     __slots__ = ("_lost", "_waiting", "text")
+
+    caller: Requester
 
     def __init__(self, name: str, options: RelayedOptions, caller: Requester, now: float) -> None:
         kept = SubscriptionOptions(queue=options.queue, is_all=True, lease_s=options.lease_s)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Protocol
 
-from rtkit.property.messages import PropertyRequest, Requester
+from rtkit.property.requests import PropertyRequest, Requester
 
 
 class PropertyProvider(Protocol):

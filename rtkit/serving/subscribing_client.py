@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from rtkit.property.messages import Requester
+from rtkit.property.requests import Requester
 from rtkit.property.subscription import Listener
 
 if TYPE_CHECKING:

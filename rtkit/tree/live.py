@@ -20,7 +20,8 @@ from rtkit.deployment.properties import Change, Shown, of_component, of_manager
 from rtkit.deployment.shown_ports import OwnEnds
 from rtkit.errors import NotFound, Unreachable
 from rtkit.property.functional import FunctionalProperty
-from rtkit.property.messages import Answer, Payload, PropertyEvent, PropertyRequest, Requester
+from rtkit.property.messages import Answer, Payload, PropertyEvent
+from rtkit.property.requests import PropertyRequest, Requester
 from rtkit.property.service import Service
 from rtkit.property.spec import PropertySpec, RequestParameter
 from rtkit.property.subscription import Listener

@@ -12,8 +12,9 @@ from functools import partial
 
 from rtkit.link.places import service_socket
 from rtkit.property.codes import PropertyError
-from rtkit.property.messages import PropertyEvent, Requester
+from rtkit.property.messages import PropertyEvent
 from rtkit.property.naming import parse_target
+from rtkit.property.requests import Requester
 from rtkit.property.service import Service
 from rtkit.property.subscription import Listener
 from rtkit.serving.event_loop import PropertyEventLoop

@@ -7,7 +7,8 @@ from time import monotonic
 
 from rtkit.property.codes import PropertyError
 from rtkit.property.exchange import NOT_BEGUN
-from rtkit.property.messages import DONE, Answer, PropertyEvent, PropertyRequest, Requester
+from rtkit.property.messages import DONE, Answer, PropertyEvent
+from rtkit.property.requests import PropertyRequest, Requester
 from rtkit.serving.event_loop import PropertyEventLoop
 from rtkit.serving.provider import PropertyProvider
 from rtkit.serving.quota import EndpointQuota

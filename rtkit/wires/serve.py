@@ -10,9 +10,9 @@ from rtkit.errors import Malformed
 from rtkit.guard import GuardedResult, guarded
 from rtkit.property.access import AccessPolicy, read_policy
 from rtkit.property.codes import PropertyError
-from rtkit.property.messages import Requester
 from rtkit.property.naming import canonical_segment
 from rtkit.property.objects import Exported
+from rtkit.property.requests import Requester
 from rtkit.property.service import Service
 from rtkit.serving.event_loop import PropertyEventLoop
 from rtkit.serving.refusals import Refusals

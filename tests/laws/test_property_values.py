@@ -10,8 +10,9 @@ from hypothesis import strategies as st
 
 from rtkit.property import components
 from rtkit.property.codes import PropertyError
+from rtkit.property.limits import ValueLimits
 from rtkit.property.naming import canonical, escape, parse_parameters, unescape, write_parameters
-from rtkit.property.reading import ValueLimits, read
+from rtkit.property.reading import read
 from rtkit.property.values import Element, Value, Word, is_number
 from rtkit.property.writing import write
 

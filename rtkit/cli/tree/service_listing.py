@@ -96,7 +96,8 @@ def _completed(end: PropertyClient, above: str, rows: Sequence[Value]) -> Iterat
 
     The service itself calls no such code to list what there is.
     """
-    from rtkit.property.reading import ValueLimits, read
+    from rtkit.property.limits import ValueLimits
+    from rtkit.property.reading import read
 
     until = monotonic() + _CALLS_S
     for row in rows:
@@ -125,7 +126,8 @@ def _row(row: Value) -> tuple[str, Value, *tuple[Value, ...]]:
 
 
 def _group(text: str | bytes) -> tuple[Value, ...]:
-    from rtkit.property.reading import ValueLimits, read
+    from rtkit.property.limits import ValueLimits
+    from rtkit.property.reading import read
 
     value = read(str(text), ValueLimits(text=1 << 26, items=1 << 24))
     return value if isinstance(value, tuple) else (value,)

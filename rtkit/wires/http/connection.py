@@ -19,7 +19,8 @@ import h11
 from rtkit.link.deadline import deadline_from_text
 from rtkit.property.codes import PropertyError
 from rtkit.property.exchange import NOT_BEGUN
-from rtkit.property.messages import Answer, PropertyRequest
+from rtkit.property.messages import Answer
+from rtkit.property.requests import PropertyRequest
 from rtkit.property.subscription import Listener
 from rtkit.serving.rate_limit import too_fast
 from rtkit.serving.subscribing_client import SubscribingClient

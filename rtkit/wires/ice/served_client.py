@@ -10,7 +10,8 @@ from typing import Any, NamedTuple
 
 from rtkit.property.codes import PropertyError
 from rtkit.property.exchange import NOT_BEGUN
-from rtkit.property.messages import Answer, Payload, PropertyRequest, Requester
+from rtkit.property.messages import Answer, Payload
+from rtkit.property.requests import PropertyRequest, Requester
 from rtkit.property.subscription import Listener
 from rtkit.serving.event_loop import PropertyEventLoop
 from rtkit.serving.quota import EndpointQuota

@@ -16,8 +16,9 @@ from rtkit.link import unix
 from rtkit.link.deadline import split_deadline
 from rtkit.property.exchange import NOT_BEGUN
 from rtkit.property.line import LineRequest, Requests, write_answer, write_event
-from rtkit.property.messages import Answer, PropertyEvent, PropertyRequest
+from rtkit.property.messages import Answer, PropertyEvent
 from rtkit.property.order import InOrder
+from rtkit.property.requests import PropertyRequest
 from rtkit.property.subscription import Listener
 from rtkit.serving.dedicated_worker import WorkerExit
 from rtkit.serving.rate_limit import too_fast

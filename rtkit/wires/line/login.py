@@ -12,7 +12,8 @@ import os
 from collections.abc import Iterable
 
 from rtkit.link.secret import Secret
-from rtkit.property.messages import DONE, Answer, Payload, Requester
+from rtkit.property.messages import DONE, Answer, Payload
+from rtkit.property.requests import Requester
 
 PATIENCE_S = 10.0
 """How long a client may be connected without a login [s]."""

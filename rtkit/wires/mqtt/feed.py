@@ -12,9 +12,10 @@ from typing import Protocol
 
 from rtkit.property.codes import PASSING
 from rtkit.property.line import write_attributes
-from rtkit.property.messages import Answer, PropertyRequest, Requester
+from rtkit.property.messages import Answer
 from rtkit.property.naming import canonical
 from rtkit.property.reading import read
+from rtkit.property.requests import PropertyRequest, Requester
 from rtkit.property.subscription import Listener
 from rtkit.property.values import Element, Value
 from rtkit.property.writing import write

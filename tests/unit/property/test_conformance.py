@@ -7,7 +7,8 @@ from contextlib import contextmanager
 
 from conformance import check_answers, check_events, subject
 
-from rtkit.property.messages import Answer, Payload, PropertyEvent, PropertyRequest, Requester
+from rtkit.property.messages import Answer, Payload, PropertyEvent
+from rtkit.property.requests import PropertyRequest, Requester
 from rtkit.property.service import Service
 from rtkit.property.subscription import Listener
 

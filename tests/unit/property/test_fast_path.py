@@ -7,7 +7,8 @@ from conformance import subject
 
 from rtkit.property.access import read_policy
 from rtkit.property.line import Requests, write_answer
-from rtkit.property.messages import Answer, PropertyRequest, Requester
+from rtkit.property.messages import Answer
+from rtkit.property.requests import PropertyRequest, Requester
 from rtkit.property.service import Service
 
 LINES = [

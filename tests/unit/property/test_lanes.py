@@ -7,8 +7,9 @@ import math
 import pytest
 
 from rtkit.property.lanes import NAMES, lane_of, wait_of
-from rtkit.property.messages import Answer, PropertyRequest
+from rtkit.property.messages import Answer
 from rtkit.property.objects import Exported
+from rtkit.property.requests import PropertyRequest
 from rtkit.property.service import Service
 
 

@@ -18,8 +18,8 @@ from simple_pid import PID
 
 from rtkit.property.annotations import Range, Unit
 from rtkit.property.codes import PropertyError
-from rtkit.property.messages import PropertyRequest, Requester
 from rtkit.property.objects import Exported
+from rtkit.property.requests import PropertyRequest, Requester
 from rtkit.property.service import Service
 
 

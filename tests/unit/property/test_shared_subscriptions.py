@@ -9,7 +9,8 @@ import pytest
 
 from rtkit.property.access import read_policy
 from rtkit.property.codes import PropertyError
-from rtkit.property.messages import Answer, PropertyEvent, PropertyRequest
+from rtkit.property.messages import Answer, PropertyEvent
+from rtkit.property.requests import PropertyRequest
 from rtkit.property.service import Service
 from rtkit.serving.event_loop import PropertyEventLoop
 from rtkit.wires import subscribers as of_service

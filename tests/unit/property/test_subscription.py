@@ -5,7 +5,8 @@ from __future__ import annotations
 import pytest
 
 from rtkit.property.codes import PropertyError
-from rtkit.property.messages import PropertyEvent, PropertyRequest, Requester
+from rtkit.property.messages import PropertyEvent
+from rtkit.property.requests import PropertyRequest, Requester
 from rtkit.property.service import Service
 from rtkit.property.subscription import Listener, SubscriptionOptions
 

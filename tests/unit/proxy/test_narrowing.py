@@ -6,7 +6,8 @@ import re
 
 import pytest
 
-from rtkit.property.messages import Answer, PropertyRequest
+from rtkit.property.messages import Answer
+from rtkit.property.requests import PropertyRequest
 from rtkit.property.service import Service
 from rtkit.property.spec import PropertySpec
 from rtkit.property.types import parse_type

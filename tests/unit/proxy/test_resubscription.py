@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from rtkit.property.codes import PropertyError
-from rtkit.property.messages import DONE, Answer, Payload, PropertyEvent, Requester
+from rtkit.property.messages import DONE, Answer, Payload, PropertyEvent
+from rtkit.property.requests import Requester
 from rtkit.property.subscription import Listener
 from rtkit.proxy.subscriptions import RelayedSubscriptions
 from rtkit.wires.provider_connection import Answering, Gone, Hearing, over

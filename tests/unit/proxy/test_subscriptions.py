@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import pytest
 
-from rtkit.property.messages import PropertyEvent, Requester
+from rtkit.property.messages import PropertyEvent
 from rtkit.property.naming import parse_parameters
+from rtkit.property.requests import Requester
 from rtkit.proxy.subscriptions import RelayedListener, relayed_options
 
 
