@@ -11,8 +11,7 @@ import json
 from collections.abc import Iterable
 from typing import Any, TypeVar
 
-from rtkit.deployment.facts import ComponentFacts, ProcessFacts, Snapshot
-from rtkit.deployment.states.followed import Followed
+from rtkit.deployment.facts import ComponentFacts, Followed, ProcessFacts, Snapshot
 from rtkit.errors import Malformed
 from rtkit.fast_dataclass import dataclass, replace
 from rtkit.rtc.profiles import ConnectorProfile

@@ -1,4 +1,8 @@
-"""Descriptions of components in system profiles: ports, sets, contexts, scripted values."""
+"""Descriptions of components in system profiles: types, ports, sets, contexts, scripted values.
+
+The identity of a type is ``RTC:vendor:category:name:version``; old profiles write
+``RTC:vendor.category.name:version``.
+"""
 
 from __future__ import annotations
 
@@ -12,7 +16,7 @@ from rtkit.profile.rts_model import ComponentInstance, ConfigurationSet, Instanc
 from rtkit.profile.words import strip_instance
 from rtkit.rtc.enums import ExecutionKind, Polarity, PortType
 from rtkit.rtc.pattern import ContextPattern
-from rtkit.rtc.profiles import PortInterfaceProfile, PortProfile
+from rtkit.rtc.profiles import PortInterfaceProfile, PortProfile, TypeProfile
 
 _TYPES = {
     "datainport": PortType.IN,
@@ -183,3 +187,20 @@ def _live_properties(port: InstancePort) -> dict[str, str]:
 def _guess(name: str) -> PortType:
     word = name.lower()
     return PortType.OUT if word.startswith("out") or word.endswith("out") else PortType.IN
+
+
+def type_of(id: str) -> TypeProfile:
+    """Return the type that an identity names; what cannot be read becomes the type's name."""
+    parts = id.split(":")
+    if parts[0] == "RTC" and len(parts) == 5:
+        _, vendor, category, name, version = parts
+        return TypeProfile(name, vendor, category, version)
+    if parts[0] == "RTC" and len(parts) == 3 and parts[1].count(".") >= 2:
+        vendor, category, name = parts[1].rsplit(".", 2)
+        return TypeProfile(name, vendor, category, parts[2])
+    return TypeProfile(id.replace(":", ".") or "Unnamed")
+
+
+def is_same_id(one: str, other: str) -> bool:
+    """Return whether two identities name the same type."""
+    return one == other or type_of(one) == type_of(other)

@@ -1,4 +1,4 @@
-"""Facts about a live system: components, processes, connectors, names.
+"""Facts about a live system: components, their restarts, processes, connectors, followed systems.
 
 The manager keeps these facts and sends them to clients as one snapshot.
 """
@@ -7,8 +7,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from rtkit.deployment.restart_status import RestartStatus
-from rtkit.deployment.states.followed import Followed
 from rtkit.fast_dataclass import dataclass, field
 from rtkit.rtc.enums import merged_state
 from rtkit.rtc.profiles import (
@@ -18,6 +16,96 @@ from rtkit.rtc.profiles import (
     PortProfile,
     TypeProfile,
 )
+
+AT_FIRST, IS_SO, BY_OTHERS = "at first", "is so", "by others"
+"""What is told of how a system came to a state without an event."""
+
+
+@dataclass(frozen=True, slots=True)
+class Followed:
+    """Status of a system whose events its manager follows.
+
+    Attributes:
+        system: Identity of its profile.
+        state: The last one that it was seen in, or the one that it is led to.
+        before: The state before that; empty for the first one.
+        event: What led from there.
+        count: How many transitions there were.
+        time: When the last one was, or began [s since 1970].
+        is_led: It is being led to `state` just now.
+        waits: For whom it waits before it is led on; mostly empty.
+        why: Why the last transition that failed did; empty where the last one did not.
+        kind: Of that error.
+        is_over: It is followed no more, for that reason.
+    """
+
+    system: str
+    state: str = ""
+    before: str = ""
+    event: str = ""
+    count: int = 0
+    time: float = 0.0
+    is_led: bool = False
+    waits: str = ""
+    why: str = ""
+    kind: str = ""
+    is_over: bool = False
+
+    def __str__(self) -> str:
+        if not self.state:
+            return "not looked at yet"
+        way = f"{self.before} -{self.event}-> {self.state}"
+        return way if self.before else f"{self.state} ({self.event})"
+
+
+@dataclass(frozen=True, slots=True)
+class RestartStatus:
+    """Results of a policy and of health rules; each text is empty where nothing happened.
+
+    Attributes:
+        restarts: How often its policy made it again.
+        why: For which end its policy made it again the last time.
+        took_s: How long that took, from its end until it was as it had been [s].
+        returning: For which end it is to be restarted, as long as it is not.
+        given_up: Why it is restarted no more.
+        degraded: Which rule of health it breaks that says so.
+        rested: Which rule it broke for which it was deactivated.
+        halted: For which loss everything was deactivated, since it is critical.
+        due_s: When it is to be restarted, on the monotonic clock of its host [s]; 0 for never.
+    """
+
+    restarts: int = 0
+    why: str = ""
+    took_s: float = 0.0
+    returning: str = ""
+    given_up: str = ""
+    degraded: str = ""
+    rested: str = ""
+    halted: str = ""
+    due_s: float = 0.0
+
+    @property
+    def trouble(self) -> str:
+        """Return the trouble of a component that answers; empty for none."""
+        return f"degraded: {self.degraded}" if self.degraded else self.given_up
+
+    @property
+    def again(self) -> str:
+        """Return how often its policy restarted it, and for what the last time; empty for never."""
+        times = "once" if self.restarts == 1 else f"{self.restarts} times"
+        return f"made again {times}, for {self.why}" if self.why else ""
+
+    @property
+    def stops(self) -> str:
+        """Return why it, or for its sake everything, was deactivated; empty for nothing."""
+        told = [f"deactivated: {self.rested}"] if self.rested else []
+        told += [f"all was deactivated: {self.halted}"] if self.halted else []
+        return "; ".join(told)
+
+    @property
+    def history(self) -> str:
+        """Return the actions of its policy and rules so far; empty for none."""
+        return "; ".join(filter(None, (self.again, self.stops)))
 
 
 @dataclass(frozen=True, slots=True)

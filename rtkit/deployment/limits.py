@@ -2,17 +2,20 @@
 
 ``rtkit.limit.memory`` [bytes], ``rtkit.limit.processes``, ``rtkit.limit.descriptors`` (of each
 process) and ``rtkit.limit.processor`` (1 is one processor). A limit applies to the slave and all
-processes below it: the limits of its components add up. Pure code, no measuring.
+processes below it: the limits of its components add up, and so do those of a host. Pure code, no
+measuring.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from functools import lru_cache
 from math import inf, isfinite
 from typing import NamedTuple
 
 from rtkit.deployment.extension import LIMIT
+from rtkit.deployment.facts import ComponentFacts
+from rtkit.deployment.system import WantedSystem
 from rtkit.errors import Malformed
 from rtkit.fast_dataclass import dataclass
 from rtkit.rtc.create import parse_create
@@ -233,3 +236,29 @@ def _largest(said: Mapping[str, float], text: Callable[[float], str], most: int 
     ranked = sorted(filter(said.get, said), key=lambda name: -said[name])
     told = [f"{name} {text(said[name])}" for name in ranked]
     return ", ".join([*told[:most], *([f"{len(told) - most} more"] if len(told) > most else [])])
+
+
+def wanted_limits(system: WantedSystem) -> dict[str, SlaveLimits]:
+    """Return the limits that a system states for its components, by instance; empty ones too."""
+    said = {c.instance: c.policy for c in system.components if c.policy is not None}
+    return {instance: read_limits(policy) for instance, policy in said.items()}
+
+
+def reserved(
+    system: WantedSystem,
+    living: Iterable[ComponentFacts],
+    elsewhere: Mapping[str, Iterable[ComponentFacts]],
+) -> dict[str, SlaveLimits]:
+    """Return what each component of a host may use when the system is up, by its name.
+
+    Args:
+        system: What is wanted.
+        living: What lives in the managers of the system.
+        elsewhere: What lives in other managers of the host, by their names.
+    """
+    found = {each.instance: limits_in(each.create) for each in living if not each.zombie}
+    found.update(wanted_limits(system))
+    for manager, components in elsewhere.items():
+        more = {each.instance: limits_in(each.create) for each in components if not each.zombie}
+        found.update({f"{instance} in {manager}": had for instance, had in more.items()})
+    return found

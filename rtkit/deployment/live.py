@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 
+from rtkit.deployment.described import is_same_id
 from rtkit.deployment.extension import stated_id
 from rtkit.deployment.facts import ComponentFacts, Snapshot
-from rtkit.deployment.identity import is_same_id
 from rtkit.deployment.system import WantedComponent, WantedSystem
 from rtkit.rtc.enums import LifeCycleState
 from rtkit.rtc.names import COMPONENT_SUFFIX, LOCAL, MANAGER_SUFFIX

@@ -4,10 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Collection, Mapping
 
-from rtkit.errors import Malformed
+from rtkit.errors import InvalidDocument, Malformed
 from rtkit.fast_dataclass import dataclass
-from rtkit.profile.rts_model import ComponentInstance
+from rtkit.profile.rts_model import (
+    ComponentInstance,
+    DataPortConnector,
+    RtsProfile,
+    ServicePortConnector,
+)
+from rtkit.profile.words import property_value
 from rtkit.rtc.names import COMPONENT_SUFFIX, LOCAL, MANAGER_SUFFIX, is_local_host
+
+PATH_ID = "COMPONENT_PATH_ID"
+"""Property of a connector's end: the path of its component."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -96,3 +105,27 @@ def _default(component: ComponentInstance, why: str) -> RegisteredName:
     return RegisteredName(
         name, f"/{name}", note=f"{component.instance_name}: {why}: taken as /{name}"
     )
+
+
+def check_paths(profile: RtsProfile) -> None:
+    """Refuse connectors whose ends state another path than that of their component.
+
+    Raises:
+        InvalidDocument: Names connector, component and both paths.
+    """
+    paths = {each.instance_name: _bare(each.path_uri) for each in profile.components}
+    wires: list[DataPortConnector | ServicePortConnector] = [*profile.data_port_connectors]
+    wires += profile.service_port_connectors
+    for wire in wires:
+        for end in (wire.source, wire.target):
+            told = property_value(end.properties, PATH_ID)
+            own = paths.get(end.instance_name, "")
+            if told and _bare(told) != own:
+                raise InvalidDocument(
+                    f"connector {wire.connector_id}: {PATH_ID} of {end.instance_name} is {told},"
+                    f" but its path is {own}"
+                )
+
+
+def _bare(path: str) -> str:
+    return path.strip("/")

@@ -7,9 +7,14 @@ from rtkit.deployment.conditions import NO_ORDERS, Orders, OrderTarget
 from rtkit.deployment.creation import component_checks
 from rtkit.deployment.live import LiveIndex, absence, context_of, mismatch
 from rtkit.deployment.plan import LayeredPlan, PlannedAction, layer
-from rtkit.deployment.start_schedule import ScheduledAction, StartPlan, arrange, expected_order
+from rtkit.deployment.start_schedule import (
+    ScheduledAction,
+    StartPlan,
+    WatchedComponent,
+    arrange,
+    expected_order,
+)
 from rtkit.deployment.system import WantedComponent, WantedConnector, WantedSystem, address
-from rtkit.deployment.watch import WatchedComponent
 from rtkit.deployment.wiring import missing_end
 from rtkit.fast_dataclass import replace
 from rtkit.rtc.enums import LifeCycleState, Transition

@@ -11,9 +11,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from typing import NamedTuple
 
 from rtkit.deployment.delta import Delta
-from rtkit.deployment.facts import ComponentFacts, ProcessFacts, Snapshot
-from rtkit.deployment.restart_status import RestartStatus
-from rtkit.deployment.states.followed import Followed
+from rtkit.deployment.facts import ComponentFacts, Followed, ProcessFacts, RestartStatus, Snapshot
 from rtkit.rtc.enums import LifeCycleState
 from rtkit.rtc.profiles import ConnectorProfile, ExecutionContextProfile
 

@@ -20,8 +20,8 @@ from rtkit.deployment.described import (
     script_of,
     service_port,
     sets_of,
+    type_of,
 )
-from rtkit.deployment.identity import type_of
 from rtkit.deployment.place import Hosts, check_map, place
 from rtkit.deployment.port_types import settle_types
 from rtkit.deployment.shown_ports import own_wire

@@ -8,6 +8,14 @@ from rtkit.profile.common import Note
 from rtkit.profile.examine import examine, objections
 from rtkit.report.finding import ERROR, NOTE, Checked, Finding
 
+RULES: dict[str, str] = {
+    "comment-dropped": "A comment or processing instruction is no part of a profile",
+    "not-carried": "A form cannot hold what the document says",
+    "unreadable": "A file or folder cannot be read",
+}
+"""Description of each rule beside those of `rtkit.profile.rules`, by its id."""
+
+
 _NAMES = {"rts": "RTS profile", "rtc": "RTC profile", "": ""}
 _MARKS = (b"openrtp.org/namespaces/rt", b"rtsProfile", b"rtcProfile")
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 
 from rtkit.report.finding import Checked, Rules
-from rtkit.report.plain import Style, as_is, plain_lines
+from rtkit.report.lines import Style, as_is, github_lines, json_lines, plain_lines
 
 TEXT, JSON, SARIF, JUNIT, GITHUB = "text", "json", "sarif", "junit", "github"
 FORMS = (TEXT, JSON, SARIF, JUNIT, GITHUB)
@@ -36,8 +36,6 @@ def report_lines(
     if form == TEXT:
         yield from plain_lines(checked, style, is_quiet=is_quiet)
     elif form == JSON:
-        from rtkit.report.json_lines import json_lines
-
         yield from json_lines(checked)
     elif form == SARIF:
         from rtkit.report.sarif import sarif
@@ -48,6 +46,4 @@ def report_lines(
 
         yield junit(checked, tool, timestamp)
     else:
-        from rtkit.report.github import github_lines
-
         yield from github_lines(checked)

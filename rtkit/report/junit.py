@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 
 from rtkit.report.finding import ERROR, Checked
-from rtkit.report.plain import plain_line
+from rtkit.report.lines import plain_line
 from rtkit.xmltext import without_bad_characters
 
 _NEW_LINE = "\n"

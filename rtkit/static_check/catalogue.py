@@ -6,7 +6,7 @@ import re
 from collections.abc import Iterable
 from typing import NamedTuple
 
-from rtkit.deployment.identity import type_of
+from rtkit.deployment.described import type_of
 from rtkit.profile.rtc_model import RtcProfile
 from rtkit.rtc.profiles import TypeProfile
 from rtkit.static_check.blueprint import Blueprint, blueprint

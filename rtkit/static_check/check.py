@@ -13,13 +13,11 @@ from rtkit.static_check.catalogue import Catalogue
 from rtkit.static_check.connectors import connector_findings
 from rtkit.static_check.contexts import context_findings
 from rtkit.static_check.finding import StaticFinding
-from rtkit.static_check.limits import limit_remarks
 from rtkit.static_check.names import name_findings
 from rtkit.static_check.orders import order_findings
 from rtkit.static_check.parameters import parameter_findings
+from rtkit.static_check.policies import limit_remarks, property_remarks, restart_findings
 from rtkit.static_check.ports import port_findings
-from rtkit.static_check.properties import property_remarks
-from rtkit.static_check.restarts_and_health import restart_findings
 from rtkit.static_check.services import service_findings
 from rtkit.static_check.view import View
 

@@ -5,11 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable, Collection, Iterable
 from typing import NamedTuple
 
-from rtkit.deployment.identity import type_of
+from rtkit.deployment.described import type_of
 from rtkit.deployment.limits import Capacity
 from rtkit.profile.common import Note
-from rtkit.profile.examine import examine
-from rtkit.profile.positions import Positions
+from rtkit.profile.examine import Positions, examine
 from rtkit.profile.rts_model import RtsProfile
 from rtkit.report.finding import ERROR, WARNING, Checked, Finding, counted
 from rtkit.static_check.catalogue import Catalogue

@@ -15,8 +15,7 @@ from rtkit.deployment.actions import Action, Result
 from rtkit.deployment.execution import StartExecution
 from rtkit.deployment.facts import Snapshot
 from rtkit.deployment.runner import Count, Talk
-from rtkit.deployment.start_schedule import ScheduledAction, StartPlan
-from rtkit.deployment.watch import look
+from rtkit.deployment.start_schedule import ScheduledAction, StartPlan, look
 from rtkit.errors import Refused, RtkitError, Unreachable
 from rtkit.tree import grace
 from rtkit.tree.client import Tree, bounded

@@ -13,8 +13,13 @@ from rtkit.deployment.actions import ChangeState, Result
 from rtkit.deployment.conditions import OrderTarget, StartCondition, sequence_of
 from rtkit.deployment.execution import StartExecution
 from rtkit.deployment.plan import PlannedAction
-from rtkit.deployment.start_schedule import ScheduledAction, StartPlan, arrange, expected_order
-from rtkit.deployment.watch import WatchedComponent
+from rtkit.deployment.start_schedule import (
+    ScheduledAction,
+    StartPlan,
+    WatchedComponent,
+    arrange,
+    expected_order,
+)
 from rtkit.rtc.enums import ReturnCode, Transition
 
 NO = Result(ReturnCode.ERROR, "refused", "no luck")

@@ -10,8 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from rtkit.deployment.described import data_port, properties_of
-from rtkit.deployment.identity import type_of
+from rtkit.deployment.described import data_port, properties_of, type_of
 from rtkit.profile.read import read_rts
 from rtkit.profile.rtc_model import (
     BasicInfo,

@@ -16,10 +16,9 @@ from rtkit.component.period import check_rate
 from rtkit.deployment import actions as act
 from rtkit.deployment.actions import Action, Result
 from rtkit.deployment.extension import with_policy
-from rtkit.deployment.facts import ComponentFacts, ProcessFacts, Snapshot
+from rtkit.deployment.facts import ComponentFacts, Followed, ProcessFacts, Snapshot
 from rtkit.deployment.lease import Immortal, Lease
 from rtkit.deployment.shown_ports import OwnEnds
-from rtkit.deployment.states.followed import Followed
 from rtkit.errors import Malformed, NotFound, Refused, RtkitError
 from rtkit.fast_dataclass import replace
 from rtkit.rtc.create import FRESH_SLAVE, CreateString, parse_create

@@ -28,7 +28,7 @@ def finding_style(text: str, role: str) -> str:
 
 def say_findings(app: App, findings: Iterable[Finding]) -> None:
     """Print findings on stderr, one a line."""
-    from rtkit.report.plain import plain_line
+    from rtkit.report.lines import plain_line
 
     for finding in findings:
         app.say(plain_line(finding))

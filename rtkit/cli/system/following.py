@@ -12,9 +12,8 @@ from rtkit.errors import InvalidDocument, NotFound, Refused
 
 if TYPE_CHECKING:
     from rtkit.cli.system.document import SystemDocument
-    from rtkit.deployment.facts import Snapshot
+    from rtkit.deployment.facts import Followed, Snapshot
     from rtkit.deployment.goal import DeploymentGoal
-    from rtkit.deployment.states.followed import Followed
     from rtkit.deployment.states.states import States
     from rtkit.tree.client import Tree
 

@@ -7,8 +7,8 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 from rtkit.cli.shared.component_profiles import SEARCH_PATH
+from rtkit.deployment.described import is_same_id
 from rtkit.deployment.extension import CREATE, MODULE, stated_id
-from rtkit.deployment.identity import is_same_id
 from rtkit.deployment.system import KnownType
 from rtkit.errors import RtkitError
 from rtkit.rtc.create import CreateString

@@ -247,9 +247,8 @@ def read_costs(
         UsageProblem: One is not NAME=NUMBER, or there is no such kind of step, no component, or
             nothing of that name to which such a step could be done.
     """
-    from rtkit.deployment.planning.costs import interruption
+    from rtkit.deployment.planning.costs import interruption, subjects
     from rtkit.deployment.planning.model import DEFAULT_COSTS, is_cost
-    from rtkit.deployment.planning.subjects import subjects
     from rtkit.rtc.nearest import did_you_mean
 
     costs: dict[str, float] = {}

@@ -114,7 +114,7 @@ def _described(app: App, wanted: Mapping[str, str]) -> dict[str, Blueprint]:
     if not wanted:
         return {}
     from rtkit.cli.shared.component_profiles import profiles
-    from rtkit.deployment.identity import type_of
+    from rtkit.deployment.described import type_of
     from rtkit.static_check.stock import CandidateDocument, stocked
 
     names = {type_of(id).type_name for id in wanted.values()}

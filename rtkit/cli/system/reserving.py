@@ -24,8 +24,7 @@ def check_reserved(app: App, system: WantedSystem, snapshot: Snapshot) -> None:
     policies = (component.policy or {} for component in system.components)
     if not any(key.startswith(LIMIT) for policy in policies for key in policy):
         return
-    from rtkit.deployment.limits import overbooked
-    from rtkit.deployment.reserving import reserved
+    from rtkit.deployment.limits import overbooked, reserved
     from rtkit.manager.limits.capacity import capacity
 
     managers = {each.manager for each in (snapshot, *snapshot.others)}

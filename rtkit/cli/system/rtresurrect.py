@@ -64,7 +64,7 @@ def main(
         raise UsageProblem("--no-create makes no stand-ins")
     document = read_document(app, files)
     if strict_path:
-        from rtkit.deployment.strict_paths import check_paths
+        from rtkit.deployment.place import check_paths
 
         with document.naming():
             check_paths(document.profile)

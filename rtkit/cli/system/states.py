@@ -11,7 +11,7 @@ from rtkit.errors import InvalidDocument, Malformed, NotFound
 
 if TYPE_CHECKING:
     from rtkit.cli.system.document import SystemDocument
-    from rtkit.deployment.states.followed import Followed
+    from rtkit.deployment.facts import Followed
     from rtkit.deployment.states.machine import SystemStates, Table
     from rtkit.deployment.states.states import States, Way
 

@@ -74,7 +74,7 @@ def check(
     """
     from rtkit.profile.rules import RULES as RULES_OF_PROFILES
     from rtkit.report.forms import report_lines
-    from rtkit.static_check.rules import RULES
+    from rtkit.static_check.finding import RULES
 
     unknown = sorted(set(options.ignored) - RULES.keys())
     if unknown:

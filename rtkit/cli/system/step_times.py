@@ -78,7 +78,7 @@ def noting(
 
 def types_of(system: WantedSystem, snapshot: Snapshot) -> dict[str, str]:
     """Return the type names of components, by their names."""
-    from rtkit.deployment.identity import type_of
+    from rtkit.deployment.described import type_of
 
     found = {facts.instance: facts.type.type_name for facts in snapshot.components}
     found.update((each.instance, type_of(each.id).type_name) for each in system.components)

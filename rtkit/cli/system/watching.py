@@ -13,12 +13,12 @@ from rtkit.cli.shared.moments import clock
 from rtkit.cli.shared.observers import Observers, write_now
 from rtkit.cli.system.following import followed_in
 from rtkit.deployment.delta import TREE
-from rtkit.deployment.states.followed import IS_SO
+from rtkit.deployment.facts import IS_SO
 from rtkit.errors import Refused, from_kind
 
 if TYPE_CHECKING:
     from rtkit.cli.shared.observers import ManagerTold
-    from rtkit.deployment.states.followed import Followed
+    from rtkit.deployment.facts import Followed
     from rtkit.deployment.user_events import UserEvent
 
 

@@ -7,9 +7,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 
-from rtkit.deployment.facts import Snapshot
+from rtkit.deployment.facts import AT_FIRST, BY_OTHERS, IS_SO, Snapshot
 from rtkit.deployment.metrics import ComponentMetrics
-from rtkit.deployment.states.followed import AT_FIRST, BY_OTHERS, IS_SO
 from rtkit.deployment.states.following import Follower, SystemTransition
 from rtkit.deployment.states.machine import FAILED
 from rtkit.deployment.states.states import States

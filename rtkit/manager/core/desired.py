@@ -10,8 +10,7 @@ import json
 from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 
-from rtkit.deployment.facts import ComponentFacts
-from rtkit.deployment.states.followed import Followed
+from rtkit.deployment.facts import ComponentFacts, Followed
 from rtkit.errors import Malformed
 from rtkit.fast_dataclass import dataclass, field, replace
 from rtkit.manager.core.events import Row

@@ -9,9 +9,9 @@ import math
 from collections.abc import Sequence
 
 from rtkit.deployment.batch import Batch
+from rtkit.deployment.facts import Followed
 from rtkit.deployment.limits import SlaveLimits
 from rtkit.deployment.message import Message
-from rtkit.deployment.states.followed import Followed
 from rtkit.fast_dataclass import dataclass
 from rtkit.property.exchange import Reply
 

@@ -7,7 +7,7 @@ from typing import Any
 
 from rtkit.deployment import actions as act
 from rtkit.deployment.actions import Result
-from rtkit.deployment.states.followed import Followed
+from rtkit.deployment.facts import Followed
 from rtkit.errors import NotFound, Refused, RtkitError
 from rtkit.manager.core.desired import FOLLOWED, REACHED, DesiredState
 from rtkit.manager.core.durable_replies import DurableReplies, unkept

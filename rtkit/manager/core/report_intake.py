@@ -7,9 +7,8 @@ from __future__ import annotations
 
 from rtkit import errors
 from rtkit.deployment.actions import Result
-from rtkit.deployment.facts import ComponentFacts
+from rtkit.deployment.facts import ComponentFacts, RestartStatus
 from rtkit.deployment.message import Message
-from rtkit.deployment.restart_status import RestartStatus
 from rtkit.errors import Malformed, RtkitError
 from rtkit.fast_dataclass import replace
 from rtkit.manager.core.state import ManagerState, Process

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from rtkit.deployment.restart_status import RestartStatus
+from rtkit.deployment.facts import RestartStatus
 from rtkit.deployment.supervision import Ledger
 from rtkit.fast_dataclass import dataclass, field
 

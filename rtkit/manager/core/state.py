@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 
-from rtkit.deployment.facts import ComponentFacts, ProcessFacts, Snapshot
+from rtkit.deployment.facts import ComponentFacts, ProcessFacts, RestartStatus, Snapshot
 from rtkit.deployment.limits import Capacity, SlaveLimits
-from rtkit.deployment.restart_status import RestartStatus
 from rtkit.errors import RtkitError
 from rtkit.fast_dataclass import dataclass, field, replace
 from rtkit.manager.core.desired import DesiredComponent, DesiredState

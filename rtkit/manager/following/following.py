@@ -13,8 +13,8 @@ from threading import Thread
 from typing import TYPE_CHECKING, Any
 
 from rtkit.deployment.delta import TREE
+from rtkit.deployment.facts import Followed
 from rtkit.deployment.metrics import METRICS
-from rtkit.deployment.states.followed import Followed
 from rtkit.deployment.states.spec import spec_from_text
 from rtkit.errors import Malformed
 from rtkit.manager.core.events import Event, FollowAsked, FollowSaid, ListenersChanged

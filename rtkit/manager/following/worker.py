@@ -9,8 +9,8 @@ from threading import Event, Thread
 from typing import TYPE_CHECKING, Any, Protocol
 
 from rtkit.deployment.delta import TREE
+from rtkit.deployment.facts import Followed
 from rtkit.deployment.metrics import METRICS
-from rtkit.deployment.states.followed import Followed
 from rtkit.deployment.states.spec import spec_from_text
 from rtkit.errors import RtkitError
 from rtkit.fast_dataclass import replace
@@ -78,7 +78,7 @@ class FollowingWorker:
         """Prepare to follow.
 
         Args:
-            text: What a system is followed by (`rtkit.deployment.states.followed`).
+            text: What a system is followed by (`rtkit.deployment.facts`).
             told: Its last state and transition.
             site: Where it lives.
             say: Stores and reports its outcome; returns when that is stored.

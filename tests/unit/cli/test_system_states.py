@@ -15,7 +15,7 @@ from fake_tree import fake_tree
 from rtkit.cli.system import rtapply, rtplan, rtresurrect, rtstart, rtstate, rtteardown
 from rtkit.deployment import actions as act
 from rtkit.deployment.actions import Result
-from rtkit.deployment.states.followed import Followed
+from rtkit.deployment.facts import Followed
 from rtkit.deployment.states.spec import spec_from_text
 from rtkit.fast_dataclass import replace
 from rtkit.rtc.enums import PortType, ReturnCode

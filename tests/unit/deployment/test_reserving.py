@@ -5,8 +5,7 @@ from __future__ import annotations
 import pytest
 
 from rtkit.deployment.actions import Create
-from rtkit.deployment.limits import NO_LIMITS, SlaveLimits
-from rtkit.deployment.reserving import reserved
+from rtkit.deployment.limits import NO_LIMITS, SlaveLimits, reserved
 from rtkit.deployment.wanted import wanted
 from rtkit.errors import Malformed
 

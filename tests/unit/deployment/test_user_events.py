@@ -8,8 +8,7 @@ from typing import Any
 import pytest
 
 from rtkit.deployment.delta import delta_between
-from rtkit.deployment.facts import ComponentFacts, ProcessFacts, Snapshot
-from rtkit.deployment.restart_status import RestartStatus
+from rtkit.deployment.facts import ComponentFacts, ProcessFacts, RestartStatus, Snapshot
 from rtkit.deployment.user_events import heartbeats, user_events
 from rtkit.rtc.enums import ExecutionKind, LifeCycleState, PortType
 from rtkit.rtc.profiles import (

@@ -1,7 +1,7 @@
 """A look at states: what is seen."""
 
 from rtkit.deployment import actions as act
-from rtkit.deployment.watch import WatchedComponent, look, seen
+from rtkit.deployment.start_schedule import WatchedComponent, look, seen
 from rtkit.rtc.enums import LifeCycleState
 
 

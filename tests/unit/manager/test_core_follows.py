@@ -8,7 +8,7 @@ import statekit
 from fake_shell import FakeShell
 
 from rtkit.deployment.delta import TREE, Delta, snapshot_from_text
-from rtkit.deployment.states.followed import Followed
+from rtkit.deployment.facts import Followed
 from rtkit.deployment.states.spec import spec_to_text
 from rtkit.deployment.user_events import user_events
 from rtkit.manager.core import events as ev

@@ -8,7 +8,7 @@ from fake_shell import FakeShell, facts
 
 from rtkit.deployment import actions as act
 from rtkit.deployment.delta import TREE, Delta, applied, delta_between, snapshot_from_text
-from rtkit.deployment.restart_status import RestartStatus
+from rtkit.deployment.facts import RestartStatus
 from rtkit.deployment.user_events import SUPERVISION, UserEvent, user_events
 from rtkit.manager.core import events as ev
 from rtkit.property.exchange import Reply

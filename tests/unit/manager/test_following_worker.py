@@ -12,9 +12,8 @@ from fake_manager import FakeManager
 
 from rtkit.deployment.actions import Action, Result
 from rtkit.deployment.delta import TREE
-from rtkit.deployment.facts import Snapshot
+from rtkit.deployment.facts import Followed, Snapshot
 from rtkit.deployment.lease import LeaseHolder
-from rtkit.deployment.states.followed import Followed
 from rtkit.deployment.states.spec import spec_to_text
 from rtkit.deployment.states.states import States
 from rtkit.errors import Refused

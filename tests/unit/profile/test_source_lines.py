@@ -5,8 +5,7 @@ from __future__ import annotations
 import pytest
 
 from rtkit.profile.common import Note
-from rtkit.profile.examine import examine, objections
-from rtkit.profile.source_lines import at_their_lines
+from rtkit.profile.examine import at_their_lines, examine, objections
 
 RTS = "http://www.openrtp.org/namespaces/rts"
 DOCUMENT = f"""<?xml version="1.0" encoding="{{}}"?>

@@ -10,8 +10,8 @@ from rtkit.profile.forms import FORMS
 from rtkit.profile.read import read_profile
 from rtkit.profile.write import write_profile
 from rtkit.profile_tools.rewriting import rewritten
-from rtkit.profile_tools.rules import RULES
 from rtkit.profile_tools.uncarried import uncarried
+from rtkit.profile_tools.validation import RULES
 from rtkit.report.finding import ERROR, NOTE, WARNING
 
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__)))))

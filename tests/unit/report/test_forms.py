@@ -11,10 +11,8 @@ from lxml import etree
 
 from rtkit.report.finding import ERROR, NOTE, WARNING, Checked, Finding
 from rtkit.report.forms import FORMS, report_lines
-from rtkit.report.github import github_lines
-from rtkit.report.json_lines import json_lines
 from rtkit.report.junit import junit
-from rtkit.report.plain import plain_lines
+from rtkit.report.lines import github_lines, json_lines, plain_lines
 from rtkit.report.sarif import sarif, uri
 
 NASTY = "100%\r\n<b>&\"'::warning::,\x1b[31m\u2028日本\udcff"

@@ -13,7 +13,7 @@ from rtkit.profile.rts_model import ComponentInstance, DataPortConnector, RtsPro
 from rtkit.profile.xmlnames import NAMESPACES
 from rtkit.report.finding import ERROR, NOTE, WARNING
 from rtkit.static_check.check import findings
-from rtkit.static_check.rules import RULES
+from rtkit.static_check.finding import RULES
 from rtkit.static_check.stock import stocked
 from rtkit.static_check.verdict import Options
 

@@ -108,7 +108,7 @@ def _status(app: App, seen: list[Checked]) -> int:
 
 def _rules() -> dict[str, str]:
     from rtkit.profile.rules import RULES
-    from rtkit.profile_tools.rules import RULES as OTHER_RULES
+    from rtkit.profile_tools.validation import RULES as OTHER_RULES
 
     return RULES | OTHER_RULES
 

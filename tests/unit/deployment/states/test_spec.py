@@ -8,8 +8,8 @@ from dataclasses import replace
 import pytest
 import statekit
 
+from rtkit.deployment.facts import Followed
 from rtkit.deployment.planning.costs import Costs
-from rtkit.deployment.states.followed import Followed
 from rtkit.deployment.states.spec import spec_from_text, spec_to_text
 from rtkit.deployment.states.states import States
 from rtkit.errors import Malformed

@@ -1,17 +1,22 @@
-"""Writes findings as text: a line each, a verdict for each thing checked, last the total."""
+"""Writes findings as lines: text for people, annotations for GitHub, one JSON object a document."""
 
 from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator
 
-from rtkit.report.finding import SEVERITIES, Checked, Finding, counted
+from rtkit.report.finding import ERROR, NOTE, SEVERITIES, WARNING, Checked, Finding, counted
 
 Style = Callable[[str, str], str]
 """Makes a text printable and gives it the look of a role: a severity, ``name`` or ``path``."""
 
 _ROLES = (("valid", "valid"), ("invalid", "error"), ("not checked", "error"))
 """Verdicts and their styles."""
+
+
+_LEVELS = {ERROR: "error", WARNING: "warning", NOTE: "notice"}
+_MESSAGE = str.maketrans({"%": "%25", "\r": "%0D", "\n": "%0A"})
+_PROPERTY = str.maketrans({"%": "%25", "\r": "%0D", "\n": "%0A", ":": "%3A", ",": "%2C"})
 
 
 def as_is(text: str, _role: str) -> str:
@@ -69,3 +74,48 @@ def _word(each: Checked) -> str:
 
 def _counts(severities: Counter[str]) -> str:
     return ", ".join(counted(severities[each], each) for each in SEVERITIES if severities[each])
+
+
+def github_lines(checked: Iterable[Checked]) -> Iterator[str]:
+    """Yield one workflow command for each finding."""
+    for each in checked:
+        for finding in each.findings:
+            yield _command(finding)
+
+
+def _command(finding: Finding) -> str:
+    properties = {"file": finding.file.removeprefix("./")}
+    if finding.line:
+        properties["line"] = str(finding.line)
+    properties["title"] = finding.rule
+    told = ",".join(f"{key}={value.translate(_PROPERTY)}" for key, value in properties.items())
+    text = finding.full_text + (f" ({finding.path})" if finding.path else "")
+    return f"::{_LEVELS[finding.severity]} {told}::{text.translate(_MESSAGE)}"
+
+
+def json_lines(checked: Iterable[Checked]) -> Iterator[str]:
+    """Yield one JSON object for each thing checked; unknown facts are null."""
+    import json
+
+    for each in checked:
+        made = {
+            "schema": "rtkit.checked/1",
+            "file": each.name,
+            "what": each.what or None,
+            "valid": each.is_valid,
+            "findings": [_object(finding) for finding in each.findings],
+        }
+        yield json.dumps(made, ensure_ascii=False)
+
+
+def _object(finding: Finding) -> dict[str, object]:
+    return {
+        "severity": finding.severity,
+        "rule": finding.rule,
+        "text": finding.text,
+        "file": finding.file,
+        "line": finding.line or None,
+        "xpath": finding.path or None,
+        "found": finding.found,
+        "allowed": finding.allowed or None,
+    }

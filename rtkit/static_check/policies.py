@@ -1,21 +1,33 @@
-"""Checks the restart policies, health rules, limits and states that a system profile states."""
+"""Checks properties of rtkit in a profile: restart policies, health rules, limits, states.
+
+A limit needs a slave, and this host has to have as much as all limits allow together.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import suppress
 
 from rtkit.deployment.described import properties_of
-from rtkit.deployment.extension import CREATE, SLAVE_RESTART, STATE_CHART, STATES, is_policy
+from rtkit.deployment.extension import CREATE, LIMIT, SLAVE_RESTART, STATE_CHART, STATES, is_policy
 from rtkit.deployment.health import read_rules
-from rtkit.deployment.limits import read_limits
+from rtkit.deployment.known_keys import odd_properties
+from rtkit.deployment.limits import (
+    NO_LIMITS,
+    Capacity,
+    SlaveLimits,
+    limits_in,
+    needs_slave,
+    overbooked,
+    read_limits,
+)
 from rtkit.deployment.states.machine import machine_of
 from rtkit.deployment.supervision import read_policy, restart_of
 from rtkit.errors import Malformed
 from rtkit.report.finding import ERROR, WARNING
 from rtkit.rtc.create import parse_create
-from rtkit.static_check.finding import TOP, StaticFinding
-from rtkit.static_check.view import View, property_place
+from rtkit.static_check.finding import TOP, ProfileLocation, StaticFinding
+from rtkit.static_check.view import CheckedComponent, View, property_place
 
 
 def restart_findings(view: View) -> Iterator[StaticFinding]:
@@ -68,3 +80,46 @@ def _states(view: View) -> Iterator[StaticFinding]:
         named = property_place(TOP, profile.properties, STATES)
         where, text = named if named is not None else (TOP, None)
         yield StaticFinding(ERROR, "system-states", str(error), where, text)
+
+
+def limit_remarks(
+    view: View, capacity: Callable[[], Capacity] = Capacity
+) -> Iterator[StaticFinding]:
+    """Yield limits of components that no slave would have, and what is more than a host has."""
+    found = {part.name: _limits(part) for part in view.parts}
+    limited = {name: limits for name, limits in found.items() if limits}
+    for part in view.parts:
+        if part.name in limited and not _is_in_slave(part):
+            named = property_place(part.place, part.component.properties, CREATE)
+            where, text = named if named is not None else (part.place, None)
+            yield StaticFinding(ERROR, "limits", needs_slave(part.name), where, text)
+    why = overbooked(limited, capacity()) if limited else ""
+    if why:
+        yield StaticFinding(ERROR, "limits", why, TOP)
+
+
+def _limits(part: CheckedComponent) -> SlaveLimits:
+    """Return the limits of a component; none where they make no sense (another rule)."""
+    own = properties_of(part.component.properties)
+    said = {key: value for key, value in own.items() if key.startswith(LIMIT)}
+    with suppress(Malformed):
+        return read_limits(said) if said else limits_in(own.get(CREATE, ""))
+    return NO_LIMITS
+
+
+def _is_in_slave(part: CheckedComponent) -> bool:
+    text = properties_of(part.component.properties).get(CREATE, "")
+    if not text:
+        return True  # how it is created is not stated here
+    try:
+        create = parse_create(text)
+    except Malformed:
+        return True
+    return bool(create.place or create.address or create.options.get("members"))
+
+
+def property_remarks(view: View) -> Iterator[StaticFinding]:
+    """Yield the properties that nobody heeds because they are misspelt or stand elsewhere."""
+    for odd in odd_properties(view.profile):
+        place = ProfileLocation(odd.steps).at("name")
+        yield StaticFinding(WARNING, "unknown-property", odd.text, place, odd.key)
