@@ -10,7 +10,7 @@ report = $(if $(REPORTS),--junitxml=$(REPORTS)/$(1).xml)
 BIN := .venv/bin
 READY := .venv/.ready
 
-.PHONY: help venv demo test test-pure test-real campaign campaign-faults laws lint bench man clean
+.PHONY: help venv demo test test-pure test-real campaign campaign-faults laws lint bench man docs pictures bench-page clean
 
 help:
 	@echo "make demo    bring up a small robot, break it, repair it, take it down"
@@ -20,6 +20,9 @@ help:
 	@echo "make campaign-faults  what make test tries of faults, at every point (hours)"
 	@echo "make laws    try each law with fifty seeds (SEEDS=1 FROM=7: with seed 7 alone)"
 	@echo "make bench   measure, beside a floor of the same run (ROWS=slaves/stop: only that)"
+	@echo "make bench-page  measure all, and write the table of docs/performance.md"
+	@echo "make docs    build the pages as a site: build/site/index.html"
+	@echo "make pictures  draw the diagrams of the pages anew from the tables of the code"
 	@echo "make man     write the manual pages anew from the commands"
 	@echo "make lint    what make test checks before the tests"
 	@echo "make venv    only set up .venv"
@@ -30,7 +33,7 @@ venv: $(READY)
 $(READY): pyproject.toml
 	@echo "setting up .venv (once)"
 	@$(PYTHON) -m venv .venv
-	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[dev]'
+	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[dev,docs]'
 	@touch $@
 
 demo: $(READY)
@@ -71,6 +74,18 @@ lint: $(READY)
 
 bench: $(READY)
 	@$(BIN)/python -m bench $(ROWS)
+
+# On a machine that does nothing else: PLACEMENT says where the run was, "pinned to processors 2-3".
+bench-page: $(READY)
+	@$(BIN)/python -m bench --page docs/performance.md $(if $(PLACEMENT),--placement '$(PLACEMENT)')
+
+# Sphinx keeps what it has read in build/doctrees: only pages that changed are read again.
+docs: $(READY)
+	@$(BIN)/python -m sphinx --quiet --fail-on-warning --keep-going --doctree-dir build/doctrees docs build/site
+	@echo "build/site/index.html"
+
+pictures: $(READY)
+	$(BIN)/python tools/make_diagrams.py
 
 man: $(READY)
 	$(BIN)/python -m rtkit.cli.help.man man

@@ -1,18 +1,21 @@
-"""Runs all measurements, or those named: ``python -m bench [commands slaves/stop …]``.
+"""Runs all measurements, or those named: ``python -m bench [--page FILE] [slaves/stop …]``.
 
 A name is a group, or a part of one; ``-l`` lists them. One line of JSON per row as it is measured,
-then a table, on stdout. The exit status is 0 also when a target is missed: machines differ, and
-the table says it.
+then a table, on stdout; ``--page`` also writes that table into a page, between its marks, with
+``--placement`` as the words for where on the machine it ran. The exit status is 0 also when a
+target is missed: machines differ, and the table says it.
 """
 
 from __future__ import annotations
 
+import argparse
 import importlib
 import os
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
+from pathlib import Path
 
-from bench import table3
+from bench import page, table3
 from bench.harness import Lines, Missing, Row, table
 
 GROUPS = (
@@ -38,26 +41,30 @@ _BUSY = 0.5
 Part = Callable[[], Lines]
 
 
-def main(names: list[str]) -> int:
-    """Run these, all when none is named."""
+def main(arguments: list[str]) -> int:
+    """Run the rows that are named, all when none is."""
+    parser = argparse.ArgumentParser(prog="python -m bench", description=__doc__)
+    parser.add_argument("names", nargs="*", help="groups, or parts of them")
+    parser.add_argument("-l", "--list", action="store_true", help="list the parts")
+    parser.add_argument("--page", type=Path, help="page that the table is written into")
+    parser.add_argument("--placement", default="no processor reserved", help="where it ran")
+    options = parser.parse_args(arguments)
     parts = _parts()
-    if names == ["-l"]:
+    if options.list:
         print("\n".join(parts))
         return 0
     chosen: dict[str, Part] = {}
-    for wanted in names or GROUPS:
+    for wanted in options.names or GROUPS:
         found = {key: part for key, part in parts.items() if f"{key}/".startswith(f"{wanted}/")}
         if not found:
             print(f"nothing is measured as {wanted}; there is {', '.join(parts)}", file=sys.stderr)
             return 2
         chosen.update(found)
-    rows: list[Row | Missing] = []
     others = os.getloadavg()[0]
-    for part in chosen.values():
-        for row in part():
-            print(row.as_json(), flush=True)
-            rows.append(row)
+    rows = _measured(chosen.values())
     print("\n" + table(rows))
+    if options.page is not None:
+        page.write(options.page, rows, others, options.placement)
     if others > _BUSY:
         print(
             f"\nThe machine was at work before (load {others:.1f}, {os.cpu_count()} processors):"
@@ -65,6 +72,15 @@ def main(names: list[str]) -> int:
         )
     print(table3.pivot(rows), end="")
     return 0
+
+
+def _measured(parts: Iterable[Part]) -> list[Row | Missing]:
+    rows: list[Row | Missing] = []
+    for part in parts:
+        for row in part():
+            print(row.as_json(), flush=True)
+            rows.append(row)
+    return rows
 
 
 def _parts() -> dict[str, Part]:

@@ -3,14 +3,11 @@
 from __future__ import annotations
 
 import math
-import os
-import platform
-import re
 import statistics
 from collections.abc import Sequence
-from pathlib import Path
 from typing import NamedTuple
 
+from bench.page import machine
 from campaign.floors import Floor
 from campaign.layout import MANAGER, NAMES, SLAVES, WIRES, members
 from campaign.schedule import DECK
@@ -32,11 +29,9 @@ class Conditions(NamedTuple):
 
 def conditions_line(conditions: Conditions) -> str:
     """Return machine, seed and load, in one line."""
-    cpu = re.search(r"^model name\s*: (.*)$", Path("/proc/cpuinfo").read_text(), re.MULTILINE)
     return (
-        f"Seed {conditions.seed}, {conditions.seconds:.0f} s, {os.cpu_count()} processors"
-        f" ({cpu[1] if cpu else platform.machine()}), Linux {platform.release()}, Python"
-        f" {platform.python_version()}; load average before {conditions.load:.1f}"
+        f"Seed {conditions.seed}, {conditions.seconds:.0f} s, {machine()};"
+        f" load average before {conditions.load:.1f}"
     )
 
 

@@ -1,0 +1,52 @@
+"""Writes what was measured into a page: the table between two marks, with machine and placement."""
+
+from __future__ import annotations
+
+import datetime
+import os
+import platform
+import re
+from collections.abc import Sequence
+from pathlib import Path
+
+from bench.harness import Missing, Row
+
+BEGIN, END = "<!-- bench: begin -->\n", "<!-- bench: end -->\n"
+_HEAD = ("measured", "figure", "floor", "ratio", "target", "the floor is")
+
+
+def machine() -> str:
+    """Return processors, kernel and interpreter of this machine, in one line."""
+    cpu = re.search(r"^model name\s*: (.*)$", Path("/proc/cpuinfo").read_text(), re.MULTILINE)
+    return (
+        f"{os.cpu_count()} processors ({cpu[1] if cpu else platform.machine()}), Linux"
+        f" {platform.release()}, Python {platform.python_version()}"
+    )
+
+
+def section(rows: Sequence[Row | Missing], load: float, placement: str, day: str) -> str:
+    """Return the text between the marks: where it was measured, and the table."""
+    where = f"Measured on {day}: {machine()}; load average before {load:.1f}; {placement}."
+    lines = ["| " + " | ".join(_HEAD) + " |", "| --- | ---: | ---: | ---: | ---: | --- |"]
+    lines += ["| " + " | ".join(_cells(row)) + " |" for row in rows]
+    return "\n".join([where, "", *lines, ""])
+
+
+def _cells(row: Row | Missing) -> tuple[str, ...]:
+    if isinstance(row, Missing):
+        return (row.what, "-", "-", "-", "-", f"not measured: {row.why}")
+    bound = "" if row.target is None else f"{row.target:g} {'x' if row.is_ratio else row.unit}"
+    missed = " MISSED" if row.verdict == "MISSED" else ""
+    figures = (f"{row.figure:.3g} {row.unit}", f"{row.floor:.3g} {row.unit}", f"{row.ratio:.2f} x")
+    return (row.what, *figures, bound + missed, row.floor_is)
+
+
+def write(file: Path, rows: Sequence[Row | Missing], load: float, placement: str) -> None:
+    """Put what was measured between the marks of a page."""
+    before, _, rest = file.read_text(encoding="utf-8").partition(BEGIN)
+    _, found, after = rest.partition(END)
+    if not found:
+        raise ValueError(f"{file}: there is no place between {BEGIN.strip()} and {END.strip()}")
+    day = datetime.datetime.now(tz=datetime.UTC).date().isoformat()
+    text = section(rows, load, placement, day)
+    file.write_text(f"{before}{BEGIN}{text}{END}{after}", encoding="utf-8")

@@ -1,0 +1,28 @@
+"""The diagrams of the pages show the tables of the code as they are."""
+
+from __future__ import annotations
+
+import runpy
+from pathlib import Path
+
+import pytest
+from lxml import etree
+
+ROOT = Path(__file__).parents[2]
+PICTURES: dict[str, str] = runpy.run_path(str(ROOT / "tools" / "make_diagrams.py"))["pictures"]()
+_MOST_BYTES = 8192
+
+
+@pytest.mark.parametrize("name", PICTURES)
+def test_a_diagram_is_up_to_date(name: str) -> None:
+    file = ROOT / "docs" / "pictures" / name
+    assert file.read_text(encoding="utf-8") == PICTURES[name], "stale, draw it anew: make pictures"
+
+
+@pytest.mark.parametrize("file", sorted((ROOT / "docs" / "pictures").iterdir()), ids=lambda f: f.name)
+def test_a_picture_is_small_and_has_a_background_of_its_own(file: Path) -> None:
+    data = file.read_bytes()
+    assert len(data) <= _MOST_BYTES
+    back = etree.fromstring(data).find("{http://www.w3.org/2000/svg}rect")
+    assert back is not None
+    assert back.get("class") == "rt-back"

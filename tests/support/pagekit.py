@@ -1,0 +1,75 @@
+"""Reads the examples of pages in Markdown, as the tests that run them need them.
+
+A page is one session in one home: its blocks of `sh` and `python` are run from top to bottom, and
+a block of `text` behind one is what that one prints. A comment before a block may say otherwise:
+`<!-- file: NAME -->` has it written to a file, `<!-- not run by the tests: WHY -->` left out,
+`<!-- shown -->` says that it is a form or an extract, to be read only.
+"""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+from typing import NamedTuple
+
+ROOT = Path(__file__).parents[2]
+MARK = "-- end of block --"
+_BLOCK = re.compile(
+    r"^(?:<!-- (file: (?P<file>[^\n]+)|not run by the tests: [^\n]+|shown) -->\n)?"
+    r"```(?P<language>[\w{}-]*)\n(?P<text>.*?)^```$",
+    re.MULTILINE | re.DOTALL,
+)
+_RUN = ("sh", "python")
+
+
+class Block(NamedTuple):
+    """One fenced block; `file` names where it is written, empty for nowhere."""
+
+    language: str
+    text: str
+    file: str
+    is_marked: bool
+
+
+class Script(NamedTuple):
+    """The examples of a page as one script of bash, and what each of its blocks prints."""
+
+    text: str
+    expected: list[str]
+
+
+def pages() -> list[Path]:
+    """Return README, CONTRIBUTING and all pages written by hand, without decision records."""
+    docs = ROOT / "docs"
+    below = (file.relative_to(docs) for file in sorted(docs.rglob("*.md")))
+    written = [docs / file for file in below if file.parts[0] not in ("decisions", "generated")]
+    return [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *written]
+
+
+def blocks(page: Path) -> list[Block]:
+    """Return the fenced blocks of a page."""
+    text = page.read_text(encoding="utf-8")
+    return [
+        Block(found["language"], found["text"], (found["file"] or "").strip(), bool(found[1]))
+        for found in _BLOCK.finditer(text)
+    ]
+
+
+def script(page: Path) -> Script:
+    """Return what is to be run of a page."""
+    parts: list[str] = []
+    expected: list[str] = []
+    for block in blocks(page):
+        if block.file:
+            parts.append(f"cat > {block.file} <<'END OF FILE'\n{block.text}END OF FILE\n")
+        elif block.is_marked:
+            continue
+        elif block.language in _RUN:
+            is_shell = block.language == "sh"
+            run = block.text if is_shell else f"python - <<'END OF CODE'\n{block.text}END OF CODE\n"
+            parts.append(f"{run}echo '{MARK}'\n")
+            expected.append("")
+        elif block.language == "text":
+            assert expected, f"{page}: a block of text that nothing prints"
+            expected[-1] += block.text
+    return Script("".join(parts), expected)
