@@ -10,6 +10,7 @@ from lxml import etree
 
 ROOT = Path(__file__).parents[2]
 PICTURES: dict[str, str] = runpy.run_path(str(ROOT / "tools" / "make_diagrams.py"))["pictures"]()
+FILES = sorted((ROOT / "docs" / "pictures").iterdir())
 _MOST_BYTES = 8192
 
 
@@ -19,7 +20,7 @@ def test_a_diagram_is_up_to_date(name: str) -> None:
     assert file.read_text(encoding="utf-8") == PICTURES[name], "stale, draw it anew: make pictures"
 
 
-@pytest.mark.parametrize("file", sorted((ROOT / "docs" / "pictures").iterdir()), ids=lambda f: f.name)
+@pytest.mark.parametrize("file", FILES, ids=lambda file: file.name)
 def test_a_picture_is_small_and_has_a_background_of_its_own(file: Path) -> None:
     data = file.read_bytes()
     assert len(data) <= _MOST_BYTES
