@@ -132,6 +132,11 @@ def store_file(manager: str) -> str:
     return f"{state_dir()}/{_of_process(manager, '')}.desired"
 
 
+def former_store_file(path: str) -> str:
+    """Return the path under which rtkit before 0.2 kept the store that is at a path now."""
+    return f"{path.removesuffix('.desired')}.wishes"
+
+
 def _of_process(manager: str, slave: str) -> str:
     name = (f"{manager}.{slave}" if slave else manager).encode("utf-8", "surrogateescape")
     if len(name) > _MAX_FILE_NAME:

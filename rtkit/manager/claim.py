@@ -18,7 +18,8 @@ from rtkit.link.segments import remove_orphans
 _DYING_MS = 1000
 """How long a manager that was killed may still answer after its lock is free."""
 
-_OF_SLAVES = ("beats", "held", "held.new", "rehearsal", "family", "family.new")
+_REWRITTEN = ("held", "family", "rehearsed")
+_OF_SLAVES = ("beats", "rehearsal", *_REWRITTEN, *(f"{kind}.new" for kind in _REWRITTEN))
 _KINDS = (*_OF_SLAVES, "data", "zygote")
 """What processes of a manager lay into the runtime folder, named ``<manager>.<pid>.<kind>``."""
 

@@ -14,6 +14,8 @@ from typing import Any
 import pytest
 
 from rtkit.logs.logs import Log
+from rtkit.manager.claim import remove_stale
+from rtkit.manager.predecessor.unreported import checkpoints_of_the_dead
 from rtkit.manager.slaves import warm_up as rehearsal
 from rtkit.manager.slaves.warm_up import warm_up
 from rtkit.modules.loader import Loader
@@ -63,6 +65,20 @@ def test_slaves_find_no_modules_where_it_found_its_own(folder: str, tmp_path: Pa
     Loader([str(tmp_path)]).load("Empty.py")
     assert str(tmp_path) in sys.path
     assert rehearsal._FOLDER not in sys.path
+
+
+def test_a_zygote_that_is_killed_in_it_is_not_taken_for_a_slave(
+    folder: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("RTKIT_RUNTIME_DIR", folder)
+    monkeypatch.setattr(rehearsal, "_LINES", rehearsal._LINES[:1])  # its component is still there
+    monkeypatch.setattr(rehearsal, "_LAST", 1)
+    monkeypatch.setattr(rehearsal, "_remove", lambda _: None)
+    warm_up(Log("zygote", f"{folder}/m.log"), {"data": f"{folder}/m.%p.data"})
+    assert b"Extra0" in (Path(folder) / f"m.{os.getpid()}.rehearsed").read_bytes()
+    assert checkpoints_of_the_dead("m", ()) == {}
+    remove_stale("m", ())
+    assert [each for each in os.listdir(folder) if each.startswith("m.")] == []
 
 
 def test_what_fails_in_it_is_told(folder: str, monkeypatch: pytest.MonkeyPatch) -> None:

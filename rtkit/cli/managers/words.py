@@ -101,10 +101,10 @@ def _end_remains(name: str) -> int:
 
 def _forget_desired_state(name: str) -> bool:
     """Remove the desired state of a stopped manager; return whether there was any."""
-    from rtkit.manager.store.store import former_name, remove, take_over_former_name
+    from rtkit.manager.store.store import remove, take_over_former_name
 
     path = places.store_file(name)
-    if not os.path.lexists(path) and not os.path.lexists(former_name(path)):
+    if not os.path.lexists(path) and not os.path.lexists(places.former_store_file(path)):
         return False
     from contextlib import ExitStack
 

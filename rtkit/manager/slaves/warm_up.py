@@ -21,7 +21,7 @@ from rtkit.container.control_channel import ControlChannel
 from rtkit.container.heartbeats import Heartbeats, heartbeats_path
 from rtkit.container.manager_connection import ManagerConnection
 from rtkit.container.port_wiring import PortWiring
-from rtkit.container.slave_checkpoint import CheckpointWriter, checkpoint_path
+from rtkit.container.slave_checkpoint import CheckpointWriter
 from rtkit.deployment.message import Message
 from rtkit.link.streams import Streams
 from rtkit.logs.logs import Log, begin
@@ -45,8 +45,8 @@ _LINES: tuple[Message, ...] = (
 def warm_up(log: Log, settings: Any) -> None:
     """Begin a log, greet, make a component, report it, end it.
 
-    Its files have the names that this process's own would have if it were a slave, so that they
-    are taken for what they are should it be killed here.
+    Its files are named after this process, so that the next manager clears them away should it be
+    killed here; its checkpoint has a name of its own, as there are no components to miss.
 
     Args:
         log: Of this process.
@@ -57,8 +57,8 @@ def warm_up(log: Log, settings: Any) -> None:
     """
     pattern, pid = settings["data"], os.getpid()
     place = pattern.replace("%p", str(pid))
-    paths = [place, heartbeats_path(pattern, pid), f"{place.removesuffix('.data')}.rehearsal"]
-    paths.append(checkpoint_path(pattern, pid))
+    stem = place.removesuffix(".data")
+    paths = [place, heartbeats_path(pattern, pid), f"{stem}.rehearsal", f"{stem}.rehearsed"]
     modules, search_path = set(sys.modules), list(sys.path)
     with contextlib.ExitStack() as stack, log.lent("rehearsal", paths[2]):
         stack.callback(_remove, paths)

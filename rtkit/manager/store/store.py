@@ -57,11 +57,6 @@ on conflict (kind, name) do update set value = excluded.value
 """
 
 
-def former_name(path: str) -> str:
-    """Return the path under which rtkit before 0.2 kept a store."""
-    return f"{os.path.splitext(path)[0]}.wishes"
-
-
 def take_over_former_name(path: str) -> None:
     """Rename a store that lies under its former name, and the files beside it.
 
@@ -70,7 +65,7 @@ def take_over_former_name(path: str) -> None:
     Raises:
         OSError: It cannot be renamed.
     """
-    former = former_name(path)
+    former = places.former_store_file(path)
     if os.path.lexists(path) or not os.path.lexists(former):
         return
     for beside in (*_BESIDE, ""):
@@ -123,7 +118,7 @@ class Store:
         try:
             take_over_former_name(self._path)
         except OSError as error:
-            why = f"{former_name(self._path)}: {error.strerror}"
+            why = f"{places.former_store_file(self._path)}: {error.strerror}"
             return StoredRows([], f"the state store cannot be renamed ({why})")
         try:
             rows = self._open()
@@ -276,6 +271,7 @@ class Store:
             if number == _ASIDE or not os.path.lexists(aside):
                 break
         try:
+            take_over_former_name(self._path)
             os.rename(self._path, aside)
             for suffix in ("-wal", "-shm", NOTED):
                 with suppress(FileNotFoundError):

@@ -9,6 +9,8 @@ import threading
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, NamedTuple
 
+from rtkit.link import places
+
 if TYPE_CHECKING:
     from rtkit.manager.store.store import Row, Store
 
@@ -46,14 +48,17 @@ class StoreWriter:
             Refused: Another process uses the file, a newer rtkit has written it, or it is a link.
         """
         # Mostly there is neither: then nothing is imported yet.
-        if not (os.path.lexists(self._path) or os.path.lexists(f"{self._path}-commits")):
+        if not (self._is_there() or os.path.lexists(f"{self._path}-commits")):
             return [], ""
         found = self._opened().find()
         return found.rows, found.told
 
     def set_aside(self) -> str:
         """Begin without what is there; return a finding about it."""
-        return self._opened().set_aside("unrestored") if os.path.lexists(self._path) else ""
+        return self._opened().set_aside("unrestored") if self._is_there() else ""
+
+    def _is_there(self) -> bool:
+        return any(map(os.path.lexists, (self._path, places.former_store_file(self._path))))
 
     def begin(self) -> None:
         """Be ready to write soon."""

@@ -50,6 +50,20 @@ def test_a_store_under_its_former_name_is_read_and_renamed(path: str) -> None:
     assert not os.path.lexists(f"{former}-wal")
 
 
+def test_the_writer_finds_a_store_under_its_former_name(path: str) -> None:
+    os.rename(path, path.replace(".desired", ".wishes"))
+    assert StoreWriter(path).find() == (ROWS, "")
+
+
+def test_a_store_under_its_former_name_is_put_aside(path: str) -> None:
+    os.rename(path, path.replace(".desired", ".wishes"))
+    assert (
+        StoreWriter(path).set_aside()
+        == f"the unrestored state store is kept aside: {path}.unrestored-1"
+    )
+    assert StoreWriter(path).find() == ([], "")
+
+
 def test_a_store_that_cannot_be_renamed_is_told(path: str, monkeypatch: pytest.MonkeyPatch) -> None:
     os.rename(path, path.replace(".desired", ".wishes"))
 
