@@ -7,7 +7,7 @@ One rule or limit a line; ``#`` begins a comment::
     deny   *     *        GET  diary
     limit  tcp   rate     100
 
-A rule names an endpoint (``unix tcp http zenoh serial mqtt ice`` or ``*``), who asks (a pattern;
+A rule names an endpoint (the scheme of its wire, or ``*``), who asks (a pattern;
 ``nobody`` is who has not shown who it is), ``GET``, ``SET`` or ``*``, and a pattern of names: it
 holds for what lies below them too, and for all that is asked about them. Listening is a GET. Where
 no rule fits, GET is for all that the endpoint lets in, SET for who is known. What a property itself
@@ -19,13 +19,12 @@ See decision 32.
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable
+from collections.abc import Collection, Iterable
 from fnmatch import fnmatchcase
 from typing import NamedTuple
 
 from rtkit.errors import Malformed
 
-DOORS = ("unix", "tcp", "http", "zenoh", "serial", "mqtt", "ice")
 METHODS = ("GET", "SET")
 NOBODY = "nobody"
 _ANY = "*"
@@ -109,8 +108,7 @@ class EndpointLimits(NamedTuple):
     size: int = (1 << 20) + 1024
 
 
-_OF_DOOR = {"http": EndpointLimits(connections=128, door_listeners=64, rate=2000)}
-"""Where an endpoint differs from the others."""
+DEFAULT_LIMITS = EndpointLimits()
 
 
 class AccessPolicy:
@@ -127,9 +125,8 @@ class AccessPolicy:
         ours = [each for each in self.rules if each.endpoint in (_ANY, endpoint)]
         return Access([*ours, *last])
 
-    def limits(self, endpoint: str) -> EndpointLimits:
+    def limits(self, endpoint: str, limits: EndpointLimits = DEFAULT_LIMITS) -> EndpointLimits:
         """Return the limits of an endpoint; the first of two lines about one limit counts."""
-        limits = _OF_DOOR.get(endpoint, EndpointLimits())
         for where, what, number in reversed(self._limits):
             if where in (_ANY, endpoint):
                 limits = limits._replace(**{what: number})
@@ -139,12 +136,15 @@ class AccessPolicy:
         return AccessPolicy(self.rules + other.rules, self._limits + other._limits)
 
 
-def read_policy(text: str, origin: str = "rules") -> AccessPolicy:
+def read_policy(
+    text: str, origin: str = "rules", endpoints: Collection[str] | None = None
+) -> AccessPolicy:
     """Read lines of rules and limits.
 
     Args:
         text: The lines.
         origin: Where they come from, for errors.
+        endpoints: Names of endpoints that there are; None for any.
 
     Raises:
         Malformed: ``ORIGIN:LINE: what is wrong``.
@@ -156,6 +156,7 @@ def read_policy(text: str, origin: str = "rules") -> AccessPolicy:
         if not words:
             continue
         try:
+            _check_endpoint(words, endpoints)
             if words[0] == "limit":
                 limits.append(_limit(words))
             else:
@@ -173,7 +174,6 @@ def _rule(words: list[str]) -> AccessRule:
     if len(words) != 5:
         raise ValueError(f"expected {words[0]} DOOR IDENTITY METHOD TARGET")
     _, endpoint, identity, method, target = words
-    _check_endpoint(endpoint)
     if method not in (*METHODS, _ANY):
         raise ValueError(f"expected GET, SET or *, found {method[:40]}")
     if not re.fullmatch(_PATTERN, target) or len(target) > _LONGEST:
@@ -185,7 +185,6 @@ def _limit(words: list[str]) -> tuple[str, str, int]:
     if len(words) != 4:
         raise ValueError("expected limit DOOR WHAT NUMBER")
     _, endpoint, what, number = words
-    _check_endpoint(endpoint)
     if what not in EndpointLimits._fields:
         raise ValueError(f"expected one of {' '.join(EndpointLimits._fields)}, found {what[:40]}")
     if not (number.isascii() and number.isdigit() and len(number) < 10):
@@ -197,6 +196,7 @@ def _limit(words: list[str]) -> tuple[str, str, int]:
     return endpoint, what, int(number)
 
 
-def _check_endpoint(endpoint: str) -> None:
-    if endpoint not in (*DOORS, _ANY):
-        raise ValueError(f"expected a door ({' '.join(DOORS)} or *), found {endpoint[:40]}")
+def _check_endpoint(words: list[str], endpoints: Collection[str] | None) -> None:
+    if endpoints is not None and len(words) > 1 and words[1] not in (*endpoints, _ANY):
+        known = " ".join(endpoints)
+        raise ValueError(f"expected an endpoint ({known} or *), found {words[1][:40]}")

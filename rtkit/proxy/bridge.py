@@ -8,10 +8,11 @@ from collections.abc import Callable, Sequence
 from rtkit.closing import Closing
 from rtkit.errors import Malformed, Unreachable
 from rtkit.property.codes import PropertyError
-from rtkit.proxy.addresses import ProxySettings, open_endpoint, source_of
+from rtkit.proxy.addresses import open_endpoint, source_of
 from rtkit.proxy.names import Allowed, Names
 from rtkit.proxy.relay import ITSELF, Relay
 from rtkit.serving.event_loop import PropertyEventLoop
+from rtkit.wires.wire import WireSettings
 
 
 class Bridge(Closing):
@@ -80,12 +81,13 @@ def bridge(
             endpoint cannot be opened.
     """
     host = PropertyEventLoop()
-    setting = ProxySettings(host, cwd, timeout_s)
+    # What may be set has been decided here: endpoints let anybody set what passes.
+    settings = WireSettings(host, timeout_s, settable=("*",))
     status = _OwnerStatus(said)
     try:
         names = _names(prefix)
-        found = source_of(source, setting)
-        relay = Relay(host, found.wire, names=names, allowed=Allowed(allow_set), said=status)
+        found = source_of(source, cwd, settings)
+        relay = Relay(host, found.connect, names=names, allowed=Allowed(allow_set), said=status)
         relay.name, relay.on_refusal = found.name, on_refusal
         host.at_end(lambda: _locked(host, relay.uplink.close))
         host.start()
@@ -94,7 +96,7 @@ def bridge(
             raise Unreachable(f"no answer within {2 * timeout_s:g} s: {source}")
         if status.why:
             raise PropertyError("no-service", f"{source}: {status.why}")
-        address = _on_loop(host, lambda: open_endpoint(target, relay, setting))
+        address = _on_loop(host, lambda: open_endpoint(target, relay, settings))
     except BaseException:
         host.close()
         raise

@@ -52,7 +52,7 @@ class Relay:
     def __init__(
         self,
         host: PropertyEventLoop,
-        wire: ConnectionMaker,
+        connect: ConnectionMaker,
         *,
         names: Names,
         allowed: Allowed,
@@ -67,7 +67,7 @@ class Relay:
         self._count = itertools.count(1)
         self._numbers: dict[Hashable, int] = {}
         self._once = IdempotencyCache()
-        self.uplink = Uplink(host, wire, self._judge, self._came, self._went)
+        self.uplink = Uplink(host, connect, self._judge, self._came, self._went)
         self._listenings = RelayedSubscriptions(self.uplink, names.outward, monotonic)
 
     # What the loop does

@@ -32,7 +32,7 @@ class Uplink:
     """Connections to one owner; used on the loop of the host only.
 
     Args:
-        wire: Makes a connection.
+        connect: Makes a connection.
         judge: Looks at a new connection and calls with why it cannot be used, empty if it can.
         came: Called when the owner can be reached.
         went: Called with why it no longer can, or cannot be to begin with.
@@ -41,13 +41,13 @@ class Uplink:
     def __init__(
         self,
         host: PropertyEventLoop,
-        wire: ConnectionMaker,
+        connect: ConnectionMaker,
         judge: Judging,
         came: Callable[[], None],
         went: Callable[[str], None],
     ) -> None:
         self._host = host
-        self._wire = wire
+        self._connect = connect
         self._judge = judge
         self._came = came
         self._went = went
@@ -135,7 +135,7 @@ class Uplink:
                 return
             made: ProviderConnection | RtkitError
             try:
-                made = self._wire()
+                made = self._connect()
             except RtkitError as error:
                 made = error
             self._host.post(lambda: done(number, made))

@@ -8,6 +8,7 @@ from abc import ABC, abstractmethod
 from typing import Protocol
 
 from rtkit.errors import Unreachable
+from rtkit.property.access import DEFAULT_LIMITS, EndpointLimits
 from rtkit.serving.event_loop import PropertyEventLoop
 from rtkit.serving.quota import EndpointQuota, QuotaClient
 
@@ -30,13 +31,20 @@ class Acceptor(ABC):
     Args:
         end: Bound; it is listened at from now on.
         endpoint: What it is called in rules.
+        limits: Where no rule says anything else.
     """
 
-    def __init__(self, host: PropertyEventLoop, end: socket.socket, endpoint: str) -> None:
+    def __init__(
+        self,
+        host: PropertyEventLoop,
+        end: socket.socket,
+        endpoint: str,
+        limits: EndpointLimits = DEFAULT_LIMITS,
+    ) -> None:
         self._host = host
         self._end = end
         self._guests: list[AdmittedClient] = []
-        self._quota = EndpointQuota(host.policy, endpoint, lambda: self._guests)
+        self._quota = EndpointQuota(host.policy, endpoint, lambda: self._guests, limits=limits)
         end.setblocking(False)
         end.listen(_BACKLOG)
         host.register(end, self)

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable, Sequence
 from time import monotonic
 from typing import Protocol
 
-from rtkit.property.access import AccessPolicy, AccessRule
+from rtkit.property.access import DEFAULT_LIMITS, AccessPolicy, AccessRule, EndpointLimits
 from rtkit.property.codes import PropertyError
 from rtkit.serving.rate_limit import RateLimit
 
@@ -28,6 +28,7 @@ class EndpointQuota:
         endpoint: What it is called there.
         clients: Those there are now.
         last: Rules of the endpoint itself, behind those of the policy.
+        limits: Where the policy says nothing else.
 
     Attributes:
         access: What may be done.
@@ -40,9 +41,10 @@ class EndpointQuota:
         endpoint: str,
         clients: Callable[[], Sequence[QuotaClient]],
         last: Iterable[AccessRule] = (),
+        limits: EndpointLimits = DEFAULT_LIMITS,
     ) -> None:
         self.access = policy.access(endpoint, last)
-        self.limits = policy.limits(endpoint)
+        self.limits = policy.limits(endpoint, limits)
         self._clients = clients
 
     def pace(self) -> RateLimit | None:

@@ -18,13 +18,7 @@ from rtkit.rtc.names import LOCAL, is_local_host
 
 if TYPE_CHECKING:
     from rtkit.tree.live import ThisHost
-    from rtkit.wires.wire import PropertyClient
-
-
-_SERIAL = "serial:"
-_HTTP = "http://"
-_ICE = "ice://"
-WEB_ROOT = "/ps"
+    from rtkit.wires.wire import ClientSide, PropertyClient
 
 
 class PropertyTarget(NamedTuple):
@@ -89,8 +83,8 @@ class PropertyConnections:
     """Finds properties and keeps one connection for each owner.
 
     Args:
-        at: ``HOST:PORT`` of a TCP endpoint, ``http://HOST:PORT``, ``ice://HOST:PORT`` or
-            ``serial:DEVICE``, else services of this user on this host are meant. Behind a serial
+        at: ``HOST:PORT`` of a TCP endpoint, or the address of an endpoint on another wire;
+            empty for the services of this user on this host. Behind a serial
             line there is one service, which needs no name.
         timeout_s: Bound on each request [s].
     """
@@ -110,12 +104,13 @@ class PropertyConnections:
             RtkitError: ``no-service``, with what was typed in front.
         """
         try:
-            if typed.startswith(_HTTP):
-                return self._on_web(typed)
-            if typed.startswith(_ICE):
-                return self._on_ice(typed)
-            if (self._at or typed).startswith(_SERIAL):
-                return self._on_line(typed)
+            if self._at or ":" in typed:
+                from rtkit.wires.table import client_side_of, endpoint_side_of
+
+                if (side := client_side_of(typed)) is not None:
+                    return self._behind(side, *side.split(typed), typed)
+                if self._at and not (side := endpoint_side_of(self._at)).has_services:
+                    return self._behind(side, self._at, typed, typed)
         except Exception as error:
             raise printed_error(typed, error) from error
         place = parse(typed, self._cwd, self._known(), os.uname().nodename)
@@ -162,71 +157,32 @@ class PropertyConnections:
         if self._services is None:
             from rtkit.link.places import services
 
-            self._services = self._at_door() if self._at else services()
+            self._services = _listed(self._endpoint()) if self._at else services()
         return self._services
 
-    def _at_door(self) -> list[str]:
-        asked = "" if self._at.startswith(_HTTP) else "door/services"
-        answer = self._endpoint().ask(asked).value()
-        return [] if answer == "()" else str(answer).strip("()").split()
-
     def _endpoint(self) -> PropertyClient:
-        if "" not in self._ends and self._at.startswith(_HTTP):
-            self._ends[""] = self._web(self._at)
-        elif "" not in self._ends and self._at.startswith(_ICE):
-            self._ends[""] = self._objects(self._at)
-        elif "" not in self._ends:
-            from rtkit.wires.line.client import connect_tcp
+        from rtkit.wires.table import endpoint_side_of
 
-            host, _, port = self._at.rpartition(":")
-            self._ends[""] = connect_tcp(host or LOCAL, int(port), self._timeout_s)
-        return self._ends[""]
+        return self._connected_to(endpoint_side_of(self._at), self._at)
 
-    def _on_web(self, typed: str) -> tuple[PropertyTarget, PropertyClient]:
-        """Return what ``http://HOST:PORT/ps/SERVICE/NAME`` is."""
-        address, _, rest = typed.partition(f"{WEB_ROOT}/")
+    def _connected_to(self, side: ClientSide, address: str) -> PropertyClient:
         if address not in self._ends:
-            self._ends[address] = self._web(address)
-        return self._behind(self._ends[address], "", rest, typed)
+            self._ends[address] = side.connect(address, self._timeout_s)
+        return self._ends[address]
 
-    def _on_ice(self, typed: str) -> tuple[PropertyTarget, PropertyClient]:
-        """Return what ``ice://HOST:PORT/SERVICE/NAME`` is."""
-        where, _, rest = typed.removeprefix(_ICE).partition("/")
-        if where not in self._ends:
-            self._ends[where] = self._objects(_ICE + where)
-        return self._behind(self._ends[where], "door/services", rest, typed)
-
-    @staticmethod
     def _behind(
-        endpoint: PropertyClient, asked: str, path: str, typed: str
+        self, side: ClientSide, address: str, path: str, typed: str
     ) -> tuple[PropertyTarget, PropertyClient]:
         """Return what a path behind an endpoint is; a request shows whether it is a service."""
-        services = str(endpoint.ask(asked).value()).strip("()").split()
+        end = self._connected_to(side, address)
+        if not side.has_services:
+            name, mark, parameters = path.partition("?")
+            return PropertyTarget(typed, "", name, parameters if mark else None), end
+        services = _listed(end)
         place = parse(path, "/", services, os.uname().nodename)
         if not place.service:
             raise PropertyError("no-service", f"there is {' '.join(services) or 'none'}")
-        return place._replace(typed=typed), OfService(endpoint, place.service)
-
-    def _on_line(self, typed: str) -> tuple[PropertyTarget, PropertyClient]:
-        """Return what a name behind a serial line, or ``serial:DEVICE/NAME``, is."""
-        from rtkit.wires.serial.address import split_target
-        from rtkit.wires.serial.client import connect_serial
-
-        address, target = (self._at, typed) if self._at else split_target(typed)
-        if address not in self._ends:
-            self._ends[address] = connect_serial(address, self._timeout_s)
-        name, mark, parameters = target.partition("?")
-        return PropertyTarget(typed, "", name, parameters if mark else None), self._ends[address]
-
-    def _web(self, address: str) -> PropertyClient:
-        from rtkit.wires.http.client import connect_http
-
-        return connect_http(address, self._timeout_s)
-
-    def _objects(self, address: str) -> PropertyClient:
-        from rtkit.wires.ice.client import connect_ice
-
-        return connect_ice(address, self._timeout_s)
+        return place._replace(typed=typed), OfService(end, place.service)
 
     def _end(self, place: PropertyTarget) -> PropertyClient:
         if not place.service:
@@ -250,6 +206,11 @@ class PropertyConnections:
         for end in self._ends.values():
             end.close()
         self._ends.clear()
+
+
+def _listed(endpoint: PropertyClient) -> list[str]:
+    """Return the services behind an endpoint."""
+    return str(endpoint.ask("door/services").value()).strip("()").split()
 
 
 class OfService:

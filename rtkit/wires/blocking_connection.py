@@ -13,7 +13,15 @@ from rtkit.property.codes import code_of
 from rtkit.property.exchange import NOT_BEGUN
 from rtkit.property.messages import DONE, Answer, Payload
 from rtkit.serving.event_loop import PropertyEventLoop
-from rtkit.wires.provider_connection import Answering, Gone, Hearing, LoopInbox, Waiting, with_id
+from rtkit.wires.provider_connection import (
+    Answering,
+    ConnectionMaker,
+    Gone,
+    Hearing,
+    LoopInbox,
+    Waiting,
+    with_id,
+)
 from rtkit.wires.request_scheduler import RequestScheduler, ScheduledRequest
 from rtkit.wires.wire import BoundedClient
 
@@ -203,3 +211,10 @@ def failure(error: RtkitError) -> Answer:
     """Return the answer that stands for a call that failed."""
     is_late = isinstance(error, Unreachable) and str(error).startswith("no answer within")
     return Answer(str(error), "timeout" if is_late else code_of(error))
+
+
+def blocking_calls(
+    host: PropertyEventLoop, another: Callable[[], BoundedClient]
+) -> ConnectionMaker:
+    """Return what connects to a provider by clients whose calls block."""
+    return lambda: BlockingConnection(host, another(), another)

@@ -6,17 +6,16 @@ import threading
 from collections.abc import Callable, Iterable, Mapping
 
 from rtkit.closing import Closing
-from rtkit.errors import Malformed
 from rtkit.guard import GuardedResult, guarded
 from rtkit.property.access import AccessPolicy, read_policy
-from rtkit.property.codes import PropertyError
-from rtkit.property.naming import canonical_segment
 from rtkit.property.objects import Exported
 from rtkit.property.requests import Requester
 from rtkit.property.service import Service
 from rtkit.serving.event_loop import PropertyEventLoop
 from rtkit.serving.refusals import Refusals
-from rtkit.wires.line.endpoint import open_tcp, open_unix
+from rtkit.wires.line.endpoint import open_unix
+from rtkit.wires.table import WIRES, wires
+from rtkit.wires.wire import Wire, WireSettings, service_name
 
 
 class ServedObject(Closing):
@@ -25,27 +24,36 @@ class ServedObject(Closing):
     Attributes:
         name: Under which it is found.
         socket: The path of its unix socket.
-        port: Of its TCP endpoint, None if it has none.
-        http: Port of its HTTP endpoint, None if it has none.
-        ice: Port of its Ice endpoint, None if it has none.
+        addresses: Of its other endpoints, by scheme.
     """
 
     def __init__(
-        self,
-        host: PropertyEventLoop,
-        service: Service,
-        socket: str,
-        port: int | None,
-        http: int | None = None,
-        ice: int | None = None,
+        self, host: PropertyEventLoop, service: Service, socket: str, addresses: dict[str, str]
     ) -> None:
         self.name = service.name
         self.socket = socket
-        self.port = port
-        self.http = http
-        self.ice = ice
+        self.addresses = addresses
         self.service = service
         self._host = host
+
+    @property
+    def port(self) -> int | None:
+        """Return the port of its TCP endpoint, None if it has none."""
+        return self._port("tcp")
+
+    @property
+    def http(self) -> int | None:
+        """Return the port of its HTTP endpoint, None if it has none."""
+        return self._port("http")
+
+    @property
+    def ice(self) -> int | None:
+        """Return the port of its Ice endpoint, None if it has none."""
+        return self._port("ice")
+
+    def _port(self, scheme: str) -> int | None:
+        address = self.addresses.get(scheme)
+        return None if address is None else int(address.rpartition(":")[2].partition("/")[0])
 
     def update(self, name: str, value: object) -> None:
         """Publish a new value of a property that is kept here."""
@@ -77,16 +85,13 @@ def serve(
     thing: object,
     name: str,
     *,
-    port: int | None = None,
-    serial: str | None = None,
     settable: Iterable[str] = (),
-    http: int | None = None,
-    ice: int | None = None,
     hide: Iterable[str] = (),
     history: Mapping[str, int] | None = None,
     rules: str | AccessPolicy = "",
     notify: Iterable[str] = (),
     is_on_zenoh: bool = True,
+    **endpoints: int | str | None,
 ) -> ServedObject:
     """Serve an object: its attributes are properties, its methods actions; its class stays as is.
 
@@ -103,30 +108,29 @@ def serve(
     Args:
         thing: Any object, or a `Service` that is there already.
         name: Parts joined by slashes.
-        port: Also open this TCP port of the host, 0 for any, to who knows the user's secret.
-        serial: Also open this serial line, ``DEVICE[?baud=N&check=auto|1|0]``, when it is there.
-        settable: Patterns of names that may be set over it; none may, unless told.
-        http: Also open this port of the host, 0 for any, for HTTP, likewise.
-        ice: Also open this port of the host, 0 for any, for Ice, likewise.
+        settable: Patterns of names that may be set over a serial line; none may, unless told.
         hide: Names that are not to be seen.
         history: Patterns of names, and how many values of each ``NAME.history`` tells.
         rules: Who may do what through which endpoint, and how much: `rtkit.property.access`.
         notify: Patterns of ``SERVICE/NAME``, of your services on this host, to which events may be
             SET (``SET P.listen SERVICE/NAME``); none may, unless told.
         is_on_zenoh: Also answer zenoh queries, through the manager where one runs.
+        endpoints: Further endpoints to open, None for none. ``port=`` is a TCP port of the host, 0
+            for any, to clients that know the user's secret; ``http=`` and ``ice=`` likewise;
+            ``serial=`` is a device, ``DEVICE[?baud=N&check=auto|1|0]``, opened when it is there.
 
     Raises:
         Refused: A service of that name runs.
-        Malformed: It is no name, or no serial line; a rule cannot be read.
+        Malformed: It is no name, no port or no serial line; a rule cannot be read.
         Unreachable: A port is taken.
+        TypeError: There is no endpoint of that name.
     """
-    host = PropertyEventLoop(read_policy(rules) if isinstance(rules, str) else rules)
+    asked = _asked(endpoints)
+    policy = read_policy(rules, endpoints=WIRES) if isinstance(rules, str) else rules
+    host = PropertyEventLoop(policy)
     service = thing if isinstance(thing, Service) else Service()
     service.user_code = host.user_code
-    try:
-        service.name = "/".join(map(canonical_segment, name.split("/")))
-    except PropertyError as error:
-        raise Malformed(f"not a name of a service: {name!r}") from error
+    service.name = service_name(name)
     for pattern, most in (history or {}).items():
         service.remember(pattern, most)
     if not isinstance(thing, Service):
@@ -137,14 +141,8 @@ def serve(
     host.add(service)
     try:
         socket = open_unix(host, service.name)
-        if serial is not None:
-            from rtkit.wires.serial.address import read_address
-            from rtkit.wires.serial.endpoint import open_serial
-
-            open_serial(host, read_address(serial), service.name, tuple(settable))
-        opened = None if port is None else open_tcp(host, service.name, port)
-        web = None if http is None else _open_http(host, http)
-        objects = None if ice is None else _open_ice(host, ice)
+        settings = WireSettings(host, settable=tuple(settable))
+        addresses = {wire.scheme: wire.open(value, service, settings) for wire, value in asked}
         if is_on_zenoh:
             from rtkit.wires.zenoh.endpoint import open_zenoh
 
@@ -153,7 +151,16 @@ def serve(
         host.close()
         raise
     host.start()
-    return ServedObject(host, service, socket, opened, web, objects)
+    return ServedObject(host, service, socket, addresses)
+
+
+def _asked(endpoints: Mapping[str, int | str | None]) -> list[tuple[Wire, str]]:
+    """Return the wires to open, in the order of the table, and what to open them at."""
+    given = {name: str(value) for name, value in endpoints.items() if value is not None}
+    options = {wire.option.name: wire for wire in wires() if wire.option} if given else {}
+    if unknown := given.keys() - options.keys():
+        raise TypeError(f"no such endpoint: {' '.join(unknown)} (there is {' '.join(options)})")
+    return [(wire, given[name]) for name, wire in options.items() if name in given]
 
 
 def _notifying(
@@ -162,15 +169,3 @@ def _notifying(
     from rtkit.wires.notified import Notifying
 
     return Notifying(host, service, allowed).caller_for
-
-
-def _open_http(host: PropertyEventLoop, port: int) -> int:
-    from rtkit.wires.http.endpoint import open_http
-
-    return open_http(host, port)
-
-
-def _open_ice(host: PropertyEventLoop, port: int) -> int:
-    from rtkit.wires.ice.endpoint import open_ice
-
-    return open_ice(host, port)

@@ -1,11 +1,28 @@
-"""Interface of the clients of all wires."""
+"""Wire of the Property Service: the record by which every other table knows it.
+
+A package of `rtkit.wires` declares its wires in ``wire.py``, `rtkit.wires.table` lists them. The
+functions of a record import what they need when they are called: commands load records at each
+start.
+"""
 
 from __future__ import annotations
 
 import math
-from typing import Protocol
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING, NamedTuple, Protocol
 
-from rtkit.property.messages import Answer, Payload, PropertyEvent
+from rtkit.errors import Malformed, Refused
+
+if TYPE_CHECKING:
+    from rtkit.property.messages import Answer, Payload, PropertyEvent
+    from rtkit.serving.event_loop import PropertyEventLoop
+    from rtkit.serving.provider import PropertyProvider
+    from rtkit.wires.provider_connection import ConnectionMaker
+
+SERVICES = "door/services"
+"""Target that lists the services behind an endpoint."""
+PORT = "[HOST:]PORT"
+HERE = ("", "localhost", "127.0.0.1")
 
 
 class PropertyClient(Protocol):
@@ -34,3 +51,139 @@ class BoundedClient(PropertyClient, Protocol):
     def ask(self, target: str, payload: Payload | None = None, until: float = math.inf) -> Answer:
         """GET, or SET that has begun at `until`, by the monotonic clock [s], or never does."""
         ...
+
+
+class WireSettings(NamedTuple):
+    """Settings that endpoints are opened with, and providers connected to.
+
+    Attributes:
+        host: Event loop of the process.
+        timeout_s: Bound on each attempt to connect [s].
+        settable: Patterns of names that clients may set over wires that do not tell who they are.
+    """
+
+    host: PropertyEventLoop
+    timeout_s: float = 5.0
+    settable: Sequence[str] = ()
+
+
+class ProviderAddress(NamedTuple):
+    """Address of an owner to ask.
+
+    Attributes:
+        connect: Makes connections to it.
+        name: What it is called, where the other side asks for a name.
+    """
+
+    connect: ConnectionMaker
+    name: str
+
+
+class ClientSide(NamedTuple):
+    """Addresses that commands take for one property: ``http://HOST:PORT/ps/SERVICE/NAME``.
+
+    Attributes:
+        prefix: Beginning of the addresses.
+        split: Returns the address of the endpoint in one, and what follows; raises `Malformed`.
+        connect: Connects to the address of an endpoint, waiting so long for each answer [s].
+        check: Raises `Malformed` if something is no address of an endpoint.
+        has_services: Whether the endpoint serves several services, each of which has a name.
+    """
+
+    prefix: str
+    split: Callable[[str], tuple[str, str]]
+    connect: Callable[[str, float], PropertyClient]
+    check: Callable[[str], object] = str
+    has_services: bool = True
+
+
+class ServeOption(NamedTuple):
+    """Option of ``rtserve``, and keyword of `rtkit.serve`, that opens an endpoint.
+
+    Attributes:
+        metavar: Form of its value; `PORT` is checked when the command line is read.
+        knows_clients: Whether the endpoint learns who its clients are.
+    """
+
+    name: str
+    metavar: str
+    help: str
+    knows_clients: bool = True
+
+
+class Wire(NamedTuple):
+    """Wire of the Property Service.
+
+    Attributes:
+        scheme: In front of its addresses, and its name in access rules.
+        summary: One line about it.
+        source: Form of the address of a service.
+        target: Form of the address of an endpoint; `PORT`, `PATH`, `SERVICE` and `DEVICE` in it
+            are what tests fill in.
+        provider: Returns the owner behind what follows the scheme in an address.
+        open: Opens an endpoint, on the loop, at what follows the scheme; returns its full address.
+        client: How commands reach one property, None if they do not.
+        option: How an object is served over it, None if only proxies open it.
+        extra: Extra of the distribution that it needs, empty for none.
+    """
+
+    scheme: str
+    summary: str
+    source: str
+    target: str
+    provider: Callable[[str, WireSettings], ProviderAddress]
+    open: Callable[[str, PropertyProvider, WireSettings], str]
+    client: ClientSide | None = None
+    option: ServeOption | None = None
+    extra: str = ""
+
+
+def host_and_port(address: str) -> tuple[str, int]:
+    """Read ``[HOST:]PORT``.
+
+    Raises:
+        Malformed: It is something else.
+    """
+    host, _, port = address.removeprefix("//").rstrip("/").rpartition(":")
+    if not (port.isascii() and port.isdigit() and int(port) <= 65535):
+        raise Malformed(f"not HOST:PORT: {address}")
+    return host or "localhost", int(port)
+
+
+def port_here(scheme: str, address: str) -> int:
+    """Return the port to open on this host.
+
+    Raises:
+        Malformed: It is no port.
+        Refused: It is one of another host.
+    """
+    host, port = host_and_port(address)
+    if host not in HERE:
+        raise Refused(f"endpoints are opened on this host only: {scheme}:{address}")
+    return port
+
+
+def split_behind(prefix: str, separator: str = "/") -> Callable[[str], tuple[str, str]]:
+    """Return the function that splits an address at the first separator behind its prefix."""
+
+    def split(typed: str) -> tuple[str, str]:
+        place, _, path = typed.removeprefix(prefix).partition(separator)
+        return prefix + place, path
+
+    return split
+
+
+def service_name(typed: str) -> str:
+    """Return the name of a service of this host, with or without ``/localhost/``.
+
+    Raises:
+        Malformed: It is none.
+    """
+    from rtkit.property.codes import PropertyError
+    from rtkit.property.naming import canonical_segment
+
+    name = typed.removeprefix("/localhost/")
+    try:
+        return "/".join(map(canonical_segment, name.split("/")))
+    except PropertyError as error:
+        raise Malformed(f"not a name of a service: {name!r}") from error

@@ -31,6 +31,7 @@ from rtkit.proxy.bridge import bridge
 from rtkit.wires import provider_connection as keepalive
 from rtkit.wires.ice import endpoint, protocol, served_client, subscriber
 from rtkit.wires.ice import session as ice_session
+from rtkit.wires.ice.address import read_address
 from rtkit.wires.ice.client import IceClient, connect_ice
 from rtkit.wires.ice.endpoint import IceEndpoint
 from rtkit.wires.ice.served_client import ServedIceClient
@@ -60,7 +61,7 @@ def client(served: ServedObject) -> IceClient:
 
 
 def session(served: ServedObject, **more: Any) -> IceSession:
-    address = protocol.read_address(f"ice://localhost:{served.ice}/robot")
+    address = read_address(f"ice://localhost:{served.ice}/robot")
     return IceSession(address, secret.read(), BOUND_S, **more)
 
 
@@ -153,7 +154,7 @@ def test_who_does_not_know_the_secret_learns_nothing(served: ServedObject) -> No
             assert b"0.25" not in told
             assert stranger.is_hung_up_on()
     address, guess = (
-        protocol.read_address(f"ice://localhost:{served.ice}"),
+        read_address(f"ice://localhost:{served.ice}"),
         Secret("rtkit-0", "guess"),
     )
     with pytest.raises(PropertyError) as refused:

@@ -17,6 +17,7 @@ TOPICS: dict[str, str] = {
     "states": "What a system is to be like in each of its states.",
     "statuses": "What the exit status of a command says.",
     "survival": "What is there again after a crash, and a loss of power.",
+    "wires": "Wires of live properties, and the forms of their addresses.",
 }
 
 
@@ -34,8 +35,8 @@ Topics:
 
 def text(topic: str) -> str:
     """Return the text of a topic."""
-    if topic == "statuses":
-        return _statuses()
+    if topic in _DERIVED:
+        return _DERIVED[topic]()
     with open(os.path.join(_FOLDER, f"{topic}.txt"), encoding="utf-8") as file:
         return file.read().rstrip()
 
@@ -46,3 +47,29 @@ def _statuses() -> str:
     lines += ["", f"{TOLD_APART}:", ""]
     lines += [f"  {status:<5}{meaning}" for status, meaning in DETAILS.items()]
     return "\n".join(lines)
+
+
+def _wires() -> str:
+    from rtkit.wires.table import wires
+
+    lines = [
+        "Wires: how live properties travel, and the forms of their addresses.",
+        "",
+        "Commands find the services of this host by their names (rtget robot.speed).",
+        "Elsewhere an address says where a service is, and on which wire.",
+    ]
+    for wire in wires():
+        forms = {
+            "rtproxy FROM": wire.source,
+            "rtproxy ... TO": wire.target,
+            "rtget, rtset, rtlisten": wire.client and f"{wire.source}/NAME",
+            "rtserve": wire.option and f"--{wire.option.name} {wire.option.metavar}",
+            "needs": wire.extra and f"pip install 'rtkit[{wire.extra}]'",
+        }
+        lines += ["", f"{wire.scheme}: {wire.summary}"]
+        lines += [f"  {use:<24}{form}" for use, form in forms.items() if form]
+    lines += ["", "A name of the tree as TO is where commands and zenoh find the proxy."]
+    return "\n".join(lines)
+
+
+_DERIVED = {"statuses": _statuses, "wires": _wires}

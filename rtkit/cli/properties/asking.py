@@ -25,7 +25,7 @@ def place_options(function: F) -> F:
     function = click.option(
         "--at",
         metavar="HOST:PORT",
-        help="Ask the service at this TCP endpoint, http:// or ice://HOST:PORT, or serial:DEVICE.",
+        help="Ask the services at this TCP endpoint, or one of another wire (rtkit help wires).",
     )(function)
     return click.option(
         "-p",
@@ -46,24 +46,18 @@ def connected(app: App, at: str | None) -> Iterator[PropertyConnections]:
     """
     from rtkit.tree.properties import PropertyConnections
 
-    if at is not None and at.startswith("serial:"):
-        from rtkit.wires.serial.address import read_address
+    if at is not None:
+        from rtkit.wires.table import endpoint_side_of
 
         try:
-            read_address(at)
+            endpoint_side_of(at).check(at)
         except Malformed as error:
             raise click.BadParameter(str(error), param_hint="--at") from None
-    elif at is not None and not _is_door(at):
-        raise click.BadParameter(f"not HOST:PORT: {at}", param_hint="--at")
     places = PropertyConnections(working_directory(), at or "", app.timeout_s)
     try:
         yield places
     finally:
         places.close()
-
-
-def _is_door(at: str) -> bool:
-    return at.startswith(("http://", "ice://")) or at.rpartition(":")[2].isdigit()
 
 
 def joined(parameters: Sequence[str]) -> str:

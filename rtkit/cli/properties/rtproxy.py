@@ -17,11 +17,10 @@ from rtkit.cli.shared.app import App, command, working_directory
 def main(app: App, prefix: str, allow_set: tuple[str, ...], source: str, target: str) -> None:
     """Open another endpoint, on another wire, to live properties.
 
-    FROM is a service or component: a path of the tree, unix:PATH, tcp:HOST:PORT/SERVICE,
-    zenoh:SERVICE, http://HOST:PORT/ps/SERVICE, ice://HOST:PORT/SERVICE, serial:DEVICE or
-    mqtt:USER@HOST/TOPIC. TO is what is opened: a name for the tree, unix:PATH, tcp:PORT, http:PORT,
-    ice:PORT, serial:DEVICE, or a topic of a broker, mqtt:USER@HOST/TOPIC (its password:
-    RTKIT_MQTT_PASSWORD). Once it is open, the command prints where.
+    FROM is a service or component: a path of the tree, or an address such as
+    http://HOST:PORT/ps/SERVICE or serial:DEVICE. TO is what is opened: a name for the tree, or an
+    address such as http:PORT, serial:DEVICE or mqtt:USER@HOST/TOPIC; rtkit help wires lists the
+    forms of both. Once it is open, the command prints where.
 
     Values, errors and events pass as they are; nothing can be set unless --allow-set says so. While
     FROM is away requests are answered no-service and listeners hear that their values are stale;

@@ -2,18 +2,21 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 import click
 
 from rtkit.cli.shared import terminal
 from rtkit.cli.shared.app import App, command
+from rtkit.wires.table import WIRES, wires
+from rtkit.wires.wire import HERE, PORT
 
 if TYPE_CHECKING:
     from rtkit.property.access import AccessPolicy
 
 _MOST_KEPT = 100_000
-_LOCAL = frozenset({"", "localhost", "127.0.0.1"})
+_OPTIONS = [wire.option for wire in wires() if wire.option]
 
 
 def _port(context: click.Context, parameter: click.Parameter, value: str | None) -> int | None:
@@ -22,7 +25,7 @@ def _port(context: click.Context, parameter: click.Parameter, value: str | None)
     name, _, port = value.rpartition(":")
     if not (port.isascii() and port.isdigit() and int(port) <= 65535):
         raise click.BadParameter(f"not [HOST:]PORT: {value}")
-    if name not in _LOCAL:
+    if name not in HERE:
         raise click.BadParameter(f"this host only, not {name}: nothing would be encrypted")
     return int(port)
 
@@ -42,11 +45,21 @@ def _kept(
 def _policy(files: tuple[str, ...], lines: tuple[str, ...]) -> AccessPolicy:
     from rtkit.property.access import read_policy
 
-    policy = read_policy("\n".join(lines), "--rule")
+    policy = read_policy("\n".join(lines), "--rule", WIRES)
     for name in files:
         with open(name, encoding="utf-8", errors="replace") as stream:
-            policy += read_policy(stream.read(), name)
+            policy += read_policy(stream.read(), name, WIRES)
     return policy
+
+
+def _endpoint_options(function: Callable[..., None]) -> Callable[..., None]:
+    """Add the option of each wire that objects are served over."""
+    for option in reversed(_OPTIONS):
+        check = _port if option.metavar == PORT else None
+        function = click.option(
+            f"--{option.name}", metavar=option.metavar, callback=check, help=option.help
+        )(function)
+    return function
 
 
 @command("rtserve", is_local=True)
@@ -55,18 +68,11 @@ def _policy(files: tuple[str, ...], lines: tuple[str, ...]) -> AccessPolicy:
 @click.option("--hide", multiple=True, metavar="NAME", help="Do not show this (repeatable).")
 @click.option("--history", multiple=True, metavar="GLOB=N", callback=_kept,
               help="Keep the last N values of these for .history (repeatable).")  # fmt: skip
-@click.option("--port", metavar="[HOST:]PORT", callback=_port,
-              help="Also open a TCP endpoint on this host, 0 for any free port.")  # fmt: skip
-@click.option("--serial", metavar="DEVICE",
-              help="Also open this serial line (DEVICE?baud=115200&check=auto).")  # fmt: skip
+@_endpoint_options
 @click.option("--allow-set", "settable", multiple=True, metavar="GLOB",
               help="Names that may be set over the serial line (repeatable).")  # fmt: skip
 @click.option("--notify", multiple=True, metavar="GLOB",
               help="SERVICE/NAME of yours that events may be SET to (repeatable).")  # fmt: skip
-@click.option("--http", metavar="[HOST:]PORT", callback=_port,
-              help="Also open an HTTP endpoint on this host, 0 for any free port.")  # fmt: skip
-@click.option("--ice", metavar="[HOST:]PORT", callback=_port,
-              help="Also open an Ice endpoint on this host, 0 for any free port.")  # fmt: skip
 @click.option("--rules", "files", multiple=True, metavar="FILE",
               help="A rule: which client may do what over which wire; or a limit.")  # fmt: skip
 @click.option("--rule", "lines", multiple=True, metavar="RULE",
@@ -78,16 +84,13 @@ def main(
     arguments: tuple[str, ...],
     hide: tuple[str, ...],
     history: dict[str, int],
-    port: int | None,
-    serial: str | None,
     settable: tuple[str, ...],
     notify: tuple[str, ...],
-    http: int | None,
-    ice: int | None,
     files: tuple[str, ...],
     lines: tuple[str, ...],
     thing: str,
     name: str,
+    **endpoints: int | str | None,
 ) -> None:
     """Serve a Python object as live properties.
 
@@ -103,27 +106,21 @@ def main(
 
     from rtkit.cli.properties.served_object import made
     from rtkit.cli.shared.signals import heard_by_main
-    from rtkit.wires.serial.address import SCHEME
     from rtkit.wires.serve import serve
 
     ended = threading.Event()
     signal.signal(signal.SIGTERM, lambda number, frame: ended.set())
-    if settable and serial is None:
-        raise click.UsageError("--allow-set goes with --serial")
+    unknowing = [each.name for each in _OPTIONS if not each.knows_clients]
+    if settable and all(endpoints[each] is None for each in unknowing):
+        raise click.UsageError(f"--allow-set goes with --{' or --'.join(unknowing)}")
     policy = _policy(files, lines)
     thing_made = made(thing, arguments)
     with heard_by_main(), serve(
-        thing_made, name, port=port, serial=serial, settable=settable, http=http, ice=ice,
-        hide=hide, history=history, rules=policy, notify=notify,
+        thing_made, name, settable=settable, hide=hide, history=history, rules=policy,
+        notify=notify, is_on_zenoh=True, **endpoints,
     ) as served:  # fmt: skip
-        endpoints = [f"/localhost/{served.name}"]
-        endpoints += [] if served.port is None else [f"localhost:{served.port}"]
-        endpoints += [] if serial is None else [f"{SCHEME}{serial.removeprefix(SCHEME)}"]
-        endpoints += (
-            [] if served.http is None else [f"http://localhost:{served.http}/ps/{served.name}"]
-        )
-        endpoints += [] if served.ice is None else [f"ice://localhost:{served.ice}/{served.name}"]
-        terminal.write(["  ".join(endpoints)])
+        opened = [each.removeprefix("tcp:") for each in served.addresses.values()]
+        terminal.write(["  ".join([f"/localhost/{served.name}", *opened])])
         import sys
 
         sys.stdout.flush()

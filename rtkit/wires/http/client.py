@@ -24,6 +24,7 @@ from rtkit.property.line import read_event
 from rtkit.property.messages import Answer, Payload, PropertyEvent
 from rtkit.property.naming import parse_target
 from rtkit.wires.http import digest
+from rtkit.wires.wire import SERVICES
 
 DEADLINE = "rtkit-deadline"
 """Header of a SET: when it is given up, as `rtkit.link.deadline` writes it."""
@@ -59,7 +60,7 @@ class HttpClient(Closing):
         self._events: deque[PropertyEvent] = deque()
 
     def ask(self, target: str, payload: Payload | None = None, until: float = math.inf) -> Answer:
-        """GET, or SET, and wait for the reply; nothing at all stands for the list of services.
+        """GET, or SET, and wait for the reply.
 
         A SET that has not begun at `until`, by the monotonic clock here [s], or within the
         time-out, never does.
@@ -68,7 +69,7 @@ class HttpClient(Closing):
             Unreachable: No reply in time, or nobody listens there.
         """
         try:
-            uri = self._uri(target) if target or self._service else _ROOT
+            uri = _ROOT if target == SERVICES and not self._service else self._uri(target)
         except PropertyError as error:
             return Answer(str(error), error.code)  # no address can be made of it
         method, body, headers = "GET", None, {}

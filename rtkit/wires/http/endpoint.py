@@ -6,8 +6,12 @@ import socket
 
 from rtkit.errors import Refused
 from rtkit.link import secret
+from rtkit.property.access import EndpointLimits
 from rtkit.serving.acceptor import Acceptor, AdmittedClient, bound_to
 from rtkit.serving.event_loop import PropertyEventLoop
+
+# A browser opens several connections a page, and polls: fewer and slower than other clients.
+_LIMITS = EndpointLimits(connections=128, door_listeners=64, rate=2000)
 
 
 class HttpEndpoint(Acceptor):
@@ -19,7 +23,7 @@ class HttpEndpoint(Acceptor):
 
         self._connection = HttpConnection
         self._guard = Guard(secret.read())
-        super().__init__(host, end, "http")
+        super().__init__(host, end, "http", _LIMITS)
 
     def enter(self, client: socket.socket) -> AdmittedClient:
         """See `Acceptor.enter`."""

@@ -13,7 +13,7 @@ from rtkit.link.inbox import Inbox
 from rtkit.link.secret import Secret
 from rtkit.property.messages import Answer, Payload, PropertyEvent
 from rtkit.wires.ice import protocol
-from rtkit.wires.ice.protocol import IceAddress, read_address
+from rtkit.wires.ice.address import IceAddress, read_address
 from rtkit.wires.ice.session import IceSession, Outcome
 
 _MOST_EVENTS = 10_000

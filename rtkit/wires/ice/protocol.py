@@ -1,4 +1,4 @@
-"""Ice protocol: addresses, settings of both ends of a connection, and values as they travel.
+"""Ice protocol: settings of both ends of a connection, and values as they travel.
 
 The interface is in ``property_service.ice``. Ice itself (the package zeroc-ice, GPL-2) is imported
 only here, by who needs it; it has no types.
@@ -14,7 +14,7 @@ from functools import cache
 from logging import getLogger
 from typing import Any, NamedTuple
 
-from rtkit.errors import Malformed, Refused
+from rtkit.errors import Refused
 from rtkit.property.messages import Payload, PropertyEvent
 
 DEADLINE = "deadline"
@@ -26,7 +26,6 @@ LEASE_S = 10.0
 LONGEST = 1 << 21
 """Bytes of a message to a service; a larger one ends the connection."""
 _LONGEST_REPLY = 1 << 26
-_ADDRESS = re.compile(r"ice://([A-Za-z0-9_.\-]+):(\d{1,5})(?:/(.*))?")
 _PLACE = re.compile(r"\S+\.(?:cpp|h):\d+: ")
 _COMMON = {
     "Ice.ThreadPool.Client.Size": 1,
@@ -42,29 +41,6 @@ _OF_CLIENT = {
     "Ice.ACM.Client.Close": 0,
     "Ice.ACM.Client.Heartbeat": 3,
 }
-
-
-class IceAddress(NamedTuple):
-    """Address of an Ice endpoint, and of a service behind it."""
-
-    host: str
-    port: int
-    service: str = ""
-
-    def __str__(self) -> str:
-        return f"ice://{self.host}:{self.port}" + (f"/{self.service}" if self.service else "")
-
-
-def read_address(text: str) -> IceAddress:
-    """Read ``ice://HOST:PORT[/SERVICE]``.
-
-    Raises:
-        Malformed: It is something else.
-    """
-    found = _ADDRESS.fullmatch(text)
-    if found is None or int(found[2]) > 65535:
-        raise Malformed(f"not ice://HOST:PORT: {text}")
-    return IceAddress(found[1], int(found[2]), (found[3] or "").rstrip("/"))
 
 
 class Runtime(NamedTuple):

@@ -9,7 +9,8 @@ from rtkit.errors import Unreachable
 from rtkit.link import secret
 from rtkit.property.messages import Answer, Payload, PropertyEvent
 from rtkit.serving.event_loop import PropertyEventLoop
-from rtkit.wires.ice.protocol import IceAddress, runtime
+from rtkit.wires.ice.address import IceAddress
+from rtkit.wires.ice.protocol import runtime
 from rtkit.wires.ice.session import IceSession, Outcome
 from rtkit.wires.provider_connection import (
     STATUS,

@@ -19,7 +19,8 @@ from rtkit.link.deadline import deadline_at
 from rtkit.link.secret import Secret
 from rtkit.property.messages import DONE, Answer, Payload, PropertyEvent
 from rtkit.wires.ice import protocol
-from rtkit.wires.ice.protocol import DOOR, LEASE_S, LONGEST, IceAddress
+from rtkit.wires.ice.address import IceAddress
+from rtkit.wires.ice.protocol import DOOR, LEASE_S, LONGEST
 
 Outcome = Answer | Unreachable
 Told = Callable[[Outcome], object]

@@ -14,13 +14,13 @@ from rtkit.property.line import write_attributes
 from rtkit.property.messages import Answer, Payload, PropertyEvent
 from rtkit.serving.event_loop import PropertyEventLoop
 from rtkit.serving.provider import PropertyProvider
+from rtkit.wires.mqtt.address import MqttAddress
 from rtkit.wires.mqtt.feed import Feed
 from rtkit.wires.mqtt.session import (
     DEADLINE,
     READY,
     STATE,
     Message,
-    MqttAddress,
     MqttSession,
     name_of,
     topic_of,

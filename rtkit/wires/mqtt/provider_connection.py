@@ -15,12 +15,12 @@ from rtkit.property.line import read_event
 from rtkit.property.messages import Answer, Mark, Payload, PropertyEvent
 from rtkit.property.naming import parse_target
 from rtkit.serving.event_loop import PropertyEventLoop
+from rtkit.wires.mqtt.address import MqttAddress
 from rtkit.wires.mqtt.session import (
     DEADLINE,
     READY,
     STATE,
     Message,
-    MqttAddress,
     MqttSession,
     topic_of,
 )

@@ -1,4 +1,4 @@
-"""MQTT 5: addresses, topics of properties, and a session with a broker.
+"""MQTT 5: topics of properties, and a session with a broker.
 
 ``BASE/SERVICE/arm/angle`` holds the value of ``arm.angle``. What is published to ``…/set`` and
 ``…/get`` is a request; its reply goes to the response topic with the correlation data. The user
@@ -13,8 +13,9 @@ import threading
 from collections.abc import Callable
 from typing import TYPE_CHECKING, NamedTuple
 
-from rtkit.errors import Malformed, Refused, Unreachable
+from rtkit.errors import Refused, Unreachable
 from rtkit.property.messages import Payload
+from rtkit.wires.mqtt.address import MqttAddress
 
 if TYPE_CHECKING:
     from paho.mqtt.client import Client, ConnectFlags, DisconnectFlags, MQTTMessage
@@ -26,45 +27,8 @@ PASSWORD = "RTKIT_MQTT_PASSWORD"
 DEADLINE = "deadline"
 """User property: when a request is given up, as `rtkit.link.deadline` writes it."""
 STATE, READY, LOST = "$state", "ready", "lost"
-_PORT = 1883
 _KEEPALIVE_S = 10
-_HERE = ("localhost", "127.0.0.1")
 _LATE = "no answer within"
-
-
-class MqttAddress(NamedTuple):
-    """Address of a topic at a broker.
-
-    Attributes:
-        path: The topic below which everything is.
-    """
-
-    user: str
-    host: str
-    port: int
-    path: str
-
-    def __str__(self) -> str:
-        return f"mqtt:{self.user}@{self.host}:{self.port}/{self.path}"
-
-
-def read_address(text: str) -> MqttAddress:
-    """Read ``USER@HOST[:PORT]/TOPIC``.
-
-    Raises:
-        Malformed: It is something else.
-        Refused: The broker is not on this host: what is said to it would be read on the way.
-    """
-    place, _, path = text.partition("/")
-    user, mark, where = place.rpartition("@")
-    host, _, port = where.partition(":")
-    is_port = not port or (port.isdecimal() and int(port) < 65536)
-    is_path = bool(path) and not any(c in "#+\0 " for c in path) and "//" not in f"/{path}/"
-    if not (user and mark and host and is_port and is_path):
-        raise Malformed(f"not mqtt:USER@HOST[:PORT]/TOPIC: mqtt:{text}")
-    if host not in _HERE:
-        raise Refused(f"brokers are asked on this host only: mqtt:{text}")
-    return MqttAddress(user, host, int(port or _PORT), path)
 
 
 def topic_of(name: str) -> str:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from rtkit.errors import Malformed
-from rtkit.wires.ice.protocol import IceAddress, read_address
+from rtkit.wires.ice.address import IceAddress, read_address
 from rtkit.wires.ice.served_client import _to_listen
 
 

@@ -7,6 +7,7 @@ import pytest
 from rtkit.errors import Malformed
 from rtkit.property.access import Access, EndpointLimits, read_policy
 from rtkit.serving.rate_limit import RateLimit
+from rtkit.wires.table import WIRES
 
 RULES = """
 # who      may what
@@ -65,7 +66,8 @@ def test_limits_are_of_a_door_or_of_all() -> None:
     policy = read_policy("limit tcp rate 5\nlimit * rate 9\nlimit * listeners 2\nlimit tcp rate 7")
     assert policy.limits("tcp") == EndpointLimits(rate=5, listeners=2)
     assert policy.limits("unix") == EndpointLimits(rate=9, listeners=2)
-    assert read_policy("").limits("http").connections < EndpointLimits().connections
+    fewer = EndpointLimits(connections=8, rate=1)
+    assert policy.limits("tcp", fewer) == EndpointLimits(connections=8, listeners=2, rate=5)
     both = read_policy("deny * * SET *") + read_policy("allow * * SET *\nlimit tcp rate 3")
     assert both.limits("tcp").rate == 3
     assert not both.access("tcp").may("a", "SET", "x")
@@ -74,7 +76,7 @@ def test_limits_are_of_a_door_or_of_all() -> None:
 @pytest.mark.parametrize(("text", "says"), [
     ("permit * * GET *", "file:1: expected allow, deny or limit, found permit"),
     ("\n\nallow * * GET", "file:3: expected allow DOOR IDENTITY METHOD TARGET"),
-    ("deny ftp * GET *", "file:1: expected a door (unix tcp http zenoh serial mqtt ice or *),"),
+    ("deny ftp * GET *", "expected an endpoint (unix tcp zenoh serial http mqtt ice or *),"),
     ("deny * * get *", "file:1: expected GET, SET or *, found get"),
     ("deny * * GET a/b", "file:1: not a pattern of names: a/b"),
     ("deny * * GET " + "x" * 256, "not a pattern of names"),
@@ -86,7 +88,7 @@ def test_limits_are_of_a_door_or_of_all() -> None:
 ])  # fmt: skip
 def test_what_cannot_be_read_is_told_with_its_line(text: str, says: str) -> None:
     with pytest.raises(Malformed) as refused:
-        read_policy(text, "file")
+        read_policy(text, "file", WIRES)
     assert says in str(refused.value)
 
 

@@ -8,8 +8,9 @@ from rtkit.errors import Malformed, RtkitError
 from rtkit.property.naming import canonical
 from rtkit.property.reading import read
 from rtkit.property.values import Element
+from rtkit.wires.mqtt.address import MqttAddress, read_address
 from rtkit.wires.mqtt.feed import attributes_of
-from rtkit.wires.mqtt.session import MqttAddress, name_of, read_address, topic_of
+from rtkit.wires.mqtt.session import name_of, topic_of
 
 
 def test_addresses() -> None:

@@ -1,0 +1,105 @@
+"""Records of the line protocol: over a Unix socket of the user, and over TCP."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from rtkit.errors import Malformed, Refused
+from rtkit.wires.wire import (
+    PORT,
+    SERVICES,
+    ClientSide,
+    PropertyClient,
+    ProviderAddress,
+    ServeOption,
+    Wire,
+    WireSettings,
+    host_and_port,
+    port_here,
+    split_behind,
+)
+
+if TYPE_CHECKING:
+    from rtkit.serving.provider import PropertyProvider
+
+
+def _unix_provider(path: str, settings: WireSettings) -> ProviderAddress:
+    from rtkit.property.naming import escape
+    from rtkit.wires.line.client import connect_unix
+    from rtkit.wires.line.provider_connection import LineConnection
+
+    return ProviderAddress(
+        lambda: LineConnection(settings.host, connect_unix(path, settings.timeout_s).detach()),
+        escape(path.rpartition("/")[2].partition(".")[0]) or "service",
+    )
+
+
+def _open_unix(path: str, provider: PropertyProvider, settings: WireSettings) -> str:
+    from rtkit.wires.line.endpoint import open_unix_at
+
+    if not path:
+        raise Malformed("not an endpoint: unix: (unix:PATH)")
+    return f"unix:{open_unix_at(settings.host, provider.name, path)}"
+
+
+UNIX = Wire(
+    "unix",
+    "Lines of text over a Unix socket of the user.",
+    "unix:PATH",
+    "unix:PATH",
+    _unix_provider,
+    _open_unix,
+)
+
+
+def _tcp_provider(address: str, settings: WireSettings) -> ProviderAddress:
+    from rtkit.wires.line.client import connect_tcp
+    from rtkit.wires.line.provider_connection import LineConnection
+
+    place, _, service = address.partition("/")
+    host, port = host_and_port(place)
+
+    if not service:
+        with connect_tcp(host, port, settings.timeout_s) as client:
+            known = str(client.ask(SERVICES).value()).strip("()").split()
+        if len(known) != 1:
+            present = " ".join(known) or "none"
+            raise Refused(f"which service? tcp:{place}/NAME (there is {present})")
+        service = known[0]
+    return ProviderAddress(
+        lambda: LineConnection(
+            settings.host, connect_tcp(host, port, settings.timeout_s).detach(), service
+        ),
+        service,
+    )
+
+
+def _open_tcp(address: str, provider: PropertyProvider, settings: WireSettings) -> str:
+    from rtkit.wires.line.endpoint import open_tcp
+
+    port = open_tcp(settings.host, provider.name, port_here("tcp", address))
+    return f"tcp:localhost:{port}"
+
+
+def _endpoint(address: str) -> tuple[str, int]:
+    return host_and_port(address.removeprefix("tcp:"))
+
+
+def _connect(address: str, timeout_s: float) -> PropertyClient:
+    from rtkit.wires.line.client import connect_tcp
+
+    return connect_tcp(*_endpoint(address), timeout_s)
+
+
+TCP_CLIENTS = ClientSide("tcp:", split_behind("tcp:"), _connect, check=_endpoint)
+
+TCP = Wire(
+    "tcp",
+    "Lines of text over TCP, for clients that know the user's secret.",
+    "tcp:HOST:PORT/SERVICE",
+    "tcp:PORT",
+    _tcp_provider,
+    _open_tcp,
+    TCP_CLIENTS,
+    ServeOption("port", PORT, "Also open a TCP endpoint on this host, 0 for any free port."),
+)

@@ -1,0 +1,45 @@
+"""Addresses of topics at a broker, ``mqtt:USER@HOST/TOPIC``."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from rtkit.errors import Malformed, Refused
+
+_PORT = 1883
+_HERE = ("localhost", "127.0.0.1")
+
+
+class MqttAddress(NamedTuple):
+    """Address of a topic at a broker.
+
+    Attributes:
+        path: The topic below which everything is.
+    """
+
+    user: str
+    host: str
+    port: int
+    path: str
+
+    def __str__(self) -> str:
+        return f"mqtt:{self.user}@{self.host}:{self.port}/{self.path}"
+
+
+def read_address(text: str) -> MqttAddress:
+    """Read ``USER@HOST[:PORT]/TOPIC``.
+
+    Raises:
+        Malformed: It is something else.
+        Refused: The broker is not on this host: what is said to it would be read on the way.
+    """
+    place, _, path = text.partition("/")
+    user, mark, where = place.rpartition("@")
+    host, _, port = where.partition(":")
+    is_port = not port or (port.isdecimal() and int(port) < 65536)
+    is_path = bool(path) and not any(c in "#+\0 " for c in path) and "//" not in f"/{path}/"
+    if not (user and mark and host and is_port and is_path):
+        raise Malformed(f"not mqtt:USER@HOST[:PORT]/TOPIC: mqtt:{text}")
+    if host not in _HERE:
+        raise Refused(f"brokers are asked on this host only: mqtt:{text}")
+    return MqttAddress(user, host, int(port or _PORT), path)

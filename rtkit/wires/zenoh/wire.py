@@ -1,0 +1,50 @@
+"""Record of zenoh: queries, and a key for each subscription."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from rtkit.wires.wire import ProviderAddress, Wire, WireSettings, service_name
+
+if TYPE_CHECKING:
+    from rtkit.serving.provider import PropertyProvider
+
+
+def _provider(name: str, settings: WireSettings) -> ProviderAddress:
+    import os
+
+    from rtkit.link import keys, places
+    from rtkit.link.zenoh import open_client, unix_endpoint
+    from rtkit.wires.zenoh.provider_connection import ZenohConnection
+
+    service = service_name(name)
+    path = places.check_socket_length(places.service_key_socket(service))
+    key = keys.property_service(os.uname().nodename, service)
+    return ProviderAddress(
+        lambda: ZenohConnection(
+            settings.host, open_client(unix_endpoint(path), settings.timeout_s), key
+        ),
+        service,
+    )
+
+
+def _open(name: str, provider: PropertyProvider, settings: WireSettings) -> str:
+    """Give a provider a name in the tree, where commands and zenoh find it."""
+    from rtkit.wires.line.endpoint import open_unix
+    from rtkit.wires.zenoh.endpoint import open_zenoh
+
+    provider.name = service_name(name)
+    settings.host.add(provider)
+    open_unix(settings.host, provider.name)
+    open_zenoh(settings.host, provider)
+    return f"/localhost/{provider.name}"
+
+
+ZENOH = Wire(
+    "zenoh",
+    "Queries over zenoh, by the name of a service of this host.",
+    "zenoh:SERVICE",
+    "zenoh:SERVICE",
+    _provider,
+    _open,
+)
