@@ -15,7 +15,7 @@ import rtkit
 from bench.harness import command, folders
 from bench.processes import living, parent
 from campaign.counts import Counts
-from campaign.layout import NAMES, WIRES, activations, creations, settings, wire_id
+from campaign.layout import CONNECTORS, NAMES, activations, creations, settings
 from rtkit.deployment.actions import Action, SetParameters
 from rtkit.deployment.facts import Snapshot
 from rtkit.errors import Unreachable
@@ -27,6 +27,8 @@ TICK_S = 0.01
 _MODULES = Path(__file__).parent / "components"
 _PATIENCE_S = 60.0
 _ZYGOTE = b"rtkit.manager.slaves.zygote"
+ANSWERED = ("prints", "threads", "coroutine")
+"""Misdeeds of an object after which a request of it is answered all the same."""
 
 
 class Arena:
@@ -137,7 +139,7 @@ class Arena:
             if its.zombie or its.trouble or its.state != "Active":
                 return f"{name} is {its.zombie or its.trouble or its.state}"
         wires = {each.connector_id for each in facts.connectors}
-        missing = [wire_id(*wire) for wire in WIRES if wire_id(*wire) not in wires]
+        missing = [name for name in CONNECTORS if name not in wires]
         return f"{missing[0]} is not connected" if missing else ""
 
     def differs(self) -> str:
@@ -185,6 +187,31 @@ class Arena:
         """Return the gain of a cell."""
         (its,) = [each for each in self.facts.components if each.instance == NAMES[cell]]
         return its.sets["default"]["gain"]
+
+    def misuse(self, how: str) -> str:
+        """Have user code of the served object go wrong; return what it should not have led to."""
+        run("rtset", "odd.misdeed", f'"{how}"').check_returncode()
+        requests = [("rtget", "odd.mood"), ("rtset", "odd.mood", "x")]
+        for line in [("rtget", "odd.stuck")] if how == "hang" else requests:
+            done = run(*line, "--timeout", "1")
+            if (done.returncode == 0) != (how in ANSWERED):
+                return f"{' '.join(line)} while it does {how!r}: {done.stdout}{done.stderr}"
+        if how != "hang":
+            run("rtset", "odd.act", "()")  # begun; its end is told later
+        done = run("rtget", "odd.well", "--timeout", "5")
+        return "" if done.stdout == '"well"\n' else f"odd.well: {done.stdout}{done.stderr}"
+
+    @contextmanager
+    def serving(self) -> Iterator[None]:
+        """Have an object served whose code goes wrong."""
+        line = [command("rtserve"), str(_MODULES / "odd.py:Odd"), "odd"]
+        nowhere = subprocess.DEVNULL
+        with subprocess.Popen(line, stdout=nowhere, stderr=nowhere) as served:
+            try:
+                self.until(lambda: run("rtget", "odd.well").returncode == 0)
+                yield
+            finally:
+                served.terminate()
 
     def bring_up(self) -> None:
         """Make the system, and keep what it is like as the desired state."""
@@ -243,7 +270,8 @@ def arena() -> Iterator[Arena]:
         here = Arena(Path(folder))
         try:
             here.bring_up()
-            yield here
+            with here.serving():
+                yield here
         finally:
             here.deafen()
             run("rtmgr", "stop")

@@ -22,6 +22,9 @@ STEPS = (1, 7)
 """Each cell sends its numbers to those so many places further on."""
 WIRES = tuple((n, (n + step) % CELLS) for step in STEPS for n in range(CELLS))
 
+FAVOURS = tuple((n, (n + 1) % CELLS) for n in range(CELLS))
+"""Each cell may call a service of the next one."""
+
 DEADLINE_S = 1.0
 """How long a callback may take until it counts as stuck [s]."""
 
@@ -48,6 +51,15 @@ def wire_id(sender: int, receiver: int) -> str:
     return f"{NAMES[sender]}-{NAMES[receiver]}"
 
 
+def favour_id(caller: int, provider: int) -> str:
+    """Return the id of the connector over which a cell calls another."""
+    return f"{NAMES[caller]}-asks-{NAMES[provider]}"
+
+
+CONNECTORS = (*(wire_id(*wire) for wire in WIRES), *(favour_id(*wire) for wire in FAVOURS))
+"""The ids of all connectors."""
+
+
 def creations() -> list[Action]:
     """Return what makes the cells."""
     return [Create(_create_string(number)) for number in range(CELLS)]
@@ -64,6 +76,7 @@ def _create_string(number: int) -> str:
 def settings() -> list[Action]:
     """Return what connects and configures them."""
     connects: list[Action] = [Connect(_connector(*wire)) for wire in WIRES]
+    connects += [Connect(_favour(*wire)) for wire in FAVOURS]
     sets = [
         SetParameters(name, "default", {"gain": gain(number)}) for number, name in enumerate(NAMES)
     ]
@@ -79,6 +92,12 @@ def _connector(sender: int, receiver: int) -> ConnectorProfile:
     ends = PortRef(NAMES[sender], "out"), PortRef(NAMES[receiver], "into")
     name = wire_id(sender, receiver)
     return ConnectorProfile(name, name, ends, _BUFFER)
+
+
+def _favour(caller: int, provider: int) -> ConnectorProfile:
+    ends = PortRef(NAMES[caller], "asks"), PortRef(NAMES[provider], "asked")
+    name = favour_id(caller, provider)
+    return ConnectorProfile(name, name, ends, {})
 
 
 def activations() -> list[Action]:

@@ -13,6 +13,9 @@ from typing import NamedTuple
 
 from campaign.layout import MANAGER, NAMES, SLAVES, members
 
+WAYS_TO_RAISE = ("SystemExit", "KeyboardInterrupt", "no text", "recursion", "memory", "coroutine")
+"""Besides the plain one."""
+
 DECK: Mapping[str, int] = {
     "kill a slave": 3,
     "kill two slaves": 1,
@@ -29,19 +32,16 @@ DECK: Mapping[str, int] = {
     "slow start": 1,
     "slow activation": 1,
     "raise": 1,
-    "raise: SystemExit": 1,
-    "raise: KeyboardInterrupt": 1,
-    "raise: no text": 1,
-    "raise: recursion": 1,
-    "raise: memory": 1,
-    "raise: coroutine": 1,
+    **{f"raise: {how}": 1 for how in WAYS_TO_RAISE},
     "exit": 1,
     "exit: abort": 1,
     "exit: segfault": 1,
-    "exit: thread": 1,
+    "exit: in a thread": 1,
     "side: prints": 1,
     "side: threads": 1,
     "side: process": 1,
+    **{f"service: {how}": 1 for how in (*WAYS_TO_RAISE, "raise", "slow")},
+    **{f"property: {how}": 1 for how in (*WAYS_TO_RAISE, "raise", "hang", "prints", "threads")},
     "kill everything, then in the start": 1,
     "kill manager and slave, then in the start": 1,
     "kill in a commit, then everything": 2,
@@ -49,6 +49,9 @@ DECK: Mapping[str, int] = {
     "disk full and free again, kill everything": 1,
 }
 """How many cards of each kind; each kind's first card is dealt before any second one."""
+
+HARMLESS = ("stop", "side", "service", "property")
+"""How kinds begin that end no component."""
 
 SPACING = 20
 """How many of the last faults are looked at."""
@@ -97,7 +100,7 @@ class Fault(NamedTuple):
         """The cells that are made anew afterwards."""
         if self.is_total:
             return frozenset(range(len(NAMES)))
-        if self.kind.startswith(("stop", "side")) or self.kind == "kill the zygote":
+        if self.kind.startswith(HARMLESS) or self.kind == "kill the zygote":
             return frozenset()
         if self.kind.startswith("raise"):
             return frozenset({self.cell})
@@ -169,7 +172,7 @@ def _drawn(chance: random.Random, kind: str, recent: list[Fault]) -> Fault:
             return Fault(kind, (slave,), cell, chance.uniform(*_START_S))
         case "slow activation":
             return Fault(kind, (slave,), cell, chance.uniform(*_ACTIVATION_S))
-        case "hang" | "exit" | "side":
+        case "hang" | "exit" | "side" | "service":
             return Fault(kind, (slave,), cell)
         case "raise":
             cells = sorted(range(len(NAMES)), key=lambda each: spared((each,)))[:CHOICE]

@@ -128,7 +128,7 @@ def _awaited(arena: Arena, fault: Fault, before: _Before) -> str:
         is_renewed = number in fault.renewed
         if is_renewed and cell.lives == before.lives[number]:
             return f"{NAMES[number]} is not made again"
-    if fault.kind.startswith("side") and arena.is_ordered(fault.cell):
+    if fault.kind.startswith(("side", "service")) and arena.is_ordered(fault.cell):
         return f"{NAMES[fault.cell]} has not done as told"
     lack = arena.lacks()
     if lack:
@@ -221,6 +221,15 @@ def _order(arena: Arena, fault: Fault) -> float:
     return began
 
 
+def _misuse(arena: Arena, fault: Fault) -> float:
+    """Have the code of a served object go wrong in a getter, a setter and an action."""
+    began = time.monotonic()
+    complaint = arena.misuse(fault.kind.partition(": ")[2])
+    if complaint:
+        raise PromiseBroken(complaint)
+    return began
+
+
 def _slow(arena: Arena, fault: Fault) -> float:
     when = "birth" if fault.kind == "slow start" else "activation"
     arena.order(fault.cell, when, f"sleep {fault.length_s}")
@@ -242,7 +251,8 @@ _HAPPENS: Mapping[str, Callable[[Arena, Fault], float]] = {
     "hang: lock": _hang,
     "slow start": _slow,
     "slow activation": _slow,
-    **{kind: _order for kind in DECK if kind.startswith(("raise", "exit", "side"))},
+    **{kind: _order for kind in DECK if kind.startswith(("raise", "exit", "side", "service"))},
+    **{kind: _misuse for kind in DECK if kind.startswith("property")},
     "kill everything, then in the start": kill_twice,
     "kill manager and slave, then in the start": kill_twice,
     "kill in a commit, then everything": kill_in_commit,

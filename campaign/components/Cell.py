@@ -2,81 +2,38 @@
 
 from __future__ import annotations
 
-import ctypes
 import inspect
 import os
-import random
 import re
 import sys
-import threading
 import time
-from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import Any, NoReturn
+from typing import Any, Protocol
 
-from rtkit.component import Component, InPort, Manager, OutPort, Parameter, Time, TimedULongSeq
+from rtkit.component import (
+    Component,
+    InPort,
+    Manager,
+    OutPort,
+    Parameter,
+    ServicePort,
+    Time,
+    TimedULongSeq,
+)
 
 sys.path.append(str(Path(__file__).resolve().parents[2]))
+from campaign.components.misdeeds import MISDEEDS
 from campaign.counts import Counts
 
 LIVES = 1 << 32
 """Lives are told apart by milliseconds, of which so many fit into a value."""
 
 
-class NoTextError(Exception):
-    """An exception that cannot be shown."""
+class Favour(Protocol):
+    """What cells ask of each other."""
 
-    def __str__(self) -> str:
-        raise ValueError("no text")
-
-
-def fail(error: BaseException) -> NoReturn:
-    """Raise something."""
-    raise error
-
-
-def recur() -> None:
-    """Call itself for ever."""
-    recur()
-
-
-async def wait() -> None:
-    """Do what nobody awaits."""
-
-
-def change_process() -> None:
-    """Change what all components of a process share."""
-    os.chdir("/")
-    os.umask(0o077)
-    random.seed(0)
-    sys.setrecursionlimit(5000)
-    for stream in (sys.stdout, sys.stderr):
-        stream.close()
-
-
-def in_threads(work: Callable[[], object]) -> None:
-    """Have threads do something."""
-    for _ in range(20):
-        threading.Thread(target=work, daemon=True).start()
-
-
-MISDEEDS: Mapping[str, Callable[[], object]] = {
-    "raise": lambda: fail(RuntimeError("told to")),
-    "raise: SystemExit": sys.exit,
-    "raise: KeyboardInterrupt": lambda: fail(KeyboardInterrupt()),
-    "raise: no text": lambda: fail(NoTextError()),
-    "raise: recursion": recur,
-    "raise: memory": lambda: bytearray(1 << 60),
-    "raise: coroutine": wait,
-    "exit": lambda: os._exit(3),
-    "exit: abort": os.abort,
-    "exit: segfault": lambda: ctypes.string_at(0),
-    "exit: thread": lambda: in_threads(lambda: os._exit(4)),
-    "side: prints": lambda: [print("x" * 200) for _ in range(2000)],
-    "side: threads": lambda: in_threads(lambda: fail(RuntimeError("in a thread"))),
-    "side: process": change_process,
-}
-"""What a cell does when it is told to, by the kind of fault; what is returned is its result."""
+    def grant(self, misdeed: str) -> str:
+        """Go wrong that way, on behalf of the caller."""
 
 
 class Cell(Component):
@@ -86,6 +43,8 @@ class Cell(Component):
 
     into = InPort(TimedULongSeq)
     out = OutPort(TimedULongSeq)
+    asks = ServicePort.required(Favour, timeout_s=1.0)
+    asked = ServicePort.provided(Favour, "favour")
     gain = Parameter(1, doc="Nothing depends on it; it is to be as it was set")
 
     def on_initialize(self) -> None:
@@ -134,16 +93,29 @@ class Cell(Component):
         except FileNotFoundError:
             return None
         os.unlink(path)
+        kind, _, how = " ".join(order).partition(": ")
         if order[0] == "sleep":
             time.sleep(float(order[1]))
-        elif order[0] == "loop":
+        elif kind == "loop":
             while True:
                 pass
-        elif order[0] == "lock":
+        elif kind == "lock":
             re.match("(a+)+$", "a" * 60 + "b")
+        elif kind == "service":
+            self._ask(how)
         else:
-            return MISDEEDS[" ".join(order)]()
+            return MISDEEDS[how or kind]()
         return None
+
+    def _ask(self, how: str) -> None:
+        try:
+            self.asks.client.grant(how)
+        except Exception as error:  # what the other raised
+            self.logger.warning("the neighbour failed: %s", type(error).__name__)
+
+    def grant(self, misdeed: str) -> str:
+        """Go wrong in a call of a service."""
+        return MISDEEDS[misdeed]()  # type: ignore[return-value]  # a wrong result is one of them
 
 
 def CellInit(manager: Manager) -> None:  # noqa: N802 - the name that loaders look for

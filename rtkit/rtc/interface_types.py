@@ -1,4 +1,4 @@
-"""Data connectors: interface, dataflow and subscription types, with defaults and aliases."""
+"""Properties of connectors that have defaults and aliases, and which of them mean the same."""
 
 from __future__ import annotations
 
@@ -14,6 +14,9 @@ DATAFLOW_TYPE = "dataport.dataflow_type"
 USUAL_DATAFLOW = "push"
 
 SUBSCRIPTION_TYPE = "dataport.subscription_type"
+PORT_TYPE = "port.port_type"
+"""States what the ends say already: a connector that leaves it out is the same one."""
+
 SUBSCRIPTIONS = ("flush", "new", "periodic")
 
 _ALIASES = {
@@ -50,6 +53,8 @@ def _is_alias(key: str, one: str, other: str) -> bool:
     if key == INTERFACE_TYPE:
         one, other = one or DEFAULT_INTERFACE, other or DEFAULT_INTERFACE
         return interface_name(one) == interface_name(other)
+    if key == PORT_TYPE:
+        return not other
     if key == SUBSCRIPTION_TYPE:
         return canonical(key, one) == canonical(key, other)
     return key == DATAFLOW_TYPE and (one or USUAL_DATAFLOW) == (other or USUAL_DATAFLOW)

@@ -159,6 +159,12 @@ def test_what_differs_but_by_name():
     assert differing({}, kept) == []
 
 
+def test_a_service_connector_need_not_state_its_port_type():
+    stated = {"port.port_type": "CorbaPort"}
+    assert differing(stated, {}) == differing({}, stated) == differing(stated, stated) == []
+    assert differing(stated, {"port.port_type": "DataInPort"}) == ["port.port_type"]
+
+
 @pytest.mark.parametrize(("told", "meant"), [("block", "flush"), ("NonBlock", "new")])
 def test_subscription_types_of_openrtm_2_are_known(told: str, meant: str) -> None:
     assert parse_options({"dataport.subscription_type": told}).subscription == meant
