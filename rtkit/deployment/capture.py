@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping
 
 from rtkit.deployment import extension
-from rtkit.deployment.described import interfaces_to_text, is_run_time
+from rtkit.deployment.described import DATA_ATTRIBUTES, interfaces_to_text, lasting
 from rtkit.deployment.facts import ComponentFacts, Snapshot
 from rtkit.fast_dataclass import dataclass
 from rtkit.profile import rts_model as rts
@@ -16,12 +16,6 @@ from rtkit.rtc.interface_types import DEFAULT_INTERFACE, USUAL_NAMES
 from rtkit.rtc.names import COMPONENT_SUFFIX, LOCAL, MANAGER_SUFFIX
 from rtkit.rtc.profiles import DEFINITION, ConnectorProfile, PortProfile, PortRef
 
-_ATTRIBUTES = (
-    "dataport.data_type",
-    "dataport.interface_type",
-    "dataport.dataflow_type",
-    "dataport.subscription_type",
-)
 _PUSH_INTERVAL = "dataport.push_interval"
 
 
@@ -107,21 +101,16 @@ def _chosen(
 def _with_composites(snapshot: Snapshot, wired: set[str]) -> set[str]:
     """Return these components with all that they make up, are part of, drive, or are driven by."""
     found = set(wired)
-    kin = {
-        c.instance: {*c.members, c.composite, *_driven(c), *(each.owner for each in c.contexts)}
-        - {""}
-        for c in snapshot.components
-    }
+    kin = {c.instance: {*c.members, c.composite} for c in snapshot.components}
+    for facts in snapshot.components:
+        for context in facts.contexts:
+            kin[facts.instance].update((context.owner, *context.participants))
     ready = list(found)
     while ready:
-        new = kin.get(ready.pop(), set()) - found
+        new = kin.get(ready.pop(), set()) - found - {""}
         found |= new
         ready += new
     return found
-
-
-def _driven(facts: ComponentFacts) -> Iterator[str]:
-    return (name for context in facts.contexts for name in context.participants)
 
 
 def _names(component: ComponentFacts, snapshot: Snapshot) -> tuple[str, ...]:
@@ -242,9 +231,9 @@ def _module(facts: ComponentFacts, snapshot: Snapshot) -> str:
 def _data_connector(
     wire: ConnectorProfile, components: Mapping[str, ComponentFacts]
 ) -> rts.DataPortConnector:
-    properties = _lasting(wire.properties)
+    properties = lasting(wire.properties)
     interval = properties.pop(_PUSH_INTERVAL, "")
-    data_type, interface, flow, subscription = (properties.get(k, "") for k in _ATTRIBUTES)
+    data_type, interface, flow, subscription = (properties.get(k, "") for k in DATA_ATTRIBUTES)
     source, target = (_target(end, components) for end in wire.ports)
     return rts.DataPortConnector(
         connector_id=wire.connector_id,
@@ -271,7 +260,7 @@ def _service_connector(
         source=source,
         target=target,
         visible=True,
-        properties=_properties(_lasting(wire.properties)),
+        properties=_properties(lasting(wire.properties)),
     )
 
 
@@ -282,10 +271,6 @@ def _target(end: PortRef, components: Mapping[str, ComponentFacts]) -> rts.Targe
     return rts.TargetPort(
         extension.stated_id(facts), end.instance, f"{end.instance}.{end.port}", known
     )
-
-
-def _lasting(properties: Mapping[str, str]) -> dict[str, str]:
-    return {key: value for key, value in properties.items() if not is_run_time(key, value)}
 
 
 def _properties(properties: Mapping[str, str]) -> tuple[ExtensionProperty, ...]:

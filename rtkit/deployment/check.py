@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping
 
 from rtkit.deployment import drift
+from rtkit.deployment.described import DATA_ATTRIBUTES
 from rtkit.deployment.facts import ComponentFacts
 from rtkit.deployment.live import LiveIndex, absence, context_of
 from rtkit.deployment.system import HIDDEN, WantedComponent, WantedConnector, WantedSystem, address
@@ -12,13 +13,6 @@ from rtkit.fast_dataclass import dataclass
 from rtkit.rtc.enums import UNKNOWN_STATE, LifeCycleState
 from rtkit.rtc.interface_types import differing
 from rtkit.rtc.profiles import PortRef
-
-_BASE = (
-    "dataport.data_type",
-    "dataport.interface_type",
-    "dataport.dataflow_type",
-    "dataport.subscription_type",
-)
 
 _CONSTRAINTS = "__constraints__"
 
@@ -224,7 +218,7 @@ def _wire(wanted: WantedConnector, system: WantedSystem, live: LiveIndex) -> Ite
             text += f" with ID {wire.connector_id} (there is {ids})"
         yield Deviation("connection", path, text, wanted.is_required, "", wire.connector_id, ids)
         return
-    for key in _BASE:
+    for key in DATA_ATTRIBUTES:
         expected, found = wire.properties.get(key, ""), known.properties.get(key, "")
         if expected and differing({key: expected.lower()}, {key: found.lower()}):
             text = (

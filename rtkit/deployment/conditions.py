@@ -142,27 +142,17 @@ def conditions_of(
 
 def ring(orders: Orders) -> list[OrderTarget]:
     """Return targets each of which waits for the next, the last one for the first; else none."""
-    done: set[OrderTarget] = set()
-    for root in orders:
-        path: dict[OrderTarget, None] = {}
-        ways: list[Iterator[OrderTarget]] = [iter((root,))]
-        while ways:
-            target = next(ways[-1], None)
-            if target is None:
-                ways.pop()
-                if path:
-                    done.add(path.popitem()[0])
-            elif target in path:
-                names = list(path)
-                return names[names.index(target) :]
-            elif target not in done:
-                path[target] = None
-                ways.append(_before(orders, target))
+    from graphlib import CycleError, TopologicalSorter
+
+    waits = {
+        target: [each.preceding for each in conditions if each.preceding is not None]
+        for target, conditions in orders.items()
+    }
+    try:
+        TopologicalSorter(waits).prepare()
+    except CycleError as error:
+        return [*reversed(error.args[1][1:])]
     return []
-
-
-def _before(orders: Orders, target: OrderTarget) -> Iterator[OrderTarget]:
-    return (c.preceding for c in orders.get(target, ()) if c.preceding is not None)
 
 
 def named(target: OrderTarget, contexts: Mapping[str, Sequence[str]]) -> str:

@@ -25,6 +25,13 @@ _TYPES = {
     "out": PortType.OUT,
     "corbaport": PortType.SERVICE,
 }
+DATA_ATTRIBUTES = (
+    "dataport.data_type",
+    "dataport.interface_type",
+    "dataport.dataflow_type",
+    "dataport.subscription_type",
+)
+"""Properties of a data connector that its profile states as attributes."""
 _INTERFACE_KEY = r"(.+)\.port\.(.+)\.(provided|required)\.(.+)\.([^.]+)"
 
 
@@ -38,6 +45,11 @@ def is_run_time(key: str, value: str) -> bool:
     return key.endswith(("_ior", "_ref")) or value.startswith("IOR:")
 
 
+def lasting(properties: Mapping[str, str]) -> dict[str, str]:
+    """Return properties without those of a past run."""
+    return {key: value for key, value in properties.items() if not is_run_time(key, value)}
+
+
 def data_port(
     port: InstancePort, instance: str, wired_as: PortType | None, wired_type: str
 ) -> PortProfile:
@@ -47,7 +59,8 @@ def data_port(
     stated = _TYPES.get(properties.get("port.port_type", "").strip().lower())
     if stated is PortType.SERVICE:
         stated = None
-    kind = stated or wired_as or _guess(name)
+    is_named_out = name.lower().startswith("out") or name.lower().endswith("out")
+    kind = stated or wired_as or (PortType.OUT if is_named_out else PortType.IN)
     properties["port.port_type"] = kind.value
     if wired_type and not properties.get("dataport.data_type"):
         properties["dataport.data_type"] = wired_type
@@ -179,14 +192,9 @@ def _values(instance: str, item: ExtensionProperty) -> tuple[str, ...]:
 def _live_properties(port: InstancePort) -> dict[str, str]:
     return {
         key: value
-        for key, value in properties_of(port.properties).items()
-        if not key.startswith("rtkit.") and not is_run_time(key, value)
+        for key, value in lasting(properties_of(port.properties)).items()
+        if not key.startswith("rtkit.")
     }
-
-
-def _guess(name: str) -> PortType:
-    word = name.lower()
-    return PortType.OUT if word.startswith("out") or word.endswith("out") else PortType.IN
 
 
 def type_of(id: str) -> TypeProfile:

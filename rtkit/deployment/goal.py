@@ -9,7 +9,7 @@ from rtkit.deployment.facts import Snapshot
 from rtkit.deployment.live import LiveIndex
 from rtkit.deployment.planning.costs import Costs
 from rtkit.deployment.planning.feasibility import NOTHING_KNOWN, Feasibility
-from rtkit.deployment.planning.model_builder import NO_STATES, BuiltModel, build_model
+from rtkit.deployment.planning.model_builder import NO_STATES, BuiltModel, ModelBuilder
 from rtkit.deployment.planning.plan import NO_RANKS, DeploymentPlan, make_plan
 from rtkit.deployment.system import WantedSystem
 from rtkit.errors import Impossible
@@ -53,7 +53,7 @@ class DeploymentGoal:
             Impossible: Something else lives where a required component belongs.
         """
         live = LiveIndex(snapshot, self.system, takes_namesakes=True)
-        return build_model(
+        return ModelBuilder(
             self.system,
             live,
             self.state,
@@ -62,10 +62,10 @@ class DeploymentGoal:
             self.feasibility,
             self.states,
             self.absent,
-            replaces=self.replaces,
-            prunes=self.prunes,
-            is_back=is_back,
-        )
+            self.replaces,
+            self.prunes,
+            is_back,
+        ).run()
 
     def holds(self, snapshot: Snapshot) -> bool:
         """Return whether the whole desired state holds."""

@@ -9,12 +9,13 @@ from collections.abc import Collection, Iterable, Mapping, Sequence
 
 from rtkit.deployment import extension
 from rtkit.deployment.described import (
+    DATA_ATTRIBUTES,
     contexts_of,
     data_port,
     guests_of,
     interfaces_told,
-    is_run_time,
     kind_of,
+    lasting,
     properties_of,
     rates_of,
     script_of,
@@ -389,28 +390,20 @@ def _ref(end: TargetPort) -> PortRef:
 
 
 def _data(wire: DataPortConnector) -> tuple[ConnectorProfile, bool]:
-    stated = {
-        "dataport.data_type": wire.data_type,
-        "dataport.interface_type": wire.interface_type,
-        "dataport.dataflow_type": wire.dataflow_type,
-        "dataport.subscription_type": wire.subscription_type or "",
-        "dataport.push_interval": f"{wire.push_interval:g}" if wire.push_interval else "",
-    }
+    told = (wire.data_type, wire.interface_type, wire.dataflow_type, wire.subscription_type)
+    stated = dict(zip(DATA_ATTRIBUTES, told, strict=True))
+    stated["dataport.push_interval"] = f"{wire.push_interval:g}" if wire.push_interval else ""
     merged = {key: value for key, value in stated.items() if value}
-    merged.update(_lasting(properties_of(wire.properties)))
+    merged.update(lasting(properties_of(wire.properties)))
     ends = (_ref(wire.source), _ref(wire.target))
     return ConnectorProfile(wire.connector_id, wire.name, ends, merged), True
 
 
 def _service(wire: ServicePortConnector) -> tuple[ConnectorProfile, bool]:
     merged = {"port.port_type": PortType.SERVICE.value}
-    merged.update(_lasting(properties_of(wire.properties)))
+    merged.update(lasting(properties_of(wire.properties)))
     ends = (_ref(wire.source), _ref(wire.target))
     return ConnectorProfile(wire.connector_id, wire.name, ends, merged), False
-
-
-def _lasting(properties: Mapping[str, str]) -> dict[str, str]:
-    return {key: value for key, value in properties.items() if not is_run_time(key, value)}
 
 
 def _own(wire: ConnectorProfile, components: Mapping[str, WantedComponent]) -> ConnectorProfile:

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Mapping
-from dataclasses import dataclass
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
 
 from rtkit.component.check import refusal
 from rtkit.deployment.creation import is_loaded, split_module
@@ -71,23 +71,11 @@ class BuiltModel:
     unmet: tuple[str, ...] = ()
 
 
-def build_model(
-    system: WantedSystem,
-    live: LiveIndex,
-    state: LifeCycleState | None = LifeCycleState.ACTIVE,
-    costs: Mapping[str, float] = DEFAULT_COSTS,
-    began: Snapshot | None = None,
-    feasibility: Feasibility = NOTHING_KNOWN,
-    states: Mapping[str, LifeCycleState | None] = NO_STATES,
-    absent: Collection[str] = (),
-    *,
-    replaces: bool = False,
-    prunes: bool = False,
-    is_back: bool = False,
-) -> BuiltModel:
-    """Return a wanted system over what lives as a model.
+@dataclass
+class ModelBuilder:
+    """Builds the model of a wanted system over what lives.
 
-    Args:
+    Attributes:
         system: What is wanted.
         live: What lives.
         state: Active or Inactive, in which every component is to be; None for as it is.
@@ -99,44 +87,26 @@ def build_model(
         replaces: What cannot be changed in place is created again.
         prunes: What is not in the wanted system is not to be there.
         is_back: For the way back: what turned out to be another than wanted is taken in too.
-
-    Raises:
-        Impossible: Something else lives where a required component belongs, or one would have to
-            be created again, and that is not allowed.
     """
-    began = began or live.snapshot
-    surveying = _Surveying(system, live, state, costs, began, feasibility, states, absent)
-    surveying.is_back = is_back
-    # What was otherwise before is to be so again, and what was not there is to go again.
-    surveying.replaces = replaces or is_back
-    surveying.prunes = prunes
-    return surveying.run()
 
+    system: WantedSystem
+    live: LiveIndex
+    state: LifeCycleState | None = LifeCycleState.ACTIVE
+    costs: Mapping[str, float] = field(default_factory=lambda: DEFAULT_COSTS)
+    began: Snapshot | None = None
+    feasibility: Feasibility = NOTHING_KNOWN
+    states: Mapping[str, LifeCycleState | None] = field(default_factory=lambda: NO_STATES)
+    absent: frozenset[str] = frozenset()
+    replaces: bool = False
+    prunes: bool = False
+    is_back: bool = False
 
-class _Surveying:
-    def __init__(
-        self,
-        system: WantedSystem,
-        live: LiveIndex,
-        state: LifeCycleState | None,
-        costs: Mapping[str, float],
-        began: Snapshot,
-        feasibility: Feasibility,
-        states: Mapping[str, LifeCycleState | None],
-        absent: Collection[str],
-    ) -> None:
-        self.is_back = False
-        self._feasibility = feasibility
-        self._states = states
-        self._absent = frozenset(absent)
-        self._began = began
-        self._joined = {wire.connector_id: wire for wire in began.connectors}
-        self._before = {facts.instance: facts for facts in began.components}
-        self._system = system
-        self._live_facts = live
-        self._snapshot = live.snapshot
-        self._state = state
-        self._costs = costs
+    def __post_init__(self) -> None:
+        self._began = self.began or self.live.snapshot
+        # What was otherwise before is to be so again, and what was not there is to go again.
+        self.replaces = self.replaces or self.is_back
+        self._joined = {wire.connector_id: wire for wire in self._began.connectors}
+        self._before = {facts.instance: facts for facts in self._began.components}
         self._units: dict[str, ComponentVariable] = {}
         self._wires: dict[str, ConnectionVariable] = {}
         self._keys: dict[str, ParameterVariable] = {}
@@ -145,23 +115,28 @@ class _Surveying:
         self._notes: list[str] = []
         self._problems: list[str] = []
         self._unmet: list[str] = []
-        self._named = {component.instance for component in system.components}
+        self._named = {component.instance for component in self.system.components}
         self._replaced: set[str] = set()
-        self._stale = Stale(live, self._named, feasibility.code)
-        self.replaces = self.prunes = False
+        self._stale = Stale(self.live, self._named, self.feasibility.code)
 
     def run(self) -> BuiltModel:
-        managers = self._live_facts.managers
+        """Return the model.
+
+        Raises:
+            Impossible: Something else lives where a required component belongs, or one would have
+                to be created again, and that is not allowed.
+        """
+        managers = self.live.managers
         for name, told in managers.items():
             self._live[f"mgr:{name}"] = UP if told.pid else DOWN
-        for component in self._system.components:
+        for component in self.system.components:
             self._component(component)
-        for wire in self._system.connectors:
+        for wire in self.system.connectors:
             self._connector(wire)
         if self.prunes:
             self._prune()
-        self._surplus([*self._snapshot.connectors, *self._began.connectors])
-        for component in self._system.components:
+        self._surplus([*self.live.snapshot.connectors, *self._began.connectors])
+        for component in self.system.components:
             self._attachments(component)
         if self._problems:
             raise Impossible("; ".join(self._problems))
@@ -172,7 +147,7 @@ class _Surveying:
             self._keys,
             self._live,
             self._desired,
-            self._costs,
+            self.costs,
             slaves_need_modules=True,
         )
         return BuiltModel(model, tuple(self._notes), tuple(self._unmet))
@@ -180,10 +155,10 @@ class _Surveying:
     # components
 
     def _component(self, component: WantedComponent) -> None:
-        entry = self._live_facts.entry(component.instance)
-        facts = self._live_facts.at(component.instance)
+        entry = self.live.entry(component.instance)
+        facts = self.live.at(component.instance)
         wrong = mismatch(component, facts) if facts is not None else ""
-        if component.instance in self._absent:
+        if component.instance in self.absent:
             if facts is not None and not wrong:
                 self._leaving(component, facts)
             return
@@ -203,7 +178,7 @@ class _Surveying:
         if is_another:
             self._replaced.add(component.instance)
         name = component.instance
-        create = create_text(component, self._live_facts)
+        create = create_text(component, self.live)
         made = parse_create(create) if create else None
         options = made.options if made is not None else {}
         members = tuple(m.strip() for m in options.get("members", "").split(",") if m.strip())
@@ -233,7 +208,7 @@ class _Surveying:
         """Return what a component is beside its parameters, and why it is created again."""
         was = self._before.get(component.instance)
         found = list(manner.settings(component, None if wrong else facts, was))
-        is_named = None if facts is None else self._live_facts.is_named(component)
+        is_named = None if facts is None else self.live.is_named(component)
         had_name = was is None or bool(was.zombie) or component.name in was.names
         if is_named is False or not had_name:
             found.append(manner.name(component, is_named))
@@ -262,16 +237,16 @@ class _Surveying:
 
     def _prune(self) -> None:
         """Have live, unwanted components end; those of attached processes end by themselves."""
-        alive = {facts.instance for facts in self._snapshot.components if not facts.zombie}
-        both = {facts.instance: facts for facts in self._began.components}
-        both.update((facts.instance, facts) for facts in self._snapshot.components)
-        for name, facts in both.items():
-            if name in self._named or facts.zombie or self._live_facts.is_guest(facts):
+        alive = {facts.instance for facts in self.live.snapshot.components if not facts.zombie}
+        now = {facts.instance: facts for facts in self.live.snapshot.components}
+        for name, facts in {**self._before, **now}.items():
+            if name in self._named or facts.zombie or self.live.is_guest(facts):
                 continue
             self._units[name] = ComponentVariable(name, members=facts.members)
             self._desired[f"cmp:{name}"] = ABSENT
             if name in alive:
-                self._live.update(self._as_it_lives(facts))
+                self._live[f"cmp:{name}"] = self._place(name, facts.process)
+                self._live_state(name, {context.state for context in facts.contexts})
             self._note(facts, is_alive=name in alive)
 
     def _note(self, facts: ComponentFacts, *, is_alive: bool = True) -> None:
@@ -282,26 +257,17 @@ class _Surveying:
             if is_alive and each.live is not None:
                 self._live.setdefault(f"cfg:{key}", each.live)
 
-    def _as_it_lives(self, facts: ComponentFacts) -> dict[str, str]:
-        states = {context.state for context in facts.contexts}
-        found = {f"cmp:{facts.instance}": self._place(facts.instance, facts.process)}
-        if LifeCycleState.ERROR in states:
-            found[f"act:{facts.instance}"] = ERROR
-        elif LifeCycleState.ACTIVE in states:
-            found[f"act:{facts.instance}"] = ACTIVE
-        return found
-
     def _leaving(self, component: WantedComponent, facts: ComponentFacts) -> None:
         """Take in a component that lives and is to be ended."""
         name = component.instance
         self._units[name] = ComponentVariable(name, self._module(component))
         self._live[f"cmp:{name}"] = self._place(name, facts.process)
         self._desired[f"cmp:{name}"] = ABSENT
-        self._live_state(component, facts)
+        self._live_state(name, set(states_of(component, facts)))
 
     def _why_not(self, component: WantedComponent) -> str:
         """Return why a component that is not there cannot be made; empty when it can."""
-        live = self._live_facts
+        live = self.live
         other = live.namesake(component.instance)
         if other is not None and not other.zombie:
             return absence(component, live)
@@ -316,7 +282,7 @@ class _Surveying:
 
     def _lack(self, component: WantedComponent) -> str:
         """Return why nothing could be made of a component's type; empty when it may be."""
-        lack = self._feasibility.lacks.get(component.instance, "")
+        lack = self.feasibility.lacks.get(component.instance, "")
         return f"{component.path}: {lack}" if lack else ""
 
     def _desired_place(
@@ -324,7 +290,7 @@ class _Surveying:
     ) -> Wish:
         if facts is None:
             return place if is_stated and self._units[component.instance].places else ANY
-        manager = self._live_facts.home(component.instance)
+        manager = self.live.home(component.instance)
         now = place_name(manager, facts.process)
         if not is_stated:
             return ANY
@@ -336,22 +302,22 @@ class _Surveying:
         return (now, place) if is_any_slave else place
 
     def _place(self, name: str, process: str) -> str:
-        return place_name(self._live_facts.home(name), process)
+        return place_name(self.live.home(name), process)
 
     def _module(self, component: WantedComponent) -> str:
         """Return the module that a component needs, and note whether it is loaded."""
         if not component.module or component.pattern is not None:
             return ""
-        manager = self._live_facts.home(component.instance)
+        manager = self.live.home(component.instance)
         path, init = split_module(component.module)
-        loaded = self._live_facts.managers[manager].modules
+        loaded = self.live.managers[manager].modules
         if any(is_loaded(known, path, init) for known in loaded):
             self._live[f"mod:{manager}/{component.module}"] = LOADED
         return component.module
 
     def _parameters(self, component: WantedComponent, facts: ComponentFacts | None) -> None:
         was = self._before.get(component.instance)
-        declared = self._feasibility.parameters.get(component.instance)
+        declared = self.feasibility.parameters.get(component.instance)
         values = Values(component, facts, was, declared)
         missing = [*values.missing, *manner.unlike(component, facts)]
         self._notes += missing
@@ -371,7 +337,7 @@ class _Surveying:
 
     def _activity(self, component: WantedComponent, facts: ComponentFacts | None) -> None:
         variable = f"act:{component.instance}"
-        state = self._states.get(component.instance, self._state)
+        state = self.states.get(component.instance, self.state)
         is_wished = state is not None and bool(component.contexts)
         if facts is not None and is_wished and len(list(states_of(component, facts))) == 0:
             self._notes.append(f"Component {component.path} has no execution context")
@@ -380,40 +346,39 @@ class _Surveying:
             is_up = state is LifeCycleState.ACTIVE
             self._desired[variable] = ACTIVE if is_up else INACTIVE
         if facts is not None:
-            self._live_state(component, facts)
+            self._live_state(component.instance, set(states_of(component, facts)))
 
-    def _live_state(self, component: WantedComponent, facts: ComponentFacts) -> None:
-        variable = f"act:{component.instance}"
-        states = set(states_of(component, facts))
+    def _live_state(self, name: str, states: set[LifeCycleState]) -> None:
+        variable = f"act:{name}"
         if LifeCycleState.ERROR in states:
             self._live[variable] = ERROR
         elif LifeCycleState.ACTIVE in states:
             # In some contexts only: it counts as what has to be done with it.
             is_partly = len(states) > 1 and self._desired.get(variable) == ACTIVE
-            self._live[variable] = INACTIVE if is_partly and self._is_settled(component) else ACTIVE
+            self._live[variable] = INACTIVE if is_partly and self._is_settled(name) else ACTIVE
 
-    def _is_settled(self, component: WantedComponent) -> bool:
-        keys = (v for v in self._desired if v.startswith(f"cfg:{key_of(component.instance, '')}"))
+    def _is_settled(self, name: str) -> bool:
+        keys = (v for v in self._desired if v.startswith(f"cfg:{key_of(name, '')}"))
         return all(is_granted(self._desired[v], self._live.get(v, UNKNOWN)) for v in keys)
 
     # connections
 
     def _connector(self, wanted: WantedConnector) -> None:
-        wire, live = wanted.profile, self._live_facts
+        wire, live = wanted.profile, self.live
         id = wire.connector_id
         if any(end.instance not in self._units for end in wire.ports):
             return  # that an end is left out is reported already
         known = live.wire(id)
         names = [end.instance for end in wire.ports]
         pending = [each for each in names if live.at(each) is None or each in self._replaced]
-        why = missing_end(self._system, live, wire, pending) or self._refused(wanted, pending)
-        why = parting(self._system, live, wire) or why
+        why = missing_end(self.system, live, wire, pending) or self._refused(wanted, pending)
+        why = parting(self.system, live, wire) or why
         if why and not wanted.is_required and known is None:
             self._notes.append(why)
             return
         ends = tuple(end.instance for end in wire.ports)
         self._wires[id] = ConnectionVariable(ends, why, self._wire_text(id, wire.ports))
-        if self._absent.isdisjoint(ends):
+        if self.absent.isdisjoint(ends):
             self._desired[f"con:{id}"] = YES
         for other in filter(None, (known, self._joined.get(id))):
             # Who is joined by it now, or was, has to do with it.
@@ -432,23 +397,23 @@ class _Surveying:
         for end in wanted.profile.ports:
             port = self._port(end, is_pending=end.instance in pending)
             if port is None:
-                is_known = end.instance in pending and end.instance in self._feasibility.described
-                path = address(self._system, end)
+                is_known = end.instance in pending and end.instance in self.feasibility.described
+                path = address(self.system, end)
                 return f"port missing: {path} (its type has none)" if is_known else ""
             found.append(port)
         why = refusal(found, wanted.profile.properties)
-        told = " to ".join(address(self._system, end) for end in wanted.profile.ports)
+        told = " to ".join(address(self.system, end) for end in wanted.profile.ports)
         return f"{told}: {why}" if why else ""
 
     def _port(self, end: PortRef, *, is_pending: bool) -> PortProfile | None:
         """Return a port that lives, or as it will be when its component lives."""
-        facts = self._live_facts.at(end.instance)
+        facts = self.live.at(end.instance)
         if not is_pending:
             return facts.port(end.port) if facts is not None else None
-        component = self._system.component(end.instance)
+        component = self.system.component(end.instance)
         if component.pattern is not None:
             return component.port(end.port)
-        known = self._feasibility.ports.get(end.instance, ())
+        known = self.feasibility.ports.get(end.instance, ())
         return next((port for port in known if port.name == end.port), None)
 
     def _surplus(self, wires: Iterable[ConnectorProfile]) -> None:
@@ -465,23 +430,23 @@ class _Surveying:
                     self._bystander(name)
             self._wires[id] = ConnectionVariable(tuple(names), "", self._wire_text(id, wire.ports))
             is_kept = not self.prunes or any(self._units[name].why_not for name in names)
-            if self._absent.isdisjoint(names):
+            if self.absent.isdisjoint(names):
                 self._desired[f"con:{id}"] = YES if is_kept else NO
-            self._live[f"con:{id}"] = NO if self._live_facts.wire(id) is None else YES
+            self._live[f"con:{id}"] = NO if self.live.wire(id) is None else YES
 
     def _is_gone(self, name: str) -> bool:
-        facts = self._live_facts.namesake(name)
+        facts = self.live.namesake(name)
         return facts is None or bool(facts.zombie)
 
     def _bystander(self, name: str) -> None:
-        facts = self._live_facts.namesake(name)
+        facts = self.live.namesake(name)
         process = facts.process if facts is not None else ""
         self._units[name] = ComponentVariable(name, why_not=f"{name} is not in the profile")
         self._live[f"cmp:{name}"] = self._place(name, process)
         self._desired[f"cmp:{name}"] = ANY
 
     def _attachments(self, component: WantedComponent) -> None:
-        facts = self._live_facts.at(component.instance)
+        facts = self.live.at(component.instance)
         driven = {c.id: c.participants for c in facts.contexts} if facts is not None else {}
         for context, participant in component.guests:
             if participant not in self._units or component.instance not in self._units:
@@ -489,7 +454,7 @@ class _Surveying:
             id = attachment(component.instance, context, participant)
             text = f"{participant} to execution context {context} of {component.instance}"
             self._wires[id] = ConnectionVariable((component.instance, participant), "", text)
-            if self._absent.isdisjoint((component.instance, participant)):
+            if self.absent.isdisjoint((component.instance, participant)):
                 self._desired[f"con:{id}"] = YES
             self._live[f"con:{id}"] = YES if participant in driven.get(context, ()) else NO
 

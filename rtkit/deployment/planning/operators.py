@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
 from rtkit.deployment.planning.model import (
@@ -16,7 +16,6 @@ from rtkit.deployment.planning.model import (
     OTHER,
     UP,
     YES,
-    ComponentVariable,
     Model,
     is_inproc,
     manager_of,
@@ -64,6 +63,10 @@ class Operator:
     heeds: tuple[str, ...] = ()
 
 
+def _there(name: str) -> Requirement:
+    return Requirement(f"cmp:{name}", (ABSENT,), is_not=True)
+
+
 class Operators:
     """Makes the commands of one model."""
 
@@ -72,44 +75,28 @@ class Operators:
 
     def start(self, manager: str) -> Operator:
         """Start a manager."""
-        variable = f"mgr:{manager}"
-        return Operator(
-            "start_manager",
-            manager,
-            f"start manager {manager}",
-            (Requirement(variable, (DOWN,)),),
-            ((variable, UP),),
-            self._model.cost("start_manager", manager),
-        )
+        variable, text = f"mgr:{manager}", f"start manager {manager}"
+        needs = [Requirement(variable, (DOWN,))]
+        return self._made("start_manager", manager, text, needs, (variable, UP))
 
     def load(self, name: str) -> Operator:
         """Load a module: ``M/X``."""
         manager, _, module = name.partition("/")
-        return Operator(
-            "load",
-            name,
-            f"load {module} on {manager}",
-            (Requirement(f"mgr:{manager}", (UP,)), Requirement(f"mod:{name}", (ABSENT,))),
-            ((f"mod:{name}", LOADED),),
-            self._model.cost("load", name),
-        )
+        needs = [Requirement(f"mgr:{manager}", (UP,)), Requirement(f"mod:{name}", (ABSENT,))]
+        text = f"load {module} on {manager}"
+        return self._made("load", name, text, needs, (f"mod:{name}", LOADED))
 
     def unload(self, name: str) -> Operator:
         """Unload a module: ``M/X``."""
         manager, _, module = name.partition("/")
-        held = tuple(
+        needs = [Requirement(f"mod:{name}", (LOADED,))]
+        needs += [
             Requirement(f"cmp:{unit.name}", (f"{manager}:inproc",), is_not=True)
             for unit in self._model.units.values()
             if unit.module == module
-        )
-        return Operator(
-            "unload",
-            name,
-            f"unload {module} from {manager}",
-            (Requirement(f"mod:{name}", (LOADED,)), *held),
-            ((f"mod:{name}", ABSENT),),
-            self._model.cost("unload", name),
-        )
+        ]
+        text = f"unload {module} from {manager}"
+        return self._made("unload", name, text, needs, (f"mod:{name}", ABSENT))
 
     def create(self, name: str, place: str) -> Operator:
         """Make a component at a place."""
@@ -121,126 +108,91 @@ class Operators:
         module = self._model.needed_module(unit, place)
         if module:
             needs.append(Requirement(f"mod:{module}", (LOADED,)))
-        needs += [Requirement(f"cmp:{each}", (ABSENT,), is_not=True) for each in unit.members]
+        needs += map(_there, unit.members)
         manager, _, how = place.partition(":")
         slave = how.partition("/")[2]
         where = "" if is_inproc(place) else f" in slave {slave}" if slave else " in a slave"
         kind = "create" if is_inproc(place) else "create_slave"
-        return Operator(
-            kind,
-            name,
-            f"create {name} on {manager}{where}",
-            tuple(needs),
-            ((f"cmp:{name}", place),),
-            self._model.cost(kind, name),
-            place,
-            heeds=tuple(f"cmp:{each}" for each in unit.mates),
-        )
+        heeds = tuple(f"cmp:{each}" for each in unit.mates)
+        text = f"create {name} on {manager}{where}"
+        return self._made(kind, name, text, needs, (f"cmp:{name}", place), value=place, heeds=heeds)
 
     def delete(self, name: str) -> Operator:
         """End a component; its configuration returns to the defaults."""
         model = self._model
-        reset = [(f"cfg:{key}", model.keys[key].default) for key in model.keys_of[name]]
-        return Operator(
-            "delete",
-            name,
-            f"delete {name}",
-            (
-                Requirement(f"cmp:{name}", (ABSENT,), is_not=True),
-                Requirement(f"act:{name}", (INACTIVE, ERROR)),
-                *(Requirement(f"con:{wire}", (NO,)) for wire in model.wires_of[name]),
-                *(Requirement(f"cmp:{whole}", (ABSENT,)) for whole in model.wholes_of[name]),
-            ),
-            ((f"cmp:{name}", ABSENT), (f"act:{name}", INACTIVE), *reset),
-            model.cost("delete", name),
-        )
+        needs = [
+            _there(name),
+            Requirement(f"act:{name}", (INACTIVE, ERROR)),
+            *(Requirement(f"con:{wire}", (NO,)) for wire in model.wires_of[name]),
+            *(Requirement(f"cmp:{whole}", (ABSENT,)) for whole in model.wholes_of[name]),
+        ]
+        changes = [(f"cmp:{name}", ABSENT), (f"act:{name}", INACTIVE)]
+        changes += ((f"cfg:{key}", model.keys[key].default) for key in model.keys_of[name])
+        return self._made("delete", name, f"delete {name}", needs, *changes)
 
     def connect(self, name: str) -> Operator:
         """Make a connection."""
         ends = dict.fromkeys(self._model.wires[name].ends)
-        return Operator(
-            "connect",
-            name,
-            f"connect {self._told(name)}",
-            (
-                Requirement(f"con:{name}", (NO,)),
-                *(Requirement(f"cmp:{end}", (ABSENT,), is_not=True) for end in ends),
-            ),
-            ((f"con:{name}", YES),),
-            self._model.cost("connect", name),
-        )
+        needs = [Requirement(f"con:{name}", (NO,)), *map(_there, ends)]
+        text = f"connect {self._told(name)}"
+        return self._made("connect", name, text, needs, (f"con:{name}", YES))
 
     def disconnect(self, name: str) -> Operator:
         """Remove a connection."""
-        ends = dict.fromkeys(self._model.wires[name].ends)
-        return Operator(
-            "disconnect",
-            name,
-            f"disconnect {self._told(name)}",
-            (Requirement(f"con:{name}", (YES, OTHER)),),
-            ((f"con:{name}", NO),),
-            self._model.cost("disconnect", name),
-            heeds=tuple(f"act:{end}" for end in ends),
-        )
+        heeds = tuple(f"act:{end}" for end in dict.fromkeys(self._model.wires[name].ends))
+        needs = [Requirement(f"con:{name}", (YES, OTHER))]
+        text = f"disconnect {self._told(name)}"
+        return self._made("disconnect", name, text, needs, (f"con:{name}", NO), heeds=heeds)
 
     def configure(self, key: str, value: str) -> Operator:
         """Set a parameter: ``C.KEY``."""
-        name, told = owner_of(key), self._model.keys[key].text or f"set {key}="
-        needs = [Requirement(f"cmp:{name}", (ABSENT,), is_not=True)]
-        if not self._model.keys[key].is_hot:
+        model, name = self._model, owner_of(key)
+        needs = [_there(name)]
+        if not model.keys[key].is_hot:
             needs.append(Requirement(f"act:{name}", (INACTIVE,)))
-        return Operator(
-            "configure",
-            key,
-            f"{told}{value}",
-            tuple(needs),
-            ((f"cfg:{key}", value),),
-            self._model.cost("configure", key),
-            value,
-            heeds=tuple(f"cfg:{each}" for each in self._model.keys_of[name] if key.endswith(".@")),
+        heeds = tuple(f"cfg:{each}" for each in model.keys_of[name] if key.endswith(".@"))
+        text = f"{model.keys[key].text or f'set {key}='}{value}"
+        return self._made(
+            "configure", key, text, needs, (f"cfg:{key}", value), value=value, heeds=heeds
         )
 
     def activate(self, name: str) -> Operator:
         """Activate a component: after its connections and its parameters."""
         model = self._model
-        return Operator(
-            "activate",
-            name,
-            f"activate {name}",
-            (
-                Requirement(f"cmp:{name}", (ABSENT,), is_not=True),
-                Requirement(f"act:{name}", (INACTIVE,)),
-            ),
-            ((f"act:{name}", ACTIVE),),
-            model.cost("activate", name),
-            heeds=(
-                *(f"con:{wire}" for wire in model.wires_of[name]),
-                *(f"cfg:{key}" for key in model.keys_of[name]),
-                *(f"cmp:{whole}" for whole in model.wholes_of[name]),
-            ),
+        needs = [_there(name), Requirement(f"act:{name}", (INACTIVE,))]
+        heeds = (
+            *(f"con:{wire}" for wire in model.wires_of[name]),
+            *(f"cfg:{key}" for key in model.keys_of[name]),
+            *(f"cmp:{whole}" for whole in model.wholes_of[name]),
         )
+        change = (f"act:{name}", ACTIVE)
+        return self._made("activate", name, f"activate {name}", needs, change, heeds=heeds)
 
     def deactivate(self, name: str) -> Operator:
         """Deactivate a component."""
-        variable = f"act:{name}"
-        cost = self._model.cost("deactivate", name)
-        need = Requirement(variable, (ACTIVE,))
-        return Operator(
-            "deactivate", name, f"deactivate {name}", (need,), ((variable, INACTIVE),), cost
-        )
+        return self._to_rest("deactivate", name, ACTIVE)
 
     def reset(self, name: str) -> Operator:
         """Reset a component that is in Error."""
+        return self._to_rest("reset", name, ERROR)
+
+    def _to_rest(self, kind: str, name: str, state: str) -> Operator:
         variable = f"act:{name}"
-        cost = self._model.cost("reset", name)
-        return Operator(
-            "reset",
-            name,
-            f"reset {name}",
-            (Requirement(variable, (ERROR,)),),
-            ((variable, INACTIVE),),
-            cost,
-        )
+        needs = [Requirement(variable, (state,))]
+        return self._made(kind, name, f"{kind} {name}", needs, (variable, INACTIVE))
+
+    def _made(
+        self,
+        kind: str,
+        subject: str,
+        text: str,
+        needs: Sequence[Requirement],
+        *changes: tuple[str, str],
+        value: str = "",
+        heeds: tuple[str, ...] = (),
+    ) -> Operator:
+        cost = self._model.cost(kind, subject)
+        return Operator(kind, subject, text, tuple(needs), changes, cost, value, heeds)
 
     def every(self) -> Iterator[Operator]:
         """Yield every command that may be possible at some time; for models that are small."""
@@ -254,7 +206,11 @@ class Operators:
         for name, unit in model.units.items():
             for place in unit.places:
                 # What must be loaded before is looked for when it is loaded.
-                if model.needed_module(unit, place) or self._finds_for(unit, place):
+                if (
+                    not unit.module
+                    or model.needed_module(unit, place)
+                    or self.finds(f"{manager_of(place)}/{unit.module}")
+                ):
                     yield self.create(name, place)
             yield from (self.delete(name), self.activate(name))
             yield from (self.deactivate(name), self.reset(name))
@@ -273,9 +229,6 @@ class Operators:
         manager, _, module = name.partition("/")
         found = self._model.managers.get(manager, frozenset())
         return found is None or module in found
-
-    def _finds_for(self, unit: ComponentVariable, place: str) -> bool:
-        return not unit.module or self.finds(f"{manager_of(place)}/{unit.module}")
 
     def _values(self, key: str) -> list[str]:
         desired = self._model.desired.get(f"cfg:{key}", ())

@@ -30,6 +30,17 @@ from rtkit.errors import InvalidDocument, Malformed
 _SCHEMA = "rtkit.saved-plan"
 _VERSION = 1
 _TABLES = {"units": ComponentVariable, "wires": ConnectionVariable, "keys": ParameterVariable}
+_OF_SUBJECTS = (
+    "load",
+    "unload",
+    "delete",
+    "connect",
+    "disconnect",
+    "activate",
+    "deactivate",
+    "reset",
+)
+"""Kinds of steps that are told by what they are done to."""
 _FACTS = ("live", "desired", "managers")
 
 
@@ -158,13 +169,8 @@ def _told(title: str, name: str, was: Model, now: Model) -> str:
 
 def _knows(model: Model, variable: str) -> bool:
     kind, _, name = variable.partition(":")
-    tables: dict[str, Mapping[str, Any]] = {
-        "cfg": model.keys,
-        "con": model.wires,
-        "cmp": model.units,
-        "act": model.units,
-        "mgr": model.managers,
-    }
+    tables: dict[str, Mapping[str, Any]] = {"cfg": model.keys, "con": model.wires}
+    tables |= {"cmp": model.units, "act": model.units, "mgr": model.managers}
     return name in tables[kind] if kind in tables else True
 
 
@@ -176,27 +182,16 @@ def _move(moves: Operators, kind: str, subject: str, value: str, cost: float) ->
             made = moves.create(subject, value)
         case "configure":
             made = moves.configure(subject, value)
+        case _ if kind in _OF_SUBJECTS:
+            made = getattr(moves, kind)(subject)
         case _:
-            makers = {
-                each.__name__: each
-                for each in (
-                    moves.load,
-                    moves.unload,
-                    moves.delete,
-                    moves.connect,
-                    moves.disconnect,
-                    moves.activate,
-                    moves.deactivate,
-                    moves.reset,
-                )
-            }
-            made = makers[kind](subject)
+            raise KeyError(kind)
     return replace(made, cost=cost)
 
 
 def _model(data: Mapping[str, Any]) -> Model:
     tables = {
-        name: {key: _record(cls, told) for key, told in data[name].items()}
+        name: {key: cls(**_tupled(told)) for key, told in data[name].items()}
         for name, cls in _TABLES.items()
     }
     managers = {
@@ -213,10 +208,6 @@ def _tables(table: Mapping[str, Any]) -> dict[str, Any]:
         name: {each.name: _plain(getattr(record, each.name)) for each in fields(record)}
         for name, record in table.items()
     }
-
-
-def _record(cls: type, told: Mapping[str, Any]) -> Any:
-    return cls(**_tupled(told))
 
 
 def _plain(value: Any) -> Any:
