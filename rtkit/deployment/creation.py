@@ -12,7 +12,7 @@ from rtkit.deployment.wiring import parting
 from rtkit.errors import Malformed, NotFound
 from rtkit.rtc.create import FRESH_SLAVE, parse_create
 from rtkit.rtc.names import check_instance_name
-from rtkit.rtc.profiles import ModuleProfile
+from rtkit.rtc.profiles import ModuleProfile, split_module
 
 NOTHING_LACKS: Mapping[str, str] = {}
 
@@ -176,12 +176,6 @@ def _loads(missing: list[WantedComponent], live: LiveIndex) -> Iterator[PlannedA
 def is_loaded(known: ModuleProfile, path: str, init: str) -> bool:
     """Return whether a loaded module is the one of a path, and of an init function if named."""
     return known.is_at(path) and init in ("", known.init)
-
-
-def split_module(module: str) -> tuple[str, str]:
-    """Split ``PATH:INIT`` at the last colon that is followed by no slash."""
-    path, colon, init = module.rpartition(":")
-    return (path, init) if colon and "/" not in init else (module, "")
 
 
 def _how(component: WantedComponent, live: LiveIndex) -> str:

@@ -23,7 +23,7 @@ from rtkit.fast_dataclass import dataclass
 
 STUCK = f"{HEALTH}stuck"
 
-_COMPARE: Mapping[str, Callable[[float, float], bool]] = {
+COMPARE: Mapping[str, Callable[[float, float], bool]] = {
     "<=": operator.le,
     ">=": operator.ge,
     "<": operator.lt,
@@ -106,14 +106,10 @@ def _parts(key: str, text: str) -> tuple[str, Reaction]:
 def _rule(key: str, said: str, reaction: Reaction) -> HealthRule:
     kind, _, name = key.removeprefix(HEALTH).partition(".")
     if key == STUCK:
-        rule = (
-            HealthRule(kind, reaction, most=_number(key, said, "s"))
-            if said
-            else HealthRule(kind, reaction)
-        )
-        if not rule.most:
+        within_s = _number(key, said, "s") if said else inf
+        if not within_s:
             raise Malformed(f"{key}: a callback cannot come back within 0 s")
-        return rule
+        return HealthRule(kind, reaction, most=within_s)
     if kind == "overrun" and not name:
         return HealthRule(kind, reaction, most=_number(key, said, "s"))
     if kind == "rate" and name:
@@ -125,7 +121,7 @@ def _rule(key: str, said: str, reaction: Reaction) -> HealthRule:
             raise Malformed(f"{key}: the lowest rate is above the highest: {said}")
         return rule
     if kind == "value" and name:
-        sign = next((each for each in (*_COMPARE, "=") if said.startswith(each)), "")
+        sign = next((each for each in (*COMPARE, "=") if said.startswith(each)), "")
         value = said.removeprefix(sign).strip()
         if not sign or (sign != "=" and not _is_number(value)):
             raise Malformed(f"{key}: not <, <=, >, >= and a number, or = and a value: {said}")
@@ -157,10 +153,6 @@ def broken(
             yield rule, why
 
 
-def _stuck(_rule: HealthRule, _before: Sample | None, now: Sample) -> str:
-    return now.stuck
-
-
 def _overrun(rule: HealthRule, _before: Sample | None, now: Sample) -> str:
     longest_s = max((each.longest_s for each in now.metrics.contexts), default=0.0)
     if not now.is_active or longest_s <= rule.most:
@@ -189,12 +181,12 @@ def _value(rule: HealthRule, _before: Sample | None, now: Sample) -> str:
     if sign == "=":
         is_so = value == wanted
     else:
-        is_so = _is_number(value) and _COMPARE[sign](float(value), float(wanted))
+        is_so = _is_number(value) and COMPARE[sign](float(value), float(wanted))
     return "" if is_so else f"{rule.name} is {value}, not {sign}{wanted}"
 
 
 _JUDGES: Mapping[str, Callable[[HealthRule, Sample | None, Sample], str]] = {
-    "stuck": _stuck,
+    "stuck": lambda _rule, _before, now: now.stuck,
     "overrun": _overrun,
     "rate": _rate,
     "value": _value,

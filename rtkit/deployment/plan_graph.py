@@ -24,7 +24,8 @@ def to_dot(plan: StartPlan) -> Iterator[str]:
     yield f"  {_BEGIN} [shape=circle, label={_quoted(_BEGIN)}];"
     for turn in plan.turns:
         style = "" if turn.step.is_required else ", style=dashed"
-        yield f"  a{turn.id} [label={_quoted(_label(plan, turn))}{style}];"
+        label = f"{{{turn.id}}} {plan.transition.value.capitalize()}\n{turn.name}"
+        yield f"  a{turn.id} [label={_quoted(label)}{style}];"
     before = _BEGIN
     for turn in plan.immediate:
         places = sorted({condition.sequence for condition in turn.conditions})
@@ -38,10 +39,6 @@ def to_dot(plan: StartPlan) -> Iterator[str]:
         for condition in turn.conditions:
             yield _condition(condition, turn, ids)
     yield "}"
-
-
-def _label(plan: StartPlan, turn: ScheduledAction) -> str:
-    return f"{{{turn.id}}} {plan.transition.value.capitalize()}\n{turn.name}"
 
 
 def _condition(

@@ -30,7 +30,8 @@ def settle_types(
         carried: dict[str, list[str]] = {}
         for wire in wires:
             types = [wire.properties.get(_TYPE, "")]
-            types += [_type_at(components, end.instance, end.port) for end in wire.ports]
+            ends = (components[end.instance].port(end.port) for end in wire.ports)
+            types += [port.data_type for port in ends if port is not None]
             for end in wire.ports:
                 if end.instance == instance:
                     carried.setdefault(end.port, []).append(next(filter(None, types), ""))
@@ -44,11 +45,6 @@ def settle_types(
             pattern = replace(component.pattern, ports=ports)
             settled[instance] = replace(component, ports=ports, pattern=pattern)
     return settled, tuple(notes)
-
-
-def _type_at(components: Mapping[str, WantedComponent], instance: str, port: str) -> str:
-    found = components[instance].port(port)
-    return found.data_type if found is not None else ""
 
 
 def _settle(port: PortProfile, carried: list[str]) -> PortProfile:

@@ -66,7 +66,9 @@ def of_component(
         "cause": facts.cause,
         "trouble": facts.zombie or facts.trouble,
     }
-    shown = [Shown("state", Word(facts.state), _state_spec(), _state_change(facts))]
+    doc = "Life-cycle state; set to Active or Inactive to change it"
+    spec = PropertySpec(parse_type("word"), choices=_STATES, doc=doc)
+    shown = [Shown("state", Word(facts.state), spec, _state_change(facts))]
     shown += [_text(name, text) for name, text in told.items()]
     shown.append(_list("names", facts.names))
     if facts.members:
@@ -76,11 +78,6 @@ def of_component(
     shown += _sets(facts)
     shown += _contexts(facts)
     return shown + _ports(facts, wires, metrics, ends or {})
-
-
-def _state_spec() -> PropertySpec:
-    doc = "Life-cycle state; set to Active or Inactive to change it"
-    return PropertySpec(parse_type("word"), choices=_STATES, doc=doc)
 
 
 def _state_change(facts: ComponentFacts) -> Change:

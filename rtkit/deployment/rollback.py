@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator
 
 from rtkit.deployment import actions as act
 from rtkit.deployment.actions import Action
@@ -69,32 +69,23 @@ def _settings(
         was, is_now = before.component(instance), now.component(instance)
         if was is None or is_now is None or instance in made or is_now.zombie:
             continue
-        if isinstance(action, act.ActivateSet):
-            if was.active_set and was.active_set != is_now.active_set:
-                undo = act.ActivateSet(instance, was.active_set)
-                yield Trace(f"active set of {instance}", undo)
-            continue
-        if isinstance(action, act.SetRate):
-            rates = [c.rate for c in was.contexts if c.id == action.context]
-            for rate in rates:
-                undo_rate = act.SetRate(instance, action.context, rate)
-                yield Trace(f"rate of {instance}", undo_rate)
-            continue
-        if isinstance(action, act.SetPolicy):
-            yield Trace(f"policy of {instance}", act.SetPolicy(instance, policy_in(was.create)))
-            continue
-        old = _changed(action, was.sets.get(action.set_id, {}), is_now.sets.get(action.set_id, {}))
-        if old:
-            undo_set = act.SetParameters(instance, action.set_id, old)
-            yield Trace(f"parameters {', '.join(old)} of {instance}", undo_set)
-
-
-def _changed(
-    action: act.SetParameters, was: Mapping[str, str], is_now: Mapping[str, str]
-) -> dict[str, str]:
-    return {
-        name: was[name] for name in action.values if name in was and was[name] != is_now.get(name)
-    }
+        match action:
+            case act.ActivateSet():
+                if was.active_set and was.active_set != is_now.active_set:
+                    undo = act.ActivateSet(instance, was.active_set)
+                    yield Trace(f"active set of {instance}", undo)
+            case act.SetRate():
+                for rate in (c.rate for c in was.contexts if c.id == action.context):
+                    undo_rate = act.SetRate(instance, action.context, rate)
+                    yield Trace(f"rate of {instance}", undo_rate)
+            case act.SetPolicy():
+                yield Trace(f"policy of {instance}", act.SetPolicy(instance, policy_in(was.create)))
+            case act.SetParameters(_, set_id, values):
+                old, new = was.sets.get(set_id, {}), is_now.sets.get(set_id, {})
+                changed = {n: old[n] for n in values if n in old and old[n] != new.get(n)}
+                if changed:
+                    undo_set = act.SetParameters(instance, set_id, changed)
+                    yield Trace(f"parameters {', '.join(changed)} of {instance}", undo_set)
 
 
 def _modules(tried: Iterable[Action], before: Snapshot, now: Snapshot) -> Iterator[Trace]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Callable, Iterable, Sequence
+from functools import partial
 
 from rtkit.deployment.actions import Action, Result, strict
 from rtkit.deployment.facts import Snapshot
@@ -148,14 +149,11 @@ class PlanRunner:
             actions = [strict(action) for action in actions]
         self.attempted += actions
         results = self._careful(lambda: self._site.apply(actions, is_ordered=is_ordered))
-        for result in filter(_has_note, results):
-            self._report(f"note: {result.note}")
+        for note in filter(None, (result.note for result in results)):
+            self._report(f"note: {note}")
         done = zip(actions, results, strict=False)  # what follows a failure has no result
         self._taken += [(action, each.took_s) for action, each in done if each.ok and each.took_s]
         return results
-
-    def _perform(self, action: Action) -> tuple[Result, ...]:
-        return self._careful(lambda: self._site.apply([action]))
 
     def undo(self, before: Snapshot) -> tuple[list[str], list[str]]:
         """Take back what was attempted since `before`; return what was removed and what remains.
@@ -169,7 +167,7 @@ class PlanRunner:
         while left:
             trace = left.popleft()
             try:
-                (result,) = self._perform(trace.undo)
+                (result,) = self._careful(partial(self._site.apply, [trace.undo]))
             except Unreachable as error:
                 # Who is silent now would be waited for once more with each of the others.
                 remaining += [f"{trace.what} ({error})", *(each.what for each in left)]
@@ -179,10 +177,6 @@ class PlanRunner:
             else:
                 remaining.append(f"{trace.what} ({result.why})")
         return removed, remaining
-
-
-def _has_note(result: Result) -> bool:
-    return bool(result.note)
 
 
 def roll_back(runner: PlanRunner, before: Snapshot, error: BaseException) -> str:

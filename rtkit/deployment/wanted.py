@@ -35,7 +35,6 @@ from rtkit.deployment.system import (
 )
 from rtkit.errors import Malformed
 from rtkit.fast_dataclass import dataclass, field, replace
-from rtkit.profile.common import ExtensionProperty
 from rtkit.profile.rts_model import (
     ComponentInstance,
     DataPortConnector,
@@ -326,7 +325,9 @@ def _as_stand_in(
         "manager_name": given.get("manager_name", "") if create else STAND_IN_SLAVE,
         **_stated(component, made),
     }
-    options.update((p.name, p.value or "") for p in _scripts(component))
+    scripted = f"{extension.STAND_IN}."
+    said = properties_of(component.properties).items()
+    options.update((name, value) for name, value in said if name.startswith(scripted))
     if choices.transmit:
         options[extension.TRANSMIT] = "default"
     identity = type_of(made.id)
@@ -344,10 +345,6 @@ def _as_stand_in(
         module="",
         pattern=pattern,
     )
-
-
-def _scripts(component: ComponentInstance) -> Iterable[ExtensionProperty]:
-    return (p for p in component.properties if p.name.startswith(f"{extension.STAND_IN}."))
 
 
 def _pattern_sets(made: WantedComponent) -> dict[str, dict[str, str]]:

@@ -13,7 +13,7 @@ from rtkit.modules.known import instead
 from rtkit.modules.search import SUFFIX, Search
 from rtkit.rtc.create import CreateString, parse_create
 from rtkit.rtc.nearest import did_you_mean
-from rtkit.rtc.profiles import ModuleProfile, TypeProfile
+from rtkit.rtc.profiles import ModuleProfile, TypeProfile, split_module
 
 _STAR = b"import *"
 
@@ -56,7 +56,7 @@ class _Finder:
 
     def lack(self, module: str, create: CreateString) -> str:
         """Return why a component cannot be made with a module; empty when it may be."""
-        path, init = _split(module)
+        path, init = split_module(module)
         offered: Sequence[TypeProfile] = ()
         if path and path not in self._loaded:
             try:
@@ -120,23 +120,9 @@ class _Finder:
 
 
 def _is_among(create: CreateString, types: Sequence[TypeProfile]) -> bool:
-    wanted = (
-        create.implementation_id,
-        create.vendor,
-        create.category,
-        create.language,
-        create.version,
-    )
+    fields = ("vendor", "category", "language", "version")
     return any(
-        all(want in ("", have) for want, have in zip(wanted, _identity(each), strict=True))
+        each.type_name == create.implementation_id
+        and all(getattr(create, key) in ("", getattr(each, key)) for key in fields)
         for each in types
     )
-
-
-def _identity(kind: TypeProfile) -> tuple[str, ...]:
-    return (kind.type_name, kind.vendor, kind.category, kind.language, kind.version)
-
-
-def _split(module: str) -> tuple[str, str]:
-    path, colon, init = module.rpartition(":")
-    return (path, init) if colon and "/" not in init else (module, "")

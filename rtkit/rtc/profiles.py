@@ -131,3 +131,9 @@ class ModuleProfile:
     def is_at(self, path: str) -> bool:
         """Return whether a path as it is typed means this module."""
         return path in (self.path, self.file, *self.aliases)
+
+
+def split_module(module: str) -> tuple[str, str]:
+    """Split ``PATH:INIT`` at the last colon that is followed by no slash."""
+    path, colon, init = module.rpartition(":")
+    return (path, init) if colon and "/" not in init else (module, "")

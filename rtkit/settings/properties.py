@@ -148,27 +148,20 @@ manager.restart | never | text | live
 rtkit.restore | YES | boolean | start
     | NO: begins without what an earlier manager kept, which is put aside
 rtkit.allow_faults | NO | boolean | start | YES: RTKIT_FAULT is heeded by root's manager, too
+manager.modules.*.load_paths | | list | - | components are Python
+manager.modules.*.suffixes | | list | - | modules end in .py
+manager.modules.*.manager_cmd | | text | - | slaves are forked
+manager.modules.*.profile_cmd | | text | - | modules are read, not run
+manager.restart.* | | text | live | the same for what slave * holds
+manager.local_service.* | | text | - | managers have no plug-ins
+logger.logstream.* | | text | - | logs are files, one JSON object a line
+ec.* | | text | live | ec.TYPE.KEY, ec.NAME.KEY: rate, cpu_affinity of contexts
+port.* | | text | live | defaults of ports and their connections
+sdo.* | | text | - | components have no SDO services
+os.* | | text | fixed | operating system of the manager
+*.*.config_file | | text | live | CATEGORY.TYPE or .INSTANCE: more properties
 """
-_PATTERNS = (
-    ManagerProperty("manager.modules.*.load_paths", "", "list", NONE, "components are Python"),
-    ManagerProperty("manager.modules.*.suffixes", "", "list", NONE, "modules end in .py"),
-    ManagerProperty("manager.modules.*.manager_cmd", "", "text", NONE, "slaves are forked"),
-    ManagerProperty("manager.modules.*.profile_cmd", "", "text", NONE, "modules are read, not run"),
-    ManagerProperty("manager.restart.*", "", "text", LIVE, "the same for what slave * holds"),
-    ManagerProperty("manager.local_service.*", "", "text", NONE, "managers have no plug-ins"),
-    ManagerProperty(
-        "logger.logstream.*", "", "text", NONE, "logs are files, one JSON object a line"
-    ),
-    ManagerProperty(
-        "ec.*", "", "text", LIVE, "ec.TYPE.KEY, ec.NAME.KEY: rate, cpu_affinity of contexts"
-    ),
-    ManagerProperty("port.*", "", "text", LIVE, "defaults of ports and their connections"),
-    ManagerProperty("sdo.*", "", "text", NONE, "components have no SDO services"),
-    ManagerProperty("os.*", "", "text", FIXED, "operating system of the manager"),
-    ManagerProperty(
-        "*.*.config_file", "", "text", LIVE, "CATEGORY.TYPE or .INSTANCE: more properties"
-    ),
-)
+"""All properties; a star in a key stands for anything."""
 _READERS: Mapping[str, Callable[[str], object]] = {
     "manager.cpu_affinity": values.processors,
     "exec_cxt.cpu_affinity": values.processors,
@@ -182,7 +175,10 @@ _READERS: Mapping[str, Callable[[str], object]] = {
     "manager.restart": values.restart,
     "manager.restart.*": values.restart,
 }
-KNOWN: Mapping[str, ManagerProperty] = {each.key: each for each in _properties()}
+_PATTERNS = tuple(each for each in _properties() if "*" in each.key)
+KNOWN: Mapping[str, ManagerProperty] = {
+    each.key: each for each in _properties() if "*" not in each.key
+}
 
 
 def properties() -> Iterator[ManagerProperty]:

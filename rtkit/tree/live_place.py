@@ -16,13 +16,18 @@ if TYPE_CHECKING:
 _NODE = r"(.+?\.(?:rtc|mgr))(?:\.(.*))?"
 
 
+def steps_of(path: str, cwd: str) -> list[str]:
+    """Return the steps from the root of the tree on that a path leads through."""
+    whole = path if path.startswith("/") else f"{cwd}/{path}"
+    return [step for step in whole.split("/") if step not in ("", ".")]
+
+
 def split(path: str, cwd: str) -> tuple[str, str]:
     """Return the absolute path of a component or manager, and the name of a property of it.
 
     The last step that ends a component's or manager's name ends the path; without one it is empty.
     """
-    whole = path if path.startswith("/") else f"{cwd.rstrip('/')}/{path}"
-    steps = [step for step in whole.split("/") if step not in ("", ".")]
+    steps = steps_of(path, cwd)
     for index in reversed(range(len(steps))):
         match = re.fullmatch(_NODE, steps[index])
         if match is not None:
@@ -34,8 +39,7 @@ def split(path: str, cwd: str) -> tuple[str, str]:
 
 def name_of_host(path: str, cwd: str, hostname: str) -> str | None:
     """Return the name of a property of this host, None if a path is about something else."""
-    whole = path if path.startswith("/") else f"{cwd.rstrip('/')}/{path}"
-    first, *rest = [step for step in whole.split("/") if step not in ("", ".")] or [""]
+    first, *rest = steps_of(path, cwd) or [""]
     if is_local_host(first, hostname):
         return ".".join(rest)
     host, dot, name = first.partition(".")

@@ -11,6 +11,7 @@ import json
 import os
 import re
 from collections.abc import Callable, Iterator
+from operator import attrgetter
 from typing import Any, NamedTuple
 
 from rtkit.link.folder import Folder
@@ -137,7 +138,7 @@ class Logbook:
                 self._files[name] = file
             else:
                 file.close()
-        entries.sort(key=_moment)
+        entries.sort(key=attrgetter("time"))
         return entries if most is None else entries[max(0, len(entries) - most) :]
 
     def delta(self) -> list[LogEntry]:
@@ -150,7 +151,7 @@ class Logbook:
             if name not in self._files:
                 self._files[name] = _File(os.path.join(self._folder, name), match[1])
             entries += self._entries(self._files[name])
-        return sorted(entries, key=_moment)
+        return sorted(entries, key=attrgetter("time"))
 
     def _names(self) -> list[tuple[str, int]]:
         """Return the files there are, the present ones of all logs first."""
@@ -165,10 +166,6 @@ class Logbook:
                 self.unreadable += bool(line.strip())
             elif self._wanted(entry):
                 yield entry
-
-
-def _moment(entry: LogEntry) -> str:
-    return entry.time
 
 
 def _entry(file: str, line: bytes) -> LogEntry | None:

@@ -16,6 +16,7 @@ from rtkit.tree.connect import connect
 from rtkit.tree.view import NodeKind, TreeNode, build, manager_node
 
 if TYPE_CHECKING:
+    from rtkit.deployment.listing import Listing
     from rtkit.tree.client import Tree
 
 
@@ -201,29 +202,30 @@ def _others(manager: str) -> Iterator[str]:
 
 
 def _neighbour(name: str, timeout_s: float, *, is_deep: bool) -> TreeNode:
-    trouble = ""
-    if is_deep:
-        try:
-            with connect(name, timeout_s) as tree:
-                node = manager_node(tree.listing())
-            if node is not None:
-                return node
-        except RtkitError as error:
-            trouble = str(error)
-    return TreeNode(name + MANAGER_SUFFIX, NodeKind.MANAGER, process=name, trouble=trouble)
+    bare = TreeNode(name + MANAGER_SUFFIX, NodeKind.MANAGER, process=name)
+    return _with_content(bare, name, manager_node, timeout_s) if is_deep else bare
 
 
 def _server(address: str, timeout_s: float, *, is_deep: bool) -> TreeNode:
-    trouble = ""
-    if is_deep:
-        try:
-            with connect(address, timeout_s) as tree:
-                node = build(tree.listing()).children[LOCAL]
-            node.name = address
-            return node
-        except RtkitError as error:
-            trouble = str(error)
-    return TreeNode(address, NodeKind.HOST, trouble=trouble)
+    def named(listing: Listing) -> TreeNode:
+        node = build(listing).children[LOCAL]
+        node.name = address
+        return node
+
+    bare = TreeNode(address, NodeKind.HOST)
+    return _with_content(bare, address, named, timeout_s) if is_deep else bare
+
+
+def _with_content(
+    bare: TreeNode, name: str, node_of: Callable[[Listing], TreeNode | None], timeout_s: float
+) -> TreeNode:
+    """Return the node with what the manager holds; where that cannot be asked, the bare one."""
+    try:
+        with connect(name, timeout_s) as tree:
+            return node_of(tree.listing()) or bare
+    except RtkitError as error:
+        bare.trouble = str(error)
+        return bare
 
 
 def shown(name: str, manager: str, place: str) -> str:

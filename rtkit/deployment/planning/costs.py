@@ -210,7 +210,7 @@ def subjects(kind: str, system: WantedSystem, snapshot: Snapshot) -> set[str]:
     """Return the names of all that a kind of step may be done to: what is wanted, what lives."""
     match kind:
         case "start_manager":
-            return set(_managers(snapshot))
+            return {each.manager for each in (snapshot, *snapshot.others)}
         case "load" | "unload":
             return set(_modules(system, snapshot))
         case "connect" | "disconnect":
@@ -226,10 +226,6 @@ def subjects(kind: str, system: WantedSystem, snapshot: Snapshot) -> set[str]:
             for parameter in values
         )
     return names
-
-
-def _managers(snapshot: Snapshot) -> Iterator[str]:
-    return (each.manager for each in (snapshot, *snapshot.others))
 
 
 def _modules(system: WantedSystem, snapshot: Snapshot) -> Iterator[str]:

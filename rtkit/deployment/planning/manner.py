@@ -68,7 +68,11 @@ def _rates(
     component: WantedComponent, facts: ComponentFacts | None, was: ComponentFacts | None
 ) -> Iterator[ComponentSetting]:
     now = dict(_own_rates(facts)) if facts is not None else {}
-    wished = dict(_own_rates(was)) if was is not None and _has_left(was, facts) else {}
+    # Who is not where he was gets his rates again.
+    has_left = (
+        was is not None and not was.zombie and (facts is None or facts.process != was.process)
+    )
+    wished = dict(_own_rates(was)) if was is not None and has_left else {}
     if facts is not None:
         wished.update((each.context, each.wanted) for each in drift.rates(component, facts))
     else:
@@ -85,11 +89,6 @@ def _rates(
         yield ComponentSetting(
             f"{RATE}{context}", ParameterVariable(default, True, text), rate_text(rate), live
         )
-
-
-def _has_left(was: ComponentFacts, facts: ComponentFacts | None) -> bool:
-    """Return whether a component is not where it was, so that its rates must be set again."""
-    return not was.zombie and (facts is None or facts.process != was.process)
 
 
 def _own_rates(facts: ComponentFacts) -> Iterator[tuple[str, float]]:

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 
 from rtkit.component.check import refusal
-from rtkit.deployment.creation import is_loaded, split_module
+from rtkit.deployment.creation import is_loaded
 from rtkit.deployment.facts import ComponentFacts, Snapshot
 from rtkit.deployment.live import LiveIndex, absence, mismatch, states_of
 from rtkit.deployment.planning import manner
@@ -52,7 +52,7 @@ from rtkit.deployment.wiring import is_same_wire, missing_end, parting
 from rtkit.errors import Impossible
 from rtkit.rtc.create import parse_create
 from rtkit.rtc.enums import LifeCycleState
-from rtkit.rtc.profiles import ConnectorProfile, PortProfile, PortRef
+from rtkit.rtc.profiles import ConnectorProfile, PortProfile, PortRef, split_module
 
 NO_STATES: Mapping[str, LifeCycleState | None] = {}
 

@@ -51,7 +51,7 @@ def changes(plan: DeploymentPlan) -> Iterator[str]:
     for move in plan.moves:
         variable, value = move.changes[0]
         before = state.get(variable, plan.model.now(variable))
-        yield _replacing(plan, move) or _change(move, _shown(before), value)
+        yield _replacing(plan, move) or _change(move, "?" if before == UNKNOWN else before, value)
         state.update(move.changes)
 
 
@@ -138,10 +138,6 @@ def _subject(move: Operator) -> str:
     if move.kind == "configure":
         return f"{owner_of(move.subject)}.{move.subject.partition('.')[2]}"
     return move.subject.replace("\n", "/")
-
-
-def _shown(value: str) -> str:
-    return "?" if value == UNKNOWN else value
 
 
 def _counted(count: int, word: str) -> str:

@@ -90,7 +90,9 @@ class _Emitting:
         yield from (
             moves.create(name, self._assignments[name].place) for name in self._by_depth(self._made)
         )
-        yield from (moves.unload(m) for m in unwished if m in needed or self._is_left(m))
+        yield from (
+            moves.unload(m) for m in unwished if m in needed or model.now(f"mod:{m}") == LOADED
+        )
         yield from (move for _, move in self._configured)
         broken = {move.subject for move in remade}
         yield from (
@@ -148,9 +150,6 @@ class _Emitting:
             is_broken = not ended.isdisjoint(wire.ends) or not model.allows(f"con:{name}", now)
             if now != NO and is_broken:
                 yield self._moves.disconnect(name)
-
-    def _is_left(self, module: str) -> bool:
-        return self._model.now(f"mod:{module}") == LOADED
 
     def _needed_modules(self, wished: Iterable[str]) -> list[str]:
         model = self._model

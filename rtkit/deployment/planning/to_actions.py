@@ -7,7 +7,6 @@ from itertools import zip_longest
 
 from rtkit.deployment import actions as act
 from rtkit.deployment.actions import Action
-from rtkit.deployment.creation import split_module
 from rtkit.deployment.drift import policy_text
 from rtkit.deployment.extension import policy_in
 from rtkit.deployment.facts import ComponentFacts
@@ -22,7 +21,7 @@ from rtkit.errors import Refused
 from rtkit.rtc.create import parse_create
 from rtkit.rtc.enums import LifeCycleState, Transition
 from rtkit.rtc.pattern import ComponentPattern, ContextPattern
-from rtkit.rtc.profiles import ConnectorProfile
+from rtkit.rtc.profiles import ConnectorProfile, split_module
 
 _TRANSITIONS = {
     "activate": (Transition.ACTIVATE, LifeCycleState.INACTIVE),

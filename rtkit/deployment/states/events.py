@@ -2,24 +2,18 @@
 
 from __future__ import annotations
 
-import operator
 import re
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from rtkit.deployment.facts import ComponentFacts, Snapshot
+from rtkit.deployment.health import COMPARE
 from rtkit.deployment.metrics import ComponentMetrics
 from rtkit.deployment.shown_ports import OwnEnds
 from rtkit.deployment.states.variants import component_of
 from rtkit.errors import Malformed
 
 LOST = "lost"
-_COMPARE: Mapping[str, Callable[[float, float], bool]] = {
-    "<=": operator.le,
-    ">=": operator.ge,
-    "<": operator.lt,
-    ">": operator.gt,
-}
 _CONDITION = re.compile(r"(\S+?)\s*(<=|>=|!=|<|>|=)\s*(.*)", re.DOTALL)
 
 
@@ -68,9 +62,11 @@ class EventCondition:
             return False
         text = str(value).strip()
         if self.compare in ("=", "!="):
-            return _is_same(text, self.value) == (self.compare == "=")
+            numbers = _number(text), _number(self.value)
+            is_same = text == self.value or (numbers[0] is not None and numbers[0] == numbers[1])
+            return is_same == (self.compare == "=")
         number = _number(text)
-        return number is not None and _COMPARE[self.compare](number, float(self.value))
+        return number is not None and COMPARE[self.compare](number, float(self.value))
 
 
 def condition(text: str, sets: Mapping[str, Sequence[str]]) -> EventCondition:
@@ -94,7 +90,7 @@ def condition(text: str, sets: Mapping[str, Sequence[str]]) -> EventCondition:
     component, rest = component_of(name, sets)
     if not rest:
         raise Malformed(f"names no property: {name}; {name}.state is one")
-    if compare in _COMPARE and _number(value) is None:
+    if compare in COMPARE and _number(value) is None:
         raise Malformed(f"not a number: {value!r}")
     return EventCondition(component, rest, compare, value)
 
@@ -104,8 +100,3 @@ def _number(text: str) -> float | None:
         return float(text)
     except ValueError:
         return None
-
-
-def _is_same(one: str, other: str) -> bool:
-    numbers = _number(one), _number(other)
-    return one == other or (numbers[0] is not None and numbers[0] == numbers[1])
