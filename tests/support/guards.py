@@ -235,8 +235,8 @@ GUARDS = (
     Guard(
         "laws/test_deployment_planning.py",
         "rtkit/deployment/planning/operators.py",
-        """                *(f"con:{wire}" for wire in model.wires_of[name]),
-                *(f"cfg:{key}" for key in model.keys_of[name]),
+        """            *(f"con:{wire}" for wire in model.wires_of[name]),
+            *(f"cfg:{key}" for key in model.keys_of[name]),
 """,
         "",
     ),
