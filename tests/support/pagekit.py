@@ -3,7 +3,8 @@
 A page is one session in one home: its blocks of `sh` and `python` are run from top to bottom, and
 a block of `text` behind one is what that one prints. A comment before a block may say otherwise:
 `<!-- file: NAME -->` has it written to a file, `<!-- not run by the tests: WHY -->` left out,
-`<!-- shown -->` says that it is a form or an extract, to be read only.
+`<!-- shown -->` says that it is a form or an extract, to be read only. `<!-- replay: WIRE -->` is
+for a test that speaks that protocol.
 """
 
 from __future__ import annotations
@@ -15,7 +16,8 @@ from typing import NamedTuple
 ROOT = Path(__file__).parents[2]
 MARK = "-- end of block --"
 _BLOCK = re.compile(
-    r"^(?:<!-- (file: (?P<file>[^\n]+)|not run by the tests: [^\n]+|shown) -->\n)?"
+    r"^(?:<!-- (file: (?P<file>[^\n]+)|not run by the tests: [^\n]+|shown|replay: (?P<replay>\w+))"
+    r" -->\n)?"
     r"```(?P<language>[\w{}-]*)\n(?P<text>.*?)^```$",
     re.MULTILINE | re.DOTALL,
 )
@@ -23,11 +25,18 @@ _RUN = ("sh", "python")
 
 
 class Block(NamedTuple):
-    """One fenced block; `file` names where it is written, empty for nowhere."""
+    """One fenced block.
+
+    Attributes:
+        file: Where it is written, empty for nowhere.
+        replay: The protocol whose messages it has, empty for none.
+        is_marked: A comment says that it is not run.
+    """
 
     language: str
     text: str
     file: str
+    replay: str
     is_marked: bool
 
 
@@ -50,7 +59,13 @@ def blocks(page: Path) -> list[Block]:
     """Return the fenced blocks of a page."""
     text = page.read_text(encoding="utf-8")
     return [
-        Block(found["language"], found["text"], (found["file"] or "").strip(), bool(found[1]))
+        Block(
+            found["language"],
+            found["text"],
+            (found["file"] or "").strip(),
+            found["replay"] or "",
+            bool(found[1]),
+        )
         for found in _BLOCK.finditer(text)
     ]
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import re
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -26,11 +27,12 @@ def variables(shell: Any) -> dict[str, str]:
     commands = shell.folder / "bin"
     commands.mkdir()
     python = f'exec "{sys.executable}"'
+    modules = {**MODULES, "rtkit": "rtkit.cli"}
+    begin = "import sys; sys.argv[0] ="
     scripts = {
-        name: f"{python} -c 'from {module} import main; exit(main())' \"$@\""
-        for name, module in MODULES.items()
+        name: f'{python} -c \'{begin} "{name}"; from {module} import main; exit(main())\' "$@"'
+        for name, module in modules.items()
     }
-    scripts["rtkit"] = f"{python} -c 'from rtkit.cli import main; exit(main())' \"$@\""
     others = {"python": f'{python} "$@"', "pytest": f'{python} -m pytest "$@"'}
     for name, line in {**scripts, **others}.items():
         (commands / name).write_text(f"#!/bin/sh\n{line}\n", encoding="utf-8")
@@ -69,6 +71,9 @@ def test_a_page_shows_what_its_examples_print(
     shell: Any, variables: dict[str, str], page: Path
 ) -> None:
     text, expected = script(page)
+    for tool in ("node",):
+        if re.search(rf"^{tool} ", text, re.MULTILINE) and shutil.which(tool) is None:
+            pytest.skip(f"{tool} absent")
     assert run(text, shell.folder, variables).split(f"{MARK}\n") == [*expected, ""]
 
 

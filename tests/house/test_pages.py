@@ -1,0 +1,27 @@
+"""Pages: each example is run, written to a file, replayed, or says why it is not."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from pagekit import ROOT, blocks, pages
+
+RUN = ("sh", "python", "text")
+MOST_LINES_OF_THE_README = 150
+
+
+@pytest.mark.parametrize("page", pages(), ids=lambda page: str(page.relative_to(ROOT)))
+def test_each_example_is_tried_or_says_why_not(page: Path) -> None:
+    untried = [
+        block.text
+        for block in blocks(page)
+        if not block.is_marked and block.language not in RUN and block.language[:1] != "{"
+    ]
+    assert untried == []
+    assert page.read_text(encoding="utf-8").count("\n```") == 2 * len(blocks(page)), "a fence"
+
+
+def test_the_readme_is_short() -> None:
+    lines = (ROOT / "README.md").read_text(encoding="utf-8").splitlines()
+    assert len(lines) <= MOST_LINES_OF_THE_README
