@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING
 
 from rtkit.property import components
 from rtkit.property.codes import PropertyError
 from rtkit.property.functional import FunctionalProperty
 from rtkit.property.lanes import first_only
+from rtkit.property.live_values import LiveValues
 from rtkit.property.messages import DONE, Answer, Payload
 from rtkit.property.naming import RequestTarget
 from rtkit.property.parameters import COMMON, checked_parameters
@@ -17,10 +17,6 @@ from rtkit.property.requests import PropertyRequest
 from rtkit.property.types import from_payload, parse_type
 from rtkit.property.values import Element, Value
 from rtkit.property.writing import write
-
-if TYPE_CHECKING:
-    from rtkit.property.node import PropertyNode
-    from rtkit.property.service import Service
 
 
 def described(function: FunctionalProperty, place: NameEntry) -> Payload:
@@ -42,20 +38,18 @@ def described(function: FunctionalProperty, place: NameEntry) -> Payload:
 
 
 def start(
-    service: Service,
-    node: PropertyNode,
-    place: NameEntry,
-    target: RequestTarget,
-    ask: PropertyRequest,
+    values: LiveValues, place: NameEntry, target: RequestTarget, ask: PropertyRequest
 ) -> Answer | None:
     """Start an action, or stop it; None if it is answered when it has ended.
 
     Raises:
         PropertyError: ``busy``, ``bad-value``, ``conflict`` …
     """
+    node = place.node
+    assert node is not None
+    assert ask.payload is not None
     function = node.function
     assert function is not None
-    assert ask.payload is not None
     if place.path == ("stop",):
         function.stop()
         return DONE
@@ -73,17 +67,15 @@ def start(
     bounds: list[Callable[[], object]] = []
 
     def changed() -> None:
-        has_changed = node.put(function.describe(), service.wall())
-        if node.listeners:
-            service.listeners.changed(node, has_changed)
+        values.keep(node, function.describe())
         if waits and function.state != "running":
             told(Answer(node.payload))
             for end in bounds:
                 end()
 
-    function.start(arguments, changed, service.user_code)
+    function.start(arguments, changed, values.user_code)
     if waits and isinstance(longest, int | float) and function.state == "running":
-        bounds.append(service.user_code.refuse_after(max(longest, 1e-3), told))
+        bounds.append(values.user_code.refuse_after(max(longest, 1e-3), told))
     return None if waits else DONE
 
 

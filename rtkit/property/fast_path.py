@@ -8,14 +8,10 @@ See decision 34.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 from rtkit.property.codes import PropertyError
-
-if TYPE_CHECKING:
-    from rtkit.property.node import PropertyNode
-    from rtkit.property.requests import Requester
-    from rtkit.property.service import Service
+from rtkit.property.live_values import LiveValues
+from rtkit.property.node import PropertyNode
+from rtkit.property.requests import Requester
 
 _MOST_KNOWN = 4096
 """Lines, and names of properties, that are known as bytes."""
@@ -24,8 +20,9 @@ _MOST_KNOWN = 4096
 class FastPath:
     """Fast path to the properties of a service."""
 
-    def __init__(self, service: Service) -> None:
-        self._service = service
+    def __init__(self, values: LiveValues) -> None:
+        self._set_plain = values.set_plain
+        self._nodes = values.registry.nodes
         self._lines: dict[bytes, PropertyNode] = {}
         self._names: dict[bytes, PropertyNode] = {}
 
@@ -51,7 +48,7 @@ class FastPath:
         if text[:1] == "{" or text[-1:] == "\r" or not caller.may("SET", node.name):
             return None
         try:
-            self._service.set_plain(node, text)
+            self._set_plain(node, text)
         except PropertyError as error:
             return f"! {error.code} {error}\n".encode("utf-8", "replace")
         return b"=\n"
@@ -59,7 +56,7 @@ class FastPath:
     def _found(
         self, known: dict[bytes, PropertyNode], key: bytes, name: bytes
     ) -> PropertyNode | None:
-        node = self._service.registry.nodes.get(name.decode("latin-1"))
+        node = self._nodes.get(name.decode("latin-1"))
         if node is not None:
             if len(known) >= _MOST_KNOWN:
                 known.clear()

@@ -8,25 +8,22 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from typing import TYPE_CHECKING
 
 from rtkit.property.codes import PropertyError
+from rtkit.property.live_values import LiveValues
 from rtkit.property.messages import Answer
 from rtkit.property.naming import canonical
+from rtkit.property.node import PropertyNode
 from rtkit.property.reading import lone_number
 from rtkit.property.requests import PropertyRequest
-
-if TYPE_CHECKING:
-    from rtkit.property.node import PropertyNode
-    from rtkit.property.service import Service
 
 NAMES = "?"
 """The lane of all that looks which names there are."""
 
 
-def lane_of(service: Service, ask: PropertyRequest) -> str | None:
+def lane_of(values: LiveValues, ask: PropertyRequest) -> str | None:
     """Return the lane of a request, None of one that calls no user code."""
-    nodes, is_set = service.registry.nodes, ask.payload is not None
+    nodes, is_set = values.registry.nodes, ask.payload is not None
     node = nodes.get(ask.target)
     path, _, tail = ask.target.partition("?")
     if node is None:  # most requests are a name, and nothing else
@@ -39,39 +36,39 @@ def lane_of(service: Service, ask: PropertyRequest) -> str | None:
         return node.name if _is_called(node, is_set=is_set) and node.calls_user_code else None
     segments = name.split(".")
     if segments[-1] == "listen":
-        return _lane_of_listening(service, segments[:-1], tail)
+        return _lane_of_listening(values, segments[:-1], tail)
     for end in range(len(segments) - 1, 0, -1):
         node = nodes.get(".".join(segments[:end]))
         if node is not None:
-            is_called = _is_called(node, is_set=is_set) or service.on_names is not None
+            is_called = _is_called(node, is_set=is_set) or values.on_names is not None
             return node.name if is_called else None
     if segments[-1] == "properties" and ("values" in tail or "names" in tail):
         return f"{NAMES}{ask.target}"  # it reads values, and may take longer than names do
     is_bulk = segments[-1] == "properties" and (tail or ask.payload is not None)
-    return NAMES if is_bulk or service.on_names is not None else None
+    return NAMES if is_bulk or values.on_names is not None else None
 
 
 def _is_called(node: PropertyNode, *, is_set: bool) -> bool:
     return node.reader is not None or (is_set and node.writer is not None)
 
 
-def _lane_of_listening(service: Service, whose: list[str], tail: str) -> str | None:
+def _lane_of_listening(values: LiveValues, whose: list[str], tail: str) -> str | None:
     """Return the lane of a request to listen: it has to read a value that is not known."""
-    node = service.registry.nodes.get(".".join(whose))
+    node = values.registry.nodes.get(".".join(whose))
     if node is None:
         is_names = whose[-1:] == ["properties"]
-        if is_names and service.registry.is_inner(".".join(whose[:-1])):
+        if is_names and values.registry.is_inner(".".join(whose[:-1])):
             return None
-        return NAMES if service.on_names is not None else _lane_of_part(service, whose)
+        return NAMES if values.on_names is not None else _lane_of_part(values, whose)
     has_value = node.value is not None and ("initial=0" in tail or "remove" in tail)
     if node.reader is None or has_value or not node.calls_user_code:
         return None
     return node.name
 
 
-def _lane_of_part(service: Service, segments: list[str]) -> str | None:
+def _lane_of_part(values: LiveValues, segments: list[str]) -> str | None:
     for end in range(len(segments) - 1, 0, -1):
-        node = service.registry.nodes.get(".".join(segments[:end]))
+        node = values.registry.nodes.get(".".join(segments[:end]))
         if node is not None:
             return None if node.reader is None else node.name
     return None

@@ -2,24 +2,18 @@
 
 from __future__ import annotations
 
-from contextlib import suppress
-from functools import partial
-from typing import TYPE_CHECKING
+from collections.abc import Callable
 
 from rtkit.property import components
 from rtkit.property.codes import PropertyError
-from rtkit.property.messages import Answer, PropertyEvent
+from rtkit.property.messages import PropertyEvent
 from rtkit.property.node import PropertyNode
-from rtkit.property.registry import NameEntry, as_value
+from rtkit.property.registry import NameEntry, Registry, as_value
 from rtkit.property.requests import Requester
 from rtkit.property.subscription import Listener, SubscriptionOptions
 from rtkit.property.types import Content
-from rtkit.property.user_code import Unfolded
 from rtkit.property.values import Value, Word
 from rtkit.property.writing import write
-
-if TYPE_CHECKING:
-    from rtkit.property.service import Service
 
 MOST_OF_CALLER = 1024
 
@@ -31,12 +25,15 @@ class Listeners:
         of_names: Those who listen to which names there are, by place.
     """
 
-    def __init__(self, service: Service) -> None:
-        self._service = service
+    def __init__(
+        self, registry: Registry, clock: Callable[[], float], wall: Callable[[], float]
+    ) -> None:
+        self._registry = registry
+        self._clock = clock
+        self._wall = wall
         self._all: dict[tuple[Requester, str, tuple[str, ...]], Listener] = {}
         self.of_names: dict[str, list[Listener]] = {}
         self._revision_of_names = 1
-        self._polled: set[PropertyNode] = set()
 
     @property
     def is_any(self) -> bool:
@@ -44,30 +41,38 @@ class Listeners:
         return bool(self._all)
 
     def register(
-        self, place: NameEntry, options: SubscriptionOptions, caller: Requester
+        self,
+        place: NameEntry,
+        options: SubscriptionOptions,
+        caller: Requester,
+        read: Callable[[PropertyNode], object],
     ) -> Listener:
         """Register a caller as listener; one that listens already gets the new options and lease.
+
+        Args:
+            place: What is listened to.
+            options: How.
+            caller: Whoever listens.
+            read: Has a property hold its present value, where the first event is to carry it.
 
         Raises:
             PropertyError: ``denied``: it listens to too much, or cannot; as GET of the value.
         """
-        is_names = place.field == "properties" or place.node is None
-        key = (caller, f"{place.name}?" if is_names else place.name, place.path)
+        key = _key(place, caller)
         known = self._all.get(key)
         if known is not None and known.options == options:
-            known.renew(self._service.clock())
+            known.renew(self._clock())
             return known
         if sum(1 for each in self._all if each[0] is caller) >= MOST_OF_CALLER:
             raise PropertyError("denied", f"more than {MOST_OF_CALLER} listeners")
-        name = ".".join((place.name, *place.path))
-        listener = Listener(name, place.path, options, caller)
-        listener.renew(self._service.clock())
-        first, value = self._first(place, listener, is_names)
+        listener = Listener(place.full_name, place.path, options, caller)
+        listener.renew(self._clock())
+        first, value = self._first(place, listener, read)
         if known is not None:
             self.end(known)
         caller.listen(listener)
         self._all[key] = listener
-        if is_names:
+        if _is_of_names(place):
             listener.name = f"{place.name}.properties".lstrip(".")
             self.of_names.setdefault(place.name, []).append(listener)
         else:
@@ -78,25 +83,25 @@ class Listeners:
         return listener
 
     def _first(
-        self, place: NameEntry, listener: Listener, is_names: bool
+        self, place: NameEntry, listener: Listener, read: Callable[[PropertyNode], object]
     ) -> tuple[PropertyEvent, object]:
-        if is_names:
+        if _is_of_names(place):
             return self._names_event(place.name), None
         node = place.node
         assert node is not None
         if node.function is None:
             if listener.options.has_initial or node.value is None:
-                self._service.value_of(node)
+                read(node)
         elif node.value is None:
-            node.put(node.function.describe(), self._service.wall())
+            node.put(node.function.describe(), self._wall())
         made = _event(node, listener)
         if made is None:
             raise PropertyError("unknown", f"no such property: {listener.name}")
         return made
 
     def _names_event(self, name: str) -> PropertyEvent:
-        text = self._service.registry.listed(name)
-        return PropertyEvent("", text, self._service.wall(), self._revision_of_names)
+        text = self._registry.listed(name)
+        return PropertyEvent("", text, self._wall(), self._revision_of_names)
 
     def changed(self, node: PropertyNode, has_changed: bool) -> None:
         """Notify the listeners of a property that it was set."""
@@ -129,7 +134,7 @@ class Listeners:
         """Send the listeners of a property the last event: it is gone."""
         for listener in node.listeners or ():
             last = PropertyEvent(
-                listener.name, "", self._service.wall(), node.revision, "bad", 0, "unknown"
+                listener.name, "", self._wall(), node.revision, "bad", 0, "unknown"
             )
             listener.offer(last, None)
             listener.has_ended = True
@@ -141,7 +146,7 @@ class Listeners:
         """End a listener: it receives nothing more."""
         self._forget(listener)
         listener.has_ended = True
-        node = self._service.registry.nodes.get(_property_of(listener))
+        node = self._registry.nodes.get(_property_of(listener))
         if node is not None and node.listeners:
             node.listeners = [each for each in node.listeners if each is not listener] or None
         for place, listeners in list(self.of_names.items()):
@@ -165,8 +170,7 @@ class Listeners:
         Raises:
             PropertyError: ``unknown``: it does not listen to that.
         """
-        is_names = place.field == "properties" or place.node is None
-        key = (caller, f"{place.name}?" if is_names else place.name, place.path)
+        key = _key(place, caller)
         if key not in self._all:
             raise PropertyError("unknown", f"not listened to: {place.name}")
         self.end(self._all[key])
@@ -178,7 +182,7 @@ class Listeners:
 
     def tick(self) -> float | None:
         """End the leases that are over; return when the next one is, None if none will be."""
-        now = self._service.clock()
+        now = self._clock()
         for listener in [each for each in self._all.values() if each.ends_at is not None]:
             if listener.ends_at is not None and listener.ends_at <= now:
                 self.end(listener)
@@ -187,36 +191,17 @@ class Listeners:
 
     def computed(self) -> list[PropertyNode]:
         """Return the properties that are listened to and change without our doing."""
-        nodes = self._service.registry.nodes
+        nodes = self._registry.nodes
         found = {_property_of(each): each for each in self._all.values()}
         return [nodes[name] for name in found if name in nodes and nodes[name].reader is not None]
 
-    def poll(self) -> None:
-        """Read anew what is computed and listened to, or remembered."""
-        remembered = self._service.remembered.values()
-        for node in dict.fromkeys([*self.computed(), *remembered]):
-            if not node.calls_user_code:
-                self._poll(node)
-            elif node not in self._polled:
-                self._polled.add(node)
-                work, late = partial(self._poll, node), partial(self._mark_bad, node)
-                self._service.user_code.later(node.name, work, late, 0.0)
 
-    def _poll(self, node: PropertyNode) -> None:
-        try:
-            self._service.value_of(node)
-        except PropertyError:
-            self._mark_bad(node)
-        except Unfolded:
-            with suppress(PropertyError):
-                self._service.names_now()
-        self._polled.discard(node)
+def _is_of_names(place: NameEntry) -> bool:
+    return place.field == "properties" or place.node is None
 
-    def _mark_bad(self, node: PropertyNode, _why: Answer | None = None) -> None:
-        """Notify the listeners that a value cannot be had."""
-        if node.quality != "bad" and node.value is not None:
-            node.put(node.value, self._service.wall(), "bad")
-            self.changed(node, True)
+
+def _key(place: NameEntry, caller: Requester) -> tuple[Requester, str, tuple[str, ...]]:
+    return (caller, f"{place.name}?" if _is_of_names(place) else place.name, place.path)
 
 
 def _property_of(listener: Listener) -> str:

@@ -2,49 +2,40 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
-from rtkit.property import components
 from rtkit.property.codes import PropertyError
+from rtkit.property.live_values import LiveValues, part
+from rtkit.property.node import PropertyNode
 from rtkit.property.registry import NameEntry
-from rtkit.property.values import Element, Value, Word
+from rtkit.property.requests import Requester
+from rtkit.property.values import Element, Value, Word, kind_of
 from rtkit.property.writing import write
-
-if TYPE_CHECKING:
-    from rtkit.property.node import PropertyNode
-    from rtkit.property.requests import Requester
-    from rtkit.property.service import Service
 
 
 def meta(
-    service: Service,
-    node: PropertyNode,
-    caller: Requester,
-    path: tuple[str, ...] = (),
-    *,
-    calls_user_code: bool = True,
+    values: LiveValues, place: NameEntry, caller: Requester, *, calls_user_code: bool = True
 ) -> Element:
     """Return the element; for a part of a value it has the type of that part.
 
     Args:
-        service: Whose property it is.
-        node: The property.
+        values: Of the service.
+        place: The property, or the part of one.
         caller: Who asks: what it may not set is told as read-only.
-        path: Of the part.
         calls_user_code: It is read anew even where that takes user code.
 
     Raises:
         PropertyError: ``unknown``: there is no such part.
     """
+    node = place.node
+    assert node is not None
     spec = node.spec
     kind = spec.type.name
     if node.function is not None:
         kind = "element"
     elif "r" in spec.access:
         if calls_user_code or not node.calls_user_code:
-            _look(service, node)
-        if path:
-            kind = _kind_of_part(node, path)
+            _look(values, node)
+        if place.path:
+            kind = kind_of(part(place, node.value))
     fields: dict[str, Value | None] = {
         "type": Word(kind),
         "access": Word(_access(node, caller)),
@@ -71,24 +62,12 @@ def _access(node: PropertyNode, caller: Requester) -> str:
     return access if caller.may("SET", node.name) else access.replace("w", "") or access
 
 
-def _look(service: Service, node: PropertyNode) -> None:
+def _look(values: LiveValues, node: PropertyNode) -> None:
     """Update time, quality and revision to the present value, where it can be had."""
     try:
-        service.value_of(node)
+        values.value_of(node)
     except PropertyError:
         node.quality = "bad"
-
-
-def _kind_of_part(node: PropertyNode, path: tuple[str, ...]) -> str:
-    from rtkit.property.values import kind_of
-
-    whole = node.value
-    part = None
-    if whole is not None and not isinstance(whole, bytes):
-        part = components.get(whole, path, node.spec.labels)
-    if part is None:
-        raise PropertyError("unknown", f"no such property: {node.name}.{'.'.join(path)}")
-    return kind_of(part)
 
 
 def meta_field(described: Element, place: NameEntry) -> str:

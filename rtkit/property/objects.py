@@ -77,7 +77,7 @@ class Exported:
         self._unfolded: dict[str, object] = {}
         self._looks = self._seen = 0
         self.refresh()
-        service.on_names = self.refresh
+        service.values.on_names = self.refresh
 
     def refresh(self) -> None:
         """Compare with the members that there are now; report those that came and went.
@@ -89,7 +89,7 @@ class Exported:
         look = self._looks
         found: dict[str, _Found] = {}
         scan = lambda: self._scan(lambda: self._thing, self._thing, "", (), found, is_plain=True)  # noqa: E731
-        result_of(self._service.user_code.call(scan))
+        result_of(self._service.values.user_code.call(scan))
         if look < self._seen:
             return  # who has looked later was ready sooner
         self._seen = look
@@ -170,7 +170,7 @@ class Exported:
         """
         present = _present(thing, member, named)
         if is_coroutine(present):
-            return self._service.user_code.awaited(present, lambda cancel: None)
+            return self._service.values.user_code.awaited(present, lambda cancel: None)
         return present
 
     def _add(self, name: str, found: _Found) -> None:

@@ -7,7 +7,7 @@ from rtkit.property.naming import RequestTarget
 from rtkit.property.reading import read
 from rtkit.property.spec import RequestParameter
 from rtkit.property.types import check, parse_type
-from rtkit.property.values import Element, Value, Word
+from rtkit.property.values import Element, Value, Word, is_number
 from rtkit.property.writing import write
 
 COMMON = {
@@ -59,3 +59,30 @@ def _given(parameter: RequestParameter, text: str) -> Value:
     if parameter.type.base == "string" and (is_lone or isinstance(value, Word)):
         return text.strip()
     return value
+
+
+def number(given: dict[str, Value], key: str, default: float) -> float:
+    """Take a parameter that is a number.
+
+    Raises:
+        PropertyError: ``bad-parameter``.
+    """
+    value = given.pop(key, default)
+    if not is_number(value) or value != value:
+        raise PropertyError("bad-parameter", f"{key} is a number")
+    return value  # type: ignore[return-value]
+
+
+def flag(given: dict[str, Value], key: str) -> bool:
+    """Take a parameter that is on when it is there, unless it is 0 or false."""
+    return given.pop(key, False) not in (False, 0)
+
+
+def nothing_else(parameters: dict[str, Value], what: str) -> None:
+    """Refuse parameters that nothing has taken.
+
+    Raises:
+        PropertyError: ``bad-parameter``.
+    """
+    if parameters:
+        raise PropertyError("bad-parameter", f"{what} has no parameter {min(parameters)}")

@@ -31,6 +31,11 @@ class NameEntry(NamedTuple):
     extension: str = ""
     field: str = ""
 
+    @property
+    def full_name(self) -> str:
+        """Return the name of the property, or of the part of its value."""
+        return ".".join((self.name, *self.path))
+
 
 class Registry:
     """All properties of one service."""

@@ -1,7 +1,50 @@
 """Property service of one owner: answers GET and SET of named properties, and sends changes.
 
-Pure: asks come in, answers and events go out through what they were given; clocks are given too.
-Only one thread at a time may be inside; what calls user code lets others in meanwhile.
+Theory of operation
+-------------------
+*A core.* Requests come in with what takes their answer; nothing here knows sockets, threads or a
+clock, which is handed in. Only one thread at a time may be inside: the lock is that of the loop
+that serves the endpoints. It is left only while code of users runs (`user_code`).
+
+*Who owns what.* `registry.Registry` owns the names, and what each stands for: a property, an inner
+node, an extension of one of these, or a part of a value. `node.PropertyNode` holds one property:
+what is declared, the value, its text, its listeners. `live_values.LiveValues` reads values, puts
+them in force and has the change sent. `listeners.Listeners` owns who listens, each with a queue of
+its own (`subscription.Listener`); an endpoint empties it as fast as its client takes it. `actions`
+starts functional properties, `extensions` answers what is asked about a property, `bulk` what is
+asked about several, `polling` looks again at what is computed. `Service` only decides which of
+these a request goes to, and whether its caller may.
+
+*A request.* Its target is a name, perhaps with parameters. The caller is looked at first
+(`permit`), before anything tells that a name is there. A GET leads to a payload, a SET to nothing
+unless it asks for an echo. What fails becomes an answer with a code; nothing is raised at an
+endpoint. The answer is given exactly once. A SET that is repeated with its id acts once
+(`idempotency`).
+
+*Values are characters end to end.* Only this service, as the owner's, parses a value, checks it
+against what is declared, and writes it; endpoints and proxies pass payloads on. A node writes its
+text once and keeps it until the value changes.
+
+*Where user code runs.* Readers, writers, getters, actions and what lists names may take any time
+(decision 38). A request that calls none is answered at once, on the thread that brought it. Others
+go to a lane (`lanes`): those of one property wait for each other, so that it is got and set in the
+order of the requests, and nobody else waits. What hangs is refused when its requester has given up.
+
+*Names may change.* An owner that exports an object tells through ``on_names`` which members there
+are now. They are looked for before names are listed and when a name is missed, never at a GET of
+what is known. A member that turns out to hold an object raises `Unfolded`; the request is then done
+once more with the names of that object.
+
+*Fast paths* (decision 34). Nearly all requests are a GET or SET of one kept property, and nothing
+else: `fast_path` answers their lines as bytes, `handle` reads a kept value with two look-ups,
+`set_plain` skips parameters, parts and writers. Each refuses whatever else there is, and then the
+long way is taken, which comes to the same.
+
+*Invariants.* A revision grows with each change of a value and never falls. A value in force fits
+what is declared. Of several properties that are set at once all change or none, and each is checked
+before the first is set. A listener receives the present value first, then changes in their order; a
+full queue drops its oldest and counts it; the last event of a property that is removed says so.
+
 Source: `property-service` reference.
 """
 
@@ -9,46 +52,39 @@ from __future__ import annotations
 
 import time as _time
 from collections.abc import Callable
-from contextlib import suppress
 from dataclasses import replace
 from fnmatch import fnmatchcase
 from functools import partial
 
-from rtkit.property import components
-from rtkit.property.actions import described, start
+from rtkit.property import actions
 from rtkit.property.codes import PropertyError
-from rtkit.property.extensions import get_extension, set_extension
+from rtkit.property.extensions import Extensions
 from rtkit.property.fast_path import FastPath
 from rtkit.property.functional import FunctionalProperty
 from rtkit.property.idempotency import IdempotencyCache, identity_of
-from rtkit.property.lanes import NAMES, first_only, lane_of, wait_of
-from rtkit.property.listeners import Listeners
+from rtkit.property.lanes import first_only, lane_of, wait_of
+from rtkit.property.live_values import LiveValues
 from rtkit.property.messages import DONE, Answer, Payload, failed
 from rtkit.property.naming import RequestTarget, parse_target
 from rtkit.property.node import PropertyNode
-from rtkit.property.parameters import COMMON, OF_GET, checked_parameters
-from rtkit.property.reading import read
-from rtkit.property.registry import NameEntry, Registry
+from rtkit.property.parameters import COMMON, OF_GET, checked_parameters, flag
+from rtkit.property.polling import Poller
 from rtkit.property.requests import PropertyRequest, Requester
 from rtkit.property.spec import PropertySpec, Reader, Writer, plain
-from rtkit.property.types import Content, check, from_payload, parse_type, to_payload
-from rtkit.property.user_code import AT_ONCE, Unfolded, UserCode, result_of
-from rtkit.property.values import Value, is_number
-from rtkit.property.writing import write
-
-_NONE: dict[str, Value] = {}
+from rtkit.property.types import Content, check
+from rtkit.property.user_code import Unfolded
 
 
 class Service:
     """Properties of one owner.
 
     Attributes:
+        values: Reads them and puts them in force.
+        registry: Their names.
+        listeners: Who is sent changes.
+        extensions: Answers what is asked about them.
         on_refusal: Hears of each request that was denied: who, method, target.
         quick: Answers a request line of the kind that most are.
-        on_names: Called before names are told or missed, to have those that there are now.
-        remembered: What is computed and has a history, by name.
-        user_code: Calls what is not ours.
-        notifies: Returns who listens for a property elsewhere; None where none can.
         has_groups: Those who listen in the same way may share one listener.
     """
 
@@ -62,23 +98,20 @@ class Service:
         wall: Callable[[], float] = _time.time,
     ) -> None:
         self.name = name
-        self.clock = clock
-        self.wall = wall
-        self.registry = Registry()
-        self.listeners = Listeners(self)
+        self.values = LiveValues(clock, wall)
+        self.registry = self.values.registry
+        self.listeners = self.values.listeners
+        self.extensions = Extensions(self.values, self.permit, self.get)
         self.on_refusal: Callable[[str, str, str], object] | None = None
-        self.on_names: Callable[[], object] | None = None
-        self.notifies: Callable[[str, str], Requester] | None = None
         self._nodes = self.registry.nodes
-        self.remembered: dict[str, PropertyNode] = {}
+        self._set_plain = self.values.set_plain
+        self._poller = Poller(self.values)
         self._histories: list[tuple[str, int]] = []
-        self._once = IdempotencyCache()
-        self._quick = FastPath(self)
-        self.quick = self._quick.reply
+        self._idempotency = IdempotencyCache()
+        self._fast_path = FastPath(self.values)
+        self.quick = self._fast_path.reply
         self._started = wall()
-        self.user_code: UserCode = AT_ONCE
         self._has_user_code = False
-        self._is_looking = False
 
     # What the owner does.
 
@@ -122,7 +155,7 @@ class Service:
 
             node.history = deque(maxlen=most)
             if node.reader is not None:
-                self.remembered[node.name] = node
+                self._poller.remembered[node.name] = node
         if self.listeners.of_names:
             self.listeners.names_changed(added=node.name)
         return node
@@ -145,9 +178,9 @@ class Service:
         Raises:
             PropertyError: ``unknown``.
         """
-        self._quick.forget()
+        self._fast_path.forget()
         for node in self.registry.remove(name):
-            self.remembered.pop(node.name, None)
+            self._poller.remembered.pop(node.name, None)
             self.listeners.end_all(node)
             if self.listeners.of_names:
                 self.listeners.names_changed(removed=node.name)
@@ -161,9 +194,7 @@ class Service:
         node = self._nodes.get(name)
         if node is None:
             raise PropertyError("unknown", f"no such property: {name}")
-        has_changed = node.put(check(node.spec.type, value), self.wall(), quality)
-        if node.listeners:
-            self.listeners.changed(node, has_changed)
+        self.values.keep(node, check(node.spec.type, value), quality)
 
     def get(self, target: str) -> Payload:
         """Return what a GET of the owner leads to.
@@ -190,21 +221,6 @@ class Service:
 
     # What endpoints do.
 
-    def set_plain(self, node: PropertyNode, payload: Payload) -> None:
-        """Carry out a SET of a property with nothing else to it, for who may.
-
-        Raises:
-            PropertyError: As answered.
-        """
-        spec = node.spec
-        if "w" not in spec.access:
-            self.check_writable(node, node.name)
-        value = spec.within(from_payload(spec.type, payload))
-        if node.writer is None and node.reader is None and "r" in spec.access:
-            self._keep(node, value)
-        else:
-            self.apply(node, value)
-
     def revision(self, name: str) -> int | None:
         """Return the revision of a property, None of what is none."""
         node = self._nodes.get(name)
@@ -230,20 +246,20 @@ class Service:
                 assert node is not None
                 ask.answer(_read_kept(node))
                 return
-        lane = lane_of(self, ask) if self._has_user_code else None
+        lane = lane_of(self.values, ask) if self._has_user_code else None
         if lane is None:
             self._answer(ask)
         else:
             asked = ask._replace(answer=first_only(ask.answer))
             work = partial(self._answer, asked)
-            self.user_code.later(lane, work, asked.answer, wait_of(ask, self.clock()))
+            self.values.user_code.later(lane, work, asked.answer, wait_of(ask, self.values.clock()))
 
     def _answer(self, ask: PropertyRequest) -> None:
         try:
             try:
                 answer = self._perform(ask)
             except Unfolded:
-                self.names_now()
+                self.values.names_now()
                 answer = self._perform(ask)
         except PropertyError as error:
             answer = Answer(str(error), error.code)
@@ -258,7 +274,7 @@ class Service:
         is_plain = node is not None and not node.function and not ask.id
         if is_plain and ask.payload is not None and ask.caller.may("SET", ask.target):
             assert node is not None
-            self.set_plain(node, ask.payload)
+            self._set_plain(node, ask.payload)
             return DONE
         target = parse_target(ask.target)
         if target.service and target.service != self.name:
@@ -275,7 +291,7 @@ class Service:
         key = identity_of(ask, target.parameters.get("id"))
         if key is None:
             return self._set(target, ask)
-        answer = self._once.first(key, ask.answer)
+        answer = self._idempotency.first(key, ask.answer)
         if answer is None:
             return None
         try:
@@ -289,30 +305,11 @@ class Service:
     @property
     def is_polled(self) -> bool:
         """Return whether something that is listened to is to be read anew from time to time."""
-        listeners = self.listeners
-        is_heard = listeners.is_any and bool(listeners.of_names or listeners.computed())
-        return is_heard or bool(self.remembered)
+        return self._poller.is_needed
 
     def poll(self) -> None:
         """Read anew what is computed and listened to."""
-        self.listeners.poll()
-        if self.on_names is not None and self.listeners.of_names and not self._is_looking:
-            self._is_looking = True
-            self.user_code.later(NAMES, self._look, lambda answer: None, 0.0)
-
-    def _look(self) -> None:
-        with suppress(PropertyError):  # who asks for the names is told
-            self.names_now()
-        self._is_looking = False
-
-    def names_now(self) -> None:
-        """Update the names to those that there are now.
-
-        Raises:
-            PropertyError: ``internal``: user code that lists them failed.
-        """
-        if self.on_names is not None:
-            self.on_names()
+        self._poller.poll()
 
     def tick(self) -> None:
         """End the leases that are over."""
@@ -334,149 +331,40 @@ class Service:
             self.on_refusal(caller.identity, method, name)
         raise PropertyError("denied", f"{method} by {caller.identity or 'nobody'}: {name}")
 
-    def find(self, name: str) -> NameEntry:
-        """Return what a name stands for, looking once more when there is no such name.
-
-        Raises:
-            PropertyError: ``unknown``.
-        """
-        try:
-            return self.registry.find(name)
-        except PropertyError as error:
-            if self.on_names is None or error.code != "unknown":
-                raise
-        self.names_now()
-        return self.registry.find(name)
-
-    # GET
-
     def _get(self, target: RequestTarget, ask: PropertyRequest) -> Payload:
-        place = self.find(target.name)
+        place = self.values.find(target.name)
         if place.extension:
-            return get_extension(self, place, _read_all(target.parameters), ask.caller)
+            return self.extensions.get(place, target, ask.caller)
         node = place.node
         if node is None:
             checked_parameters((), target, OF_GET)
-            self.names_now()
+            self.values.names_now()
             return self.registry.listed(place.name)
         if node.function is not None:
             checked_parameters((), target, OF_GET)
-            return described(node.function, place)
+            return actions.described(node.function, place)
         given = checked_parameters(node.spec.parameters, target, OF_GET)
         given.pop("timeout", None)
-        if "r" not in node.spec.access:
-            raise PropertyError("write-only", f"cannot be read: {target.name}")
-        if node.reader is None and not place.path:
-            return node.payload
-        value = self.value_of(node, given)
-        if not place.path:
-            return to_payload(node.spec.type, value)
-        part = components.get(_divisible(value, place), place.path, node.spec.labels)
-        if part is None:
-            raise PropertyError("unknown", f"no such property: {target.name}")
-        return write(part)
-
-    def value_of(self, node: PropertyNode, parameters: dict[str, Value] = _NONE) -> Content:
-        """Return the present value of a property, read anew where it is computed.
-
-        Raises:
-            PropertyError: ``write-only``, ``internal``, ``bad-value``.
-        """
-        if node.reader is None:
-            if node.value is None:
-                raise PropertyError("write-only", f"cannot be read: {node.name}")
-            return node.value
-        reader = node.reader
-        value: Content = result_of(self.user_code.call(lambda: reader(parameters)))
-        if not parameters:
-            self.seen(node, value)
-        return value
-
-    def seen(self, node: PropertyNode, value: Content) -> None:
-        """Record a computed value: if it has changed, notify its listeners."""
-        if node.value is None:
-            node.put(value, self.wall())
-            node.revision = 1
-        elif node.put(value, self.wall()) and node.listeners:
-            self.listeners.changed(node, True)
-
-    # SET
+        return self.values.payload_of(place, given)
 
     def _set(self, target: RequestTarget, ask: PropertyRequest) -> Answer | None:
         assert ask.payload is not None
-        place = self.find(target.name)
+        place = self.values.find(target.name)
         if place.extension:
-            set_extension(self, place, _read_all(target.parameters), ask)
+            self.extensions.set(place, target, ask)
             return DONE
         node = place.node
         if node is None:
             raise PropertyError("read-only", f"cannot be set: {target.name}")
         if node.function is not None:
-            return start(self, node, place, target, ask)
+            return actions.start(self.values, place, target, ask)
         given = checked_parameters(node.spec.parameters, target, COMMON)
-        has_echo = given.pop("echo", False) not in (False, 0)
+        has_echo = flag(given, "echo")
         given.pop("timeout", None)
         given.pop("id", None)
-        self.check_writable(node, target.name, given.pop("if", None))
-        if place.path:
-            value = self._with_part(node, place, ask.payload)
-        else:
-            value = node.spec.within(from_payload(node.spec.type, ask.payload))
-        self.apply(node, value, given)
+        self.values.check_writable(node, target.name, given.pop("if", None))
+        self.values.set_at(place, ask.payload, given)
         return Answer(self._get(RequestTarget(target.name, {}), ask)) if has_echo else DONE
-
-    def check_writable(self, node: PropertyNode, name: str, revision: Value | None = None) -> None:
-        """Refuse to set what cannot be, or is no longer what the caller thinks it is.
-
-        Raises:
-            PropertyError: ``read-only``, ``conflict``.
-        """
-        if "w" not in node.spec.access:
-            raise PropertyError("read-only", f"cannot be set: {name}")
-        if revision is None:
-            return
-        if node.reader is not None:
-            self.value_of(node)
-        if revision != node.revision:
-            raise PropertyError("conflict", f"revision of {name} is {node.revision}")
-
-    def apply(
-        self, node: PropertyNode, value: Content, parameters: dict[str, Value] = _NONE
-    ) -> None:
-        """Put a checked value in force, and notify its listeners.
-
-        Raises:
-            PropertyError: What the writer raised; the old value is in force.
-        """
-        if node.writer is not None:
-            to_payload(node.spec.type, value)
-            writer = node.writer
-            outcome = self.user_code.call(lambda: writer(value, parameters))
-            changed = result_of(outcome, (ValueError, TypeError))
-            value = value if changed is None else changed
-        if "r" not in node.spec.access:
-            return
-        if node.reader is not None:
-            try:
-                value = self.value_of(node)
-            except Unfolded:
-                return
-        self._keep(node, value)
-
-    def _keep(self, node: PropertyNode, value: Content) -> None:
-        has_changed = node.put(value, self.wall())
-        if node.listeners:
-            self.listeners.changed(node, has_changed)
-
-    def _with_part(self, node: PropertyNode, place: NameEntry, payload: Payload) -> Content:
-        whole = _divisible(self.value_of(node), place)
-        before = components.get(whole, place.path, node.spec.labels)
-        if before is None:
-            raise PropertyError("unknown", f"no such property: {place.name}.{'.'.join(place.path)}")
-        kind = parse_type("number" if is_number(before) else "any")
-        part = from_payload(kind, payload)
-        assert not isinstance(part, bytes)
-        return node.spec.admit(components.replace(whole, place.path, part, node.spec.labels))
 
 
 def _read_kept(node: PropertyNode) -> Answer:
@@ -484,13 +372,3 @@ def _read_kept(node: PropertyNode) -> Answer:
         return Answer(node.payload)
     except PropertyError as error:
         return Answer(str(error), error.code)
-
-
-def _divisible(value: Content, place: NameEntry) -> Value:
-    if isinstance(value, bytes):
-        raise PropertyError("unknown", f"no such property: {place.name}.{place.path[0]}")
-    return value
-
-
-def _read_all(parameters: dict[str, str | None]) -> dict[str, Value]:
-    return {key: True if text is None else read(text) for key, text in parameters.items()}

@@ -322,7 +322,7 @@ class ThisHost:
         """Return the next event; a host's properties are read once a second."""
         end = None if timeout_s is None else time.monotonic() + timeout_s
         while True:
-            self._service.listeners.poll()
+            self._service.poll()
             now = time.monotonic()
             for listener in self._me.listeners:
                 event = listener.take(now)

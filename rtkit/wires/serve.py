@@ -129,7 +129,7 @@ def serve(
     policy = read_policy(rules, endpoints=WIRES) if isinstance(rules, str) else rules
     host = PropertyEventLoop(policy)
     service = thing if isinstance(thing, Service) else Service()
-    service.user_code = host.user_code
+    service.values.user_code = host.user_code
     service.name = service_name(name)
     for pattern, most in (history or {}).items():
         service.remember(pattern, most)
@@ -137,7 +137,7 @@ def serve(
         Exported(service, thing, hide)
     service.on_refusal = Refusals()
     if allowed := tuple(notify):
-        service.notifies = _notifying(host, service, allowed)
+        service.extensions.notifies = _notifying(host, service, allowed)
     host.add(service)
     try:
         socket = open_unix(host, service.name)

@@ -50,7 +50,7 @@ class Client:
         (listener,) = caller.listeners
 
         def events() -> Iterator[PropertyEvent]:
-            while (event := listener.take(self.service.clock())) is not None:
+            while (event := listener.take(self.service.values.clock())) is not None:
                 yield event
 
         yield events()

@@ -53,7 +53,7 @@ def _ask(target: str, payload: str | None = None, until: float = math.inf) -> Pr
 def test_lanes_of_an_object(target: str, payload: str | None, lane: str | None) -> None:
     service = Service("service")
     Exported(service, Thing())
-    assert lane_of(service, _ask(target, payload)) == lane
+    assert lane_of(service.values, _ask(target, payload)) == lane
 
 
 def test_an_attribute_that_becomes_something_else_leaves_the_loop() -> None:
@@ -62,9 +62,9 @@ def test_an_attribute_that_becomes_something_else_leaves_the_loop() -> None:
 
     service, thing = Service(), Thing()
     Exported(service, thing)
-    assert lane_of(service, _ask("odd")) is None
+    assert lane_of(service.values, _ask("odd")) is None
     thing.odd = Odd(2)
-    assert lane_of(service, _ask("odd")) == "odd"
+    assert lane_of(service.values, _ask("odd")) == "odd"
 
 
 def test_a_service_of_its_own_values_needs_no_lanes() -> None:
@@ -76,7 +76,7 @@ def test_a_service_of_its_own_values_needs_no_lanes() -> None:
         ("properties", None, None), ("set_only", None, None), ("set_only", "2", "set_only"),
         ("set_only.listen", "self", None),
     ):  # fmt: skip
-        assert lane_of(service, _ask(target, payload)) == lane, target
+        assert lane_of(service.values, _ask(target, payload)) == lane, target
 
 
 @pytest.mark.parametrize(

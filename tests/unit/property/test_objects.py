@@ -222,7 +222,7 @@ def test_keys_that_come_and_go_are_told() -> None:
     del robot.extra["a"]
     assert service.get("extra") == "(new)"
     assert service.get("extra.properties") == "(new)"
-    events = iter(lambda: heard[0].take(service.clock()), None)
+    events = iter(lambda: heard[0].take(service.values.clock()), None)
     assert [event.payload for event in events] == [
         "((added extra.new) (removed))", "((added) (removed extra.a))"]  # fmt: skip
 

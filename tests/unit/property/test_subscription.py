@@ -145,7 +145,7 @@ def test_what_is_computed_is_read_while_somebody_listens() -> None:
     subscription = Ear()
     assert service.listeners.computed() == []
     service.handle(PropertyRequest("n.listen", "self", lambda _: None, subscription))
-    service.listeners.poll()
+    service.poll()
     (event,) = drain(subscription.listeners[0], clock.now)
     assert event.payload == "1"
 

@@ -1,0 +1,201 @@
+"""Live values of a service: read anew or kept, put in force, changes sent to who listens.
+
+Whoever calls has looked whether the caller may. Readers, writers and what lists names are code of
+users: while one runs, others may be inside (see `rtkit.property.user_code`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from rtkit.property import components
+from rtkit.property.codes import PropertyError
+from rtkit.property.listeners import Listeners
+from rtkit.property.messages import Payload
+from rtkit.property.node import PropertyNode
+from rtkit.property.registry import NameEntry, Registry
+from rtkit.property.types import Content, from_payload, parse_type, to_payload
+from rtkit.property.user_code import AT_ONCE, Unfolded, UserCode, result_of
+from rtkit.property.values import Value, is_number
+from rtkit.property.writing import write
+
+_NONE: dict[str, Value] = {}
+
+
+class LiveValues:
+    """Values of the properties of one service.
+
+    Attributes:
+        clock: Returns monotonic time [s].
+        wall: Returns the time of day [s since 1970].
+        user_code: Calls what is not ours.
+        on_names: Called before names are told or missed, to have those that there are now.
+    """
+
+    def __init__(self, clock: Callable[[], float], wall: Callable[[], float]) -> None:
+        self.clock = clock
+        self.wall = wall
+        self.registry = Registry()
+        self.listeners = Listeners(self.registry, clock, wall)
+        self.user_code: UserCode = AT_ONCE
+        self.on_names: Callable[[], object] | None = None
+
+    def names_now(self) -> None:
+        """Update the names to those that there are now.
+
+        Raises:
+            PropertyError: ``internal``: user code that lists them failed.
+        """
+        if self.on_names is not None:
+            self.on_names()
+
+    def find(self, name: str) -> NameEntry:
+        """Return what a name stands for, looking once more when there is no such name.
+
+        Raises:
+            PropertyError: ``unknown``.
+        """
+        try:
+            return self.registry.find(name)
+        except PropertyError as error:
+            if self.on_names is None or error.code != "unknown":
+                raise
+        self.names_now()
+        return self.registry.find(name)
+
+    # reading
+
+    def value_of(self, node: PropertyNode, parameters: dict[str, Value] = _NONE) -> Content:
+        """Return the present value of a property, read anew where it is computed.
+
+        Raises:
+            PropertyError: ``write-only``, ``internal``, ``bad-value``.
+        """
+        reader = node.reader
+        if reader is None:
+            if node.value is None:
+                raise PropertyError("write-only", f"cannot be read: {node.name}")
+            return node.value
+        value: Content = result_of(self.user_code.call(lambda: reader(parameters)))
+        if not parameters:
+            self._seen(node, value)
+        return value
+
+    def payload_of(self, place: NameEntry, parameters: dict[str, Value]) -> Payload:
+        """Return the present value of a property, or of a part of it, as replies carry it.
+
+        Raises:
+            PropertyError: As `value_of`; ``unknown``: there is no such part.
+        """
+        node = place.node
+        assert node is not None
+        if "r" not in node.spec.access:
+            raise PropertyError("write-only", f"cannot be read: {place.full_name}")
+        if node.reader is None and not place.path:
+            return node.payload
+        value = self.value_of(node, parameters)
+        return to_payload(node.spec.type, value) if not place.path else write(part(place, value))
+
+    def _seen(self, node: PropertyNode, value: Content) -> None:
+        """Record a computed value: if it has changed, notify its listeners."""
+        if node.value is None:
+            node.put(value, self.wall())
+            node.revision = 1
+        elif node.put(value, self.wall()) and node.listeners:
+            self.listeners.changed(node, True)
+
+    # writing
+
+    def check_writable(self, node: PropertyNode, name: str, revision: Value | None = None) -> None:
+        """Refuse to set what cannot be, or is no longer what the caller thinks it is.
+
+        Raises:
+            PropertyError: ``read-only``, ``conflict``.
+        """
+        if "w" not in node.spec.access:
+            raise PropertyError("read-only", f"cannot be set: {name}")
+        if revision is None:
+            return
+        if node.reader is not None:
+            self.value_of(node)
+        if revision != node.revision:
+            raise PropertyError("conflict", f"revision of {name} is {node.revision}")
+
+    def set_plain(self, node: PropertyNode, payload: Payload) -> None:
+        """Carry out a SET of a property with nothing else to it, for who may.
+
+        Raises:
+            PropertyError: As answered.
+        """
+        spec = node.spec
+        if "w" not in spec.access:
+            self.check_writable(node, node.name)
+        value = spec.within(from_payload(spec.type, payload))
+        if node.writer is None and node.reader is None and "r" in spec.access:
+            self.keep(node, value)
+        else:
+            self.apply(node, value)
+
+    def set_at(self, place: NameEntry, payload: Payload, parameters: dict[str, Value]) -> None:
+        """Carry out a SET of a property, or of a part of it, that was found to be writable.
+
+        Raises:
+            PropertyError: ``bad-value``, ``unknown``; as `apply`.
+        """
+        node = place.node
+        assert node is not None
+        spec = node.spec
+        if place.path:
+            whole = self.value_of(node)
+            kind = "number" if is_number(part(place, whole)) else "any"
+            given = from_payload(parse_type(kind), payload)
+            assert not isinstance(whole, bytes)
+            assert not isinstance(given, bytes)
+            value = spec.admit(components.replace(whole, place.path, given, spec.labels))
+        else:
+            value = spec.within(from_payload(spec.type, payload))
+        self.apply(node, value, parameters)
+
+    def apply(
+        self, node: PropertyNode, value: Content, parameters: dict[str, Value] = _NONE
+    ) -> None:
+        """Put a checked value in force, and notify its listeners.
+
+        Raises:
+            PropertyError: What the writer raised; the old value is in force.
+        """
+        writer = node.writer
+        if writer is not None:
+            to_payload(node.spec.type, value)
+            outcome = self.user_code.call(lambda: writer(value, parameters))
+            changed = result_of(outcome, (ValueError, TypeError))
+            value = value if changed is None else changed
+        if "r" not in node.spec.access:
+            return
+        if node.reader is not None:
+            try:
+                value = self.value_of(node)
+            except Unfolded:
+                return
+        self.keep(node, value)
+
+    def keep(self, node: PropertyNode, value: Content, quality: str = "good") -> None:
+        """Keep a value that is in force, and notify its listeners."""
+        has_changed = node.put(value, self.wall(), quality)
+        if node.listeners:
+            self.listeners.changed(node, has_changed)
+
+
+def part(place: NameEntry, whole: Content | None) -> Value:
+    """Return the part of a value that a name stands for.
+
+    Raises:
+        PropertyError: ``unknown``: there is no such part.
+    """
+    assert place.node is not None
+    found = None
+    if whole is not None and not isinstance(whole, bytes):
+        found = components.get(whole, place.path, place.node.spec.labels)
+    if found is None:
+        raise PropertyError("unknown", f"no such property: {place.full_name}")
+    return found
