@@ -55,7 +55,8 @@ def bound_of(
     from rtkit.wires.line.client import LineClient
 
     is_given = any(each.startswith("timeout=") for each in (*parameters, *(typed or "").split("&")))
-    is_known = isinstance(end, LineClient) and not is_given
+    client = end.endpoint if isinstance(end, OfService) else end
+    is_known = isinstance(client, LineClient) and not is_given
     return [f"timeout={timeout_s:g}"] if is_known else []
 
 
@@ -217,18 +218,18 @@ class OfService:
     """Connection to one of several services behind an endpoint."""
 
     def __init__(self, endpoint: PropertyClient, service: str) -> None:
-        self._endpoint = endpoint
+        self.endpoint = endpoint
         self._service = service
         self.event = endpoint.event
         self.close = endpoint.close
 
     def ask(self, target: str, payload: Payload | None = None) -> Answer:
         """See `PropertyClient.ask`."""
-        return self._endpoint.ask(f"{self._service}/{target}", payload)
+        return self.endpoint.ask(f"{self._service}/{target}", payload)
 
     def listen(self, target: str) -> None:
         """See `PropertyClient.listen`."""
-        self._endpoint.listen(f"{self._service}/{target}")
+        self.endpoint.listen(f"{self._service}/{target}")
 
 
 def printed_error(typed: str, error: Exception) -> PropertyError:

@@ -11,7 +11,7 @@ from pathlib import Path
 from queue import SimpleQueue
 
 import pytest
-from conformance import Door, check_answers, check_events, check_once, subject
+from conformance import Door, subject
 from mosquittokit import MOSQUITTO, PASSWORD, Mosquitto, Stranger
 from property_endpoints import BOUND_S, Lines
 
@@ -81,18 +81,6 @@ def endpoint(
     yield endpoint
     endpoint.close()
     ends.close()
-
-
-def test_requests(endpoint: Door) -> None:
-    check_answers(endpoint)
-
-
-def test_a_request_that_is_repeated_with_its_id_acts_once(endpoint: Door, place: Path) -> None:
-    check_once(f"{place}/far.sock")
-
-
-def test_events(endpoint: Door, served: ServedObject, service: Service) -> None:
-    check_events(endpoint, service, served.owned)
 
 
 def test_values_are_retained_and_described(

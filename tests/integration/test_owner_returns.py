@@ -2,41 +2,39 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import re
 from contextlib import ExitStack
 
 import pytest
 from conformance import subject
-from property_endpoints import BOUND_S, Lines
-from serialkit import Cable
+from property_endpoints import BOUND_S, SERVED, Lines, WirePlaces, params
 
 from rtkit.proxy.bridge import bridge
 from rtkit.wires.line.client import connect_unix
 from rtkit.wires.serve import ServedObject, serve
-
-WIRES: dict[str, Callable[[ServedObject, Cable], str]] = {
-    "unix": lambda served, cable: f"unix:{served.socket}",
-    "tcp": lambda served, cable: f"tcp:localhost:{served.port}",
-    "zenoh": lambda served, cable: "zenoh:robot",
-    "http": lambda served, cable: f"http://localhost:{served.http}/ps/robot",
-    "serial": lambda served, cable: f"serial:{cable.near}?check=1",
-}
+from rtkit.wires.table import wire_of
+from rtkit.wires.wire import PORT
 
 
-@pytest.mark.parametrize("wire", WIRES)
-def test_who_listens_hears_the_new_owner(place: str, cable: Cable, wire: str) -> None:
-    def begin(port: int, http: int, count: int) -> ServedObject:
+@pytest.mark.parametrize("scheme", params("unix", "zenoh", *SERVED))
+def test_who_listens_hears_the_new_owner(place: str, scheme: str) -> None:
+    def begin(value: str, count: int) -> ServedObject:
         service = subject()
         service.update("count", count)
         if count != 7:
             service.remove("mode")
-        is_on = wire == "zenoh"
-        return serve(service, "robot", port=port, http=http, serial=cable.far,
-                     settable=["*"], is_on_zenoh=is_on)  # fmt: skip
+        opened = {option.name: value} if option is not None else {}
+        is_on = scheme == "zenoh"
+        return serve(service, "robot", settable=["*"], is_on_zenoh=is_on, **opened)
 
+    option = wire_of(scheme).option
     with ExitStack() as ends:
-        served = begin(0, 0, 7)
-        near = bridge(WIRES[wire](served, cable), f"unix:{place}/near.sock", allow_set=["*"])
+        target, found = WirePlaces(place, ends).address(wire_of(scheme))
+        value = target.partition(":")[2]
+        served = begin(value, 7)
+        known = {"unix": f"unix:{served.socket}", "zenoh": "zenoh:robot", **served.addresses}
+        address = found or known[scheme]
+        near = bridge(address, f"unix:{place}/near.sock", allow_set=["*"])
         ends.enter_context(near)
         ends.enter_context(bridge(near.address, f"unix:{place}/far.sock", allow_set=["*"]))
         endpoint = Lines(lambda: connect_unix(f"{place}/far.sock", BOUND_S))
@@ -47,9 +45,9 @@ def test_who_listens_hears_the_new_owner(place: str, cable: Cable, wire: str) ->
         assert (next(counts).payload, next(modes).payload) == ("7", "idle")
         assert next(latest).payload == "0.25"
         served.close()
-        assert served.port is not None
-        assert served.http is not None
-        again = ends.enter_context(begin(served.port, served.http, 8))
+        if option is not None and option.metavar == PORT:
+            value = re.findall(r":(\d+)", address)[0]
+        again = ends.enter_context(begin(value, 8))
         while (event := next(counts)).payload != "8":
             assert (event.payload, event.quality) == ("7", "stale")
         assert event.quality == "good"

@@ -7,11 +7,22 @@ import socket
 import threading
 import time
 from collections.abc import Callable, Iterator
+from functools import partial
 
 import icekit
 import pytest
 from conformance import Door, check_answers, check_events, subject
-from property_endpoints import BOUND_S, Lines, Zenoh
+from oneline import OneLine
+from property_endpoints import (
+    BOUND_S,
+    KNOWING,
+    Lines,
+    Zenoh,
+    client_of,
+    listening,
+    params,
+    ports,
+)
 from unruly import Unruly, check_only_its_own_request_suffers
 
 from rtkit.errors import Refused, RtkitError, Unreachable
@@ -19,10 +30,8 @@ from rtkit.link import places, secret
 from rtkit.property.codes import PropertyError
 from rtkit.property.service import Service
 from rtkit.serving import refusals
-from rtkit.wires.http.client import connect_http
-from rtkit.wires.ice.client import connect_ice
 from rtkit.wires.line import connection, login
-from rtkit.wires.line.client import LineClient, connect_tcp, connect_unix, listening
+from rtkit.wires.line.client import LineClient, connect_unix
 from rtkit.wires.serve import ServedObject, serve
 
 
@@ -33,12 +42,8 @@ def service() -> Service:
 
 @pytest.fixture
 def served(place: str, service: Service) -> Iterator[ServedObject]:
-    with serve(service, "robot", port=0, http=0, ice=icekit.PORT) as served:
+    with serve(service, "robot", **PORTS) as served:
         yield served
-
-
-def _unix(served: ServedObject) -> Lines:
-    return Lines(lambda: connect_unix(served.socket, BOUND_S))
 
 
 def _speed(served: ServedObject) -> object:
@@ -46,32 +51,16 @@ def _speed(served: ServedObject) -> object:
         return client.ask("speed").payload
 
 
-def _tcp(served: ServedObject) -> Lines:
-    port = served.port or 0
-    return Lines(lambda: connect_tcp("127.0.0.1", port, BOUND_S))
-
-
-def _http(served: ServedObject) -> Lines:
-    address = f"http://127.0.0.1:{served.http}"
-    return Lines(lambda: connect_http(address, BOUND_S, "robot"))
-
-
-def _ice(served: ServedObject) -> Lines:
-    address = f"ice://127.0.0.1:{served.ice}/robot"
-    return Lines(lambda: connect_ice(address, BOUND_S))
-
-
-DOORS: dict[str, Callable[[ServedObject], Lines | Zenoh]] = {
-    "unix": _unix,
-    "tcp": _tcp,
+DOORS: dict[str, Callable[[ServedObject], Lines | Zenoh | OneLine]] = {
+    "unix": lambda served: Lines(lambda: connect_unix(served.socket, BOUND_S)),
     "zenoh": lambda served: Zenoh(),
-    "http": _http,
-} | ({"ice": _ice} if icekit.IS_THERE else {})
+} | {each: partial(client_of, scheme=each) for each in KNOWING}
 """Each is a row: what is asked of one is asked of all."""
-_NO_ICE = [] if icekit.IS_THERE else [pytest.param("ice", marks=pytest.mark.skip(icekit.MISSING))]
+PORTS = ports(*KNOWING)
+THERE = [each for each in DOORS if icekit.IS_THERE or each != "ice"]
 
 
-@pytest.fixture(params=[*DOORS, *_NO_ICE])
+@pytest.fixture(params=params(*DOORS))
 def endpoint(request: pytest.FixtureRequest, served: ServedObject) -> Iterator[Door]:
     made = DOORS[request.param](served)
     yield made
@@ -82,10 +71,10 @@ def test_requests(endpoint: Door) -> None:
     check_answers(endpoint)
 
 
-@pytest.mark.parametrize("wire", [*DOORS, *_NO_ICE])
+@pytest.mark.parametrize("wire", params(*DOORS))
 def test_of_code_that_does_anything_only_its_own_request_suffers(place: str, wire: str) -> None:
     thing = Unruly()
-    with serve(thing, "robot", port=0, http=0, ice=icekit.PORT) as served:
+    with serve(thing, "robot", **PORTS) as served:
         endpoint = DOORS[wire](served)
         check_only_its_own_request_suffers(endpoint, thing)
         endpoint.close()
@@ -107,7 +96,7 @@ def test_ends_of_lines_are_as_they_like(served: ServedObject) -> None:
 
 
 def test_changes_through_one_door_are_heard_at_the_others(served: ServedObject) -> None:
-    endpoints = {name: make(served) for name, make in DOORS.items()}
+    endpoints = {name: DOORS[name](served) for name in THERE}
     try:
         for name, endpoint in endpoints.items():
             with (
@@ -330,8 +319,8 @@ def test_rules_hold_at_every_door(
 ) -> None:
     monkeypatch.setattr(refusals, "MOST", 1000)
     with _ruled() as served:
-        for name, made in DOORS.items():
-            endpoint = made(served)
+        for name in THERE:
+            endpoint = DOORS[name](served)
             caplog.clear()
             wrong = [
                 (name, target, answer) for target, payload, code in ROWS
@@ -350,8 +339,8 @@ def test_rules_hold_at_every_door(
 
 def test_listeners_are_bounded_at_every_door(place: str) -> None:
     with _ruled("limit * door_listeners 2") as served:
-        for made in DOORS.values():
-            endpoint = made(served)
+        for name in THERE:
+            endpoint = DOORS[name](served)
             with endpoint.listen("count") as first, endpoint.listen("speed") as second:
                 next(first)
                 next(second)
@@ -361,7 +350,7 @@ def test_listeners_are_bounded_at_every_door(place: str) -> None:
             endpoint.close()
 
 
-@pytest.mark.parametrize("name", ["unix", "tcp", "http", *({"ice"} & DOORS.keys())])
+@pytest.mark.parametrize("name", params("unix", *KNOWING))
 def test_who_asks_too_often_is_told(place: str, name: str) -> None:
     with _ruled("limit * rate 20") as served:
         endpoint = DOORS[name](served)
@@ -382,4 +371,4 @@ def test_one_connection_too_many_is_told(place: str) -> None:
 
 
 def _ruled(rules: str = RULES) -> ServedObject:
-    return serve(subject(), "robot", port=0, http=0, ice=icekit.PORT, rules=rules)
+    return serve(subject(), "robot", **PORTS, rules=rules)

@@ -7,14 +7,18 @@ import os
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from queue import SimpleQueue
 
 import pytest
 from conformance import ROWS, check_answers, check_events, subject
 from oneline import BOUND_S, OneLine
+from property_endpoints import listening
 from serialkit import Cable, noise
 
 from rtkit.errors import Malformed, Refused, Unreachable
 from rtkit.property.service import Service
+from rtkit.proxy.bridge import bridge
+from rtkit.wires.line.client import connect_unix
 from rtkit.wires.serial.address import read_address, split_target
 from rtkit.wires.serial.client import connect_serial
 from rtkit.wires.serve import ServedObject, serve
@@ -194,3 +198,27 @@ def test_addresses(tmp_path: Path) -> None:
     for wrong in (__file__, "/dev/null"):
         with pytest.raises(Refused, match="not a serial line"):
             connect_serial(wrong, 1.0)
+
+
+def test_while_the_device_is_gone_a_proxy_says_so(place: str, cable: Cable) -> None:
+    said: SimpleQueue[str] = SimpleQueue()
+    path = f"{place}/p.sock"
+    with (
+        serving(cable, subject(), "*") as served,
+        bridge(f"serial:{cable.near}?check=1", f"unix:{path}", allow_set=["*"], said=said.put),
+        connect_unix(path, BOUND_S) as client,
+        listening(connect_unix(path, BOUND_S), "count") as events,
+    ):
+        assert next(events).payload == "7"
+        cable.unplug(cable.near)
+        assert "unplugged" in said.get(timeout=BOUND_S)
+        assert client.ask("count").error == "no-service"
+        assert next(events).quality == "stale"
+        served.owned(lambda: served.service.update("count", 8))
+        cable.plug(cable.near)
+        while said.get(timeout=BOUND_S):
+            pass
+        while (event := next(events)).payload != "8":
+            pass
+        assert event.quality == "good"
+        assert client.ask("count").payload == "8"

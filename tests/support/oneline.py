@@ -18,6 +18,7 @@ class OneLine:
     def __init__(self, client: SerialClient) -> None:
         self._client = client
         self._kept: dict[str, deque[PropertyEvent]] = {}
+        self.close = client.close
 
     def ask(self, target: str, payload: Payload | None = None) -> Answer:
         """GET, or SET."""

@@ -1,33 +1,82 @@
-"""Clients of the endpoints of property services, as the conformance table needs them."""
+"""Clients of the endpoints of property services, and places for endpoints of every wire.
+
+What tests open on a wire, and how they reach it, follows from its record in `rtkit.wires.table`.
+"""
 
 from __future__ import annotations
 
+import itertools
 import os
+import tempfile
 from collections.abc import Callable, Iterator
-from contextlib import AbstractContextManager, contextmanager
+from contextlib import ExitStack, contextmanager
+from pathlib import Path
+
+import icekit
+import pytest
+from mosquittokit import MOSQUITTO, Mosquitto
+from oneline import OneLine
+from serialkit import Cable
 
 from rtkit.link import keys, places
 from rtkit.link.zenoh import open_client, unix_endpoint
 from rtkit.property.messages import PropertyEvent
-from rtkit.wires.http.client import HttpClient
-from rtkit.wires.ice.client import IceClient
-from rtkit.wires.line.client import LineClient, listening
+from rtkit.proxy.bridge import bridge
+from rtkit.tree.properties import OfService
+from rtkit.wires.serve import ServedObject
+from rtkit.wires.table import WIRES, wire_of
+from rtkit.wires.wire import PORT, PropertyClient, Wire
 from rtkit.wires.zenoh.client import ZenohClient
 
 BOUND_S = 30.0
+_IS_ABSENT = {} if icekit.IS_THERE else {"ice": icekit.MISSING}
+
+
+def params(*schemes: str) -> list[object]:
+    """Return parameters of a test: each scheme, skipped where the wire cannot be had here."""
+    return [
+        pytest.param(each, marks=pytest.mark.skip(_IS_ABSENT[each])) if each in _IS_ABSENT else each
+        for each in schemes
+    ]
+
+
+SERVED = [
+    each for each in WIRES if (wire := wire_of(each)).option is not None and wire.client is not None
+]
+"""Schemes of the wires over which objects are served, and properties asked for."""
+KNOWING = [each for each in SERVED if wire_of(each).option.knows_clients]  # type: ignore[union-attr]
+"""Those of them that learn who asks, and serve many."""
+
+
+def ports(*schemes: str) -> dict[str, int | str]:
+    """Return keywords of `rtkit.serve` that open a free port on each wire that has ports."""
+    options = [wire_of(each).option for each in schemes if each not in _IS_ABSENT]
+    return {each.name: 0 for each in options if each is not None and each.metavar == PORT}
 
 
 class Lines:
-    """Lines, HTTP or Ice; each who listens has a client of its own."""
+    """Clients of one endpoint; each listening has a client of its own."""
 
-    def __init__(self, connect: Callable[[], LineClient | HttpClient | IceClient]) -> None:
+    def __init__(self, connect: Callable[[], PropertyClient]) -> None:
         self._connect = connect
         self._client = connect()
         self.ask = self._client.ask
         self.close = self._client.close
 
-    def listen(self, target: str) -> AbstractContextManager[Iterator[PropertyEvent]]:
-        return listening(self._connect(), target)
+    @contextmanager
+    def listen(self, target: str) -> Iterator[Iterator[PropertyEvent]]:
+        with listening(self._connect(), target) as events:
+            yield events
+
+
+@contextmanager
+def listening(client: PropertyClient, target: str) -> Iterator[Iterator[PropertyEvent]]:
+    """Listen on a connection of its own, which is closed at the end."""
+    try:
+        client.listen(target)
+        yield iter(client.event, None)
+    finally:
+        client.close()
 
 
 class Zenoh:
@@ -47,3 +96,52 @@ class Zenoh:
 
     def close(self) -> None:
         self._session.close()  # type: ignore[no-untyped-call]
+
+
+def client_at(scheme: str, address: str, service: str = "robot") -> Lines | OneLine:
+    """Connect to an endpoint as commands do, by the record of its wire."""
+    side = wire_of(scheme).client
+    assert side is not None
+    place, _ = side.split(f"{address}/")
+    if side.has_services:
+        return Lines(lambda: OfService(side.connect(place, BOUND_S), service))
+    return OneLine(side.connect(place, BOUND_S))
+
+
+def client_of(served: ServedObject, scheme: str) -> Lines | OneLine:
+    """Connect to an endpoint of a served object."""
+    return client_at(scheme, served.addresses[scheme], served.name)
+
+
+class WirePlaces:
+    """Places for endpoints of any wire: fills in the form of its addresses."""
+
+    def __init__(self, folder: str, ends: ExitStack) -> None:
+        self._folder, self._ends = folder, ends
+        self._numbers = itertools.count(1)
+
+    def opened(self, wire: Wire, source: str) -> str:
+        """Open an endpoint by a proxy; return the address at which clients find it."""
+        target, found = self.address(wire)
+        near = self._ends.enter_context(bridge(source, target, allow_set=["*"]))
+        # What has a name in the tree is found by that, and on this wire by its own address.
+        return found or (near.address if near.address.startswith(wire.scheme) else target)
+
+    def address(self, wire: Wire) -> tuple[str, str]:
+        """Return where to open an endpoint, and where that is found unless it says so itself."""
+        number = next(self._numbers)
+        form = wire.target
+        if "DEVICE" in form:
+            cable = Cable(tempfile.mkdtemp(dir=self._folder))
+            self._ends.callback(cable.close)
+            return form.replace("DEVICE", cable.far), wire.source.replace("DEVICE", cable.near)
+        if "USER@HOST" in form:
+            if MOSQUITTO is None:
+                pytest.skip("there is no mosquitto")
+            broker = Mosquitto(Path(self._folder))
+            self._ends.callback(broker.stop)
+            return broker.address("lab"), ""
+        known = {"PORT": "0", "PATH": f"{self._folder}/{number}.sock", "SERVICE": f"p{number}"}
+        for word, value in known.items():
+            form = form.replace(word, value)
+        return form, ""

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import re
 import signal
 import subprocess
 from collections.abc import Callable, Iterator
@@ -13,24 +12,13 @@ from typing import Any
 import icekit
 import pytest
 from mosquittokit import MOSQUITTO, PASSWORD, Mosquitto
+from property_endpoints import SERVED, params
 from serialkit import Cable
 
-from rtkit.errors import Unreachable
-from rtkit.wires.http.client import connect_http
-from rtkit.wires.ice.client import connect_ice
-from rtkit.wires.serial.client import connect_serial
+from rtkit.wires.table import wire_of
 
 PATIENCE_S = 1.0
-needs_ice = pytest.mark.skipif(not icekit.IS_THERE, reason=icekit.MISSING)
 needs_mosquitto = pytest.mark.skipif(MOSQUITTO is None, reason="there is no mosquitto")
-ENDPOINTS = ["http", "serial", pytest.param("ice", marks=needs_ice)]
-CONNECT: dict[str, Callable[[str, float], Any]] = {
-    "http": lambda address, timeout_s: connect_http(
-        address.removesuffix("/ps/bot"), timeout_s, "bot"
-    ),
-    "serial": connect_serial,
-    "ice": connect_ice,
-}
 
 
 @pytest.fixture
@@ -53,13 +41,15 @@ def served(
     services = []
 
     def serve(wire: str) -> tuple[Any, str]:
-        more = {"serial": "--serial far --allow-set speed"}.get(wire, f"--{wire} 0")
-        services.append(shell.open(f"rtserve bot:Bot bot {more if wire else ''}"))
-        told = services[0].stdout.readline()
-        found = re.search(rf"{wire}://\S+", told) if wire else None
-        return services[0], f"serial:{cable.near}" if wire == "serial" else found[
-            0
-        ] if found else ""
+        option = wire_of(wire).option if wire else None
+        value = {"DEVICE": "far --allow-set speed", "PATH": "bot.sock"}
+        more = "" if option is None else f"--{option.name} {value.get(option.metavar, 0)}"
+        services.append(shell.open(f"rtserve bot:Bot bot {more}"))
+        *_, address = services[0].stdout.readline().split()
+        if option is not None and not option.knows_clients:
+            address = wire_of(wire).source.replace("DEVICE", cable.near)
+        is_of_tcp = address.startswith("localhost:")
+        return services[0], f"{wire}:{address}/bot" if is_of_tcp else address
 
     yield serve
     for each in services:
@@ -77,29 +67,24 @@ def stopped(process: subprocess.Popen[str]) -> Iterator[None]:
         process.send_signal(signal.SIGCONT)
 
 
-@pytest.mark.parametrize("wire", ENDPOINTS)
+@pytest.mark.parametrize("wire", params(*SERVED))
 def test_a_value_set_before_a_stopped_service_is_not_set_later(
     shell: Any, served: Callable[[str], tuple[Any, str]], wire: str
 ) -> None:
     service, address = served(wire)
-    with CONNECT[wire](address, PATIENCE_S) as client:
-        client.ask("speed", "2").value()
-        with stopped(service), pytest.raises(Unreachable, match="no answer within"):
-            client.ask("speed", "7")
-        assert client.ask("speed").value() == "2.0"  # behind what lies in the queue
-        assert shell.ok("rtget bot/speed") == "2.0\n"
+    shell.ok(f"rtset {address}/speed 2")
+    with stopped(service):
+        given_up(shell, f"{address}/speed")
+    assert shell.ok(f"rtget {address}/speed") == "2.0\n"  # behind what lies in the queue
+    assert shell.ok("rtget bot/speed") == "2.0\n"
 
 
-@pytest.mark.parametrize("wire", ["", "zenoh", *ENDPOINTS])
+@pytest.mark.parametrize("wire", ["", "zenoh", *params(*SERVED)])
 def test_a_proxy_passes_on_how_much_time_is_left(
     shell: Any, served: Callable[[str], tuple[Any, str]], wire: str
 ) -> None:
     service, address = served("" if wire == "zenoh" else wire)
-    origin = {
-        "": "bot",
-        "zenoh": "zenoh:bot",
-    }.get(wire, address)
-    with carried(shell, origin, "far"):
+    with carried(shell, {"": "bot", "zenoh": "zenoh:bot"}.get(wire, address), "far"):
         shell.ok("rtset far/speed 2")
         with stopped(service):
             given_up(shell, "far/speed")

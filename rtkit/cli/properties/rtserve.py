@@ -106,6 +106,7 @@ def main(
 
     from rtkit.cli.properties.served_object import made
     from rtkit.cli.shared.signals import heard_by_main
+    from rtkit.wires.line.wire import TCP_CLIENTS
     from rtkit.wires.serve import serve
 
     ended = threading.Event()
@@ -119,7 +120,8 @@ def main(
         thing_made, name, settable=settable, hide=hide, history=history, rules=policy,
         notify=notify, is_on_zenoh=True, **endpoints,
     ) as served:  # fmt: skip
-        opened = [each.removeprefix("tcp:") for each in served.addresses.values()]
+        # What --at takes without a scheme is printed without one.
+        opened = [each.removeprefix(TCP_CLIENTS.prefix) for each in served.addresses.values()]
         terminal.write(["  ".join([f"/localhost/{served.name}", *opened])])
         import sys
 

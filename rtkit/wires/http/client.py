@@ -239,11 +239,6 @@ class HttpClient(Closing):
                 if not stream.was_last:
                     raise Unreachable("the connection has ended")
 
-    def events(self) -> Iterator[PropertyEvent]:
-        """Yield events for ever."""
-        while (event := self.event()) is not None:
-            yield event
-
     def close(self) -> None:
         """End all connections."""
         self._http.close()

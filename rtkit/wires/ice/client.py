@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import threading
-from collections.abc import Iterator
 from queue import SimpleQueue
 from typing import Any
 
@@ -79,11 +78,6 @@ class IceClient(Closing):
         for each in held:
             each.set_result(None)
         return event
-
-    def events(self) -> Iterator[PropertyEvent]:
-        """Yield events for ever."""
-        while (event := self.event()) is not None:
-            yield event
 
     def close(self) -> None:
         """End the connection."""

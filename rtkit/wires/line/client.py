@@ -5,8 +5,6 @@ from __future__ import annotations
 import select
 import socket
 import struct
-from collections.abc import Iterator
-from contextlib import contextmanager
 from time import monotonic
 from typing import TYPE_CHECKING
 
@@ -18,8 +16,7 @@ from rtkit.property.line import Replies, write_request
 from rtkit.property.messages import DONE, Answer, Payload, PropertyEvent
 
 if TYPE_CHECKING:
-    from rtkit.wires.http.client import HttpClient
-    from rtkit.wires.ice.client import IceClient
+    pass
 
 _PIECE = 1 << 16
 _FEW = 1 << 12
@@ -129,11 +126,6 @@ class LineClient(Closing):
         self._inbox.expect(name, tail)
         self.ask(f"{name}.listen{mark}{tail}", "self").value()
 
-    def events(self) -> Iterator[PropertyEvent]:
-        """Yield events for ever."""
-        while (event := self.event()) is not None:
-            yield event
-
     def _quick(self) -> Answer | None:
         """Return what nearly all replies are: one line with a value, and nothing behind it."""
         try:
@@ -239,15 +231,3 @@ def connect_tcp(host: str, port: int, timeout_s: float) -> LineClient:
         client.close()
         raise
     return client
-
-
-@contextmanager
-def listening(
-    client: LineClient | HttpClient | IceClient, target: str
-) -> Iterator[Iterator[PropertyEvent]]:
-    """Listen on a connection of its own, which is closed at the end."""
-    try:
-        client.listen(target)
-        yield client.events()
-    finally:
-        client.close()

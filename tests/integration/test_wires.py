@@ -1,0 +1,136 @@
+"""Every wire of the table carries requests and events alike: through proxies and to clients."""
+
+from __future__ import annotations
+
+import re
+import tomllib
+from collections.abc import Iterator
+from contextlib import ExitStack
+from pathlib import Path
+
+import pytest
+from conformance import ROWS, Door, check_answers, check_events, check_once, subject
+from mosquittokit import PASSWORD
+from property_endpoints import BOUND_S, Lines, WirePlaces, client_at, params
+
+from rtkit.errors import RtkitError
+from rtkit.property.service import Service
+from rtkit.proxy.bridge import bridge
+from rtkit.wires.line.client import connect_unix
+from rtkit.wires.serve import ServedObject, serve
+from rtkit.wires.table import WIRES, wire_of
+
+ROOT = Path(__file__).parents[2]
+FOR_CLIENTS = [each for each in WIRES if wire_of(each).client is not None]
+
+
+@pytest.fixture
+def service() -> Service:
+    return subject()
+
+
+@pytest.fixture
+def served(place: str, service: Service) -> Iterator[ServedObject]:
+    with serve(service, "robot", is_on_zenoh=False) as served:
+        yield served
+
+
+@pytest.fixture
+def ends(monkeypatch: pytest.MonkeyPatch) -> Iterator[ExitStack]:
+    monkeypatch.setenv("RTKIT_MQTT_PASSWORD", PASSWORD)
+    with ExitStack() as stack:
+        yield stack
+
+
+@pytest.fixture(params=params(*WIRES))
+def through_proxies(
+    request: pytest.FixtureRequest, served: ServedObject, place: str, ends: ExitStack
+) -> Iterator[Door]:
+    """A way to the service through two proxies with the wire between them."""
+    address = WirePlaces(place, ends).opened(wire_of(request.param), "robot")
+    ends.enter_context(
+        bridge(address, f"unix:{place}/far.sock", allow_set=["*"], timeout_s=BOUND_S)
+    )
+    endpoint = Lines(lambda: connect_unix(f"{place}/far.sock", BOUND_S))
+    yield endpoint
+    endpoint.close()
+    ends.close()
+
+
+@pytest.fixture(params=params(*FOR_CLIENTS))
+def of_client(
+    request: pytest.FixtureRequest, served: ServedObject, place: str, ends: ExitStack
+) -> Iterator[Door]:
+    """A client of the wire at the endpoint of a proxy."""
+    address = WirePlaces(place, ends).opened(wire_of(request.param), "robot")
+    endpoint = client_at(request.param, address)
+    yield endpoint
+    endpoint.close()
+    ends.close()
+
+
+SHORT = tuple(row for row in ROWS if len(str(row[1])) < 100_000)
+"""Rows that do not take minutes on a serial line."""
+
+
+def test_requests_through_proxies(through_proxies: Door) -> None:
+    check_answers(through_proxies, SHORT)
+
+
+def test_events_through_proxies(
+    through_proxies: Door, served: ServedObject, service: Service
+) -> None:
+    check_events(through_proxies, service, served.owned)
+
+
+def test_a_request_that_is_repeated_with_its_id_acts_once(
+    through_proxies: Door, place: str
+) -> None:
+    check_once(f"{place}/far.sock")
+
+
+def test_requests_of_a_client(of_client: Door) -> None:
+    check_answers(of_client, SHORT)
+
+
+def test_events_to_a_client(of_client: Door, served: ServedObject, service: Service) -> None:
+    check_events(of_client, service, served.owned)
+
+
+@pytest.mark.parametrize("scheme", WIRES)
+@pytest.mark.parametrize("rest", ["", "?", "//", ":", "nobody@nowhere:x/y", "localhost:99999/x"])
+def test_what_is_no_address_is_refused(place: str, scheme: str, rest: str) -> None:
+    with pytest.raises(RtkitError):
+        bridge(f"{scheme}:{rest}", "far", timeout_s=0.5)
+
+
+@pytest.mark.parametrize("scheme", WIRES)
+def test_nothing_is_opened_at_no_address(served: ServedObject, scheme: str) -> None:
+    with pytest.raises(RtkitError):
+        bridge("robot", f"{scheme}:")
+
+
+@pytest.mark.parametrize("scheme", WIRES)
+def test_a_record_is_whole(scheme: str) -> None:
+    wire = wire_of(scheme)
+    assert wire.scheme == scheme
+    assert wire.summary.endswith(".")
+    assert all(form.startswith(f"{scheme}:") for form in (wire.source, wire.target))
+    assert wire.client is None or wire.source.startswith(wire.client.prefix)
+    with (ROOT / "pyproject.toml").open("rb") as file:
+        extras = tomllib.load(file)["project"]["optional-dependencies"]
+    assert not wire.extra or wire.extra in extras
+
+
+def test_no_other_room_knows_the_wires_by_name() -> None:
+    """What depends on the wire is in its record, so that a new one is its package and a line."""
+    schemes = "|".join(each for each in WIRES if each not in ("unix", "zenoh"))
+    address = re.compile(rf'["\'](?:{schemes})(?::|["\'])')
+    found = [
+        f"{file.relative_to(ROOT)}: {line.strip()}"
+        for room in ("cli", "property", "proxy", "serving", "tree")
+        for file in sorted((ROOT / "rtkit" / room).rglob("*.py"))
+        for line in file.read_text(encoding="utf-8").splitlines()
+        if address.search(line) and not line.strip().startswith("(")
+    ]
+    assert found == []
