@@ -10,7 +10,7 @@ report = $(if $(REPORTS),--junitxml=$(REPORTS)/$(1).xml)
 BIN := .venv/bin
 READY := .venv/.ready
 
-.PHONY: help venv demo test test-pure test-real campaign campaign-faults laws lint bench man docs pictures bench-page clean
+.PHONY: help venv demo test test-pure test-real campaign campaign-faults laws lint bench commands man docs pictures bench-page clean
 
 help:
 	@echo "make demo    bring up a small robot, break it, repair it, take it down"
@@ -23,6 +23,7 @@ help:
 	@echo "make bench-page  measure all, and write the table of docs/performance.md"
 	@echo "make docs    build the pages as a site: build/site/index.html"
 	@echo "make pictures  draw the diagrams of the pages anew from the tables of the code"
+	@echo "make commands  write anew what is made of the commands: table, scripts, manual pages"
 	@echo "make man     write the manual pages anew from the commands"
 	@echo "make lint    what make test checks before the tests"
 	@echo "make venv    only set up .venv"
@@ -69,7 +70,7 @@ lint: $(READY)
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
-	$(BIN)/mypy bench campaign examples/demo.py
+	$(BIN)/mypy bench campaign examples/demo.py tools/make_commands.py
 	$(BIN)/lint-imports
 
 bench: $(READY)
@@ -88,7 +89,10 @@ pictures: $(READY)
 	$(BIN)/python tools/make_diagrams.py
 
 man: $(READY)
-	$(BIN)/python -m rtkit.cli.help.man man
+	$(BIN)/python tools/make_commands.py man
+
+commands: $(READY)
+	$(BIN)/python tools/make_commands.py
 
 clean:
 	rm -rf .venv build dist .mypy_cache .pytest_cache .ruff_cache .import_linter_cache .hypothesis

@@ -20,7 +20,7 @@ from typing import NamedTuple
 import pytest
 from hypothesis import HealthCheck, settings
 
-from rtkit.cli import MODULES
+from rtkit.cli.table import TABLE
 from rtkit.errors import RtkitError
 from rtkit.link.zenoh import ZenohLink, open_client, unix_endpoint
 from rtkit.tree.client import Tree
@@ -97,7 +97,7 @@ class Shell:
     def command(self, line: str, begin: str = "") -> list[str]:
         """Return what to execute for a command line; Python statements may come before it."""
         name, *arguments = shlex.split(line)
-        module = MODULES.get(name, "rtkit.cli")
+        module = TABLE[name][0] if name in TABLE else "rtkit.cli"
         script = f"import sys; sys.argv[0] = {name!r}; from {module} import main; sys.exit(main())"
         return [*self.prefix, sys.executable, "-c", begin + script, *arguments]
 

@@ -1,4 +1,4 @@
-"""Lists the commands: one file a command, all of them in the static table `MODULES`."""
+"""Finds commands: one file a command, all of them in the generated `rtkit.cli.table`."""
 
 from __future__ import annotations
 
@@ -7,57 +7,14 @@ import gc
 import sys
 from typing import TYPE_CHECKING
 
+from rtkit.cli.table import TABLE
+
 if TYPE_CHECKING:
     from rtkit.cli.shared.app import Main
 
-MODULES: dict[str, str] = {
-    "rtact": "rtkit.cli.components.rtact",
-    "rtapply": "rtkit.cli.system.rtapply",
-    "rtbuild": "rtkit.cli.profiles.rtbuild",
-    "rtcat": "rtkit.cli.tree.rtcat",
-    "rtcheck": "rtkit.cli.system.rtcheck",
-    "rtcomp": "rtkit.cli.components.rtcomp",
-    "rtcon": "rtkit.cli.components.rtcon",
-    "rtconf": "rtkit.cli.components.rtconf",
-    "rtcryo": "rtkit.cli.system.rtcryo",
-    "rtcwd": "rtkit.cli.tree.rtcwd",
-    "rtdeact": "rtkit.cli.components.rtdeact",
-    "rtdel": "rtkit.cli.tree.rtdel",
-    "rtdis": "rtkit.cli.components.rtdis",
-    "rtdoc": "rtkit.cli.profiles.rtdoc",
-    "rtdoctor": "rtkit.cli.managers.rtdoctor",
-    "rtexit": "rtkit.cli.components.rtexit",
-    "rtfind": "rtkit.cli.tree.rtfind",
-    "rtfsm": "rtkit.cli.components.rtfsm",
-    "rtget": "rtkit.cli.properties.rtget",
-    "rtinject": "rtkit.cli.data.rtinject",
-    "rtlisten": "rtkit.cli.properties.rtlisten",
-    "rtlog": "rtkit.cli.data.rtlog",
-    "rtls": "rtkit.cli.tree.rtls",
-    "rtmgr": "rtkit.cli.managers.rtmgr",
-    "rtplan": "rtkit.cli.system.rtplan",
-    "rtprint": "rtkit.cli.data.rtprint",
-    "rtprofile": "rtkit.cli.profiles.rtprofile",
-    "rtproxy": "rtkit.cli.properties.rtproxy",
-    "rtpwd": "rtkit.cli.tree.rtpwd",
-    "rtreset": "rtkit.cli.components.rtreset",
-    "rtresurrect": "rtkit.cli.system.rtresurrect",
-    "rtserve": "rtkit.cli.properties.rtserve",
-    "rtset": "rtkit.cli.properties.rtset",
-    "rtstart": "rtkit.cli.system.rtstart",
-    "rtstate": "rtkit.cli.system.rtstate",
-    "rtstodot": "rtkit.cli.system.rtstodot",
-    "rtstop": "rtkit.cli.system.rtstop",
-    "rtteardown": "rtkit.cli.system.rtteardown",
-    "rttop": "rtkit.cli.observing.rttop",
-    "rtvlog": "rtkit.cli.observing.rtvlog",
-    "rtwait": "rtkit.cli.observing.rtwait",
-    "rtwatch": "rtkit.cli.observing.rtwatch",
-}
-"""Command to its module; the verb of `rtkit` is the name without ``rt``."""
-
-COMMANDS: dict[str, str] = {name[2:]: name for name in MODULES}
+COMMANDS: dict[str, str] = {name[2:]: name for name in TABLE if " " not in name}
 """Verb of the unified tool to the name of the command, of its console script and man page."""
+
 
 _MANY = 50_000
 """New objects after which the collector of cycles looks at them; 700 are usual."""
@@ -82,10 +39,10 @@ _begin_script()
 
 
 def load(name: str) -> Main:
-    """Import a command, by its name or its verb, and return it."""
+    """Import a command, by its name or its verb, ``rtprofile show`` too, and return it."""
     from importlib import import_module
 
-    made: Main = import_module(MODULES[COMMANDS.get(name, name)]).main
+    made: Main = import_module(TABLE[COMMANDS.get(name, name)][0]).main
     return made
 
 

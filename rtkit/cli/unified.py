@@ -16,6 +16,12 @@ if TYPE_CHECKING:
 
 _USAGE = "Usage: {} VERB [OPTIONS] [ARGUMENTS]..."
 _BAD_LINE = 2
+EXAMPLES = (
+    ("rtkit ls /localhost", "The same as rtls /localhost."),
+    ("rtkit conf -h", "Tell about one verb."),
+    ("rtkit shell-init bash", "What bash evaluates to know rtcwd."),
+)
+"""Command lines, each with what it does."""
 _WRONG_COUNT = 1
 
 
@@ -106,6 +112,8 @@ def _complete(name: str, arguments: Sequence[str], tree: Tree | None) -> int:
 def _help(name: str) -> str:
     told = SUMMARIES | WORDS
     width = max(map(len, told)) + 2
+    lines = max(len(line) for line, _ in EXAMPLES) + 2
+    examples = "\n".join(f"  {line:<{lines}}{does}" for line, does in EXAMPLES[:2])
     verbs = "\n".join(f"  {verb:<{width}}{told[verb]}" for verb in sorted(told))
     return f"""{_USAGE.format(name)}
 
@@ -118,7 +126,10 @@ Options:
   --version   Show the version and exit.
   -h, --help  Show this message.
 
-{name} VERB -h tells more."""
+{name} VERB -h tells more.
+
+Examples:
+{examples}"""
 
 
 def _unknown(name: str, verb: str) -> int:

@@ -2,25 +2,28 @@
 
 from __future__ import annotations
 
-import importlib
 import subprocess
 import sys
-import tomllib
 from collections.abc import Iterator
 from pathlib import Path
 
 import click
+import make_commands
 import pytest
 
-from rtkit.cli import COMMANDS, MODULES, load
-from rtkit.cli.help.verbs import SUMMARIES
+from rtkit.cli import COMMANDS, load
+from rtkit.cli.completion.argument_types import KINDS
+from rtkit.cli.help.statuses import STATUSES
 from rtkit.cli.shared.app import App, Main
+from rtkit.cli.table import TABLE
 from rtkit.deployment import extension
 from rtkit.deployment.known_keys import OF_COMPONENTS, OF_PORTS, OF_SYSTEMS
 
 ROOT = Path(__file__).parents[2]
 MAX_LINES = 500
-SHARED = {"rtkit": "rtkit.cli:main"}
+LONGEST_SUMMARY = 80
+DOCUMENTS = {"rtcryo", "rtprofile show"}
+"""Commands with --json for a whole document, as docs/profiles.md tells of it."""
 FORBIDDEN_ON_THE_WAY = (
     "asyncio",
     "concurrent.futures",
@@ -52,12 +55,11 @@ FORBIDDEN_ON_THE_WAY = (
 )
 
 
-def test_files_and_scripts_are_those_of_the_table() -> None:
-    files = {file.stem for file in (ROOT / "rtkit" / "cli").rglob("rt*.py")}
-    with (ROOT / "pyproject.toml").open("rb") as stream:
-        scripts = tomllib.load(stream)["project"]["scripts"]
-    assert files == set(COMMANDS.values())
-    assert scripts == {name: f"{module}:main" for name, module in MODULES.items()} | SHARED
+def test_what_is_made_of_the_commands_is_up_to_date() -> None:
+    """Table and console scripts; `test_man` holds the manual pages."""
+    stale = "stale, write it anew with: make commands"
+    assert make_commands.TABLE.read_text(encoding="utf-8") == make_commands.table(), stale
+    assert make_commands.PROJECT.read_text(encoding="utf-8") == make_commands.project(), stale
 
 
 def test_the_page_of_commands_lists_each_once() -> None:
@@ -68,14 +70,36 @@ def test_the_page_of_commands_lists_each_once() -> None:
     assert sorted(listed) == sorted(COMMANDS.values())
 
 
-@pytest.mark.parametrize("verb", COMMANDS)
-def test_a_command_s_help_begins_as_the_table_says(verb: str) -> None:
-    main = load(verb)
+@pytest.mark.parametrize("name", TABLE)
+def test_a_command_declares_itself(name: str) -> None:
+    main = load(name)
+    word = name.rpartition(" ")[2]
     assert isinstance(main, Main)
-    assert main.name == COMMANDS[verb]
-    assert f"rt{verb}" == main.name
-    help_text = " ".join((main.command.help or "").split())
-    assert help_text.startswith(SUMMARIES[verb].removesuffix("."))
+    assert (main.name, main.command.name) == (word, word)
+    assert 10 < len(TABLE[name][1]) <= LONGEST_SUMMARY, "the first sentence of the help"
+    assert len(main.examples) > 1, "-h ends with two"
+    assert all(line.startswith(name) or " | " in line for line, _ in main.examples)
+    options = {text: each for each in main.command.params for text in each.opts}
+    assert main.values.keys() <= options.keys()
+    kinds = {*(main.arguments or ()), *main.values.values()}
+    assert kinds <= KINDS, "rtkit.cli.completion.argument_types knows the types of arguments"
+    assert main.statuses.keys() <= STATUSES.keys()
+    assert ("--json" in options) == bool(main.json) or name in DOCUMENTS
+    text = (ROOT / "docs" / "json.md").read_text(encoding="utf-8")
+    for kind in main.json:
+        assert (ROOT / "schemas" / "json" / f"{kind}.1.schema.json").is_file()
+        row = next((row for row in text.splitlines() if f"`{kind}`" in row), "")
+        assert f"`{name}" in row or f"`{word}" in row, f"docs/json.md: {kind} of {name}"
+
+
+def test_a_command_s_help_ends_with_two_examples(capsys: pytest.CaptureFixture[str]) -> None:
+    for name in TABLE:
+        first, *word = name.split()
+        assert load(first)([*word, "-h"]) == 0
+        told = " ".join(capsys.readouterr().out.partition("\n\nExamples:\n")[2].split())
+        for line, does in load(name).examples[:2]:
+            assert " ".join(line.split()) in told, name
+            assert " ".join(does.split()) in told, name
 
 
 FACTS = {"rtkit.deployment.facts", "rtkit.rtc.profiles"}
@@ -281,12 +305,8 @@ def test_nothing_tells_where_it_was_written() -> None:
 
 def _commands() -> Iterator[tuple[str, click.Command]]:
     """Yield each command, and each word of those that have words, as it is typed."""
-    for name in COMMANDS.values():
+    for name in TABLE:
         yield name, load(name).command
-    from rtkit.cli.profiles.rtprofile import WORDS
-
-    for word, each in WORDS.items():
-        yield f"rtprofile {word}", importlib.import_module(each.module).main.command
 
 
 def test_each_property_of_profiles_belongs_to_somebody() -> None:

@@ -65,4 +65,4 @@ def test_endpoints_of_unix_sockets_are_written_in_one_file() -> None:
 def test_the_folder_of_sockets_is_taken_unchecked_only_to_make_or_diagnose_it() -> None:
     assert _with("runtime_path", ".runtime_path") == KNOWS_THE_UNCHECKED_FOLDER
     named = {name for name in FILES if "'XDG_RUNTIME_DIR'" in FILES[name]}
-    assert named <= {"link/places.py", "cli/managers/doctor/installation.py", "cli/help/man.py"}
+    assert named <= {"link/places.py", "cli/managers/doctor/installation.py"}

@@ -84,6 +84,7 @@ def begun(shell: str, environment: dict[str, str], folder: Path) -> Iterator[Ter
         yield terminal
 
 
+@pytest.mark.timeout(180)  # 72 lines in three shells, a process for each TAB
 @pytest.mark.skipif(not all(map(shutil.which, SHELLS)), reason="a shell is absent")
 def test_tab_in_real_shells(manager: Any) -> None:
     made = "-c ConsoleIn?instance_name=In -c ConsoleOut?instance_name=Out"

@@ -17,10 +17,10 @@ from typing import Any
 
 import pytest
 from forked import Commands
+from make_commands import examples
 from serialkit import Cable
 
 from rtkit.cli import COMMANDS
-from rtkit.cli.help.examples import EXAMPLES
 from rtkit.cli.help.verbs import WORDS
 from rtkit.link.tcp_endpoint import free_port
 
@@ -192,7 +192,7 @@ ENDLESS = {
     "rtstate --follow robot.xml",
     "rttop",
     "rttop -s CPU% /localhost/manager.mgr",
-    *(line for line, _ in EXAMPLES["rtserve"]),
+    *(line for line, _ in examples()["rtserve"]),
     "rtvlog /localhost/Robot0.rtc",
     "rtvlog -l warn /",
     "rtvlog -f stdout /localhost/manager.mgr/drives.mgr",
@@ -282,7 +282,7 @@ def wrong_of(world: World, names: list[str]) -> dict[str, tuple[int, str]]:
     """Run the examples of commands and return those that did not do what they should."""
     wrong = {}
     for name in names:
-        for line, _ in EXAMPLES[name]:
+        for line, _ in examples()[name]:
             for each in BEFORE.get(line, ()):
                 status, told = world.type(each)
                 if status:
@@ -341,7 +341,7 @@ def test_every_example_runs(shell: Any) -> None:
         assert world.type(line) == (0, "")
         for line in SAVED:
             assert world.type(line) == (0, ""), line
-        usual = [name for name in EXAMPLES if name not in (*LAST, *ELSEWHERE)]
+        usual = [name for name in examples() if name not in (*LAST, *ELSEWHERE)]
         wrong = wrong_of(world, [*usual, *LAST])
         assert wrong == {}, "\n".join(f"{line}: {told}" for line, told in wrong.items())
     finally:
@@ -362,7 +362,7 @@ def test_every_example_that_starts_managers_runs(shell: Any) -> None:
 
 
 def test_rows_name_examples_that_there_are() -> None:
-    lines = {line for each in EXAMPLES.values() for line, _ in each}
+    lines = {line for each in examples().values() for line, _ in each}
     assert {*BEFORE, *ENDLESS, *STATUS} <= lines
-    assert EXAMPLES.keys() == {*COMMANDS.values(), "rtkit"}
+    assert examples().keys() == {*COMMANDS.values(), "rtkit"}
     assert WORDS

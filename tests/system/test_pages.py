@@ -13,7 +13,8 @@ from typing import Any
 import pytest
 from pagekit import MARK, ROOT, pages, script
 
-from rtkit.cli import COMMANDS, MODULES
+from rtkit.cli import COMMANDS
+from rtkit.cli.table import TABLE
 
 WITH_EXAMPLES = [page for page in pages() if script(page).text]
 HERE = {"EXAMPLES": str(ROOT / "examples")}
@@ -27,7 +28,7 @@ def variables(shell: Any) -> dict[str, str]:
     commands = shell.folder / "bin"
     commands.mkdir()
     python = f'exec "{sys.executable}"'
-    modules = {**MODULES, "rtkit": "rtkit.cli"}
+    modules = {name: module for name, (module, _) in TABLE.items()} | {"rtkit": "rtkit.cli"}
     begin = "import sys; sys.argv[0] ="
     scripts = {
         name: f'{python} -c \'{begin} "{name}"; from {module} import main; exit(main())\' "$@"'

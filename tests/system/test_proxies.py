@@ -8,9 +8,8 @@ import signal
 from typing import Any
 
 import pytest
+from make_commands import examples
 from mosquittokit import MOSQUITTO, PASSWORD, Mosquitto, Stranger
-
-from rtkit.cli.help.examples import EXAMPLES
 
 ARM = """
 class Arm:
@@ -86,7 +85,7 @@ def test_every_example_runs(manager: Any) -> None:
         "tcp:4712": "tcp:0",
         "@localhost/": f"@localhost:{broker.port}/",
     }
-    for line, _ in EXAMPLES["rtproxy"]:
+    for line, _ in examples()["rtproxy"]:
         wanted = line.replace("tcp:localhost:4711", addresses.get("tcp:4711", ""))
         for old, new in replaced.items():
             wanted = wanted.replace(old, new)

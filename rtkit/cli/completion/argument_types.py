@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import importlib
 import os
 from collections.abc import Callable, Iterable
 
-from rtkit.cli import MODULES
 from rtkit.cli.completion.candidates import Candidate, Files, those
 from rtkit.cli.completion.grammar import CursorMeaning
 from rtkit.cli.completion.live import CompletionSource, instances_of
@@ -31,8 +29,6 @@ _COMPOSITES = ("PeriodicECSharedComposite", "PeriodicStateSharedComposite", "Gro
 
 def found(asked: CursorMeaning, live: CompletionSource) -> Found | Files:
     """Return the candidates at the cursor."""
-    if asked.kind in ("option", "words"):
-        return [each for each in asked.words if each.text.startswith(asked.typed)]
     maker = _MAKERS.get(asked.kind)
     return maker(asked, live) if maker is not None else ()
 
@@ -158,13 +154,12 @@ def _connectors(asked: CursorMeaning, live: CompletionSource) -> Found:
     ]
 
 
-def _words(asked: CursorMeaning, live: CompletionSource) -> Found:
-    module = importlib.import_module(MODULES[asked.command])
-    return those(getattr(module, "FORMS", None) or module.WORDS, asked.typed)
+def _words(asked: CursorMeaning, _live: CompletionSource) -> list[Candidate]:
+    return [each for each in asked.words if each.text.startswith(asked.typed)]
 
 
 def _manager_or_word(asked: CursorMeaning, live: CompletionSource) -> Found:
-    words = list(_words(asked, live))
+    words = _words(asked, live)
     if words and asked.typed:
         return words
     return [*words, *_or_none(lambda: paths(live, asked.typed, WantedPath(_is_manager)))]
@@ -330,6 +325,5 @@ _MAKERS: dict[str, Maker] = {
     "type": _types,
     "value": _value,
     "waited-for": _waited_for,
-    "word": _words,
 }
 KINDS = frozenset((*_MAKERS, "option", "words", ""))

@@ -1,12 +1,11 @@
 """Classifies the word at the cursor: an option, its value, or an argument of a command.
 
-It is read from the commands themselves, so a new one is completed without being told here; only
-what an argument's name does not say has a row in `ARGUMENTS` or `VALUES`.
+It is read from the commands themselves: what they declare of their arguments and of the values
+of their options, or else what the names of these say.
 """
 
 from __future__ import annotations
 
-import importlib
 from collections.abc import Sequence
 from typing import NamedTuple
 
@@ -14,62 +13,9 @@ import click
 
 from rtkit.cli import COMMANDS, load
 from rtkit.cli.completion.candidates import Candidate
+from rtkit.cli.shared.app import Main
 from rtkit.cli.shared.group import CommandGroup
-
-ARGUMENTS: dict[str, tuple[str, ...]] = {
-    "rtact": ("inactive",),
-    "rtcat": ("anything:",),
-    "rtcomp": ("manager|component",),
-    "rtcon": ("port", "fitting"),
-    "rtconf": ("component|manager", "word", "conf"),
-    "rtcryo": ("host",),
-    "rtcwd": ("directory",),
-    "rtdeact": ("active",),
-    "rtdel": ("deletable",),
-    "rtdis": ("connected", "connected-to"),
-    "rtdoc": ("component",),
-    "rtdoctor": (),
-    "rtexit": ("component|slave",),
-    "rtfind": ("directory",),
-    "rtfsm": ("component", "word"),
-    "rtget": ("live",),
-    "rtinject": ("in-port",),
-    "rtlisten": ("live",),
-    "rtlog": ("out-port",),
-    "rtls": ("anything",),
-    "rtmgr": ("manager|word", "manager-name"),
-    "rtprint": ("out-port",),
-    "rtprofile from": ("module",),
-    "rtprofile new": ("component-or-system",),
-    "rtproxy": ("live", "live"),
-    "rtpwd": (),
-    "rtreset": ("faulty",),
-    "rtserve": ("class", ""),
-    "rtset": ("live", "value", ""),
-    "rtstodot": ("profile",),
-    "rttop": ("anything",),
-    "rtvlog": ("anything",),
-    "rtwait": ("waited-for",),
-    "rtwatch": ("anything",),
-}
-"""Types of the arguments of a command, the last one for all that follow."""
-
-VALUES: dict[tuple[str, str], str] = {
-    ("rtcomp", "-a"): "component:",
-    ("rtcomp", "-r"): "component:",
-    ("rtcomp", "-t"): "composite-type",
-    ("rtcon", "-i"): "",
-    ("rtcon", "-p"): "connector-property",
-    ("rtmgr", "-c"): "type",
-    ("rtmgr", "-d"): "instance",
-    ("rtmgr", "-l"): "module",
-    ("rtmgr", "-s"): "property",
-    ("rtmgr", "-u"): "loaded-module",
-}
-"""Type of an option's value, by the option's first name."""
-
-_GLUED = {("rtls", "--watch")}
-"""Options that take a value only behind ``=``."""
+from rtkit.cli.shared.watch import WatchOption
 
 _BY_METAVAR: dict[str, str] = {
     "COMPONENT": "component",
@@ -101,7 +47,7 @@ class CursorMeaning(NamedTuple):
 
     Attributes:
         command: Name of the command, with its word where it has words: ``rtprofile show``.
-        kind: ``option``, ``words``, or what of `ARGUMENTS` and `VALUES`; empty for free text.
+        kind: ``option``, ``words``, or a type of `argument_types`; empty for free text.
         typed: The word as far as it is typed; of ``--option=value`` only the value.
         front: What stands before `typed` in the same word.
         arguments: The arguments before this one.
@@ -122,23 +68,24 @@ def ask(name: str, words: Sequence[str], typed: str) -> CursorMeaning | None:
     """Return the meaning of `typed` behind a command and `words`; None for a foreign command."""
     if name not in COMMANDS.values():
         return None
-    command = load(name).command
-    if not isinstance(command, CommandGroup):
-        return _ask(name, command, words, typed)
-    before = _ask(name, command, words, typed)
+    main = load(name)
+    before = _ask(name, main, words, typed)
+    if not isinstance(main.command, CommandGroup):
+        return before
+    group = main.command
     if not before.arguments:
-        told = tuple(Candidate(word, each.summary) for word, each in command.words.items())
+        told = tuple(Candidate(word, group.summary(word)) for word in group.words)
         return before if before.kind == "option" else before._replace(kind="words", words=told)
-    word = command.words.get(before.arguments[0])
-    if word is None:
+    word = before.arguments[0]
+    if word not in group.words:
         return before._replace(kind="")
-    inner: click.Command = importlib.import_module(word.module).main.command
-    rest = words[list(words).index(before.arguments[0]) + 1 :]
-    return _ask(f"{name} {before.arguments[0]}", inner, rest, typed)
+    rest = words[list(words).index(word) + 1 :]
+    return _ask(f"{name} {word}", load(f"{name} {word}"), rest, typed)
 
 
-def _ask(name: str, command: click.Command, words: Sequence[str], typed: str) -> CursorMeaning:
-    known = {each: p for p in command.params if isinstance(p, click.Option) for each in p.opts}
+def _ask(name: str, main: Main, words: Sequence[str], typed: str) -> CursorMeaning:
+    options_known = (p for p in main.command.params if isinstance(p, click.Option))
+    known = {each: option for option in options_known for each in option.opts}
     arguments: list[str] = []
     options: dict[str, str] = {}
     waiting: click.Option | None = None
@@ -153,17 +100,18 @@ def _ask(name: str, command: click.Command, words: Sequence[str], typed: str) ->
             is_over = True
         else:
             waiting = _option(word, known, options)
-            if waiting is not None and (name, waiting.opts[0]) in _GLUED:
+            if isinstance(waiting, WatchOption):
                 waiting = None
     asked = CursorMeaning(name, "", typed, "", tuple(arguments), options)
     if waiting is not None:
-        return _value(asked, waiting)
+        return _value(main, asked, waiting)
     if typed.startswith("-") and not is_over:
         front, equals, value = typed.partition("=")
         if equals and front in known:
-            return _value(asked._replace(typed=value, front=f"{front}="), known[front])
-        return asked._replace(kind="option", words=_options(command, name))
-    return asked._replace(kind=_argument(name, command, len(arguments)))
+            return _value(main, asked._replace(typed=value, front=f"{front}="), known[front])
+        return asked._replace(kind="option", words=_options(main.command, name))
+    told = tuple(Candidate(word) for word in main.words)
+    return asked._replace(kind=_argument(main, len(arguments)), words=told)
 
 
 def _option(
@@ -191,20 +139,21 @@ def _has_value(option: click.Option) -> bool:
     return not (option.is_flag or option.count)
 
 
-def _value(asked: CursorMeaning, option: click.Option) -> CursorMeaning:
+def _value(main: Main, asked: CursorMeaning, option: click.Option) -> CursorMeaning:
     if isinstance(option.type, click.Choice):
         told = tuple(Candidate(str(each)) for each in option.type.choices)
         return asked._replace(kind="words", words=told)
-    kind = VALUES.get((asked.command, option.opts[0]))
+    kind = main.values.get(option.opts[0])
     if kind is None:
         kind = _by_metavar(option.metavar or "", _BY_METAVAR)
     return asked._replace(kind=kind)
 
 
-def _argument(name: str, command: click.Command, place: int) -> str:
-    kinds = ARGUMENTS.get(name)
+def _argument(main: Main, place: int) -> str:
+    kinds = main.arguments
     if kinds is None:
-        metavars = [p.metavar or "" for p in command.params if isinstance(p, click.Argument)]
+        params = main.command.params
+        metavars = [p.metavar or "" for p in params if isinstance(p, click.Argument)]
         words = " ".join(metavars).split()
         kinds = tuple(_by_metavar(word, _ARGUMENT_METAVAR) for word in words)
     return kinds[min(place, len(kinds) - 1)] if kinds else ""

@@ -24,7 +24,23 @@ DEFAULT_TYPE = "PeriodicECSharedComposite"
 _SET = "default"
 
 
-@command("rtcomp")
+@command(
+    "rtcomp",
+    examples=(
+        (
+            "rtcomp -a Sensor0.rtc:range -a Control0.rtc /localhost/manager.mgr:Robot0",
+            "Make a composite of two components that shows a port of the first.",
+        ),
+        ("rtcomp -a Control0.rtc:speed Robot0.rtc", "Show another port."),
+        ("rtcomp -r Sensor0.rtc Robot0.rtc", "Let a member go, with the ports shown of it."),
+        (
+            "rtcomp -t GroupingComposite -a Left.rtc -a Right.rtc /localhost/manager.mgr:Wheels",
+            "Only group components: each keeps its own execution context.",
+        ),
+    ),
+    arguments=("manager|component",),
+    values={"-a": "component:", "-r": "component:", "-t": "composite-type"},
+)
 @click.option(
     "-a", "--add", "added", multiple=True, metavar="MEMBER[:PORTS]", help="Add, and show ports."
 )

@@ -17,7 +17,25 @@ if TYPE_CHECKING:
     from rtkit.tree.wiring import ResolvedPort
 
 
-@command("rtcon")
+@command(
+    "rtcon",
+    examples=(
+        (
+            "rtcon /localhost/Sensor0.rtc:range /localhost/Control0.rtc:range",
+            "Connect an out port to an in port.",
+        ),
+        (
+            "rtcon -p dataport.subscription_type=flush Sensor0.rtc:range Control0.rtc:range",
+            "Have values sent within the writer's call.",
+        ),
+        (
+            "rtcon -d -i range Sensor0.rtc:range Control0.rtc:range",
+            "With an id of one's own, and never twice.",
+        ),
+    ),
+    arguments=("port", "fitting"),
+    values={"-i": "", "-p": "connector-property"},
+)
 @click.option("-i", "--id", "connector_id", default="", metavar="ID", help="Id of the connector.")
 @click.option("-n", "--name", default="", metavar="NAME", help="Name of the connector.")
 @click.option(

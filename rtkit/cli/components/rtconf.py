@@ -42,7 +42,25 @@ def _is_negative(argument: str) -> bool:
     return argument[:1] == "-" and (argument[1:2].isdigit() or argument[1:2] == ".")
 
 
-@command("rtconf", cls=_NumbersAreArguments)
+@command(
+    "rtconf",
+    cls=_NumbersAreArguments,
+    examples=(
+        ("rtconf -l /localhost/Robot0.rtc", "All configuration sets with their values."),
+        ("rtconf /localhost/Robot0.rtc get speed", "The value of a parameter of the active set."),
+        ("rtconf /localhost/Robot0.rtc set speed=0.5 turn=-0.1", "Two changes, both or none."),
+        ("rtconf /localhost/Robot0.rtc diff careful", "Where the active set differs from another."),
+        ("rtconf /localhost/Robot0.rtc export robot.json", "Write the sets to a file."),
+        ("rtconf /localhost/Robot1.rtc import robot.json", "Take them over, here or elsewhere."),
+        ("rtconf -s careful /localhost/Robot0.rtc act", "Make another set the active one."),
+    ),
+    json=("configuration", "parameter", "configuration-difference", "properties"),
+    arguments=("component|manager", "words", "conf"),
+    words=FORMS,
+    statuses={
+        "1": "It could not be done; of diff: there are differences.",
+    },
+)
 @click.option("-a", "--all", "has_hidden", is_flag=True, help="Include hidden sets (__name__).")
 @click.option("-l", "is_long", is_flag=True, help="List parameters and their values.")
 @click.option("-s", "--set", "set_id", default="", metavar="SET", help="Default: the active set.")

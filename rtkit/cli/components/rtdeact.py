@@ -10,4 +10,9 @@ main = state_command(
     Transition.DEACTIVATE,
     "Deactivate components: Active to Inactive.",
     "\n\nA dead component that its policy brings back comes back Inactive.",
+    examples=(
+        ("rtdeact /localhost/Robot0.rtc", "Stop a component from executing."),
+        ("rtdeact -e all /localhost/Robot0.rtc", "In all of its execution contexts."),
+    ),
+    arguments=("active",),
 )

@@ -16,7 +16,15 @@ if TYPE_CHECKING:
     from rtkit.tree.client import Tree
 
 
-@command("rtdis")
+@command(
+    "rtdis",
+    examples=(
+        ("rtdis /localhost/Robot0.rtc", "Remove every connection of a component."),
+        ("rtdis -i range /localhost/Sensor0.rtc:range", "Only the one of that id."),
+        ("rtdis Sensor0.rtc:range Control0.rtc:range", "Those between two ports."),
+    ),
+    arguments=("connected", "connected-to"),
+)
 @click.option("-i", "--id", "connector_id", default="", metavar="ID", help="Only this connector.")
 @click.argument("paths", nargs=-1, metavar="COMPONENT|PORT...")
 def main(app: App, paths: tuple[str, ...], connector_id: str) -> None:

@@ -17,7 +17,15 @@ _LADDER_S = 6.0
 """Time-out of asking, TERM and KILL together [s]."""
 
 
-@command("rtexit")
+@command(
+    "rtexit",
+    examples=(
+        ("rtexit /localhost/Robot0.rtc", "End a component; its name goes with it."),
+        ("rtexit --force /localhost/Robot0.rtc", "End it though it hangs, with its slave."),
+        ("rtexit /localhost/manager.mgr/arm.mgr", "End a slave with all that it holds."),
+    ),
+    arguments=("component|slave",),
+)
 @click.option("--force", "is_forced", is_flag=True, help="End the slave that holds it, if need be.")
 @click.argument("paths", nargs=-1, metavar="COMPONENT")
 def main(app: App, paths: tuple[str, ...], is_forced: bool) -> None:

@@ -25,7 +25,17 @@ _MISSING = {
 WORDS = ("getstate", "geteventprofiles", "getstructure", *_MISSING)
 
 
-@command("rtfsm")
+@command(
+    "rtfsm",
+    examples=(
+        ("rtfsm /localhost/Microwave0.rtc getstate", "Print the present state."),
+        ("rtfsm Microwave0.rtc seteventprofiles open:TimedLong,close:TimedLong", "Other events."),
+        ("rtfsm Microwave0.rtc setstructure microwave.scxml", "Other states and transitions."),
+    ),
+    json=("state-machine",),
+    arguments=("component", "words"),
+    words=WORDS,
+)
 @click.option("--json", "is_json", is_flag=True, help="Of getX: all of the machine, as JSON.")
 @click.argument("words", nargs=-1, metavar="COMPONENT WORD [ARGUMENT]")
 def main(app: App, words: tuple[str, ...], is_json: bool) -> None:

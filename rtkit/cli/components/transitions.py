@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -20,10 +20,12 @@ ALL = "all"
 _Asked = tuple["Path", "ChangeState"]
 
 
-def state_command(name: str, transition: Transition, summary: str, more: str = "") -> Main:
+def state_command(
+    name: str, transition: Transition, summary: str, more: str = "", **declared: Any
+) -> Main:
     """Return the command that asks execution contexts for `transition`."""
 
-    @command(name, help=_help(summary, more))
+    @command(name, help=_help(summary, more), **declared)
     @click.option(
         "-e",
         "--exec_context",

@@ -22,7 +22,15 @@ if TYPE_CHECKING:
 _ENDLESS = -1
 
 
-@command("rtinject")
+@command(
+    "rtinject",
+    examples=(
+        ("rtinject -c 42 Robot0.rtc:speed", "One value, and wait until it has arrived."),
+        ("rtinject -c '{vx: 0.5}' -r 10 -t 1 Robot0.rtc:velocity", "Ten a second for 1 s."),
+        ("rtinject --lossless Robot0.rtc:way < points.jsonl", "Each line of a file."),
+    ),
+    arguments=("in-port",),
+)
 @click.option("-c", "--const", "const", metavar="VALUE", help="The value; else lines of stdin.")
 @click.option("-f", "--file", "file", type=click.File(), metavar="FILE", help="Lines of a file.")
 @click.option(

@@ -20,7 +20,17 @@ FORMS_OUT = ("text", "json", "csv")
 _NS = 1_000_000_000
 
 
-@command("rtlog")
+@command(
+    "rtlog",
+    examples=(
+        ("rtlog -f run.mcap Robot0.rtc:pose", "Record every pose until Ctrl-C."),
+        ("rtlog -d -f run.mcap", "What is in the recording."),
+        ("rtlog --export csv -f run.mcap", "Its values for a spreadsheet, one field a line."),
+        ("rtlog -p -r 0.5 -f run.mcap Map0.rtc:pose", "Play it at half its speed."),
+    ),
+    json=("recording", "value"),
+    arguments=("out-port",),
+)
 @click.option(
     "-f",
     "--filename",

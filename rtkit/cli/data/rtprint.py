@@ -23,7 +23,20 @@ if TYPE_CHECKING:
 LINES, STATS, PLOT = "lines", "stats", "plot"
 
 
-@command("rtprint")
+@command(
+    "rtprint",
+    examples=(
+        ("rtprint Robot0.rtc:pose", "Every value, until Ctrl-C."),
+        ("rtprint -n 1 -f data.position.x Robot0.rtc:pose", "One field of the next value."),
+        ("rtprint --plot Robot0.rtc:pose", "The numbers of its pose as curves."),
+        ("rtprint -t 2 --json A0.rtc:out B0.rtc:out", "All values of 2 s as JSON lines."),
+    ),
+    json=("value", "stream-stats"),
+    arguments=("out-port",),
+    statuses={
+        "1": "Nothing came at all, or it could not be done.",
+    },
+)
 @click.option(
     "-n", "--number", type=click.IntRange(min=1), metavar="N", help="Stop after N values."
 )

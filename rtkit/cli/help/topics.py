@@ -30,7 +30,11 @@ def overview(name: str) -> str:
 Topics:
 {topics}
 
-{name} help VERB tells about a command, as {name} VERB -h does; {name} -h lists them."""
+{name} help VERB tells about a command, as {name} VERB -h does; {name} -h lists them.
+
+Examples:
+  {name} help paths  How things are named.
+  {name} help ls     The same as rtls -h."""
 
 
 def text(topic: str) -> str:

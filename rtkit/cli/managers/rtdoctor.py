@@ -26,7 +26,18 @@ _STYLES: dict[str, dict[str, object]] = {
 }
 
 
-@command("rtdoctor")
+@command(
+    "rtdoctor",
+    examples=(
+        ("rtdoctor", "What is wrong, and what helps?"),
+        ("rtdoctor --strict --json", "In a script: warnings fail too."),
+    ),
+    json=("diagnosis",),
+    arguments=(),
+    statuses={
+        "1": "Something is wrong.",
+    },
+)
 @click.option(
     "--timeout",
     "timeout_s",

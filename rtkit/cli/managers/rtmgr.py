@@ -61,7 +61,37 @@ _STEPS = [
 _STEP_NAMES = tuple(each.name for each in _STEPS)
 
 
-@command("rtmgr", cls=_InOrder, params=_STEPS)
+@command(
+    "rtmgr",
+    cls=_InOrder,
+    params=_STEPS,
+    examples=(
+        ("rtmgr start", "Start the manager of this host in the background."),
+        ("rtmgr start other -p 2811 -f robot.conf", "Another one, with a port and properties."),
+        ("rtmgr -m corbaloc::localhost:2811", "What the manager at that port could load."),
+        ("rtmgr -c ConsoleIn -c ConsoleOut /localhost/manager.mgr", "Make two components."),
+        (
+            "rtmgr -c 'Motor?instance_name=Left&manager_name=drives' /localhost/manager.mgr",
+            "In a slave process of its own, which is started when it is not there.",
+        ),
+        (
+            "rtmgr -l ./Arm.py:ArmInit -c Arm --print /localhost/manager.mgr",
+            "Load a module, make a component with it, tell where it is found.",
+        ),
+        ("rtmgr -d Left /localhost/manager.mgr", "Finalise a component and forget it."),
+        ("rtmgr stop", "End the manager with everything that it holds."),
+    ),
+    json=("properties", "instance", "component-type", "manager-status"),
+    arguments=("manager|word", "manager-name"),
+    values={
+        "-c": "type",
+        "-d": "instance",
+        "-l": "module",
+        "-s": "property",
+        "-u": "loaded-module",
+    },
+    words=WORDS,
+)
 @click.option("--print", "is_printing", is_flag=True, help="Print paths of created components.")
 @click.option("--json", "is_json", is_flag=True, help="Lists and status as JSON.")
 @click.option("-f", "--file", metavar="FILE", default="", help="start: the rtc.conf to read.")

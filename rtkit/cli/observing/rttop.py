@@ -29,7 +29,16 @@ SILENT_S = 3.0
 """Time without metrics after which the page calls them old [s]."""
 
 
-@command("rttop")
+@command(
+    "rttop",
+    examples=(
+        ("rttop", "All components of this host, live; h shows the keys."),
+        ("rttop -s CPU% /localhost/manager.mgr", "Those of one manager, the busiest first."),
+        ("rttop --once --json", "One look, for another program."),
+    ),
+    json=("activity",),
+    arguments=("anything",),
+)
 @click.option("--once", is_flag=True, help="Show one page, after a second, and end.")
 @click.option("-n", "--number", type=click.IntRange(min=1), metavar="N", help="End after N pages.")
 @click.option(

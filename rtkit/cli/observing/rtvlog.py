@@ -38,7 +38,17 @@ _STYLES: dict[str, dict[str, object]] = {
 }
 
 
-@command("rtvlog")
+@command(
+    "rtvlog",
+    examples=(
+        ("rtvlog /localhost/Robot0.rtc", "What a component logs: the last lines, then what comes."),
+        ("rtvlog -l warn /", "Warnings and errors of everything."),
+        ("rtvlog --no-follow -n 20 Robot0.rtc", "The last 20 records, also of a zombie."),
+        ("rtvlog -f stdout /localhost/manager.mgr/drives.mgr", "What code in a slave printed."),
+    ),
+    json=("log-record",),
+    arguments=("anything",),
+)
 @click.option(
     "-f",
     "--filter",

@@ -48,7 +48,19 @@ class WaitGoal(NamedTuple):
 Problem = tuple[WaitGoal, str]
 
 
-@command("rtwait")
+@command(
+    "rtwait",
+    examples=(
+        ("rtwait -t 10 Robot0.rtc active", "Until it is active, or 10 s are over."),
+        ("rtwait A.rtc B.rtc active Laser0.rtc:scan data", "A and B active, and a scan came."),
+    ),
+    json=("goal",),
+    arguments=("waited-for",),
+    words=WORDS,
+    statuses={
+        "1": "The time was up first, or it could not be done.",
+    },
+)
 @click.option(
     "--timeout",
     "-t",

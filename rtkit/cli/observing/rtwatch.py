@@ -37,7 +37,20 @@ Record = dict[str, Any]
 ALL = "ALL"
 
 
-@command("rtwatch")
+@command(
+    "rtwatch",
+    examples=(
+        ("rtwatch /", "Everything that happens on this host."),
+        ("rtwatch -f rtc_status Robot0.rtc Arm0.rtc", "Only states of two components."),
+        ("rtwatch -n 1 -t 60 -f tree_event Robot0.rtc", "Until it goes; status 1 if it does not."),
+        ("rtwatch --json / > events.jsonl", "For another program."),
+    ),
+    json=("event",),
+    arguments=("anything",),
+    statuses={
+        "1": "The time was up before N events, or it could not be done.",
+    },
+)
 @click.option(
     "-f",
     "--filter",

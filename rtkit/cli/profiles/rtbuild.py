@@ -17,7 +17,17 @@ if TYPE_CHECKING:
 _SHOWN = ("written", "kept")
 
 
-@command("rtbuild", is_local=True)
+@command(
+    "rtbuild",
+    is_local=True,
+    examples=(
+        ("rtbuild RTC.xml", "Generate a component beside its profile; again after each change."),
+        ("rtbuild robot.yaml -o robot -I idl", "In a folder of its own, with IDL files of idl."),
+        ("rtbuild --dry-run RTC.xml", "What would be written."),
+        ("rtbuild MyService.idl -o src", "Only the types and protocols of an IDL file."),
+    ),
+    json=("built-file",),
+)
 @click.option(
     "-o", "--output", metavar="DIR", help="Where to write (default: the folder of the file)."
 )
@@ -51,7 +61,9 @@ def main(
     force: bool,
     is_json: bool,
 ) -> None:
-    r"""Generate a component from its RTC profile, or Python types from an IDL file.
+    r"""Generate a component from its RTC profile.
+
+    Of an IDL file only Python types are generated.
 
     \b
     NAME.py             the component: ports, parameters, services, callbacks

@@ -21,7 +21,14 @@ _WITH_GRAPH = ("html", "rst", "markdown")
 _OWN = ("Data ports", "Service ports", "Ports", "Configuration parameters", "Parameters")
 
 
-@command("rtdoc")
+@command(
+    "rtdoc",
+    examples=(
+        ("rtdoc /localhost/Robot0.rtc > Robot0.html", "A page about a live component."),
+        ("rtdoc -f markdown -o Robot.md Robot.py", "About a module that nobody has loaded."),
+    ),
+    arguments=("component",),
+)
 @click.option(
     "-f", "--format", "form", default="html", metavar="FORM",
     help=f"One of {', '.join(FORMS)} (default html).",

@@ -14,7 +14,23 @@ from rtkit.cli.shared.watch import MayWatch, WatchOption, watch
 from rtkit.errors import RtkitError
 
 
-@command("rtget", cls=MayWatch)
+@command(
+    "rtget",
+    cls=MayWatch,
+    examples=(
+        ("rtget robot", "The names that a service has."),
+        ("rtget robot.speed robot.location.x", "Two values, a line each."),
+        (
+            "rtget /localhost/Motor0.rtc.state",
+            "Of a component; also of managers, and localhost.load.",
+        ),
+        ("rtget -p values -p names='(speed mode)' robot", "Several names with their values."),
+        ("rtget robot.speed.meta", "Type, unit, range, time, quality of a property."),
+        ("rtget --raw robot.image > image.jpg", "Bytes, as they are."),
+    ),
+    json=("property",),
+    arguments=("live",),
+)
 @place_options
 @click.option("--json", "is_json", is_flag=True, help="One JSON object a line.")
 @click.option("--raw", "is_raw", is_flag=True, help="Bytes as they are, no quotes, no line end.")

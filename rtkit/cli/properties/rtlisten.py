@@ -22,7 +22,20 @@ if TYPE_CHECKING:
 _NS = 1_000_000_000
 
 
-@command("rtlisten")
+@command(
+    "rtlisten",
+    examples=(
+        ("rtlisten robot.speed", "Every change, until Ctrl-C."),
+        ("rtlisten -n 1 --every 0.5 robot.location", "At most two a second, and only one."),
+        ("rtlisten /localhost/Robot0.rtc.ports.pose.count", "How much passes a port."),
+        ("rtlisten --mode diff robot", "Which names come and go."),
+    ),
+    json=("property-event",),
+    arguments=("live",),
+    statuses={
+        "1": "Nothing came at all, or it could not be done.",
+    },
+)
 @place_options
 @click.option("-n", "--number", type=click.IntRange(min=1), metavar="N", help="Stop after N.")
 @lasting(long="--duration")
@@ -51,11 +64,11 @@ def main(
     is_raw: bool,
     targets: tuple[str, ...],
 ) -> int:
-    """Print live properties as they change; the present values come first.
+    """Print live properties as they change.
 
-    TARGET as of rtget; a service alone stands for the names it has. It ends after N events,
-    after some time, when a property is removed or its service has gone. The status is 1 when
-    nothing came at all.
+    The present values come first. TARGET as of rtget; a service alone stands for the names it has.
+    It ends after N events, after some time, when a property is removed or its service has gone. The
+    status is 1 when nothing came at all.
     """
     if not targets:
         raise WrongArguments("No targets specified.")

@@ -8,7 +8,24 @@ from rtkit.cli.shared import terminal
 from rtkit.cli.shared.app import App, command, working_directory
 
 
-@command("rtproxy", is_local=True)
+@command(
+    "rtproxy",
+    is_local=True,
+    examples=(
+        ("rtproxy robots/arm tcp:4711", "Read-only, for clients that know the user's secret."),
+        ("rtproxy robots/arm unix:arm.sock --allow-set 'angle*'", "Some of it may be set."),
+        (
+            "rtproxy tcp:localhost:4711/robots/arm far/arm --prefix left",
+            "From a TCP endpoint back into the tree, all names below left.",
+        ),
+        ("rtproxy /localhost/Motor0.rtc tcp:4712 --allow-set state", "A component."),
+        (
+            "rtproxy robots/arm mqtt:robot@localhost/lab",
+            "At an MQTT broker, in the style of Homie.",
+        ),
+    ),
+    arguments=("live", "live"),
+)
 @click.option("--prefix", default="", metavar="NAME", help="Put this in front of all names.")
 @click.option("--allow-set", multiple=True, metavar="GLOB",
               help="Names that may be set, actions that may be started (repeatable).")  # fmt: skip

@@ -62,7 +62,22 @@ def _endpoint_options(function: Callable[..., None]) -> Callable[..., None]:
     return function
 
 
-@command("rtserve", is_local=True)
+@command(
+    "rtserve",
+    is_local=True,
+    examples=(
+        ("rtserve simple_pid:PID pid -a 1 -a 0.1", "A class, called with two arguments."),
+        ("rtserve ./arm.py:Arm robots/arm --port 0", "Of a file, with a TCP endpoint too."),
+        (
+            "rtserve ./arm.py:Arm arm --serial /dev/ttyS0 --allow-set 'angle*'",
+            "With a serial line, over which the angles may be set.",
+        ),
+        ("rtserve ./arm.py:Arm robots/arm --http 8080", "For curl and browsers too."),
+        ("rtserve ./arm.py:Arm arm --history 'angle=100'", "Remember values for .history."),
+        ("rtserve ./arm.py:Arm arm --rule 'deny zenoh * SET *'", "Read-only over zenoh."),
+    ),
+    arguments=("class", ""),
+)
 @click.option("-a", "--argument", "arguments", multiple=True, metavar="[KEY=]VALUE",
               help="What the class is called with (repeatable).")  # fmt: skip
 @click.option("--hide", multiple=True, metavar="NAME", help="Do not show this (repeatable).")

@@ -24,7 +24,20 @@ class _TakesNumbers(click.Command):
         return super().parse_args(ctx, marked + args[end:])
 
 
-@command("rtset", cls=_TakesNumbers)
+@command(
+    "rtset",
+    cls=_TakesNumbers,
+    examples=(
+        ("rtset robot.speed -0.5", "A number."),
+        ("rtset robot.location.x 3", "A part of a vector."),
+        ("rtset --echo robot.double 21", "An action: wait, and print what came of it."),
+        ("rtset --if 7 robot.mode drive", "Only if nobody has changed it since."),
+        ("rtset robot properties '((speed 0) (mode idle))'", "Several, all or none."),
+        ("rtset /localhost/Motor0.rtc.state Active", "Of a component: it is activated."),
+        ("rtset --file image.jpg robot.image", "The content of a file."),
+    ),
+    arguments=("live", "value", ""),
+)
 @place_options
 @click.option("--file", "path", metavar="FILE", help="Take the value from this file.")
 @click.option("--if", "revision", type=int, metavar="REV", help="Only if this is the revision.")

@@ -8,7 +8,9 @@ from __future__ import annotations
 
 import os
 import sys
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from functools import partial
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, NoReturn, TypeGuard
 
 import click
@@ -16,15 +18,7 @@ import click
 from rtkit.cli.shared import console_process
 from rtkit.cli.shared.choice import NumberChoice
 from rtkit.cli.shared.terminal import printable
-from rtkit.errors import (
-    BUG_EXIT,
-    InvalidDocument,
-    Malformed,
-    Partial,
-    Refused,
-    RtkitError,
-    Unreachable,
-)
+from rtkit.errors import Malformed, Refused, RtkitError, Unreachable
 
 if TYPE_CHECKING:
     from rtkit.rtc.address import Address
@@ -36,6 +30,8 @@ DEFAULT_TIMEOUT_S = 10.0
 _LEAST_TIMEOUT_S = 2.0
 """Least time-out for a manager on a busy machine [s]."""
 SETTINGS = {"max_content_width": 100}
+_SHOWN_EXAMPLES = 2
+_WIDEST_EXAMPLE = 48
 
 
 class App:
@@ -268,12 +264,45 @@ def check_at_most_one(words: Sequence[str], what: str) -> None:
 pass_app = click.make_pass_decorator(App)
 
 
-class Main:
-    """A command as console script and as function."""
+Examples = Sequence[tuple[str, str]]
+"""Command lines, each with what it does."""
 
-    def __init__(self, name: str, command: click.Command) -> None:
+
+class Main:
+    """A command as console script and as function, with what it declares of itself.
+
+    Attributes:
+        name: Name of the console script; of a subcommand its word.
+        command: Its options and what it does.
+        examples: Lines for manual page and tests; ``-h`` ends with the first two.
+        json: Kinds of the records that ``--json`` writes.
+        arguments: Types of the arguments for TAB, the last one for all that follow; None for
+            what their names say. `rtkit.cli.completion.argument_types` lists them.
+        values: Types of values, by the first name of the option, where its metavar says none.
+        words: The words of an argument that is one of a few.
+        statuses: Meanings of exit statuses, where they differ from those of all commands.
+    """
+
+    def __init__(
+        self,
+        name: str,
+        command: click.Command,
+        *,
+        examples: Examples = (),
+        json: Sequence[str] = (),
+        arguments: Sequence[str] | None = None,
+        values: Mapping[str, str] = MappingProxyType({}),
+        words: Iterable[str] = (),
+        statuses: Mapping[str, str] = MappingProxyType({}),
+    ) -> None:
         self.name = name
         self.command = command
+        self.examples = examples
+        self.json = json
+        self.arguments = arguments
+        self.values = values
+        self.words = words
+        self.statuses = statuses
 
     def __call__(
         self, argv: Sequence[str] | None = None, tree: Tree | None = None, name: str = ""
@@ -300,20 +329,35 @@ class Main:
 
 
 def command(
-    name: str, *, is_local: bool = False, **settings: Any
+    name: str,
+    *,
+    examples: Examples = (),
+    is_local: bool = False,
+    cls: type[click.Command] = click.Command,
+    params: Sequence[click.Parameter] = (),
+    options_metavar: str = "[OPTIONS]",
+    help: str | None = None,
+    **declared: Any,
 ) -> Callable[[Callable[..., int | None]], Main]:
     """Turn a function that takes an `App` and its options into a command.
 
-    One that `is_local` asks no manager.
+    One that `is_local` asks no manager. What is `declared` is explained at `Main`; the settings
+    between are those of click. The first sentence of the docstring is the summary.
     """
 
     def decorate(function: Callable[..., int | None]) -> Main:
-        make: Any = click.command(
-            name=name, context_settings=SETTINGS, add_help_option=False, **settings
+        make = click.command(
+            name,
+            cls,
+            context_settings=SETTINGS,
+            add_help_option=False,
+            params=list(params),
+            options_metavar=options_metavar,
+            **({} if help is None else {"help": help}),
         )
-        made: click.Command = make(pass_app(function))
+        made = make(pass_app(function))
         own = {text for each in made.params for text in each.opts}
-        offered = common_options(is_local=is_local)
+        offered = common_options(examples, is_local=is_local)
         for option in offered:
             option.opts = [each for each in option.opts if each not in own]
         made.params += [option for option in offered if option.opts]
@@ -321,7 +365,7 @@ def command(
             each.help = f"{(each.help or '').removesuffix('.')}; repeatable."
         # Click's mark of text that must not be re-wrapped, as a raw docstring has it.
         made.help = made.help and made.help.replace("\\b\n", "\b\n")
-        return Main(name, made)
+        return Main(name, made, examples=examples, **declared)
 
     return decorate
 
@@ -343,7 +387,7 @@ def strict_option(text: str = "Take warnings for errors.") -> Callable[..., Any]
     )
 
 
-def common_options(*, is_local: bool = False) -> list[click.Option]:
+def common_options(examples: Examples, *, is_local: bool = False) -> list[click.Option]:
     """Return the options that every command has; one that asks nobody needs no time-out."""
     timeout = click.Option(
         ["--timeout"],
@@ -383,7 +427,7 @@ def common_options(*, is_local: bool = False) -> list[click.Option]:
             is_flag=True,
             is_eager=True,
             expose_value=False,
-            callback=_show_help,
+            callback=partial(_show_help, examples),
             help="Show this message and exit.",
         ),
     ]
@@ -405,9 +449,16 @@ def _show_version(context: click.Context, _parameter: click.Parameter, value: bo
         context.exit(0)
 
 
-def _show_help(context: click.Context, _parameter: click.Parameter, value: bool) -> None:
+def _show_help(
+    examples: Examples, context: click.Context, _parameter: click.Parameter, value: bool
+) -> None:
     if value and not context.resilient_parsing:
-        click.echo(context.get_help(), color=context.color)
+        formatter = context.make_formatter()
+        context.command.format_help(context, formatter)
+        if examples:
+            with formatter.section("Examples"):
+                formatter.write_dl(examples[:_SHOWN_EXAMPLES], col_max=_WIDEST_EXAMPLE)
+        click.echo(formatter.getvalue().rstrip("\n"), color=context.color)
         context.exit(0)
 
 
@@ -430,7 +481,9 @@ def _guarded(command: click.Command, app: App, arguments: list[str]) -> int:
         console_process.leave_pipe()
         return console_process.BROKEN_PIPE
     except Exception as error:
-        status = _failed(command, app, error)
+        from rtkit.cli.shared.failures import failed
+
+        status = failed(command, app, error)
         console_process.give_up()
     return status
 
@@ -442,41 +495,3 @@ def _invoke(command: click.Command, app: App, arguments: list[str]) -> int:
             return int(command.invoke(context) or 0)
     except click.exceptions.Exit as leaving:
         return leaving.exit_code
-
-
-def _failed(command: click.Command, app: App, error: Exception) -> int:
-    if app.is_verbose and not isinstance(error, click.UsageError):
-        import traceback
-
-        app.say("".join(traceback.format_exception(error)).rstrip())
-    if isinstance(error, click.UsageError | WrongArguments):
-        meant = app.command or command
-        app.say(meant.get_usage(click.Context(meant, info_name=app.name)))
-    if isinstance(error, click.ClickException):
-        app.fail(error.format_message())
-        return 1 if _lacks_argument(error) else error.exit_code
-    if isinstance(error, RtkitError):
-        _show(app, error)
-        return app.status(error)
-    if isinstance(error, OSError):
-        place = f": {error.filename}" if error.filename else ""
-        app.fail(f"{error.strerror or error}{place}")
-        return 1
-    hint = "" if app.is_verbose else "; -v shows where"
-    app.fail(f"{type(error).__name__}: {error}; this is a bug in rtkit{hint}")
-    return BUG_EXIT if app.has_exit_detail else 1
-
-
-def _lacks_argument(error: click.ClickException) -> bool:
-    """Return whether the error is the number of arguments, as with `WrongArguments`."""
-    return isinstance(error, click.MissingParameter) and isinstance(error.param, click.Argument)
-
-
-def _show(app: App, error: RtkitError) -> None:
-    if isinstance(error, Partial):
-        for _, failure in error.failures:
-            app.fail(str(failure))
-    # A document may have many faults, a line each; any other message is one line.
-    told = str(error).split("\n") if isinstance(error, InvalidDocument) else [str(error)]
-    for line in filter(None, told):
-        app.fail(line)

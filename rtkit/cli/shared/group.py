@@ -2,36 +2,28 @@
 
 from __future__ import annotations
 
-import importlib
-from collections.abc import Mapping
-from typing import NamedTuple
+from collections.abc import Sequence
 
 import click
 
-from rtkit.cli.shared.app import SETTINGS, App, Main, WrongArguments, common_options
+from rtkit.cli import load
+from rtkit.cli.shared.app import SETTINGS, App, Examples, Main, WrongArguments, common_options
+from rtkit.cli.table import TABLE
 from rtkit.errors import UsageProblem
 
 
-class Subcommand(NamedTuple):
-    """A word of a command.
+class CommandGroup(click.Group):
+    """Looks its words up in the table, so that listing them imports none of them.
 
     Attributes:
-        module: The module whose `main` it runs.
-        summary: The first sentence of its help.
+        words: The words, in the order of the help.
     """
 
-    module: str
-    summary: str
-
-
-class CommandGroup(click.Group):
-    """Looks its words up in a table, so that listing them imports none of them."""
-
-    def __init__(self, name: str, words: Mapping[str, Subcommand], help_text: str) -> None:
+    def __init__(self, name: str, words: Sequence[str], help_text: str, examples: Examples) -> None:
         super().__init__(
             name,
             help=help_text,
-            params=[*common_options(is_local=True)],
+            params=[*common_options(examples, is_local=True)],
             callback=_nothing,
             invoke_without_command=True,
             no_args_is_help=False,
@@ -39,24 +31,24 @@ class CommandGroup(click.Group):
             context_settings=SETTINGS,
             add_help_option=False,
         )
-        self.words = dict(words)
+        self.words = words
 
     def list_commands(self, ctx: click.Context) -> list[str]:
-        """Return the words in the order of the table."""
+        """Return the words in the order of the help."""
         return list(self.words)
 
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
         """Return the command of a word."""
-        word = self.words.get(cmd_name)
-        if word is None:
-            return None
-        main: Main = importlib.import_module(word.module).main
-        return main.command
+        return load(f"{self.name} {cmd_name}").command if cmd_name in self.words else None
+
+    def summary(self, word: str) -> str:
+        """Return the first sentence of the help about a word."""
+        return TABLE[f"{self.name} {word}"][1]
 
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
         """Write the words with their summaries."""
         with formatter.section("Commands"):
-            formatter.write_dl([(word, each.summary) for word, each in self.words.items()])
+            formatter.write_dl([(word, self.summary(word)) for word in self.words])
 
     def resolve_command(
         self, ctx: click.Context, args: list[str]
@@ -75,9 +67,9 @@ class CommandGroup(click.Group):
         return typed, found, args[1:]
 
 
-def group(name: str, words: Mapping[str, Subcommand], help_text: str) -> Main:
-    """Return the command that has these words."""
-    return Main(name, CommandGroup(name, words, help_text))
+def group(name: str, help_text: str, words: Sequence[str], *, examples: Examples) -> Main:
+    """Return the command that has these words; `rtkit.cli.table` knows their modules."""
+    return Main(name, CommandGroup(name, words, help_text, examples), examples=examples)
 
 
 @click.pass_context

@@ -13,7 +13,14 @@ from rtkit.cli.system.document import is_saved_plan, parse_document, read_data
 from rtkit.errors import Refused
 
 
-@command("rtapply")
+@command(
+    "rtapply",
+    examples=(
+        ("rtapply robot.xml", "Create, connect, set and activate just what is not so yet."),
+        ("rtapply --rollback robot.xml", "Come back to what was before if a step fails."),
+        ("rtapply -s inactive --parallel 4 robot.xml", "Activate nothing, at most four at once."),
+    ),
+)
 @click.option("--rollback", is_flag=True, help="When a step fails, go back to what was before.")
 @click.option(
     "--parallel",
@@ -33,11 +40,12 @@ def main(
     dry_run: bool,
     **options: Any,
 ) -> int:
-    """Make the live system what an RTS profile says (FILE, or stdin), by the plan rtplan shows.
+    """Make the live system what an RTS profile says (FILE, or stdin).
 
-    FILE may also be a plan that rtplan --out saved. Just that plan is carried out, if everything
-    is as it was when the plan was made; else nothing is done, and what has changed is told. Where
-    something turns out otherwise on the way it stops, instead of planning anew.
+    It is done by the plan that rtplan shows. FILE may also be a plan that rtplan --out saved. Just
+    that plan is carried out, if everything is as it was when the plan was made; else nothing is
+    done, and what has changed is told. Where something turns out otherwise on the way it stops,
+    instead of planning anew.
 
     What holds already is not touched. Steps that need nothing of each other are done at once, and
     what lives is looked at before each round: what turned out otherwise is planned anew. When a

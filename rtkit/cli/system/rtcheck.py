@@ -15,7 +15,18 @@ TOOL = "rtcheck --static"
 STATES = (*(state.value for state in LifeCycleState), UNKNOWN_STATE)
 
 
-@command("rtcheck")
+@command(
+    "rtcheck",
+    examples=(
+        ("rtcheck robot.xml", "Is everything there, connected, configured and active?"),
+        ("rtcheck --diff robot.xml", "What the profile says, and what lives instead."),
+        ("rtcheck -s inactive --json robot.xml", "Each deviation as JSON, for another program."),
+    ),
+    json=("deviation", "checked"),
+    statuses={
+        "1": "Something that is required deviates, or it could not be looked at.",
+    },
+)
 @click.option(
     "-s",
     "--state",

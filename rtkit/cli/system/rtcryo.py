@@ -16,7 +16,14 @@ if TYPE_CHECKING:
     from rtkit.deployment.facts import Snapshot
 
 
-@command("rtcryo")
+@command(
+    "rtcryo",
+    examples=(
+        ("rtcryo -n Robot -o robot.xml", "Save what is running."),
+        ("rtcryo --all", "Also components without connections, on stdout."),
+    ),
+    arguments=("host",),
+)
 @click.option(
     "-a",
     "--abstract",
@@ -46,12 +53,12 @@ def main(
     output: str,
     takes_all: bool,
 ) -> int:
-    """Save the live system as an RTS profile, with all that rtresurrect needs to make it again.
+    """Save the live system as an RTS profile.
 
-    Components of the manager that is asked are saved if they are connected, on the SERVERs named or
-    everywhere. A SERVER may also be a manager of this host, /localhost/m1.mgr: what several of them
-    hold becomes one system. Servers of RTKIT_SERVERS that do not answer are told, and the status
-    is 1 then.
+    It says all that rtresurrect needs to make the system again. Components of the manager that is
+    asked are saved if they are connected, on the SERVERs named or everywhere. A SERVER may also be
+    a manager of this host, /localhost/m1.mgr: what several of them hold becomes one system. Servers
+    of RTKIT_SERVERS that do not answer are told, and the status is 1 then.
     """
     from datetime import datetime
 

@@ -15,7 +15,19 @@ from rtkit.errors import UsageProblem
 CHANGE_NEEDED = 2
 
 
-@command("rtplan")
+@command(
+    "rtplan",
+    examples=(
+        ("rtplan robot.xml", "What would be done, what it costs, what is kept."),
+        ("rtplan --cost Motor0=1000 robot.xml", "Interrupt Motor0 only if nothing else will do."),
+        ("rtplan --detailed-exitcode robot.xml", "Exit status 2 when something is to be changed."),
+        ("rtplan --dot robot.xml", "What comes before what, as a graph."),
+    ),
+    json=("plan",),
+    statuses={
+        "2": "The command line cannot be read; with --detailed-exitcode: there are changes.",
+    },
+)
 @click.option("--json", "is_json", is_flag=True, help="The plan as one JSON object.")
 @click.option("--dot", "is_dot", is_flag=True, help="The plan as a graph (dot).")
 @click.option(

@@ -17,7 +17,14 @@ if TYPE_CHECKING:
     from rtkit.deployment.system import WantedSystem
 
 
-@command("rtresurrect")
+@command(
+    "rtresurrect",
+    examples=(
+        ("rtresurrect robot.xml", "Make, configure and connect what a profile describes."),
+        ("rtresurrect --dry-run robot.xml", "Tell what would be done."),
+        ("rtresurrect --stand-in robot.xml", "Without the modules: stand-ins for components."),
+    ),
+)
 @click.option("--no-create", is_flag=True, help="Components must be there; create none.")
 @click.option(
     "--stand-in",

@@ -7,7 +7,14 @@ from rtkit.cli.system import following, shared, starting
 from rtkit.cli.system.document import read_document
 
 
-@command("rtstart")
+@command(
+    "rtstart",
+    examples=(
+        ("rtstart robot.xml", "Activate the components of a profile in its order."),
+        ("rtstart --dry-run robot.xml", "Tell in which order, and what each waits for."),
+        ("rtstart --plan robot.xml > robot.dot", "The same as a graph, for Graphviz."),
+    ),
+)
 @starting.plan_options("active")
 @shared.system_options
 def main(

@@ -13,7 +13,20 @@ from rtkit.cli.system.document import read_document
 from rtkit.errors import InvalidDocument, Malformed, Refused, UsageProblem
 
 
-@command("rtstate")
+@command(
+    "rtstate",
+    examples=(
+        ("rtstate robot.xml", "Which state it is in, the way to each other, the events."),
+        ("rtstate --goto dock robot.xml", "Lead it there, by the cheapest plan."),
+        ("rtstate --event start robot.xml", "Lead it where this event leads."),
+        ("rtstate --follow robot.xml", "Have its manager lead it on by events; watch."),
+        ("rtstate --unfollow Robot", "Let its manager follow it no more."),
+    ),
+    json=("system-state", "transition"),
+    statuses={
+        "1": "The system is in none of its states, or it could not be done.",
+    },
+)
 @click.option("-g", "--goto", metavar="STATE", help="Lead the system to this state.")
 @click.option("-e", "--event", metavar="EVENT", help="Lead it to where this event leads.")
 @click.option(

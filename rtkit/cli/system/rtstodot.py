@@ -14,7 +14,14 @@ from rtkit.errors import UsageProblem
 _TITLE = "rtsprofile"
 
 
-@command("rtstodot")
+@command(
+    "rtstodot",
+    examples=(
+        ("rtstodot robot.xml > robot.dot", "The graph of a system; dot -Tsvg draws it."),
+        ("rtcryo | rtstodot", "Of what is saved now; rtstodot --live shows states too."),
+    ),
+    arguments=("profile",),
+)
 @shared.form_options("Read", "; without -x and -y, as name and content say", "yaml", "xml")
 @click.option("--live", is_flag=True, help="Draw what lives, with colours for states.")
 @click.argument("files", nargs=-1, metavar="[FILE]")

@@ -8,7 +8,13 @@ from rtkit.cli.system.document import read_document
 from rtkit.errors import InvalidDocument
 
 
-@command("rtstop")
+@command(
+    "rtstop",
+    examples=(
+        ("rtstop robot.xml", "Deactivate them in reverse order."),
+        ("rtstop --dry-run robot.xml", "Tell in which order."),
+    ),
+)
 @starting.plan_options("inactive")
 @shared.system_options
 def main(

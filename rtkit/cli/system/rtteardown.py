@@ -9,7 +9,13 @@ from rtkit.cli.system import shared
 from rtkit.cli.system.document import read_document
 
 
-@command("rtteardown")
+@command(
+    "rtteardown",
+    examples=(
+        ("rtteardown robot.xml", "Remove the connections of a profile."),
+        ("rtteardown --exit robot.xml", "End its components too."),
+    ),
+)
 @click.option("--exit", "ends", is_flag=True, help="Also end the components, in reverse order.")
 @shared.system_options
 def main(

@@ -18,7 +18,16 @@ if TYPE_CHECKING:
     from rtkit.tree.view import TreeNode
 
 
-@command("rtcat")
+@command(
+    "rtcat",
+    examples=(
+        ("rtcat /localhost/Robot0.rtc", "Identity, state and ports of a component."),
+        ("rtcat -ll /localhost/Robot0.rtc:velocity", "A port with all of its connections."),
+        ("rtcat /localhost/manager.mgr", "A manager and the modules that it loaded."),
+    ),
+    json=("component", "port", "manager"),
+    arguments=("anything:",),
+)
 @click.option("-l", "level", count=True, help="Unfold contexts and ports; twice: everything.")
 @click.option("--json", "is_json", is_flag=True, help="One JSON object.")
 @click.argument("paths", nargs=-1, metavar="PATH")

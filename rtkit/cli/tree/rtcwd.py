@@ -18,7 +18,14 @@ _IN_C_SHELL = str.maketrans({"'": r"'\''", "!": r"\!"})
 _IN_FISH = str.maketrans({"'": r"\'", "\\": r"\\"})
 
 
-@command("rtcwd")
+@command(
+    "rtcwd",
+    examples=(
+        ("rtcwd /localhost/robot.host_cxt", "Print the line that a shell is to evaluate."),
+        ("rtcwd ..", "One level up. What the shell function does, and rtkit shell-init defines."),
+    ),
+    arguments=("directory",),
+)
 @click.argument("paths", nargs=-1, metavar="[PATH]")
 def main(app: App, paths: tuple[str, ...]) -> None:
     """Change the working directory in the tree.

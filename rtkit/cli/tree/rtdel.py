@@ -28,7 +28,15 @@ if TYPE_CHECKING:
 _Failure = tuple[str, RtkitError]
 
 
-@command("rtdel")
+@command(
+    "rtdel",
+    examples=(
+        ("rtdel -z", "Remove everything that nobody is behind any more."),
+        ("rtdel /localhost/old.host_cxt", "Remove a directory, that is every name in it."),
+        ("rtdel -z /localhost/Robot0.rtc", "Remove a name, but only if it is a zombie's."),
+    ),
+    arguments=("deletable",),
+)
 @click.option("-z", "--zombies", is_flag=True, help="Zombies only; without a path: all of them.")
 @click.argument("paths", nargs=-1, metavar="[PATH]")
 def main(app: App, paths: tuple[str, ...], zombies: bool) -> None:

@@ -22,7 +22,16 @@ _LETTERS: dict[str, tuple[NodeKind, ...]] = {
 }
 
 
-@command("rtfind")
+@command(
+    "rtfind",
+    examples=(
+        ("rtfind / -t c -n 'Motor*.rtc'", "All components whose name begins with Motor."),
+        ("rtfind /localhost -t z", "All zombies of this host."),
+        ("rtfind . -m 1 -i 'motor?.rtc'", "In this directory, capitals or not."),
+    ),
+    json=("entry",),
+    arguments=("directory",),
+)
 @click.option(
     "-t",
     "--type",

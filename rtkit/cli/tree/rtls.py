@@ -29,7 +29,19 @@ _STYLES = {
 }
 
 
-@command("rtls", cls=MayWatch)
+@command(
+    "rtls",
+    cls=MayWatch,
+    examples=(
+        ("rtls -l /localhost", "State, ports and connections of what runs here."),
+        ("rtls -R /", "Everything."),
+        ("rtls -l --watch=0.5 /localhost", "Look again twice a second."),
+        ("rtls -R --json /", "Everything, for another program."),
+        ("rtls -l robot", "The properties of an object that rtserve serves."),
+    ),
+    json=("entry",),
+    arguments=("anything",),
+)
 @click.option("-l", "is_long", is_flag=True, help="State, ports and connections of each entry.")
 @click.option("-R", "--recurse", is_flag=True, help="List directories below, one block each.")
 @click.option(

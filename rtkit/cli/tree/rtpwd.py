@@ -8,7 +8,16 @@ from rtkit.cli.shared import json_records, terminal
 from rtkit.cli.shared.app import App, WrongArguments, command, working_directory
 
 
-@command("rtpwd", options_metavar="[OPTIONS]")
+@command(
+    "rtpwd",
+    options_metavar="[OPTIONS]",
+    examples=(
+        ("rtpwd", "Print where relative paths start from."),
+        ("rtpwd --json", "The same for another program."),
+    ),
+    json=("working-directory",),
+    arguments=(),
+)
 @click.option("--json", "is_json", is_flag=True, help="One JSON object.")
 @click.argument("words", nargs=-1, metavar="")
 def main(app: App, words: tuple[str, ...], is_json: bool) -> None:

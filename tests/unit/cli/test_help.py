@@ -6,9 +6,9 @@ import re
 from typing import Any
 
 import pytest
+from make_commands import pages
 
 from rtkit.cli import COMMANDS
-from rtkit.cli.help.man import pages
 from rtkit.cli.help.statuses import DETAILS, STATUSES
 from rtkit.cli.help.topics import TOPICS, text
 from rtkit.cli.unified import run as rtkit

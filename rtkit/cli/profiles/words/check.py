@@ -10,7 +10,15 @@ from rtkit.cli.system import shared, static_checks
 TOOL = "rtprofile check"
 
 
-@command("check", is_local=True)
+@command(
+    "check",
+    is_local=True,
+    examples=(
+        ("rtprofile check robot.xml", "Do the components fit together?"),
+        ("rtprofile check --format sarif robot.xml > found.sarif", "For a code host or an editor."),
+    ),
+    json=("checked",),
+)
 @static_checks.static_options
 @strict_option("Take warnings, and what needs repair, for errors.")
 @click.option("--json", "is_json", is_flag=True, help="The same as --format json.")

@@ -11,7 +11,14 @@ from rtkit.profile.forms import FORMS, form_of_name
 _FORM = click.Choice(FORMS)
 
 
-@command("convert", is_local=True)
+@command(
+    "convert",
+    is_local=True,
+    examples=(
+        ("rtprofile convert robot.xml robot.yaml", "The same as YAML; also --to json."),
+        ("rtprofile convert --to json robot.xml -", "As JSON, on stdout."),
+    ),
+)
 @click.option("--to", type=_FORM, help="What to write; else as the name of OUTPUT ends.")
 @click.option("--from", "form", type=_FORM, help="What it is; else as name and content say.")
 @click.argument("files", nargs=-1, metavar="INPUT [OUTPUT]")

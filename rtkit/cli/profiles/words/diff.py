@@ -20,16 +20,28 @@ _STYLES: dict[str, dict[str, object]] = {
 }
 
 
-@command("diff", is_local=True)
+@command(
+    "diff",
+    is_local=True,
+    examples=(
+        ("rtprofile diff robot.xml robot.new.xml", "What changed, but for ids, dates, positions."),
+        ("rtprofile diff --json robot.xml robot.new.xml", "Each difference as JSON."),
+    ),
+    json=("profile-difference",),
+    statuses={
+        "1": "The profiles differ, or cannot be read.",
+    },
+)
 @click.option("--all", "takes_all", is_flag=True, help="Also ids, dates, positions, remarks.")
 @click.option("--json", "is_json", is_flag=True, help="One object a line for each difference.")
 @click.argument("files", nargs=-1, metavar="BEFORE AFTER")
 def main(app: App, files: tuple[str, ...], takes_all: bool, is_json: bool) -> int:
-    """Compare two profiles by what they mean: components, ports, connectors, parameters, orders.
+    """Compare two profiles by what they mean.
 
-    Components are the same where their instance names are, connectors where their ends are; the
-    order of elements, ids of connectors, dates, positions and remarks make no difference. One of
-    the two may be - for stdin. Exit status 0: the same, 1: different.
+    That is components, ports, connectors, parameters and orders. Components are the same
+    where their instance names are, connectors where their ends are; the order of elements, ids of
+    connectors, dates, positions and remarks make no difference. One of the two may be - for stdin.
+    Exit status 0: the same, 1: different.
     """
     from rtkit.cli.profiles.document import read_document
     from rtkit.profile_tools.difference import differences

@@ -19,7 +19,14 @@ HTML, MARKDOWN = "html", "markdown"
 _ENDINGS = {".html": HTML, ".htm": HTML, ".xhtml": HTML, ".md": MARKDOWN, ".markdown": MARKDOWN}
 
 
-@command("doc", is_local=True)
+@command(
+    "doc",
+    is_local=True,
+    examples=(
+        ("rtprofile doc Motor.xml -o Motor.html", "A page about a component, in one file."),
+        ("rtprofile doc -f markdown Motor.xml", "As Markdown, on stdout."),
+    ),
+)
 @click.option(
     "-f",
     "--format",

@@ -13,7 +13,15 @@ from rtkit.profile.forms import FORMS, form_of_name
 _EPOCH = "SOURCE_DATE_EPOCH"
 
 
-@command("from", is_local=True)
+@command(
+    "from",
+    is_local=True,
+    examples=(
+        ("rtprofile from Robot.py -o RTC.xml", "The profile of a component, from its code."),
+        ("rtprofile from Robot.py --to yaml", "As YAML, on stdout."),
+    ),
+    arguments=("module",),
+)
 @click.option("-o", "--output", default="-", metavar="FILE", help="Where to write (- is stdout).")
 @click.option("--to", type=click.Choice(FORMS), help="What to write; else as FILE ends, else XML.")
 @click.option("--type", "wanted", default="", help="Which type, of a module that offers several.")

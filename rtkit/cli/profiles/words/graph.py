@@ -17,7 +17,13 @@ if TYPE_CHECKING:
 _DOT_ENDINGS = (".dot", ".gv")
 
 
-@command("graph")
+@command(
+    "graph",
+    examples=(
+        ("rtprofile graph robot.xml -o robot.svg", "A picture of a system."),
+        ("rtprofile graph robot.xml", "The same as text."),
+    ),
+)
 @click.option("--svg", "form", flag_value="svg", help="Write SVG (default).")
 @click.option("--dot", "form", flag_value="dot", help="Write the input of Graphviz.")
 @click.option("-o", "--output", default="-", metavar="FILE", help="Where to write it.")
@@ -27,7 +33,7 @@ _DOT_ENDINGS = (".dot", ".gv")
 def main(
     app: App, files: tuple[str, ...], form: str | None, output: str, title: str | None, live: bool
 ) -> int:
-    """Draw a system without running it: components, ports, connectors; or a component type.
+    """Draw a system, or a component type, without running it.
 
     Data flow from left to right as far as they can; service connectors are dashed, composites are
     frames around their members. With --live a manager is asked, and each component shows its

@@ -79,7 +79,23 @@ _OPTIONS = [
 ]
 
 
-@command("new", is_local=True, params=_OPTIONS)
+@command(
+    "new",
+    is_local=True,
+    params=_OPTIONS,
+    examples=(
+        (
+            "rtprofile new component Motor --in speed:TimedDouble --parameter 'gain:double=1.0'",
+            "Begin Motor.xml.",
+        ),
+        (
+            "rtprofile new system Robot --component Motor.xml:Left --component Eye.xml "
+            "--connect Eye0.speed=Left.speed",
+            "Begin Robot.xml.",
+        ),
+    ),
+    arguments=("component-or-system",),
+)
 @click.argument("words", nargs=-1, metavar="component|system NAME")
 def main(
     app: App,

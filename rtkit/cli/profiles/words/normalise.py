@@ -22,7 +22,14 @@ class _Done(NamedTuple):
     rewriting: Rewriting
 
 
-@command("normalise", is_local=True)
+@command(
+    "normalise",
+    is_local=True,
+    examples=(
+        ("rtprofile normalise -i *.xml", "Put right in place what can be, and tell it."),
+        ("rtprofile normalise --check robot.xml", "Would anything change?"),
+    ),
+)
 @click.option("-i", "--in-place", is_flag=True, help="Replace the files.")
 @click.option("-o", "--output", metavar="FILE", help="Where to write it (default stdout).")
 @click.option("--check", is_flag=True, help="Write nothing; status 1 if something would change.")

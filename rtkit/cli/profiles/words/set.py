@@ -13,7 +13,14 @@ if TYPE_CHECKING:
     from rtkit.profile.rts_model import RtsProfile
 
 
-@command("set", is_local=True)
+@command(
+    "set",
+    is_local=True,
+    examples=(
+        ("rtprofile set robot.xml Control0:rtkit.restart=on-failure", "Restart it when it fails."),
+        ("rtprofile set robot.xml Control0:rtkit.restart=", "Remove that again."),
+    ),
+)
 @click.option(
     "-u",
     "--unset",

@@ -15,13 +15,21 @@ if TYPE_CHECKING:
     from rtkit.profile_tools.outline import Outline
 
 
-@command("show", is_local=True)
+@command(
+    "show",
+    is_local=True,
+    examples=(
+        ("rtprofile show robot.xml", "What is in it."),
+        ("rtprofile show --json robot.xml", "The same for another program."),
+    ),
+)
 @click.option("--json", "is_json", is_flag=True, help="All that the profile holds, as one object.")
 @click.argument("files", nargs=-1, metavar="[FILE]")
 def main(app: App, files: tuple[str, ...], is_json: bool) -> None:
-    """Show what a profile says: identity, ports, parameters; components, connectors, orders.
+    """Show what a profile says.
 
-    A tree on a terminal, indented lines elsewhere. Hidden configuration sets (__widget__ and the
+    Of a component identity, ports and parameters, of a system components, connectors and orders. A
+    tree on a terminal, indented lines elsewhere. Hidden configuration sets (__widget__ and the
     like) are left out, and what only editors need.
     """
     from rtkit.cli.profiles.document import read_document

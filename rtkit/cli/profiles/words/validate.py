@@ -18,7 +18,16 @@ from rtkit.report.forms import FORMS, JSON, TEXT, report_lines
 TOOL = "rtprofile validate"
 
 
-@command("validate", is_local=True)
+@command(
+    "validate",
+    is_local=True,
+    examples=(
+        ("rtprofile validate robot.xml", "Is it valid, and what had to be put right?"),
+        ("rtprofile validate --strict profiles systems", "Whole folders, without forgiveness."),
+        ("rtprofile validate --format sarif . > found.sarif", "For a code host or an editor."),
+    ),
+    json=("checked",),
+)
 @strict_option("Take everything that needs repair for an error.")
 @click.option("--explain", is_flag=True, help="Have the schemas tell in full what is wrong; slow.")
 @click.option(

@@ -1,21 +1,33 @@
-"""Writes the manual pages from the commands: ``python -m rtkit.cli.help.man FOLDER``."""
+"""Write what is made of the commands: their table, console scripts and manual pages.
+
+Usage: ``python tools/make_commands.py [man]``; with ``man`` the pages only. A test checks that
+`rtkit.cli.table`, ``pyproject.toml`` and ``man/`` hold what this makes.
+"""
 
 from __future__ import annotations
 
-import os
+import importlib
+import re
 import sys
 from collections.abc import Container, Iterator
+from functools import cache
 from inspect import cleandoc
+from pathlib import Path
 
 import click
 
-from rtkit import __version__
-from rtkit.cli import COMMANDS, load
-from rtkit.cli.help.examples import EXAMPLES
+from rtkit import __version__, cli
 from rtkit.cli.help.statuses import DETAILS, STATUSES, TOLD_APART
 from rtkit.cli.help.topics import TOPICS
-from rtkit.cli.help.verbs import SUMMARIES, WORDS
+from rtkit.cli.help.verbs import WORDS
+from rtkit.cli.shared.app import Main
 from rtkit.cli.shared.group import CommandGroup
+from rtkit.cli.unified import EXAMPLES
+
+ROOT = Path(__file__).parents[1]
+TABLE = ROOT / "rtkit" / "cli" / "table.py"
+PROJECT = ROOT / "pyproject.toml"
+_WIDTH = 100
 
 _ENVIRONMENT = (
     ("RTKIT_MANAGER", "Name of the manager to ask, by default manager."),
@@ -35,17 +47,82 @@ _ENVIRONMENT = (
 )
 
 
+@cache
+def commands() -> dict[str, tuple[str, Main]]:
+    """Return module and command by name, ``rtprofile show`` too, found by their files."""
+    files = sorted(Path(cli.__file__).parent.glob("*/rt*.py"), key=lambda file: file.stem)
+    found = {file.stem: _imported(file) for file in files}
+    for name, (module, main) in list(found.items()):
+        if isinstance(main.command, CommandGroup):
+            folder = Path(importlib.import_module(module).__file__ or "").parent / "words"
+            words = [_imported(file) for file in folder.glob("[a-z]*.py")]
+            known = {each.name: (at, each) for at, each in words}
+            found |= {f"{name} {word}": known[word] for word in main.command.words}
+    return found
+
+
+def _imported(file: Path) -> tuple[str, Main]:
+    module = ".".join(file.relative_to(Path(cli.__file__).parents[2]).with_suffix("").parts)
+    return module, importlib.import_module(module).main
+
+
+def summary(main: Main) -> str:
+    """Return the first sentence of the help."""
+    text = " ".join((main.command.help or "").partition("\n\n")[0].split())
+    first = text.partition(". ")[0].removesuffix(".")
+    return f"{first.replace(' (FILE, or stdin)', '')}."
+
+
+def examples() -> dict[str, tuple[tuple[str, str], ...]]:
+    """Return the examples of each command; those of subcommands are their group's, too."""
+    found = {name: tuple(main.examples) for name, (_, main) in commands().items()}
+    for name in [name for name in found if " " in name]:
+        found[name.partition(" ")[0]] += found.pop(name)
+    return {**found, "rtkit": EXAMPLES}
+
+
+def table() -> str:
+    """Return the text of the module `rtkit.cli.table`."""
+    lines = []
+    for name, (module, main) in commands().items():
+        row = f'    "{name}": ("{module}", "{summary(main)}"),'
+        cut = f'    "{name}": (\n        "{module}",\n        "{summary(main)}",\n    ),'
+        lines.append(row if len(row) <= _WIDTH else cut)
+    return "\n".join(
+        [
+            '"""Lists commands, each with its module and summary; written by "make commands"."""',
+            "",
+            "TABLE: dict[str, tuple[str, str]] = {",
+            *lines,
+            "}",
+            "",
+        ]
+    )
+
+
+def project() -> str:
+    """Return the text of ``pyproject.toml`` with a console script for each command."""
+    scripts = [f'{name} = "{module}:main"' for name, (module, _) in _scripts()]
+    lines = "\n".join(["[project.scripts]", 'rtkit = "rtkit.cli:main"', *scripts, "", ""])
+    text = PROJECT.read_text(encoding="utf-8")
+    return re.sub(r"\[project\.scripts\]\n.*?\n\n", lines, text, flags=re.DOTALL)
+
+
+def _scripts() -> Iterator[tuple[str, tuple[str, Main]]]:
+    return ((name, each) for name, each in commands().items() if " " not in name)
+
+
 def pages() -> dict[str, str]:
-    """Return the text of each page by file name."""
-    made = {f"{module}.1": _page(verb, module) for verb, module in COMMANDS.items()}
+    """Return the text of each manual page by file name."""
+    made = {f"{name}.1": _page(name, main) for name, (_, main) in _scripts()}
     return {**made, "rtkit.1": _unified()}
 
 
-def _page(verb: str, name: str) -> str:
-    command = load(name).command
+def _page(name: str, main: Main) -> str:
+    command = main.command
     context = click.Context(command, info_name=name, **command.context_settings)
     usage = " ".join(filter(None, command.collect_usage_pieces(context)))
-    lines = [*_head(name, SUMMARIES[verb], usage), ".SH DESCRIPTION"]
+    lines = [*_head(name, summary(main), usage), ".SH DESCRIPTION"]
     lines += _paragraphs(cleandoc(command.help or ""))
     lines.append(".SH OPTIONS")
     lines += _options(command, context)
@@ -54,7 +131,7 @@ def _page(verb: str, name: str) -> str:
         for word in command.words:
             lines += _word(command, word, context)
     # That page names all commands; if each page did, a new command would change every page.
-    return _text([*lines, *_tail(name), ".SH SEE ALSO", "rtkit(1)"])
+    return _text([*lines, *_tail(name, main), ".SH SEE ALSO", "rtkit(1)"])
 
 
 def _word(group: CommandGroup, word: str, context: click.Context) -> Iterator[str]:
@@ -82,17 +159,17 @@ def _unified() -> str:
     lines = [*_head("rtkit", "All commands behind one word.", "VERB [OPTIONS] [ARGUMENTS]...")]
     lines += [".SH DESCRIPTION", "Each verb is also a command of its own, with a page of its own."]
     lines += [".SH VERBS"]
-    for verb, module in COMMANDS.items():
-        lines += _item(verb, f"{SUMMARIES[verb]} See {module}(1).")
-    for word, summary in WORDS.items():
-        lines += _item(word, f"{summary} Tells more with -h.")
+    for name, (_, main) in _scripts():
+        lines += _item(name[2:], f"{summary(main)} See {name}(1).")
+    for word, about in WORDS.items():
+        lines += _item(word, f"{about} Tells more with -h.")
     lines += [".SH TOPICS", "What rtkit help tells about:"]
     for topic, about in TOPICS.items():
         lines += _item(topic, about)
     lines += [".SH OPTIONS"]
     lines += _item("--version", "Show the version and exit.")
     lines += _item("-h, --help", "List the verbs.")
-    return _text([*lines, *_tail("rtkit")])
+    return _text([*lines, *_tail("rtkit", None)])
 
 
 def _head(name: str, summary: str, usage: str) -> Iterator[str]:
@@ -104,9 +181,13 @@ def _head(name: str, summary: str, usage: str) -> Iterator[str]:
     yield _escape(usage)
 
 
-def _tail(name: str) -> Iterator[str]:
+def _tail(name: str, main: Main | None) -> Iterator[str]:
+    if main is not None and main.json:
+        yield ".SH JSON"
+        yield _escape(f"Records that --json writes: {', '.join(main.json)}.")
     yield ".SH EXIT STATUS"
-    for status, meaning in STATUSES.items():
+    own = main.statuses if main is not None else {}
+    for status, meaning in {**STATUSES, **own}.items():
         yield from _item(status, meaning)
     yield ".PP"
     told = ", ".join(f"{status} {meaning}" for status, meaning in DETAILS.items())
@@ -115,7 +196,7 @@ def _tail(name: str) -> Iterator[str]:
     for variable, meaning in _ENVIRONMENT:
         yield from _item(variable, meaning)
     yield ".SH EXAMPLES"
-    for line, meaning in EXAMPLES[name]:
+    for line, meaning in examples()[name]:
         yield from _item(line, meaning)
 
 
@@ -148,18 +229,19 @@ def _text(lines: list[str]) -> str:
     )
 
 
-def main() -> None:
-    """Write every page into the folder named, and remove pages of commands that went."""
-    (folder,) = sys.argv[1:]
-    os.makedirs(folder, exist_ok=True)
-    made = pages()
-    for name in os.listdir(folder):
-        if name.endswith(".1") and name not in made:
-            os.unlink(os.path.join(folder, name))
-    for name, text in made.items():
-        with open(os.path.join(folder, name), "w", encoding="utf-8") as file:
-            file.write(text)
+def main(wanted: list[str]) -> None:
+    """Write what is stale, and remove the pages of commands that went."""
+    folder = ROOT / "man"
+    made = {folder / name: text for name, text in pages().items()}
+    if wanted != ["man"]:
+        made |= {TABLE: table(), PROJECT: project()}
+    for file in folder.glob("*.1"):
+        if file not in made:
+            file.unlink()
+    for file, text in made.items():
+        if not file.exists() or file.read_text(encoding="utf-8") != text:
+            file.write_text(text, encoding="utf-8")
 
 
 if __name__ == "__main__":
-    main()
+    main(sys.argv[1:])
