@@ -97,7 +97,8 @@ Written by `make campaign`, not by hand. `make campaign SEED=…` does the same 
 {conditions}.
 
 {components} components at 50 Hz, {inside} in the manager and the rest in {slaves} slaves; {wires}
-connections with blocking buffers, which carry numbered values. Each component is to be made again
+connections with blocking buffers, which carry numbered values, and each calls a service of the
+next one. An object is served beside them. Each component is to be made again
 on failure (`rtkit.restart=on-failure`), and when a callback takes longer than 1 s
 (`rtkit.health.stuck=restart`). `campaign/` has the program.
 
@@ -116,5 +117,6 @@ then `rtplan --detailed-exitcode` has nothing to do; components were made again 
 fault ended them, else not (by two faults on top of each other, twice at most); a value that is set
 while the manager is killed, or its disk is full, is the same after everything was killed, and the
 new one if that was acknowledged; all others went on in their process; no value of a connection
-whose ends both live on was lost or came twice. {verdict}
+whose ends both live on was lost or came twice; what raises, hangs or prints in a getter, a setter,
+an action or a service keeps nobody else from an answer. {verdict}
 """
