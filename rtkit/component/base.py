@@ -186,6 +186,14 @@ class Component(Callbacks):
         self.participations = tuple(each for each in self.participations if each is not context)
         self._listen()
 
+    def takes_settings_from(self, context: object) -> bool:
+        """Return whether settings wait that this context is to have it take over."""
+        if not self.configuration.is_pending:
+            return False
+        # One context only, else another would see them change in its cycle.
+        running = (each for each in self.participations if each.is_running)
+        return next(running, None) is context
+
     @property
     def has_changes(self) -> bool:
         """Return whether a value waits at some in port."""

@@ -86,7 +86,7 @@ def near_misses(cls: type[Callbacks]) -> list[str]:
     ]
 
 
-def overrides(component: Callbacks, name: str) -> bool:
+def overrides(component: object, name: str) -> bool:
     """Return whether `component` has a callback of its own for `name`."""
     callback = getattr(component, name)
     return getattr(callback, "__func__", callback) is not getattr(Callbacks, name)

@@ -13,7 +13,6 @@ import itertools
 from collections import deque
 from collections.abc import Callable, Mapping
 from contextlib import suppress
-from typing import TYPE_CHECKING
 
 from rtkit.component.callbacks import Failure, attempt
 from rtkit.component.current import current
@@ -26,14 +25,11 @@ from rtkit.component.lifecycle import (
     next_state,
     refusal,
 )
-from rtkit.component.participant import Participant
+from rtkit.component.participant import DrivenComponent, Participant
 from rtkit.component.period import check_rate
 from rtkit.errors import Malformed, NotFound, Refused
 from rtkit.rtc.enums import ExecutionKind, LifeCycleState, ReturnCode, Transition
 from rtkit.rtc.profiles import NOTHING, ExecutionContextProfile
-
-if TYPE_CHECKING:
-    from rtkit.component.base import Component
 
 Done = Callable[[ReturnCode, str], object]
 _OK = (ReturnCode.OK, "")
@@ -49,7 +45,7 @@ def nothing() -> None:
     """Do nothing."""
 
 
-def ignore(component: Component) -> None:
+def ignore(component: DrivenComponent) -> None:
     """Ignore a change."""
 
 
@@ -81,7 +77,7 @@ class ExecutionContext:
         self.properties = properties
         self.is_running = False
         self.wake: Callable[[], None] = nothing
-        self.changed: Callable[[Component], None] = ignore
+        self.changed: Callable[[DrivenComponent], None] = ignore
         self.watch: Callable[[str, str], None] | None = None
         self.is_periodic = kind is ExecutionKind.PERIODIC
         self._rate = check_rate(rate) if self.is_periodic else rate
@@ -96,7 +92,7 @@ class ExecutionContext:
         return self._rate
 
     @property
-    def participants(self) -> tuple[Component, ...]:
+    def participants(self) -> tuple[DrivenComponent, ...]:
         """The components that it drives, in the order of their execution."""
         return tuple(each.component for each in self._participants)
 
@@ -110,7 +106,7 @@ class ExecutionContext:
         if self._has_new_rate:
             return False
         return not any(
-            each.has_work or self._has_new_settings(each.component) for each in self._participants
+            each.has_work or each.component.takes_settings_from(self) for each in self._participants
         )
 
     @property
@@ -119,14 +115,14 @@ class ExecutionContext:
         if not self.is_running:
             return False
         return self._is_stirred or any(
-            self._has_new_settings(each.component) for each in self._participants
+            each.component.takes_settings_from(self) for each in self._participants
         )
 
-    def handle_for(self, component: Component) -> str:
+    def handle_for(self, component: DrivenComponent) -> str:
         """Return the id by which a component knows this context: ``OWNER/ID`` if not its own."""
         return self.id if component.instance == self.owner else f"{self.owner}/{self.id}"
 
-    def state_of(self, component: Component) -> LifeCycleState:
+    def state_of(self, component: DrivenComponent) -> LifeCycleState:
         """Return the state of a participant.
 
         Raises:
@@ -134,7 +130,7 @@ class ExecutionContext:
         """
         return self._find(component).state
 
-    def has_work_for(self, component: Component) -> bool:
+    def has_work_for(self, component: DrivenComponent) -> bool:
         """Return whether a cycle calls a participant.
 
         Raises:
@@ -142,7 +138,7 @@ class ExecutionContext:
         """
         return self.is_running and self._find(component).has_work
 
-    def profile_for(self, component: Component) -> ExecutionContextProfile:
+    def profile_for(self, component: DrivenComponent) -> ExecutionContextProfile:
         """Describe this context as one participant sees it.
 
         Raises:
@@ -195,7 +191,7 @@ class ExecutionContext:
         self._wake_if_possible()
         return ReturnCode.OK
 
-    def add_component(self, component: Component) -> ReturnCode:
+    def add_component(self, component: DrivenComponent) -> ReturnCode:
         """Take a living component in, Inactive."""
         if any(each.component is component for each in self._participants):
             return ReturnCode.PRECONDITION_NOT_MET
@@ -207,7 +203,7 @@ class ExecutionContext:
         self._tell_all()
         return ReturnCode.OK
 
-    def remove_component(self, component: Component) -> ReturnCode:
+    def remove_component(self, component: DrivenComponent) -> ReturnCode:
         """Let a component go, after it was deactivated if it was Active."""
         try:
             each = self._find(component)
@@ -221,7 +217,7 @@ class ExecutionContext:
         self._tell_all()
         return ReturnCode.OK
 
-    def order(self, first: tuple[Component, ...]) -> None:
+    def order(self, first: tuple[DrivenComponent, ...]) -> None:
         """Execute these participants one after the other, in the place of the first of them."""
         places = {component: place for place, component in enumerate(first)}
         meant = sorted(
@@ -233,21 +229,21 @@ class ExecutionContext:
         at = len(list(before))
         self._participants = (*others[:at], *meant, *others[at:])
 
-    def activate_component(self, component: Component) -> ReturnCode:
+    def activate_component(self, component: DrivenComponent) -> ReturnCode:
         """Activate now; only for the ticking thread, others use `request`."""
         return self.perform(component, Transition.ACTIVATE)[0]
 
-    def deactivate_component(self, component: Component) -> ReturnCode:
+    def deactivate_component(self, component: DrivenComponent) -> ReturnCode:
         """Deactivate now; only for the ticking thread, others use `request`."""
         return self.perform(component, Transition.DEACTIVATE)[0]
 
-    def reset_component(self, component: Component) -> ReturnCode:
+    def reset_component(self, component: DrivenComponent) -> ReturnCode:
         """Reset now; only for the ticking thread, others use `request`."""
         return self.perform(component, Transition.RESET)[0]
 
     def request(
         self,
-        component: Component,
+        component: DrivenComponent,
         transition: Transition,
         done: Done,
         is_wanted: Callable[[], bool] = always,
@@ -322,7 +318,7 @@ class ExecutionContext:
         for each in participants:
             if each.state is ACTIVE and each.updates:
                 self._work(each, "on_state_update")
-            if self._has_new_settings(each.component):
+            if each.component.takes_settings_from(self):
                 each.component.configuration.update()
                 self.changed(each.component)
 
@@ -342,7 +338,7 @@ class ExecutionContext:
 
     def _take_settings_over(self) -> None:
         for each in self._participants:
-            if self._has_new_settings(each.component):
+            if each.component.takes_settings_from(self):
                 each.component.configuration.update()
                 self.changed(each.component)
 
@@ -357,7 +353,7 @@ class ExecutionContext:
             f"precondition not met (execution context {self.id} is not running)",
         )
 
-    def perform(self, component: Component, transition: Transition) -> tuple[ReturnCode, str]:
+    def perform(self, component: DrivenComponent, transition: Transition) -> tuple[ReturnCode, str]:
         """Perform a transition now and return its outcome; only for the ticking thread."""
         try:
             each = self._find(component)
@@ -458,14 +454,7 @@ class ExecutionContext:
         for each in self._participants:
             self.changed(each.component)
 
-    def _has_new_settings(self, component: Component) -> bool:
-        # One context only takes settings over, else another would see them change in its cycle.
-        if not component.configuration.is_pending:
-            return False
-        running = (context for context in component.participations if context.is_running)
-        return next(running, None) is self
-
-    def _find(self, component: Component) -> Participant:
+    def _find(self, component: DrivenComponent) -> Participant:
         for each in self._participants:
             if each.component is component:
                 return each

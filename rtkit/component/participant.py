@@ -2,14 +2,47 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Callable
+from typing import Any, Protocol
 
-from rtkit.component.callbacks import overrides
+from rtkit.component.callbacks import Failure, overrides
+from rtkit.component.config import Configuration
 from rtkit.component.lifecycle import ACTIVE, ERROR, INACTIVE
 from rtkit.rtc.enums import LifeCycleState
 
-if TYPE_CHECKING:
-    from rtkit.component.base import Component
+
+class DrivenComponent(Protocol):
+    """Component as an execution context knows it; it also has all `callbacks.Callbacks`."""
+
+    instance: str
+    configuration: Configuration
+    is_alive: bool
+    cause: str
+    report: Callable[[str], None]
+
+    @property
+    def member_components(self) -> tuple[DrivenComponent, ...]:
+        """Its members, if it is a composite."""
+
+    @property
+    def has_changes(self) -> bool:
+        """Return whether a value waits at some in port."""
+
+    @property
+    def read_count(self) -> int:
+        """Values that were read from all in ports."""
+
+    def take_part(self, context: Any) -> None:
+        """Note the context that took it in."""
+
+    def leave(self, context: Any) -> None:
+        """Forget the context that let it go."""
+
+    def takes_settings_from(self, context: object) -> bool:
+        """Return whether settings wait that this context is to have it take over."""
+
+    def keep_failure(self, callback: str, failure: Failure) -> None:
+        """Keep and log the failure that led to Error."""
 
 
 class Participant:
@@ -31,7 +64,7 @@ class Participant:
         "updates",
     )
 
-    def __init__(self, component: Component, handle: str) -> None:
+    def __init__(self, component: DrivenComponent, handle: str) -> None:
         self.component = component
         self.handle = handle
         self.state: LifeCycleState = INACTIVE

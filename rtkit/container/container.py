@@ -20,6 +20,7 @@ from rtkit.component.base import Component
 from rtkit.component.composites_index import is_composite
 from rtkit.component.context import ExecutionContext
 from rtkit.component.current import current
+from rtkit.component.participant import DrivenComponent
 from rtkit.container.composites import Composites
 from rtkit.container.data_connectors import DataConnectors
 from rtkit.container.execution_contexts import ExecutionContexts, release
@@ -81,7 +82,7 @@ class ComponentContainer:
         self._asked = UserRequests()
         self._takeovers: dict[str, list[Message]] = {}
         self._deletions: dict[str, list[Message]] = {}
-        self._stale: set[Component] = set()
+        self._stale: set[DrivenComponent] = set()
         self._links = DataConnectors(self, wires)
         self._composites = Composites(self)
         self._operations: Mapping[str, Callable[[Message], Any]] = {
@@ -286,27 +287,29 @@ class ComponentContainer:
                 self._own_slot.watch("", "")
             current.reset(before)
 
-    def _changed(self, component: Component) -> None:
+    def _changed(self, component: DrivenComponent) -> None:
         """Have a component's facts reported soon, once for however many changes until then."""
         if component not in self._stale:
             self._stale.add(component)
             self.post(lambda: self.tell(component))
 
-    def tell(self, component: Component) -> None:
+    def tell(self, component: DrivenComponent) -> None:
         """Report the facts of a component, and answer those who waited for its settings."""
         self._stale.discard(component)
-        if self._components.get(component.instance) is component:
-            facts = encode(facts_of(component))
-            self._keep(component.instance, facts)
+        held = self._components.get(component.instance)
+        held = held if held is component else None
+        if held is not None:
+            facts = encode(facts_of(held))
+            self._keep(held.instance, facts)
             self._send({"facts": facts})
         if not component.configuration.is_pending:
-            self._taken_over(component, self._takeovers.pop(component.instance, []))
+            self._taken_over(held, self._takeovers.pop(component.instance, []))
 
     def _keep(self, instance: str, facts: Mapping[str, Any]) -> None:
         if self._checkpoint_writer is not None:
             self._checkpoint_writer.keep(instance, {**facts, **self._memory.get(instance, {})})
 
-    def _taken_over(self, component: Component, messages: list[Message]) -> None:
+    def _taken_over(self, component: Component | None, messages: list[Message]) -> None:
         """Answer requests that waited for settings; a composite has to become what they say."""
 
         def done(error: RtkitError | None) -> None:

@@ -8,6 +8,7 @@ from time import monotonic
 from typing import Any, Protocol
 
 from rtkit.component.base import Component
+from rtkit.component.participant import DrivenComponent
 from rtkit.deployment.message import Message
 from rtkit.errors import Refused, RtkitError
 from rtkit.rtc.enums import ReturnCode
@@ -31,7 +32,7 @@ class ContainerServices(Protocol):
             NotFound: There is none of that name.
         """
 
-    def tell(self, component: Component) -> None:
+    def tell(self, component: DrivenComponent) -> None:
         """Report the facts of a component."""
 
     def answer(self, message: Message, value: Any) -> None:

@@ -11,21 +11,22 @@ from rtkit.drawing.channels import Net, Route, joints, routes
 from rtkit.drawing.heights import Chain, Pull, heights, slide
 from rtkit.drawing.order import EdgePiece, ordered
 from rtkit.drawing.ranks import backward_edges, ranks
-from rtkit.drawing.scene import LEFT, RIGHT, Box, Size, Wire, WireEnd, box_size, port_offset
+from rtkit.drawing.scene import (
+    LEFT,
+    RIGHT,
+    Box,
+    Layout,
+    Point,
+    Size,
+    Wire,
+    WireEnd,
+    box_size,
+    port_offset,
+)
 
 _TRACK = 10
 _MARGIN = 22
 _BOX_GAP, _WIRE_GAP, _MIXED_GAP = 32, 12, 18
-Point = tuple[int, int]
-
-
-class Arrangement(NamedTuple):
-    """Places of boxes, corners of wires, points where wires join."""
-
-    size: Size
-    places: tuple[Point, ...]
-    paths: tuple[tuple[Point, ...], ...]
-    joints: tuple[Point, ...]
 
 
 class Stop(NamedTuple):
@@ -51,7 +52,7 @@ class Hop(NamedTuple):
     net: object
 
 
-def arranged(boxes: Sequence[Box], wires: Sequence[Wire]) -> Arrangement:
+def arranged(boxes: Sequence[Box], wires: Sequence[Wire]) -> Layout:
     """Return places for boxes of which each is connected to another one, or is alone."""
     return _Columns(boxes, wires).arrangement()
 
@@ -84,7 +85,7 @@ class _Columns:
             if coming[last.channel, wire.target] > from_one:
                 hops[-1] = last._replace(net=wire.target)
 
-    def arrangement(self) -> Arrangement:
+    def arrangement(self) -> Layout:
         """Put everything in order and in place."""
         links = [_link(hop, self._heights) for hops in self._hops for hop in hops]
         chains = [[hop.end.node for hop in hops[:-1]] for hops in self._hops]
@@ -108,7 +109,7 @@ class _Columns:
         bottoms = [y for _, y in corners]
         bottoms += [y + size.height for (_, y), size in zip(places, self._sizes, strict=True)]
         top = min(tops)
-        return Arrangement(
+        return Layout(
             Size(width, max(bottoms) - top),
             tuple((x, y - top) for x, y in places),
             tuple(tuple((x, y - top) for x, y in path) for path in paths),

@@ -6,26 +6,10 @@ from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
 from rtkit.drawing.columns import arranged
-from rtkit.drawing.scene import Box, Scene, Size, Wire, WireEnd
+from rtkit.drawing.scene import Box, Layout, Point, Scene, Size, Wire, WireEnd
 
 _BETWEEN = 40
 _ASPECT = 1.7
-Point = tuple[int, int]
-
-
-class Layout(NamedTuple):
-    """A scene with its places [pixel].
-
-    Attributes:
-        places: The upper left corner of each box.
-        paths: The corners of each wire, from its source to its target.
-        joints: Where wires of one port part or come together.
-    """
-
-    size: Size
-    places: tuple[Point, ...]
-    paths: tuple[tuple[Point, ...], ...]
-    joints: tuple[Point, ...] = ()
 
 
 def laid_out(scene: Scene) -> Layout:

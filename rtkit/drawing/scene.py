@@ -1,16 +1,13 @@
-"""Model of a drawing: boxes with ports at their sides, wires between ports, sizes of boxes.
+"""Model of a drawing: boxes with ports at their sides, wires between ports, sizes, a layout.
 
 Lengths are pixels, x grows to the right and y downwards.
 """
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 from rtkit.drawing.text import text_width
-
-if TYPE_CHECKING:
-    from rtkit.drawing.layout import Layout
 
 LEFT, RIGHT = "left", "right"
 IN, OUT, DATA, EVENT, SERVICE = "in", "out", "data", "event", "service"
@@ -20,6 +17,14 @@ ROW = 20
 _PADDING = 12
 _BETWEEN_NAMES = 28
 _LEAST_WIDTH = 90
+Point = tuple[int, int]
+
+
+class Size(NamedTuple):
+    """Width and height of a box, a text or a drawing."""
+
+    width: int
+    height: int
 
 
 class PortPin(NamedTuple):
@@ -86,19 +91,27 @@ class Scene(NamedTuple):
     frames: tuple[Frame, ...] = ()
 
 
+class Layout(NamedTuple):
+    """A scene with its places [pixel].
+
+    Attributes:
+        places: The upper left corner of each box.
+        paths: The corners of each wire, from its source to its target.
+        joints: Where wires of one port part or come together.
+    """
+
+    size: Size
+    places: tuple[Point, ...]
+    paths: tuple[tuple[Point, ...], ...]
+    joints: tuple[Point, ...] = ()
+
+
 class Inside(NamedTuple):
     """Content of a frame: the scene inside, and the ports inside that its own ports lead to."""
 
     scene: Scene
     layout: Layout
     links: tuple[tuple[int, WireEnd], ...] = ()
-
-
-class Size(NamedTuple):
-    """Width and height of a box, a text or a drawing."""
-
-    width: int
-    height: int
 
 
 def header_height(box: Box) -> int:

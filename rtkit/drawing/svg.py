@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 from itertools import pairwise
 
 from rtkit.drawing.frames import framed
-from rtkit.drawing.layout import Layout, Point, laid_out
+from rtkit.drawing.layout import laid_out
 from rtkit.drawing.scene import (
     DATA,
     EVENT,
@@ -15,6 +15,8 @@ from rtkit.drawing.scene import (
     SERVICE,
     Box,
     Inside,
+    Layout,
+    Point,
     PortPin,
     Scene,
     Size,

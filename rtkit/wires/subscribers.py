@@ -6,16 +6,30 @@ The queue is here; what is sent is not waited for.
 from __future__ import annotations
 
 from time import monotonic
-from typing import TYPE_CHECKING
+from typing import Protocol
 
 from rtkit.property.messages import PropertyEvent
 from rtkit.property.subscription import Listener
 from rtkit.serving.event_loop import PropertyEventLoop
+from rtkit.serving.quota import EndpointQuota
 from rtkit.serving.subscribing_client import SubscribingClient
 from rtkit.wires.zenoh.properties import EventPosition, Joined, new_run
 
-if TYPE_CHECKING:
-    from rtkit.wires.query_server import QueryServer
+
+class EventSender(Protocol):
+    """Server through which subscribers send.
+
+    Attributes:
+        quota: Of its endpoint.
+    """
+
+    quota: EndpointQuota
+
+    def has_room(self) -> bool:
+        """Return whether an event can be sent now."""
+
+    def send(self, id: str, event: PropertyEvent, at: EventPosition) -> None:
+        """Send an event to a subscriber, or to a group of them."""
 
 
 class Subscriber(SubscribingClient):
@@ -26,10 +40,10 @@ class Subscriber(SubscribingClient):
     """
 
     def __init__(
-        self, query_server: QueryServer, host: PropertyEventLoop, id: str, identity: str
+        self, sender: EventSender, host: PropertyEventLoop, id: str, identity: str
     ) -> None:
-        super().__init__(query_server.quota, identity)
-        self._query_server = query_server
+        super().__init__(sender.quota, identity)
+        self._sender = sender
         self._host = host
         self._id = id
         self.asked = 0
@@ -55,24 +69,24 @@ class Subscriber(SubscribingClient):
         """See `IOHandler.flush`."""
         due: list[float] = []
         for listener in list(self._listeners):
-            while self._query_server.has_room() and (event := listener.take(now)) is not None:
+            while self._sender.has_room() and (event := listener.take(now)) is not None:
                 self._last = event
                 self._send(event)
             if listener.has_ended and not listener.pending:
                 self._listeners.remove(listener)
-            elif listener.pending and self._query_server.has_room():
+            elif listener.pending and self._sender.has_room():
                 at = listener.due()
                 due += [] if at is None else [at]
         return min(due, default=None)
 
     def _send(self, event: PropertyEvent) -> None:
         self._at = EventPosition(self._at.run, self._at.number + 1)
-        self._query_server.send(self._id, event, self._at)
+        self._sender.send(self._id, event, self._at)
 
     def repeat(self) -> None:
         """Send the last event once more: it may have been lost."""
         if self._last is not None and not self.has_pending:
-            self._query_server.send(self._id, self._last, self._at)
+            self._sender.send(self._id, self._last, self._at)
 
     def first(self) -> PropertyEvent | None:
         """Take the value that it begins with, before anything was sent."""
@@ -87,9 +101,9 @@ class SharedSubscription(Subscriber):
     """
 
     def __init__(
-        self, query_server: QueryServer, host: PropertyEventLoop, id: str, identity: str
+        self, sender: EventSender, host: PropertyEventLoop, id: str, identity: str
     ) -> None:
-        super().__init__(query_server, host, id, identity)
+        super().__init__(sender, host, id, identity)
         self._until: dict[str, float] = {}
 
     @property

@@ -8,7 +8,7 @@ from itertools import combinations, pairwise
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from rtkit.drawing.layout import Layout, Point, laid_out
+from rtkit.drawing.layout import laid_out
 from rtkit.drawing.scene import (
     DATA,
     IN,
@@ -17,6 +17,8 @@ from rtkit.drawing.scene import (
     RIGHT,
     SERVICE,
     Box,
+    Layout,
+    Point,
     PortPin,
     Scene,
     Wire,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any, Protocol
 
 from rtkit.property.messages import PropertyEvent
 from rtkit.property.subscription import Listener
@@ -11,14 +11,27 @@ from rtkit.serving.quota import EndpointQuota
 from rtkit.serving.subscribing_client import SubscribingClient
 from rtkit.wires.ice import protocol
 
-if TYPE_CHECKING:
-    from rtkit.wires.ice.served_client import ServedIceClient
-
 STUCK_S = 30.0
 """Time-out of events that wait for delivery, and of half a message or an answer [s]."""
 _ROOM_FOR_EVENTS = 1 << 18
 _MOST_EVENTS = 1000
 _MOST_FAILURES = 3
+
+
+class SubscribedClient(Protocol):
+    """Client of the endpoint as its subscribers know it."""
+
+    identity: str
+
+    @property
+    def listening(self) -> int:
+        """Return how many listeners all of its subscribers have."""
+
+    def drop(self, subscription: IceSubscriber) -> None:
+        """Forget a subscriber that has no listeners, or cannot be called."""
+
+    def cut_off(self) -> None:
+        """Close the connection: it takes no events."""
 
 
 class IceSubscriber(SubscribingClient):
@@ -32,15 +45,15 @@ class IceSubscriber(SubscribingClient):
     def __init__(
         self,
         host: PropertyEventLoop,
-        guest: ServedIceClient,
+        client: SubscribedClient,
         key: str,
         proxy: Any,
         quota: EndpointQuota,
     ) -> None:
-        super().__init__(quota, guest.identity)
+        super().__init__(quota, client.identity)
         self.key = key
         self._host = host
-        self._guest = guest
+        self._client = client
         bounded = proxy.ice_invocationTimeout(int(STUCK_S * 1000))
         self._proxy = protocol.runtime().slice.ListenerPrx.uncheckedCast(bounded)
         self._is_called = False
@@ -48,7 +61,7 @@ class IceSubscriber(SubscribingClient):
 
     def listen(self, listener: Listener) -> None:
         """See `Requester.listen`."""
-        self._quota.check_listeners(self._guest.listening)
+        self._quota.check_listeners(self._client.listening)
         self._listeners.append(listener)
 
     def wake(self) -> None:
@@ -84,7 +97,7 @@ class IceSubscriber(SubscribingClient):
             self._call(events)
             return None
         if not self._listeners:
-            self._guest.drop(self)
+            self._client.drop(self)
         return min(due, default=None)
 
     def _call(self, events: list[PropertyEvent]) -> None:
@@ -101,9 +114,9 @@ class IceSubscriber(SubscribingClient):
         self._is_called = False
         self._failures = 0 if error is None else self._failures + 1
         if isinstance(error, runtime.InvocationTimeoutException):
-            self._guest.cut_off()
+            self._client.cut_off()
         elif isinstance(error, runtime.RequestFailedException) or self._failures >= _MOST_FAILURES:
-            self._guest.drop(self)
+            self._client.drop(self)
         else:
             self._host.mark(self)
 

@@ -16,7 +16,7 @@ from rtkit.drawing.channels import Net, joints, routes
 from rtkit.drawing.component import InterfaceSymbol, Pin, component_svg
 from rtkit.drawing.dot import dot_lines
 from rtkit.drawing.frames import framed
-from rtkit.drawing.layout import Layout, laid_out
+from rtkit.drawing.layout import laid_out
 from rtkit.drawing.order import EdgePiece, count_crossings, ordered
 from rtkit.drawing.ranks import backward_edges, ranks
 from rtkit.drawing.scene import (
@@ -29,6 +29,7 @@ from rtkit.drawing.scene import (
     SERVICE,
     Box,
     Frame,
+    Layout,
     PortPin,
     Scene,
     Wire,
