@@ -16,7 +16,7 @@ from rtkit.errors import RtkitError
 from rtkit.rtc.enums import Transition
 
 if TYPE_CHECKING:
-    from rtkit.cli.observing.rttop import Top
+    from rtkit.cli.observing.top.activity import Top
     from rtkit.cli.shared.observers import ManagerTold
     from rtkit.deployment.actions import ChangeState
     from rtkit.tree.client import Tree

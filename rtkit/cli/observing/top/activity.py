@@ -1,0 +1,96 @@
+"""Activity of components: their metrics and states, as the managers of some places report them."""
+
+from __future__ import annotations
+
+import time
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from typing import TYPE_CHECKING
+
+from rtkit.cli.observing.top.page import memory, short
+from rtkit.cli.observing.top.rates import Rater, RateRow
+from rtkit.cli.shared.app import App
+from rtkit.cli.shared.observers import Observers, is_covered, place_of
+from rtkit.rtc.names import LOCAL
+
+if TYPE_CHECKING:
+    from rtkit.cli.shared.observers import ManagerTold
+    from rtkit.tree.scope import Scope
+
+SILENT_S = 3.0
+"""Time without metrics after which the page calls them old [s]."""
+
+
+class Top:
+    """Metrics and states of the components of some managers.
+
+    Attributes:
+        subscriptions: Subscriptions to the managers.
+        time: Time of the last metrics [s since 1970].
+        heard_at: Time of their arrival, monotonic [s].
+    """
+
+    def __init__(self, app: App, subscriptions: Observers, scopes: Sequence[Scope]) -> None:
+        self.app = app
+        self.subscriptions = subscriptions
+        self.time = time.time()
+        self.heard_at = time.monotonic()
+        self._scopes = scopes
+        self._host = app.tree.host
+        self._raters: dict[str, Rater] = {}
+
+    def take(self, told: Sequence[ManagerTold]) -> bool:
+        """Take events in; return whether there were metrics among them."""
+        from rtkit.deployment.metrics import Metrics
+
+        has_metrics = False
+        for manager, heard in told:
+            if isinstance(heard, Metrics):
+                self._raters.setdefault(manager, Rater()).take(heard)
+                self.time, has_metrics = heard.time, True
+                self.heard_at = time.monotonic()
+        for manager in list(self._raters):
+            if manager not in self.subscriptions.subscriptions:
+                del self._raters[manager]
+        return has_metrics
+
+    @property
+    def has_rates(self) -> bool:
+        """Return whether all managers have reported metrics twice."""
+        raters = self._raters
+        return bool(raters) and all(
+            name in raters and raters[name].has_rates for name in self.subscriptions.subscriptions
+        )
+
+    @property
+    def is_whole(self) -> bool:
+        """Return whether every process has answered both times."""
+        return all(rater.is_whole for rater in self._raters.values())
+
+    def rows(self) -> list[RateRow]:
+        """Return a row for each component."""
+        return [row for name in self.subscriptions.subscriptions for row in self._rows(name)]
+
+    def _rows(self, manager: str) -> Iterator[RateRow]:
+        facts = self.subscriptions.subscriptions[manager].facts
+        paths = {
+            each.instance: place_of(facts.manager, each, self._host, is_usual=not manager)
+            for each in facts.components
+            if is_covered(self._scopes, manager, each, self._host)
+        }
+        shown = {instance: path.removeprefix(f"/{LOCAL}/") for instance, path in paths.items()}
+        yield from self._raters.setdefault(manager, Rater()).rows(facts, shown)
+
+    def summary(self, rows: Sequence[RateRow]) -> str:
+        """Return one line about all of it."""
+        states = Counter(row.state for row in rows)
+        counts = ", ".join(f"{count} {state}" for state, count in sorted(states.items()))
+        totals = [rater.totals() for rater in self._raters.values()]
+        cpu = [each.cpu_percent for each in totals if each.cpu_percent is not None]
+        size = sum(each.memory_bytes for each in totals)
+        used = f"CPU {short(sum(cpu) if cpu else None)}%  memory {memory(size)}"
+        clock = time.strftime("%H:%M:%S", time.localtime(self.time))
+        many = f"{len(rows)} component{'s' * (len(rows) != 1)}"
+        silent_s = time.monotonic() - self.heard_at
+        late = f"  (no figures for {silent_s:.0f} s)" if silent_s > SILENT_S else ""
+        return f"{clock}{late}  {many}{': ' * bool(counts)}{counts}  {used}"
