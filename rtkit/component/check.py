@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 from rtkit.rtc.data_types import is_same_type
-from rtkit.rtc.enums import Polarity, PortType
+from rtkit.rtc.enums import PortType
 from rtkit.rtc.interface_types import canonical
-from rtkit.rtc.profiles import PortInterfaceProfile, PortProfile
+from rtkit.rtc.port_types import WRONG_TYPE, interfaces_fit, shared_interfaces, types_fit
+from rtkit.rtc.profiles import PortProfile
 
-WRONG_TYPE = "Wrong port type."
 INCOMPATIBLE = "Incompatible connection properties."
 NO_INTERFACE = "Interfaces do not match."
 NO_POLARITY = "Polarities do not match."
@@ -26,16 +26,14 @@ _CHOICES = (
 
 def refusal(ports: Sequence[PortProfile], properties: Mapping[str, str]) -> str:
     """Return why the ports cannot be connected with these properties, "" when they can."""
-    kinds = [port.port_type for port in ports]
-    if PortType.SERVICE in kinds:
-        if any(kind is not PortType.SERVICE for kind in kinds):
-            return WRONG_TYPE
-        return _refused_interfaces(ports)
-    if len(ports) > 1 and not (PortType.IN in kinds and PortType.OUT in kinds):
+    types = [port.port_type for port in ports]
+    if not types_fit(types):
         return WRONG_TYPE
+    if PortType.SERVICE in types:
+        return _refused_interfaces(ports)
     is_forced = properties.get(ANY_DATA_TYPE, "").upper() == "YES"
-    types = "" if is_forced else _refused_types(ports, properties)
-    return types or _refused_properties(ports, properties)
+    differing = "" if is_forced else _refused_types(ports, properties)
+    return differing or _refused_properties(ports, properties)
 
 
 def _refused_types(ports: Sequence[PortProfile], properties: Mapping[str, str]) -> str:
@@ -82,17 +80,6 @@ def _refused_interfaces(ports: Sequence[PortProfile]) -> str:
         return ""
     for index, one in enumerate(listed):
         for other in listed[index + 1 :]:
-            found = _match(one, other)
-            if found:
-                return found
-    return ""
-
-
-def _match(one: tuple[PortInterfaceProfile, ...], other: tuple[PortInterfaceProfile, ...]) -> str:
-    pairs = [(mine, its) for mine in one for its in other if mine.type_name == its.type_name]
-    if not pairs:
-        return NO_INTERFACE
-    wanted = {Polarity.PROVIDED, Polarity.REQUIRED}
-    if not any({mine.polarity, its.polarity} == wanted for mine, its in pairs):
-        return NO_POLARITY
+            if not interfaces_fit(one, other):
+                return NO_POLARITY if shared_interfaces(one, other) else NO_INTERFACE
     return ""

@@ -17,6 +17,7 @@ from rtkit.errors import NotFound, Refused, RtkitError, Unreachable
 from rtkit.link.ends import Fetcher, Outlet
 from rtkit.link.threads import start_thread
 from rtkit.logs.late import late
+from rtkit.rtc.port_types import WRONG_TYPE
 from rtkit.rtc.profiles import ConnectorProfile
 from rtkit.rtc.serde import decode
 
@@ -181,13 +182,13 @@ class DataConnectors:
     def _out_port(self, wire: ConnectorProfile) -> OutPort[Any]:
         port = self._port(wire, 0)
         if not isinstance(port, OutPort):
-            raise Refused("Wrong port type.")
+            raise Refused(WRONG_TYPE)
         return port
 
     def _in_port(self, wire: ConnectorProfile) -> InPort[Any]:
         port = self._port(wire, 1)
         if not isinstance(port, InPort):
-            raise Refused("Wrong port type.")
+            raise Refused(WRONG_TYPE)
         return port
 
     def _port(self, wire: ConnectorProfile, index: int) -> object:

@@ -16,15 +16,9 @@ from rtkit.profile.rts_model import ComponentInstance, ConfigurationSet, Instanc
 from rtkit.profile.words import strip_instance
 from rtkit.rtc.enums import ExecutionKind, Polarity, PortType
 from rtkit.rtc.pattern import ContextPattern
+from rtkit.rtc.port_types import stated_port_type
 from rtkit.rtc.profiles import PortInterfaceProfile, PortProfile, TypeProfile
 
-_TYPES = {
-    "datainport": PortType.IN,
-    "in": PortType.IN,
-    "dataoutport": PortType.OUT,
-    "out": PortType.OUT,
-    "corbaport": PortType.SERVICE,
-}
 DATA_ATTRIBUTES = (
     "dataport.data_type",
     "dataport.interface_type",
@@ -56,10 +50,8 @@ def data_port(
     """Return a data port; what the profile leaves open comes from its connections, or its name."""
     name = strip_instance(port.name, instance)
     properties = _live_properties(port)
-    stated = _TYPES.get(properties.get("port.port_type", "").strip().lower())
-    if stated is PortType.SERVICE:
-        stated = None
     is_named_out = name.lower().startswith("out") or name.lower().endswith("out")
+    stated = stated_port_type(properties.get("port.port_type", ""))
     kind = stated or wired_as or (PortType.OUT if is_named_out else PortType.IN)
     properties["port.port_type"] = kind.value
     if wired_type and not properties.get("dataport.data_type"):

@@ -46,6 +46,7 @@ from rtkit.profile.words import strip_instance
 from rtkit.rtc.create import CreateString, parse_create
 from rtkit.rtc.enums import Polarity, PortType
 from rtkit.rtc.pattern import ComponentPattern
+from rtkit.rtc.port_types import are_reversed
 from rtkit.rtc.profiles import ConnectorProfile, PortInterfaceProfile, PortProfile, PortRef
 
 STAND_IN_SLAVE = "stand-ins"
@@ -431,7 +432,7 @@ def _turned(
     for end in wire.ports:
         port = components[end.instance].port(end.port)
         kinds.append(port.port_type if port is not None else None)
-    if is_data and kinds == [PortType.IN, PortType.OUT]:
+    if is_data and are_reversed(kinds):
         wire = replace(wire, ports=wire.ports[::-1])
     is_required = all(components[end.instance].is_required for end in wire.ports)
     return WantedConnector(wire, is_data, is_required)

@@ -4,9 +4,12 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
+from rtkit.profile.rtc_model import ServicePortDeclaration
 from rtkit.profile.rts_model import DataPortConnector, RtsProfile, TargetPort
 from rtkit.profile.words import normal_data_type, property_value, strip_instance
-from rtkit.rtc.enums import PortType
+from rtkit.rtc.enums import Polarity, PortType
+from rtkit.rtc.port_types import stated_port_type
+from rtkit.rtc.profiles import PortInterfaceProfile
 
 
 class DataPortKey(NamedTuple):
@@ -35,8 +38,7 @@ def data_port_facts(profile: RtsProfile) -> dict[DataPortKey, DataPortFacts]:
     for component in profile.components:
         for port in component.data_ports:
             name = strip_instance(port.name, component.instance_name)
-            said = (property_value(port.properties, "port.port_type") or "").strip().lower()
-            direction = next((kind for kind in _DATA if kind.value.lower() == said), None)
+            direction = stated_port_type(property_value(port.properties, "port.port_type") or "")
             data_type = property_value(port.properties, "dataport.data_type") or ""
             key = DataPortKey(component.id, component.instance_name, name)
             facts[key] = DataPortFacts(direction, _known_type(data_type))
@@ -46,7 +48,16 @@ def data_port_facts(profile: RtsProfile) -> dict[DataPortKey, DataPortFacts]:
     return facts
 
 
-_DATA = (PortType.IN, PortType.OUT)
+def declared_interfaces(port: ServicePortDeclaration) -> tuple[PortInterfaceProfile, ...]:
+    """Return the interfaces that a component profile declares of a service port."""
+    return tuple(
+        PortInterfaceProfile(
+            each.instance_name or each.name,
+            each.type,
+            Polarity.PROVIDED if each.direction == Polarity.PROVIDED else Polarity.REQUIRED,
+        )
+        for each in port.service_interfaces
+    )
 
 
 def _known_type(text: str) -> str:

@@ -9,6 +9,7 @@ from rtkit.drawing.layout import laid_out
 from rtkit.errors import Malformed, NotFound, Refused
 from rtkit.fast_dataclass import replace
 from rtkit.profile.common import ExtensionProperty
+from rtkit.profile.ports import declared_interfaces
 from rtkit.profile.rtc_model import DataPortDeclaration, RtcProfile, ServicePortDeclaration
 from rtkit.profile.rts_model import (
     RTS_VERSION,
@@ -25,6 +26,7 @@ from rtkit.profile.rts_model import (
 )
 from rtkit.profile.words import normal_data_type
 from rtkit.profile_tools.system_scene import system_scene
+from rtkit.rtc.port_types import are_reversed, declared_port_type, interfaces_fit, types_fit
 
 _CONTEXT_KINDS = {"PERIODIC": "PERIODIC", "SPORADIC": "EVENT_DRIVEN", "EVENTDRIVEN": "EVENT_DRIVEN"}
 _DEFAULT = "default"
@@ -134,7 +136,7 @@ def _component(member: NewMember, host: str) -> ComponentInstance:
 
 
 def _data_port(member: NewMember, port: DataPortDeclaration) -> InstancePort:
-    kind = "DataOutPort" if port.port_type == "DataOutPort" else "DataInPort"
+    kind = declared_port_type(port.port_type)
     return InstancePort(f"{member.instance}.{port.name}", True, properties=_stated(kind, port.type))
 
 
@@ -153,10 +155,13 @@ def _connector(
         raise Malformed(f"a connection is INSTANCE.PORT=INSTANCE.PORT: {text}")
     source, target = _end(one, members), _end(other, members)
     name = f"{source.port.name}_{target.port.name}"
-    if isinstance(source.port, DataPortDeclaration) and isinstance(
-        target.port, DataPortDeclaration
-    ):
-        if source.port.port_type != "DataOutPort":
+    mine, its = source.port, target.port
+    if isinstance(mine, DataPortDeclaration) and isinstance(its, DataPortDeclaration):
+        types = [declared_port_type(port.port_type) for port in (mine, its)]
+        if not types_fit(types):
+            told = f"{mine.port_type} and {its.port_type}"
+            raise Refused(f"{source.text} and {target.text} cannot be connected: {told}")
+        if are_reversed(types):
             source, target = target, source
         data_type = _common_type(source, target)
         ends = (_target(source), _target(target))
@@ -183,12 +188,6 @@ def _end(text: str, members: Mapping[str, NewMember]) -> _End:
 
 
 def _common_type(source: _End, target: _End) -> str:
-    assert isinstance(source.port, DataPortDeclaration)
-    assert isinstance(target.port, DataPortDeclaration)
-    kinds = (source.port.port_type, target.port.port_type)
-    if kinds[0] != "DataOutPort" or kinds[1] == "DataOutPort":
-        told = " and ".join(kinds)
-        raise Refused(f"{source.text} and {target.text} cannot be connected: {told}")
     types = [
         normal_data_type(end.port.type)
         for end in (source, target)
@@ -207,10 +206,8 @@ def _check_services(source: _End, target: _End) -> None:
         and isinstance(target.port, ServicePortDeclaration)
     ):
         raise Refused(f"{source.text} and {target.text}: one is a data port, one a service port")
-    given = {(each.type, each.direction) for each in source.port.service_interfaces}
-    turned = {"Provided": "Required", "Required": "Provided"}
-    wanted = {(each.type, turned[each.direction]) for each in target.port.service_interfaces}
-    if not given & wanted:
+    offers = [declared_interfaces(port) for port in (source.port, target.port)]
+    if not all(offers) or not interfaces_fit(*offers):
         raise Refused(f"{source.text} and {target.text}: neither provides what the other requires")
 
 

@@ -10,15 +10,16 @@ from typing import NamedTuple
 from rtkit.component.constraint_check import Declared, declared_type
 from rtkit.fast_dataclass import dataclass
 from rtkit.profile.constraint_format import format_constraint
+from rtkit.profile.ports import declared_interfaces
 from rtkit.profile.rtc_model import (
     ConfigurationParameter,
     DataPortDeclaration,
     RtcProfile,
-    ServicePortDeclaration,
 )
 from rtkit.profile.words import property_value
-from rtkit.rtc.enums import ExecutionKind, Polarity, PortType
+from rtkit.rtc.enums import ExecutionKind, PortType
 from rtkit.rtc.interface_types import canonical
+from rtkit.rtc.port_types import declared_port_type
 from rtkit.rtc.profiles import PortInterfaceProfile, TypeProfile
 
 INTERFACE, DATAFLOW, SUBSCRIPTION = "interface_type", "dataflow_type", "subscription_type"
@@ -91,7 +92,7 @@ def blueprint(profile: RtcProfile, type: TypeProfile, source: str) -> Blueprint:
         source,
         type,
         data,
-        {port.name: _interfaces(port) for port in profile.service_ports},
+        {port.name: declared_interfaces(port) for port in profile.service_ports},
         {each.name: _parameter(each) for each in parameters},
         _context_kind(info.execution_type if info is not None else ""),
         (info.execution_rate if info is not None else None) or 0.0,
@@ -119,21 +120,9 @@ def _split(text: str | None) -> frozenset[str]:
 
 
 def _data_port(port: DataPortDeclaration) -> DataPortType:
-    kind = PortType.OUT if port.port_type == PortType.OUT else PortType.IN
     texts = (port.interface_type, port.dataflow_type, port.subscription_type)
     offers = {key: offered(key, text) for key, text in zip(OFFERS, texts, strict=True)}
-    return DataPortType(kind, port.type, offers)
-
-
-def _interfaces(port: ServicePortDeclaration) -> tuple[PortInterfaceProfile, ...]:
-    return tuple(
-        PortInterfaceProfile(
-            each.instance_name or each.name,
-            each.type,
-            Polarity.PROVIDED if each.direction == Polarity.PROVIDED else Polarity.REQUIRED,
-        )
-        for each in port.service_interfaces
-    )
+    return DataPortType(declared_port_type(port.port_type), port.type, offers)
 
 
 def _parameter(configuration: ConfigurationParameter) -> ParameterType:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from itertools import product
 
 from rtkit.component.check import ANY_DATA_TYPE
 from rtkit.component.options import parse_options, remarks
@@ -13,6 +14,7 @@ from rtkit.report.finding import ERROR, NOTE, WARNING
 from rtkit.rtc.data_types import scoped_name
 from rtkit.rtc.enums import PortType
 from rtkit.rtc.interface_types import DIRECT, SUBSCRIPTIONS, interface_name
+from rtkit.rtc.port_types import are_reversed, types_fit
 from rtkit.static_check.blueprint import DATAFLOW, INTERFACE, OFFERS, SUBSCRIPTION, words
 from rtkit.static_check.finding import TOP, ProfileLocation, StaticFinding
 from rtkit.static_check.ports import fits_type, type_names
@@ -78,11 +80,10 @@ def _directions(
     connector: DataPortConnector, place: ProfileLocation, source: DataEnd, target: DataEnd
 ) -> Iterator[StaticFinding]:
     sources, targets = kinds_of(source.ports), kinds_of(target.ports)
-    if not sources or not targets:
+    fitting = [pair for pair in product(sources, targets) if types_fit(pair)]
+    if not sources or not targets or not all(map(are_reversed, fitting)):
         return
-    if PortType.OUT in sources and PortType.IN in targets:
-        return
-    if PortType.IN in sources and PortType.OUT in targets:
+    if fitting:
         text = (
             f"connector {connector.connector_id} names its in port {source.name} first:"
             f" taken from {target.name} to {source.name}"

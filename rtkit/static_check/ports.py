@@ -9,7 +9,7 @@ from rtkit.profile.rts_model import InstancePort
 from rtkit.profile.words import strip_instance
 from rtkit.report.finding import ERROR
 from rtkit.rtc.data_types import is_same_type, scoped_name
-from rtkit.rtc.enums import PortType
+from rtkit.rtc.port_types import stated_port_type
 from rtkit.static_check.blueprint import Blueprint, DataPortType
 from rtkit.static_check.finding import ProfileLocation, StaticFinding
 from rtkit.static_check.view import CheckedComponent, View, kinds_of, property_place
@@ -46,13 +46,11 @@ def _data_port(
             yield _unknown(part, blueprint, port, place, is_data=True)
         return
     stated = property_place(place, port.properties, "port.port_type")
-    words = {kind.value.lower(): kind for kind in (PortType.IN, PortType.OUT)}
-    if stated is not None and stated[1].strip().lower() in words:
-        kinds = kinds_of(known)
-        if words[stated[1].strip().lower()] not in kinds:
-            allowed = " or ".join(sorted(kinds))
-            text = f"port {name} of {part.name} is to be a {stated[1]}, but is a {allowed}"
-            yield StaticFinding(ERROR, "port-direction", text, stated[0], stated[1], allowed)
+    wanted, kinds = stated_port_type(stated[1]) if stated is not None else None, kinds_of(known)
+    if stated is not None and wanted is not None and wanted not in kinds:
+        allowed = " or ".join(sorted(kinds))
+        text = f"port {name} of {part.name} is to be a {stated[1]}, but is a {allowed}"
+        yield StaticFinding(ERROR, "port-direction", text, stated[0], stated[1], allowed)
     type = property_place(place, port.properties, "dataport.data_type")
     if type is not None and not fits_type(type[1], known):
         allowed = type_names(known)

@@ -10,6 +10,7 @@ from rtkit.profile.words import strip_instance
 from rtkit.report.finding import ERROR, WARNING
 from rtkit.rtc.data_types import is_same_type
 from rtkit.rtc.enums import Polarity
+from rtkit.rtc.port_types import interfaces_fit, provides, shared_interfaces
 from rtkit.rtc.profiles import PortInterfaceProfile
 from rtkit.static_check.finding import TOP, ProfileLocation, StaticFinding
 from rtkit.static_check.view import CheckedComponent, ServiceEnd, View
@@ -38,12 +39,9 @@ def _match(
 ) -> Iterator[StaticFinding]:
     if not source.interfaces or not target.interfaces:
         return
-    pairs = [
-        (mine, its)
-        for mine in source.interfaces
-        for its in target.interfaces
-        if is_same_type(mine.type_name, its.type_name)
-    ]
+    if interfaces_fit(source.interfaces, target.interfaces, is_same_type):
+        return
+    pairs = shared_interfaces(source.interfaces, target.interfaces, is_same_type)
     which = f"connector {connector.connector_id}"
     if not pairs:
         text = (
@@ -53,7 +51,7 @@ def _match(
         found, allowed = _types(target.interfaces), _types(source.interfaces)
         where = place.below("target").at("port_name")
         yield StaticFinding(ERROR, "service-interface", text, where, found, allowed)
-    elif all(mine.polarity is its.polarity for mine, its in pairs):
+    else:
         mine = pairs[0][0]
         verb = mine.polarity.lower()
         text = f"{which}: both {source.name} and {target.name} have {mine.type_name} {verb}"
@@ -120,11 +118,7 @@ def _unmet(
 
 
 def _is_provided(wanted: PortInterfaceProfile, partners: list[_Interfaces | None]) -> bool:
-    return any(
-        is_same_type(wanted.type_name, its.type_name) and its.polarity is Polarity.PROVIDED
-        for interfaces in partners
-        for its in interfaces or ()
-    )
+    return any(provides(each or (), (wanted,), is_same_type) for each in partners)
 
 
 def _place(part: CheckedComponent, port: str) -> ProfileLocation:

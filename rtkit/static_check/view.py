@@ -13,6 +13,7 @@ from rtkit.profile.rts_model import ComponentInstance, RtsProfile, TargetPort
 from rtkit.profile.words import strip_instance
 from rtkit.rtc.create import FRESH_SLAVE, parse_create
 from rtkit.rtc.enums import PortType
+from rtkit.rtc.port_types import stated_port_type
 from rtkit.rtc.profiles import PortInterfaceProfile
 from rtkit.static_check.blueprint import OFFERS, Blueprint, DataPortType, offered
 from rtkit.static_check.catalogue import Catalogue, Match
@@ -82,7 +83,6 @@ class _Stated(NamedTuple):
 
 
 _NOTHING = _Stated((), {})
-_KINDS = {kind.value.lower(): kind for kind in (PortType.IN, PortType.OUT)}
 
 
 class View:
@@ -146,7 +146,7 @@ class View:
         for part in self.parts:
             for port in part.component.data_ports:
                 told = {each.name: each.value or "" for each in port.properties}
-                kind = _KINDS.get(told.get("port.port_type", "").strip().lower())
+                kind = stated_port_type(told.get("port.port_type", ""))
                 type = told.get("dataport.data_type", "")
                 offers = {key: offered(key, told.get(f"dataport.{key}")) for key in OFFERS}
                 ports = (DataPortType(kind, type, {}),) if kind is not None else ()

@@ -78,7 +78,8 @@ def check_pair(one: ResolvedPort, other: ResolvedPort, properties: Mapping[str, 
     Raises:
         Refused: States why.
     """
-    from rtkit.component.check import WRONG_TYPE, incompatible, refusal
+    from rtkit.component.check import incompatible, refusal
+    from rtkit.rtc.port_types import WRONG_TYPE
 
     why = refusal((one.port, other.port), properties)
     if one.ref == other.ref:
@@ -121,7 +122,10 @@ def make_connector(
     if one.port.port_type is PortType.SERVICE:
         ends, properties = (one, other), {**SERVICE_DEFAULTS, **given}
     else:
-        ends = (one, other) if one.port.port_type is PortType.OUT else (other, one)
+        from rtkit.rtc.port_types import are_reversed
+
+        is_turned = are_reversed((one.port.port_type, other.port.port_type))
+        ends = (other, one) if is_turned else (one, other)
         data_type = one.port.data_type or other.port.data_type
         properties = {**DATA_DEFAULTS, "dataport.data_type": data_type, **given}
     refs = tuple(end.ref for end in ends)

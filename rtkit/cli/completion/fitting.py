@@ -1,4 +1,4 @@
-"""Matches ports with ports: the rule of `rtkit.component.check` for ports as plain facts."""
+"""Matches ports with ports, for ports as plain facts."""
 
 from __future__ import annotations
 
@@ -6,26 +6,30 @@ from collections.abc import Iterable
 
 from rtkit.cli.completion.live import Plain
 from rtkit.rtc.data_types import is_same_type
-
-_SERVICE = "CorbaPort"
+from rtkit.rtc.enums import Polarity, PortType
+from rtkit.rtc.port_types import interfaces_fit, types_fit
+from rtkit.rtc.profiles import PortInterfaceProfile
 
 
 def is_fit(one: Plain, other: Plain) -> bool:
     """Return whether direction, data type and interfaces let two ports be connected."""
-    kinds = (one["port_type"], other["port_type"])
-    if _SERVICE in kinds:
-        return kinds[0] == kinds[1] and _meet(one, other)
-    return kinds[0] != kinds[1] and is_same_type(_data_type(one), _data_type(other))
+    types = [PortType(each["port_type"]) for each in (one, other)]
+    if not types_fit(types):
+        return False
+    if PortType.SERVICE in types:
+        return interfaces_fit(_interfaces(one), _interfaces(other))
+    return is_same_type(_data_type(one), _data_type(other))
 
 
 def _data_type(port: Plain) -> str:
     return str(port.get("properties", {}).get("dataport.data_type", ""))
 
 
-def _meet(one: Plain, other: Plain) -> bool:
-    mine, its = one.get("interfaces", ()), other.get("interfaces", ())
-    pairs = ((m, i) for m in mine for i in its if m["type_name"] == i["type_name"])
-    return not (mine and its) or any(m["polarity"] != i["polarity"] for m, i in pairs)
+def _interfaces(port: Plain) -> list[PortInterfaceProfile]:
+    return [
+        PortInterfaceProfile(each["instance_name"], each["type_name"], Polarity(each["polarity"]))
+        for each in port.get("interfaces", ())
+    ]
 
 
 def fits(components: Iterable[Plain], instance: str, port: Plain) -> set[str]:

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from rtkit.profile.ports import declared_interfaces
 from rtkit.profile.words import property_value
-from rtkit.rtc.enums import ExecutionKind, Polarity, PortType
+from rtkit.rtc.enums import ExecutionKind, PortType
 from rtkit.rtc.pattern import ComponentPattern, ContextPattern
-from rtkit.rtc.profiles import PortInterfaceProfile, PortProfile, TypeProfile
+from rtkit.rtc.port_types import declared_port_type
+from rtkit.rtc.profiles import PortProfile, TypeProfile
 
 if TYPE_CHECKING:
     from rtkit.profile.rtc_model import (
@@ -90,7 +92,7 @@ def _context(profile: RtcProfile) -> ContextPattern:
 
 
 def _data_port(port: DataPortDeclaration) -> PortProfile:
-    kind = PortType.OUT if port.port_type == PortType.OUT else PortType.IN
+    kind = declared_port_type(port.port_type)
     told = {
         "dataport.data_type": port.type,
         "dataport.interface_type": port.interface_type,
@@ -103,15 +105,7 @@ def _data_port(port: DataPortDeclaration) -> PortProfile:
 
 
 def _service_port(port: ServicePortDeclaration) -> PortProfile:
-    interfaces = tuple(
-        PortInterfaceProfile(
-            each.instance_name or each.name,
-            each.type,
-            Polarity.PROVIDED if each.direction == Polarity.PROVIDED else Polarity.REQUIRED,
-        )
-        for each in port.service_interfaces
-    )
     properties = {"port.port_type": PortType.SERVICE.value}
     if port.comment:
         properties["description"] = port.comment
-    return PortProfile(port.name, PortType.SERVICE, properties, interfaces)
+    return PortProfile(port.name, PortType.SERVICE, properties, declared_interfaces(port))

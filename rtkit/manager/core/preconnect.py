@@ -8,6 +8,7 @@ from rtkit.manager.core.state import ManagerState
 from rtkit.rtc.create import parse_create
 from rtkit.rtc.enums import PortType
 from rtkit.rtc.nearest import did_you_mean
+from rtkit.rtc.port_types import are_reversed
 from rtkit.rtc.profiles import ConnectorProfile, PortProfile, PortRef
 
 _DEFAULTS = {
@@ -32,7 +33,7 @@ def connector(state: ManagerState, text: str) -> ConnectorProfile | None:
     one_ref, one = _port(state, text.partition("?")[0])
     other_ref, its = _port(state, other)
     ends = (one_ref, other_ref)
-    if one.port_type is PortType.IN and its.port_type is PortType.OUT:
+    if are_reversed((one.port_type, its.port_type)):
         ends = (other_ref, one_ref)
     if any(set(wire.ports) == set(ends) for wire in state.connectors.values()):
         return None

@@ -10,8 +10,9 @@ from rtkit.deployment.shown_ports import OwnEnds
 from rtkit.errors import Malformed, NotFound, Refused, RtkitError, Unreachable
 from rtkit.manager.core.effects import Call, Procedure, Send, WaitUntil
 from rtkit.manager.core.state import ManagerState, Opening, Process
-from rtkit.rtc.enums import Polarity, PortType
+from rtkit.rtc.enums import PortType
 from rtkit.rtc.interface_types import DIRECT, differing
+from rtkit.rtc.port_types import WRONG_TYPE, are_reversed, provides
 from rtkit.rtc.profiles import ConnectorProfile, PortProfile
 from rtkit.rtc.serde import encode
 
@@ -48,8 +49,8 @@ def connect(state: ManagerState, wire: ConnectorProfile) -> Procedure:
         raise Malformed(f"connector id is empty or has control characters: {connector_id!r}")
     ports = _ports(state, wire)
     text = refusal(ports, wire.properties)
-    if text:
-        raise Refused(text)
+    if text or are_reversed([port.port_type for port in ports]):
+        raise Refused(text or WRONG_TYPE)
     wire = own.wire(wire)
     ends = [living(state, end.instance) for end in wire.ports]
     opening = state.openings[connector_id] = Opening(wire)
@@ -121,7 +122,8 @@ def _open_services(
     if ends[0] is ends[1]:
         yield Call(ends[0], {"op": "link", "connector": plain})
         return Result()
-    ways = [way for way in ((0, 1), (1, 0)) if _provides(ports[way[0]], ports[way[1]])]
+    offers = [port.interfaces for port in ports]
+    ways = [way for way in ((0, 1), (1, 0)) if provides(offers[way[0]], offers[way[1]])]
     for provider, consumer in ways:
         endpoint = yield Call(ends[provider], {"op": "offer", "connector": plain, "end": provider})
         request = {"op": "consult", "connector": plain, "end": consumer, "endpoint": endpoint}
@@ -129,13 +131,6 @@ def _open_services(
     for end in (0, 1) if not ways else ():
         yield Call(ends[end], {"op": "keep", "connector": plain, "end": end})
     return Result()
-
-
-def _provides(one: PortProfile, other: PortProfile) -> bool:
-    provided = {i.type_name for i in one.interfaces if i.polarity is Polarity.PROVIDED}
-    return any(
-        i.polarity is Polarity.REQUIRED and i.type_name in provided for i in other.interfaces
-    )
 
 
 def _cut_loose(state: ManagerState, connector_id: str) -> Procedure:

@@ -92,6 +92,7 @@ def test_the_same_again_is_what_was_asked_for(shell, ends):
         (wire("w", "A.out", "B.out"), "refused", "Wrong port type."),
         (wire("w", "A.in", "B.in"), "refused", "Wrong port type."),
         (wire("w", "A.svc", "B.in"), "refused", "Wrong port type."),
+        (wire("w", "B.in", "A.out"), "refused", "Wrong port type."),
         (wire("w", "A.out", "B.text"), "refused", "Data types differ"),
         (wire("", "A.out", "B.in"), "malformed", "connector id is empty"),
         (wire("a\nb", "A.out", "B.in"), "malformed", "control characters"),
