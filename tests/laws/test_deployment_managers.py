@@ -65,10 +65,7 @@ class Managers:
 
     def __init__(self, homes):
         self.homes = homes
-        self.worlds = {name: make_world() for name in NAMES}
-        for name, world in self.worlds.items():
-            world.manager = name
-            world.processes = {name: replace(world.processes["manager"], name=name)}
+        self.worlds = {name: make_world(name) for name in NAMES}
 
     def fleet(self):
         trees = {name: fake_tree(world) for name, world in self.worlds.items()}
@@ -230,20 +227,17 @@ def test_a_manager_that_ends_stops_it_and_run_again_it_finishes(
     world = managers.worlds[name]
     count = 0
 
-    def gone(*_):
-        raise Unreachable(f"manager {name!r} ended before it answered")
-
     def end(_action):
         nonlocal count
         count += 1
         if count > when:
-            world.snapshot = gone
-            gone()
+            world.gone = f"manager {name!r} ended before it answered"
+            raise Unreachable(world.gone)
 
     world.fault = end
     fleet = managers.fleet()
     before = fleet.snapshot()
-    fleet.trees[name].has_ended = lambda: "snapshot" in vars(world)
+    fleet.trees[name].has_ended = lambda: bool(world.gone)
     goal = managers.goal(profile)
     told = []
     applier = Applier(fleet, goal, told.append, silent)
@@ -257,7 +251,7 @@ def test_a_manager_that_ends_stops_it_and_run_again_it_finishes(
         assert "run it again to go on" in why
         assert any(f"start manager {name}" in line for line in told)
     world.fault = lambda _: None
-    vars(world).pop("snapshot", None)
+    world.gone = ""
     goal = managers.goal(profile)
     managers.reach(goal)
     managers.check(goal)

@@ -8,10 +8,10 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+from fake_manager import FakeManager
 from fake_tree import fake_tree
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from managed import Managed
 from systems import ACTIVE, INSTANCES, disturbances, make_world, profiles
 
 from rtkit.deployment import actions as act
@@ -22,6 +22,7 @@ from rtkit.deployment.runner import PlanRunner
 from rtkit.deployment.running import start_plan
 from rtkit.deployment.system import WantedSystem
 from rtkit.deployment.wanted import wanted
+from rtkit.rtc.enums import LifeCycleState
 from rtkit.tree.resurrect import resurrect
 from rtkit.tree.start import Starter
 
@@ -33,15 +34,15 @@ def silent(*_: object) -> None:
     """Hear nothing."""
 
 
-def managed() -> Managed:
+def always_restarting() -> FakeManager:
     """Return a manager that makes everything again."""
-    world = Managed(make_world().types.values())
+    world = FakeManager(make_world().types.values())
     world.shell.state.settings.change("manager.restart", "always")
     world.shell.state.settings.change("manager.shutdown_on_nortcs", "NO")
     return world
 
 
-def brought_up(world: Managed, profile: object) -> WantedSystem:
+def brought_up(world: FakeManager, profile: object) -> WantedSystem:
     tree = fake_tree(world)
     system = wanted(profile, world.host)
     resurrect(tree, system, tree.snapshot(), PlanRunner(tree, silent))
@@ -50,12 +51,12 @@ def brought_up(world: Managed, profile: object) -> WantedSystem:
     return system
 
 
-def end(world: Managed, what: str) -> None:
+def end(world: FakeManager, what: str) -> None:
     """Kill a slave, or have a component fall into Error; all that follows is done."""
     facts = world.snapshot()
     component = facts.component(what)
     if component is not None and not component.zombie:
-        world.fail(what)
+        world.set_state(what, LifeCycleState.ERROR, "ValueError: no (a.py:1)")
     elif any(each.name == what and each.state == "up" for each in facts.processes):
         world.kill(what)
     world.settle()
@@ -70,7 +71,7 @@ def shown(facts: Snapshot) -> tuple[object, ...]:
 @given(profiles(), ends)
 @few
 def test_after_restarts_there_is_nothing_to_plan(profile, ended):
-    world = managed()
+    world = always_restarting()
     system = brought_up(world, profile)
     goal = DeploymentGoal(system, ACTIVE)
     assert not goal.plan(world.snapshot()).moves
@@ -82,7 +83,7 @@ def test_after_restarts_there_is_nothing_to_plan(profile, ended):
 @given(profiles(), disturbances(), ends)
 @few
 def test_what_users_changed_is_there_again(profile, changes, ended):
-    world = managed()
+    world = always_restarting()
     brought_up(world, profile)
     for each in changes:
         if not isinstance(each, str) and _is_possible(world, each):
@@ -97,7 +98,7 @@ def test_what_users_changed_is_there_again(profile, changes, ended):
 @given(profiles())
 @few
 def test_after_a_loss_of_power_there_is_nothing_to_plan(profile):
-    world = managed()
+    world = always_restarting()
     system = brought_up(world, profile)
     world.settle()
     world.lose_power()
@@ -110,7 +111,7 @@ def test_after_a_loss_of_power_there_is_nothing_to_plan(profile):
 @few
 def test_managers_killed_while_they_restore_leave_nothing_out(profile, kills):
     """Each is killed after some steps, some with all slaves; those that live are repaired."""
-    world = managed()
+    world = always_restarting()
     system = brought_up(world, profile)
     world.settle()
     before = shown(world.snapshot())
@@ -129,7 +130,7 @@ def test_managers_killed_while_they_restore_leave_nothing_out(profile, kills):
 @few
 def test_what_was_done_and_not_recorded_holds_or_does_not(profile, changes, is_killed_twice):
     """The manager is killed in the commit: what is shown then is there after a loss of power."""
-    world = managed()
+    world = always_restarting()
     brought_up(world, profile)
     world.settle()
     for each in changes:
@@ -145,5 +146,5 @@ def test_what_was_done_and_not_recorded_holds_or_does_not(profile, changes, is_k
             assert shown(world.snapshot()) == found
 
 
-def _is_possible(world: Managed, action: act.Action) -> bool:
+def _is_possible(world: FakeManager, action: act.Action) -> bool:
     return not isinstance(action, act.Delete) or action.instance in world.shell.state.components

@@ -41,26 +41,6 @@ def made(facts: ComponentFacts, create: CreateString) -> ComponentFacts:
     return replace(facts, composite_type=kind.composite_type, sets=sets)
 
 
-def home(components: Components, create: CreateString) -> str:
-    """Return the process that a composite of these members has to be in; empty for any.
-
-    Raises:
-        NotFound: There is no such component.
-        Refused: They are in different processes.
-    """
-    if create.implementation_id not in TYPES:
-        return ""
-    places = {name: _member(components, name).process for name in _names(create.options)}
-    for name, place in places.items():
-        first = next(iter(places))
-        if place != places[first]:
-            raise Refused(
-                f"{first} is in {places[first]}, {name} in {place}:"
-                " members of a composite are in one process"
-            )
-    return next(iter(places.values()), "")
-
-
 def arranged(components: Components, whole: ComponentFacts) -> dict[str, ComponentFacts]:
     """Return the facts that change when a composite becomes what its active set states.
 

@@ -1,60 +1,62 @@
-"""A pure fake of a manager: it holds facts and performs actions on them with a manager's refusals.
-
-Tests of plans and commands use it, and it foresees the result of a plan. It has no process and no
-clock.
-"""
+"""Fake manager: the real core over fake containers, without a process, a socket or a clock."""
 
 from __future__ import annotations
 
 import itertools
+import os
+import sys
 from collections.abc import Callable, Iterable, Mapping
+from contextlib import suppress
+from typing import Any
+from unittest import mock
 
-import fake_composites as composites
+from fake_containers import FakeContainers, code_of
+from fake_shell import FakeCall, FakeShell
 
-from rtkit.component.check import WRONG_TYPE, refusal
-from rtkit.component.period import check_rate
-from rtkit.deployment import actions as act
 from rtkit.deployment.actions import Action, Result
-from rtkit.deployment.extension import with_policy
 from rtkit.deployment.facts import ComponentFacts, Followed, ProcessFacts, Snapshot
 from rtkit.deployment.lease import Immortal, Lease
-from rtkit.deployment.shown_ports import OwnEnds
-from rtkit.errors import Malformed, NotFound, Refused, RtkitError
-from rtkit.fast_dataclass import replace
-from rtkit.rtc.create import FRESH_SLAVE, CreateString, parse_create
-from rtkit.rtc.enums import ExecutionKind, LifeCycleState, PortType, ReturnCode, Transition
-from rtkit.rtc.interface_types import differing
-from rtkit.rtc.names import COMPONENT_SUFFIX, LOCAL, MANAGER_SUFFIX, check_instance_name
-from rtkit.rtc.pattern import ComponentPattern, ContextPattern
-from rtkit.rtc.profiles import (
-    ConnectorProfile,
-    ExecutionContextProfile,
-    ModuleProfile,
-)
+from rtkit.errors import RtkitError
+from rtkit.manager.core import events as ev
+from rtkit.manager.core.events import OWN_PROCESS
+from rtkit.manager.core.state import Process
+from rtkit.rtc.enums import LifeCycleState
+from rtkit.rtc.pattern import ComponentPattern
+from rtkit.rtc.profiles import ConnectorProfile, ModuleProfile
 
-_TRANSITIONS = {
-    (LifeCycleState.INACTIVE, Transition.ACTIVATE): LifeCycleState.ACTIVE,
-    (LifeCycleState.ACTIVE, Transition.ACTIVATE): LifeCycleState.ACTIVE,
-    (LifeCycleState.ACTIVE, Transition.DEACTIVATE): LifeCycleState.INACTIVE,
-    (LifeCycleState.INACTIVE, Transition.DEACTIVATE): LifeCycleState.INACTIVE,
-    (LifeCycleState.ERROR, Transition.RESET): LifeCycleState.INACTIVE,
-    (LifeCycleState.INACTIVE, Transition.RESET): LifeCycleState.INACTIVE,
-}
-_MASTER_PID = 1000
+_OF_MANAGER = {"names", "create", "zombie", "trouble", "process"}
+"""Facts of a component that its container does not know."""
+_LONG_S = 100.0
+
+
+class _Shell(FakeShell):
+    def __init__(self, world: FakeManager) -> None:
+        super().__init__(world.host, world.manager, os.getpid())
+        self._world = world
+
+    def _carry_out(self, instruction: ev.Instruction) -> None:
+        super()._carry_out(instruction)
+        if isinstance(instruction, ev.SendToContainer) and "call" not in instruction.message:
+            self._world.hear(instruction.key, instruction.message)
+        elif isinstance(instruction, ev.Publish):
+            self._world.publish(instruction)
 
 
 class FakeManager:
-    """A manager with its slaves, components and connectors, as facts.
+    """A manager with its slaves, components and connectors.
 
     Attributes:
         types: What can be created, by implementation id.
         modules: What a module offers once it is loaded, by path.
         fault: Called before each action; a returned result is its outcome (to make it fail).
         lacking: Why nothing can be made of a type, by implementation id; others may be made.
+        gone: Why it answers nobody; empty when it does.
+        loadable: The modules that could be loaded, as told to clients.
         performed: Every action performed, in order.
         changed: Called after facts of a component changed.
+        publish: Receives what is published.
         lease: Who carries a plan out.
-        systems: What a manager would report of those that it follows; nobody follows them here.
+        shell: The core, and what it wants done.
     """
 
     def __init__(
@@ -67,39 +69,67 @@ class FakeManager:
     ) -> None:
         self.host = host
         self.manager = manager
-        self.types = {pattern.type.type_name: pattern for pattern in types}
-        self.modules = {path: tuple(made) for path, made in (modules or {}).items()}
-        self.loaded: dict[str, ModuleProfile] = {}
-        self.processes: dict[str, ProcessFacts] = {
-            manager: ProcessFacts(manager, False, _MASTER_PID, "up")
-        }
-        self.components: dict[str, ComponentFacts] = {}
-        self.connectors: dict[str, ConnectorProfile] = {}
-        self.properties: dict[str, str] = {}
+        self.containers = FakeContainers(types, modules)
+        self.types, self.modules = self.containers.types, self.containers.modules
         self.lacking: dict[str, str] = {}
-        self.names: tuple[str, ...] = (f"{LOCAL}/{manager}{MANAGER_SUFFIX}",)
-        self.systems: tuple[Followed, ...] = ()
+        self.loadable = ""
+        self.gone = ""
         self.fault: Callable[[Action], Result | None] = _no_fault
         self.performed: list[Action] = []
         self.changed: Callable[[], object] = _nothing
+        self.publish: Callable[[ev.Publish], object] = _nothing
         self.lease = Lease(lambda _pid: Immortal())
-        self._pids = itertools.count(_MASTER_PID + 1)
+        self._pids = itertools.count(1001)
+        self.shell: FakeShell = _Shell(self)
+        self.properties["manager.instance_name"] = manager
+
+    @property
+    def components(self) -> dict[str, ComponentFacts]:
+        """The components as the manager knows them."""
+        return self.shell.state.components
+
+    @property
+    def connectors(self) -> dict[str, ConnectorProfile]:
+        """The connectors."""
+        return self.shell.state.connectors
+
+    @property
+    def processes(self) -> dict[str, ProcessFacts]:
+        """The processes, by name."""
+        return {process.name: process for process in self.snapshot().processes}
+
+    @property
+    def loaded(self) -> dict[str, ModuleProfile]:
+        """The modules that are loaded."""
+        return self.shell.state.modules
+
+    @property
+    def properties(self) -> dict[str, str]:
+        """Properties that the manager has of itself."""
+        return self.shell.state.properties
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the manager itself."""
+        return self.shell.state.names
+
+    @names.setter
+    def names(self, names: tuple[str, ...]) -> None:
+        self.shell.state.names = names
+
+    @property
+    def systems(self) -> tuple[Followed, ...]:
+        """What is reported of systems that the manager follows; nobody follows them here."""
+        return tuple(self.shell.state.kept.reached.values())
+
+    @systems.setter
+    def systems(self, systems: tuple[Followed, ...]) -> None:
+        self.shell.state.kept.reached = {each.system: each for each in systems}
+        self._notify()
 
     def snapshot(self) -> Snapshot:
-        """Return everything that is known, as a manager would."""
-        return Snapshot(
-            self.host,
-            self.manager,
-            _MASTER_PID,
-            "fake",
-            tuple(self.processes.values()),
-            tuple(self.components.values()),
-            tuple(self.connectors.values()),
-            tuple(self.loaded.values()),
-            dict(self.properties),
-            self.names,
-            self.systems,
-        )
+        """Return everything that is known."""
+        return self.shell.state.snapshot()
 
     def perform(self, action: Action) -> Result:
         """Perform one action and return its outcome."""
@@ -107,17 +137,13 @@ class FakeManager:
         planned = self.fault(action)
         if planned is not None:
             return planned
-        try:
-            done = Result(value=self._do(action))
-            self.changed()
-            return done
-        except RtkitError as error:
-            is_bad = isinstance(error, (ValueError, LookupError))
-            code = ReturnCode.BAD_PARAMETER if is_bad else ReturnCode.PRECONDITION_NOT_MET
-            return Result(code, error.kind, str(error))
+        asked = self.shell.ask(action)
+        self._wait(lambda: asked.is_answered)
+        self.changed()
+        return asked.result
 
     def batch(self, actions: Iterable[Action], is_ordered: bool = True) -> list[Result]:
-        """Perform actions; in order, the first failure ends the batch."""
+        """Perform actions one after the other; in order, the first failure ends the batch."""
         results = []
         for action in actions:
             results.append(self.perform(action))
@@ -126,17 +152,19 @@ class FakeManager:
         return results
 
     def kill(self, process: str, reason: str = "signal 9") -> None:
-        """End a slave as the kernel would: its components become zombies without connectors."""
-        self.processes[process] = replace(self.processes[process], state="lost", reason=reason)
-        for component in [c for c in self.components.values() if c.process == process]:
-            self.update(component.instance, zombie=reason)
-            self._unwire(component.instance)
+        """End a slave as the kernel would; nothing else happens yet."""
+        named = [p for p in self.shell.state.processes.values() if p.name == process]
+        self._end(named[-1], reason)
+        self.changed()
 
     def update(self, instance: str, **changes: object) -> None:
-        """Replace facts of a component."""
-        changed = replace(self.components[instance], **changes)  # type: ignore[arg-type]
-        self.components[instance] = changed
-        self.changed()
+        """Replace facts of a component, as if its container had reported them."""
+        if instance in self.containers.components:
+            reported = {key: changes.pop(key) for key in changes.keys() - _OF_MANAGER}
+            self.containers.put(instance, **reported)
+            self._tell(self.shell.state.containers[instance], instance)
+        self.shell.state.update(instance, **changes)
+        self._notify()
 
     def state_of(self, instance: str) -> str:
         """Return the merged state of a component."""
@@ -144,315 +172,127 @@ class FakeManager:
 
     def set_state(self, instance: str, state: LifeCycleState, cause: str = "") -> None:
         """Put a component into a state, as if something had happened to it."""
-        contexts = self.components[instance].contexts
-        self.update(
-            instance, contexts=tuple(replace(c, state=state) for c in contexts), cause=cause
-        )
-
-    def _do(self, action: Action) -> str:
-        match action:
-            case act.Load():
-                return self._load(action)
-            case act.Unload(path):
-                if self.loaded.pop(path, None) is None:
-                    raise NotFound(f"module is not loaded: {path}")
-            case act.Create():
-                return self._create(action)
-            case act.Delete(instance, _, slave):
-                self._delete(instance, slave)
-            case act.EndSlave(name):
-                self._end_slave(name)
-            case act.Unregister():
-                self._unregister(action)
-            case act.Register(instance, name):
-                self._register(instance, name)
-            case act.Connect(connector):
-                return self._connect(connector)
-            case act.Disconnect(connector_id):
-                if self.connectors.pop(connector_id, None) is None:
-                    raise NotFound(f"no connection with id {connector_id}")
-            case act.SetParameters():
-                self._set(action)
-            case act.ActivateSet(instance, set_id):
-                self._activate_set(instance, set_id)
-            case act.ChangeState():
-                self._change_state(action)
-            case act.SetPolicy(instance, policy):
-                create = with_policy(self._living(instance).create, policy)
-                self.update(instance, create=create)
-            case act.SetRate() | act.Tick():
-                self._drive(action)
-            case act.Attach() | act.Detach():
-                self._share(action)
-            case act.SetStructure(instance, states):
-                self._machine(instance, fsm_states=states, fsm_state=next(iter(states), ""))
-            case act.SetEventProfiles(instance, events):
-                self._machine(instance, fsm_events=events)
-        return ""
-
-    def _load(self, action: act.Load) -> str:
-        made = self.modules.get(action.path)
-        if made is None:
-            raise NotFound(f"no module at {action.path}")
-        self.types.update((pattern.type.type_name, pattern) for pattern in made)
-        types = tuple(pattern.type for pattern in made)
-        self.loaded[action.path] = ModuleProfile(action.path, action.init, types)
-        return action.path
-
-    def _create(self, action: act.Create) -> str:
-        create = parse_create(action.create)
-        known = self.components.get(create.instance_name)
-        if known is not None and not known.zombie:
-            return known.instance
-        pattern = action.pattern or self._type(create)
-        names = action.names or (known.names if known is not None else ())
-        instance = create.instance_name or self._fresh_name(pattern.type.type_name)
-        check_instance_name(instance)
-        for other in self.components.values():
-            taken = [name for name in names if name in other.names and other.instance != instance]
-            if taken:
-                raise Refused(f"name /{taken[0]} is taken by {other.instance}")
-        if known is not None:
-            del self.components[instance]
-            self._retire(known.process)
-        process = self._place(create.place or composites.home(self.components, create))
-        made = create.with_options(
-            instance_name=instance, manager_name=process if create.place else ""
-        )
-        facts = component_from(
-            pattern,
-            instance,
-            process,
-            names=names or (f"{LOCAL}/{instance}{COMPONENT_SUFFIX}",),
-            create=str(made),
-            is_stand_in=action.pattern is not None,
-        )
-        self._arrange(composites.made(facts, create))
-        return instance
-
-    def _type(self, create: CreateString) -> ComponentPattern:
-        name = create.implementation_id
-        pattern = self.types.get(name) or composites.pattern_of(name)
-        if pattern is None:
-            raise NotFound(f"no component type {create.implementation_id}")
-        for field in ("vendor", "category", "version"):
-            wanted = getattr(create, field)
-            if wanted and wanted != getattr(pattern.type, field):
-                raise NotFound(f"no component type {create.implementation_id} of {field} {wanted}")
-        return pattern
-
-    def _fresh_name(self, base: str) -> str:
-        return next(
-            name for n in itertools.count() if (name := f"{base}{n}") not in self.components
-        )
-
-    def _place(self, place: str) -> str:
-        if place in ("", self.manager):
-            return self.manager
-        pid = next(self._pids)
-        name = place.replace("%p", str(pid)) if place == FRESH_SLAVE else check_instance_name(place)
-        process = self.processes.get(name)
-        if process is None or process.state == "lost":
-            self.processes[name] = ProcessFacts(name, True, pid, "up")
-        return name
-
-    def _retire(self, process: str) -> None:
-        facts = self.processes[process]
-        if facts.is_slave and not any(c.process == process for c in self.components.values()):
-            del self.processes[process]
-
-    def _delete(self, instance: str, slave: str = "") -> None:
-        known = self.components.get(instance)
-        if known is None or slave not in ("", known.process):
-            raise NotFound(f"no component named {instance}" + f" in {slave}" * bool(slave))
-        del self.components[instance]
-        self.components |= composites.parted(self.components, instance)
-        self._unwire(instance)
-        self._retire(known.process)
-
-    def _end_slave(self, name: str) -> None:
-        known = self.processes.get(name)
-        if known is None:
-            raise NotFound(f"no slave named {name}")
-        if known.state == "lost":
-            raise Refused(f"slave {name} has ended already: {known.reason}")
-        for instance in [c.instance for c in self.components.values() if c.process == name]:
-            self._delete(instance)
-        self.processes.pop(name, None)
-
-    def _unwire(self, instance: str) -> None:
-        self.connectors = {
-            key: wire
-            for key, wire in self.connectors.items()
-            if all(end.instance != instance for end in wire.ports)
-        }
-
-    def _living(self, instance: str) -> ComponentFacts:
-        known = self.components.get(instance)
-        if known is None:
-            raise NotFound(f"no component named {instance}")
-        if known.zombie:
-            raise Refused(f"zombie ({known.zombie}): {instance}")
-        return known
-
-    def _connect(self, wire: ConnectorProfile) -> str:
-        known = self.connectors.get(wire.connector_id)
-        own = OwnEnds(self.components)
-        if known is not None:
-            _check_same(known, own.wire(wire))
-            return wire.connector_id
-        if len(wire.ports) != 2:
-            raise Malformed(f"a connection joins two ports, not {len(wire.ports)}")
-        ports = []
-        for end in wire.ports:
-            port = self._living(end.instance).port(end.port)
-            if port is None:
-                raise NotFound(f"Port not found: {end}")
-            ports.append(port)
-        why = refusal(ports, wire.properties)
-        if not why and ports[0].port_type is PortType.IN:
-            why = WRONG_TYPE
-        if why:
-            raise Refused(why)
-        self.connectors[wire.connector_id] = own.wire(wire)
-        return wire.connector_id
-
-    def _unregister(self, action: act.Unregister) -> None:
-        name = action.name
-        bearer = next((c for c in self.components.values() if name in c.names), None)
-        if bearer is None and name not in self.names:
-            raise NotFound(f"nothing is registered as /{name}")
-        if action.is_zombie and (bearer is None or not bearer.zombie):
-            raise Refused(f"no zombie is registered as /{name}")
-        if bearer is None:
-            self.names = tuple(each for each in self.names if each != name)
-            return
-        left = tuple(each for each in bearer.names if each != name)
-        self.update(bearer.instance, names=left)
-        if bearer.zombie and not left:
-            del self.components[bearer.instance]
-            self._retire(bearer.process)
-
-    def _register(self, instance: str, name: str) -> None:
-        bearer = next((c for c in self.components.values() if name in c.names), None)
-        names = self._living(instance).names
-        if bearer is not None and bearer.instance != instance:
-            raise Refused(f"name /{name} is taken by {bearer.instance}")
-        self.update(instance, names=tuple(dict.fromkeys((*names, name))))
-
-    def _set(self, action: act.SetParameters) -> None:
-        known = self._living(action.instance)
-        present = known.sets.get(action.set_id)
-        if present is None:
-            raise NotFound(f"No such configuration set: {action.set_id}")
-        for name in action.values:
-            if name not in present:
-                raise NotFound(f"No such configuration parameter: {name}")
-        changed = {**present, **action.values}
-        self._arrange(replace(known, sets={**known.sets, action.set_id: changed}))
-
-    def _activate_set(self, instance: str, set_id: str) -> None:
-        known = self._living(instance)
-        if not set_id or set_id.startswith("_"):
-            raise Refused(f"configuration set {set_id or repr('')} cannot be activated")
-        if set_id not in known.sets:
-            raise NotFound(f"No such configuration set: {set_id}")
-        self._arrange(replace(known, active_set=set_id))
-
-    def _arrange(self, facts: ComponentFacts) -> None:
-        """Take the facts of a component in, and what they change if it is a composite."""
-        self.components |= {facts.instance: facts, **composites.arranged(self.components, facts)}
+        self.containers.set_state(instance, state, cause)
+        self._tell(self.shell.state.containers[instance], instance)
         self.changed()
 
-    def _change_state(self, action: act.ChangeState) -> None:
-        known = self._living(action.instance)
-        context = next((c for c in known.contexts if c.id == action.context), None)
-        if context is None:
-            raise NotFound(f"{action.instance} has no execution context {action.context}")
-        after = _TRANSITIONS.get((context.state, action.transition))
-        if after is None:
-            raise Refused(f"precondition not met (state is {context.state})")
-        contexts = tuple(replace(c, state=after) if c is context else c for c in known.contexts)
-        self.update(action.instance, contexts=contexts, cause="")
+    def _notify(self) -> None:
+        """Have the core look at what was changed behind its back."""
+        self.shell.feed(ev.TimerExpired())
+        self.changed()
 
-    def _drive(self, action: act.SetRate | act.Tick) -> None:
-        known = self._living(action.instance)
-        context = next((c for c in known.contexts if c.id == action.context), None)
-        if context is None:
-            raise NotFound(f"no execution context {action.context} on {action.instance}")
-        is_periodic = context.kind is ExecutionKind.PERIODIC
-        if isinstance(action, act.SetRate) and is_periodic:
-            changed = replace(context, rate=check_rate(action.rate))
-            contexts = tuple(changed if c is context else c for c in known.contexts)
-            self.update(action.instance, contexts=contexts)
-        elif is_periodic is isinstance(action, act.Tick):
-            raise Refused(f"execution context {context.id} of {known.instance} is {context.kind}")
+    def hear(self, key: int, message: Mapping[str, Any]) -> None:
+        """Have a container do what needs no answer."""
+        self._do(key, message)
 
-    def _machine(self, instance: str, **changes: object) -> None:
-        if not self._living(instance).fsm_states:
-            raise Refused(f"{instance} has no state machine")
-        self.update(instance, **changes)
+    # lives of managers
 
-    def _share(self, action: act.Attach | act.Detach) -> None:
-        owner, driven = self._living(action.owner), self._living(action.participant)
-        context = next((c for c in owner.contexts if c.id == action.context), None)
-        if context is None:
-            raise NotFound(f"no execution context {action.context} on {owner.instance}")
-        if owner.process != driven.process:
-            raise Refused(f"{driven.instance} is in {driven.process}, not in {owner.process}")
-        if (driven.instance in context.participants) is isinstance(action, act.Attach):
-            raise Refused(f"{driven.instance}: no such change of execution context {context.id}")
-        members = [name for name in context.participants if name != driven.instance]
-        if isinstance(action, act.Attach):
-            members.append(driven.instance)
-        handle = f"{owner.instance}/{context.id}"
-        others = tuple(c for c in driven.contexts if c.id != handle)
-        seen = replace(context, participants=tuple(members))
-        if isinstance(action, act.Attach):
-            others += (replace(seen, id=handle, state=LifeCycleState.INACTIVE),)
-        self.update(driven.instance, contexts=others)
-        contexts = tuple(seen if c is context else c for c in owner.contexts)
-        self.update(owner.instance, contexts=contexts)
+    def lose_power(self) -> None:
+        """Have another manager begin with nothing but what this one kept."""
+        self.end_slaves()
+        self.begin_anew()
+        self.settle()
+
+    def end_slaves(self) -> None:
+        """End all slaves; no manager hears of it."""
+        for instance in list(self.containers.components):
+            self.containers.drop(instance)
+        self.containers.ends.clear()
+
+    def begin_anew(self) -> None:
+        """Have the manager killed and another one begin, to which the slaves come that live.
+
+        They have done by then what they were told. Nothing that it asks for is done yet.
+        """
+        for call in self.shell.calls:
+            if call.key != OWN_PROCESS:
+                with suppress(RtkitError):
+                    self.containers.do(self._pid(call.key), call.message)
+        before, self.shell = self.shell, _Shell(self)
+        self.shell.rows = dict(before.rows)
+        rows = [(kind, name, text) for (kind, name), text in before.rows.items()]
+        self.shell.feed(ev.StoreRead(rows))
+        self.containers.end_process(before.state.pid)
+        for process in before.state.processes.values():
+            if process.is_slave and process.is_alive and process.pid:
+                self._come_back(process)
+        self.shell.feed(ev.RecoveryRequested(self.shell.requests.add(_nothing)))
+
+    def _come_back(self, process: Process) -> None:
+        held = self.containers.held_by(process.pid)
+        wires = [wire for (pid, _), wire in self.containers.ends.items() if pid == process.pid]
+        told = [{**self.containers.told(each), **self.containers.memory[each]} for each in held]
+        asked = self.containers.asked.told(held)
+        self.shell.feed(ev.SlaveFound(process.pid, process.name, told, wires, asked=asked))
+
+    def settle(self) -> None:
+        """Let time pass until nothing is under way any more."""
+        self._wait(lambda: self.shell.core.is_idle)
+
+    def _wait(self, is_so: Callable[[], bool]) -> None:
+        """Serve, and let time pass, until something is so."""
+        until = self.shell.now + _LONG_S
+        self.serve()
+        while not is_so() and self.shell.now < until:
+            wake_at = self.shell.wake_at
+            self.shell.wait(0.0 if wake_at is None else max(0.0, wake_at - self.shell.now))
+            self.serve()
+        assert is_so()
+
+    def perform_unrecorded(self, action: Action) -> None:
+        """Have an action done, and nothing recorded of it."""
+        with mock.patch.object(self.shell, "_keep"):
+            self.shell.ask(action)
+            self.serve()
+
+    def serve(self, most: int = sys.maxsize) -> None:
+        """Do what is asked of zygote and containers until nothing is, or so much of it."""
+        while (self.shell.calls or self.shell.spawned or self.shell.signals) and most > 0:
+            most -= 1
+            for name in list(self.shell.spawned):
+                self.shell.fork(name, next(self._pids))
+            if self.shell.calls:
+                self._serve(self.shell.calls.pop(0))
+            self._end_the_retired()
+
+    def _end_the_retired(self) -> None:
+        for key, number in self.shell.signals:
+            process = self.shell.state.processes.get(key)
+            if process is not None and process.is_alive and key != OWN_PROCESS:
+                self._end(process, f"signal {number}")
+        self.shell.signals.clear()
+
+    def _end(self, process: Process, reason: str) -> None:
+        self.containers.end_process(process.pid)
+        self.shell.end(process.key, reason)
+
+    def _serve(self, call: FakeCall) -> None:
+        try:
+            value = self._do(call.key, call.message)
+        except RtkitError as error:
+            self.shell.refuse(call, error, code_of(error))
+        else:
+            self.shell.reply(call, value)
+
+    def _do(self, key: int, message: Mapping[str, Any]) -> Any:
+        """Have a container do what it is asked, and report what changed; return its answer."""
+        before = dict(self.containers.components)
+        answer = self.containers.do(self._pid(key), message)
+        now = self.containers.components
+        for instance in [name for name in now if now[name] is not before.get(name)]:
+            self._tell(key, instance)
+        for instance in before.keys() - now.keys():
+            self.shell.say(key, gone=instance)
+        return answer
+
+    def _pid(self, key: int) -> int:
+        return self.shell.state.processes[key].pid
+
+    def _tell(self, key: int, instance: str) -> None:
+        self.shell.say(key, facts=self.containers.told(instance))
 
 
-def component_from(
-    pattern: ComponentPattern,
-    instance: str,
-    process: str,
-    *,
-    names: tuple[str, ...] = (),
-    create: str = "",
-    is_stand_in: bool = False,
-) -> ComponentFacts:
-    """Return the facts of a component just made from a pattern."""
-    contexts = pattern.contexts if is_stand_in else pattern.contexts or (ContextPattern(),)
-    sets = {name: dict(values) for name, values in pattern.sets.items()}
-    if not is_stand_in:
-        sets = {"default": {}, **sets}
-    return ComponentFacts(
-        instance,
-        pattern.type,
-        process,
-        pattern.ports,
-        sets,
-        pattern.active_set or "default",
-        tuple(ExecutionContextProfile(c.id, c.kind, c.rate, instance) for c in contexts),
-        names,
-        create,
-        is_stand_in=is_stand_in,
-    )
-
-
-def _check_same(known: ConnectorProfile, wire: ConnectorProfile) -> None:
-    if set(known.ports) != set(wire.ports):
-        ends = " and ".join(map(str, known.ports))
-        raise Refused(f"connector id {wire.connector_id} is in use between {ends}")
-    changed = differing(wire.properties, known.properties)
-    if changed:
-        raise Refused(f"connection {wire.connector_id} exists with another {', '.join(changed)}")
-
-
-def _nothing() -> None:
+def _nothing(*_: object) -> None:
     """Do nothing."""
 
 

@@ -123,9 +123,9 @@ class FakeShell:
         is_disk_lost: All that was stored is gone, which is reported once.
     """
 
-    def __init__(self) -> None:
-        state = ManagerState("host", "manager", 100, "1", names=("localhost/manager.mgr",))
-        state.processes[OWN] = Process(OWN, "manager", 100, "up")
+    def __init__(self, host: str = "host", manager: str = "manager", pid: int = 100) -> None:
+        state = ManagerState(host, manager, pid, "1", names=(f"localhost/{manager}.mgr",))
+        state.processes[OWN] = Process(OWN, manager, pid, "up")
         self.core = Core(state)
         self.requests = PendingRequests()
         self.now = 1000.0

@@ -23,8 +23,8 @@ INSTANCES = ("Node0", "Node1", "Node2", "Node3")
 INACTIVE, ACTIVE = LifeCycleState.INACTIVE, LifeCycleState.ACTIVE
 
 
-def make_world() -> FakeManager:
-    return FakeManager([ComponentPattern(TypeProfile("Node"), PORTS, SETS)])
+def make_world(manager: str = "manager") -> FakeManager:
+    return FakeManager([ComponentPattern(TypeProfile("Node"), PORTS, SETS)], manager=manager)
 
 
 values = st.sampled_from(["0", "1", "2", "", "x y"])

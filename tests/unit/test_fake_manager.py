@@ -71,7 +71,7 @@ def test_states_and_their_refusals():
     assert world.perform(activate).ok
     assert world.perform(activate).ok
     reset = world.perform(act.ChangeState("Source0", "0", Transition.RESET))
-    assert reset.why == "precondition not met (state is Active)"
+    assert reset.why == "precondition not met (state is Active): Source0"
     world.set_state("Source0", LifeCycleState.ERROR)
     assert not world.perform(activate).ok
     assert not world.perform(act.ChangeState("Source0", "7", Transition.RESET)).ok

@@ -90,7 +90,6 @@ def make_world() -> FakeManager:
         world.perform(act.Create(create, (name,) if name else ()))
     world.kill("slave2")
     world.set_state("Err0", LifeCycleState.ERROR, "ValueError: no such speed (robot.py:12)")
-    world.properties.update({"manager.name": "manager", "naming.formats": "%n.rtc"})
     world.performed.clear()
     return world
 

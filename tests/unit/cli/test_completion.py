@@ -175,7 +175,7 @@ HOST = "/localhost/"
         ("rtconf /localhost/Std0.rtc act -s s", ["set1", "set2"]),
         ("rtconf /localhost/manager.mgr get naming.f", ["naming.formats"]),
         ("rtmgr -d St", ["Std0"]),
-        ("rtmgr -s manager.n", ["manager.name="]),
+        ("rtmgr -s manager.nam", ["manager.name=", "manager.naming_formats="]),
         ("rtmgr sta", ["start", "status"]),
         ("rtmgr /localhost/", [f"{HOST}manager.mgr", f"{HOST}manager.mgr/"]),
         (

@@ -13,6 +13,7 @@ import pytest
 from fake_manager import FakeManager
 
 from rtkit.deployment import actions as act
+from rtkit.manager.core.configuring import table as table_of
 
 Run = Callable[[str], Any]
 STD = "/localhost/Std0.rtc"
@@ -63,8 +64,21 @@ def test_hints_themselves_are_not_checked(hinted: FakeManager, run: Run) -> None
 
 
 def test_a_property_of_a_manager_is_set(world: FakeManager, run: Run) -> None:
-    assert run("rtconf /localhost/manager.mgr set a.b=1 c=x=y") == (0, "", "")
-    assert (world.properties["a.b"], world.properties["c"]) == ("1", "x=y")
+    line = "set logger.log_level=DEBUG naming.formats=%h/%n.rtc"
+    assert run(f"rtconf /localhost/manager.mgr {line}") == (0, "", "")
+    settings = world.shell.state.settings
+    assert settings.text("logger.log_level") == "DEBUG"
+    assert settings.text("naming.formats") == "%h/%n.rtc"
+
+
+@pytest.mark.parametrize(("command", "colon"), [("rtconf", ""), ("rtmgr -g", ":")])
+def test_properties_of_a_manager_are_listed(
+    world: FakeManager, run: Run, command: str, colon: str
+) -> None:
+    table = table_of(world.shell.state)
+    width = max(map(len, table)) + len(colon) + 2
+    lines = [f"{key}{colon}".ljust(width) + table[key] for key in sorted(table)]
+    assert run(f"{command} /localhost/manager.mgr").out.splitlines() == list(map(str.rstrip, lines))
 
 
 def exported(run: Run, line: str, tmp_path: Path) -> Path:

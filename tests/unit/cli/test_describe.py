@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable
 from dataclasses import replace
 from textwrap import dedent
@@ -120,11 +121,11 @@ def test_a_manager_tells_its_modules(world: FakeManager, run: Run) -> None:
     world.loaded["/mods/a.py"] = ModuleProfile(
         "/mods/a.py", "aInit", (world.types["Std"].type, world.types["Output"].type)
     )
-    world.properties["get_loadable_modules"] = (
+    world.loadable = (
         "RTC:Me:test:Std:Python:1.0?module=/mods/a.py\nRTC:Me:test:New:Python:2.0?module=/mods/n.py"
     )
     lines = run("rtcat /localhost/manager.mgr").out.splitlines()
-    assert lines[:3] == ["Name: manager", "Instance name: manager", "Process ID: 1000"]
+    assert lines[:3] == ["Name: manager", "Instance name: manager", f"Process ID: {os.getpid()}"]
     assert "  Load path: /mods" in lines
     assert "  Name: Linux" in lines
     assert lines[-6:] == [

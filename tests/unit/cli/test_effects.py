@@ -396,7 +396,7 @@ def test_json_of_a_whole_tree_lists_each_entry_once(run: Run) -> None:
     [
         (f"rtcat --json {STD}", "instance", "Std0"),
         (f"rtcat --json {STD}:in", "name", "in"),
-        ("rtcat --json /localhost/manager.mgr", "pid", 1000),
+        ("rtcat --json /localhost/manager.mgr", "name", "manager"),
         ("rtcat --json /localhost/manager.mgr/slave2.mgr", "state", "lost"),
         (f"rtconf --json {STD}", "active", "default"),
         (f"rtconf --json {STD} get param", "value", "0"),

@@ -306,7 +306,7 @@ def test_nothing_half_made(run, file, world):
     assert run("rtresurrect", file(sink="Nobody")) == (
         1,
         "",
-        f"rtresurrect: Required action failed: {SINK}: no component type Nobody;"
+        f"rtresurrect: Required action failed: {SINK}: component type Nobody is not known;"
         " removed again: Source0\n",
     )
     assert world.snapshot() == before
@@ -316,7 +316,7 @@ def test_optional_failures_are_told_and_forgiven(run, file, world):
     status, out, err = run("rtresurrect", file(sink="Nobody", required="false"))
     assert (status, out) == (0, "")
     assert err.splitlines() == [
-        f"rtresurrect: Action failed: {SINK}: no component type Nobody",
+        f"rtresurrect: Action failed: {SINK}: component type Nobody is not known",
         f"rtresurrect: Action failed: Destination component missing: {SINK}",
         f"rtresurrect: Action failed: Component missing: {SINK}",
     ]
@@ -330,13 +330,13 @@ def test_start_tells_the_truth(run, file, world):
     status, out, err = run("rtstart", path)
     assert (status, out) == (1, "")
     assert err == START + (
-        f"rtstart: Required action failed: {SINK}: precondition not met (state is Error);"
+        f"rtstart: Required action failed: {SINK}: precondition not met (state is Error): Sink0;"
         f" active now: {SOURCE}\n"
     )
     run("rtstop", path)
     status, out, err = run("rtstop", path)
     assert (status, out) == (0, "")
-    told = f"rtstop: Action failed: {SINK}: precondition not met (state is Error)"
+    told = f"rtstop: Action failed: {SINK}: precondition not met (state is Error): Sink0"
     assert err.splitlines()[1] == told
 
 

@@ -71,16 +71,19 @@ def test_a_required_failure_stops_before_the_next_layer(runner, world, talk):
             Layer("2", (step(act.Create("Sink"), True),)),
         )
     )
-    with pytest.raises(Refused, match=r"^Required action failed: no component type Nor$"):
+    with pytest.raises(Refused, match=r"^Required action failed: component type Nor is not known$"):
         runner.run(two)
-    assert talk == ["Required action failed: no component type No"]
+    assert talk == ["Required action failed: component type No is not known"]
     assert len(world.components) == 1
 
 
 def test_optional_failures_are_told_once_and_the_rest_goes_on(runner, world, talk):
     blocked = [step(None, blocked="it is not there") for _ in range(2)]
     runner.run(plan(*blocked, step(act.Create("No")), step(act.Create("Sink"))))
-    assert talk == ["Action failed: it is not there", "Action failed: no component type No"]
+    assert talk == [
+        "Action failed: it is not there",
+        "Action failed: component type No is not known",
+    ]
     assert len(world.components) == 2
 
 
@@ -99,7 +102,7 @@ def test_in_order_one_after_the_other(runner, world, talk):
     ]
     runner.run(plan(*steps, is_ordered=True))
     assert talk == [
-        "Action failed: no component type No",
+        "Action failed: component type No is not known",
         "Action failed: gone",
     ]
     assert [s.text for s in runner.done] == ["{1} first", "{4} fourth"]
@@ -107,7 +110,7 @@ def test_in_order_one_after_the_other(runner, world, talk):
 
 def test_in_order_a_required_failure_ends_the_plan(runner, world):
     steps = [step(act.Create("No"), True), step(act.Create("Sink"))]
-    with pytest.raises(Refused, match="no component type No"):
+    with pytest.raises(Refused, match="component type No is not known"):
         runner.run(plan(*steps, is_ordered=True))
     assert len(world.components) == 1
 

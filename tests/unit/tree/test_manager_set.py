@@ -209,11 +209,11 @@ def test_the_way_back_leaves_out_what_was_in_a_manager_that_ended() -> None:
     before = host.fleet.snapshot()
     there = host.worlds["m1"]
 
-    def gone(*_: object) -> NoReturn:
-        there.snapshot = gone  # type: ignore[method-assign]
-        raise Unreachable("m1 ended")
+    def end(_action: act.Action) -> NoReturn:
+        there.gone = "m1 ended"
+        raise Unreachable(there.gone)
 
-    there.fault = gone
+    there.fault = end
     host.fleet.trees["m1"].has_ended = lambda: True
     goal = DeploymentGoal(host.system, LifeCycleState.INACTIVE)
     applier = Applier(host.fleet, goal, lambda _: None, lambda _: None)

@@ -6,6 +6,7 @@ import fcntl
 import os
 import socket
 import threading
+from pathlib import Path
 
 import pytest
 from fake_manager import FakeManager
@@ -162,7 +163,8 @@ def test_only_managers_that_hold_their_lock_run(running):
     assert managers() == []
 
 
-def test_others_are_asked_at_the_same_time(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_others_are_asked_at_the_same_time(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    monkeypatch.setenv("RTKIT_RUNTIME_DIR", str(tmp_path))  # where nobody serves anything
     both = threading.Barrier(2, timeout=30.0)
 
     def connect(name: str, _timeout_s: float) -> None:

@@ -90,7 +90,7 @@ def test_after_a_slave_was_killed_only_that_is_repaired(world, bring_up):
 @pytest.mark.parametrize(
     ("what", "why"),
     [
-        (system(sink=wanted("Sink", create="Nobody")), "no component type Nobody"),
+        (system(sink=wanted("Sink", create="Nobody")), "component type Nobody is not known"),
         (system(sink=wanted("Sink", create="Source?instance_name=Sink0")), "ID of component at"),
         (system(source=wanted("Source", create="Sink?instance_name=Source0")), "ID of component"),
     ],
@@ -120,7 +120,7 @@ def test_a_connection_that_is_refused_takes_everything_back(world, bring_up):
 def test_optional_components_may_fail(world, bring_up):
     sink = wanted("Sink", create="Nobody", required=False)
     assert bring_up(system(sink=sink, required=False)) == [
-        "Action failed: /localhost/Sink0.rtc: no component type Nobody",
+        "Action failed: /localhost/Sink0.rtc: component type Nobody is not known",
         "Action failed: Destination component missing: /localhost/Sink0.rtc",
         "Action failed: Component missing: /localhost/Sink0.rtc",
     ]
