@@ -206,8 +206,8 @@ def _check_services(source: _End, target: _End) -> None:
         and isinstance(target.port, ServicePortDeclaration)
     ):
         raise Refused(f"{source.text} and {target.text}: one is a data port, one a service port")
-    offers = [declared_interfaces(port) for port in (source.port, target.port)]
-    if not all(offers) or not interfaces_fit(*offers):
+    one, other = declared_interfaces(source.port), declared_interfaces(target.port)
+    if not (one and other and interfaces_fit(one, other)):
         raise Refused(f"{source.text} and {target.text}: neither provides what the other requires")
 
 
