@@ -17,6 +17,7 @@ project = "rtkit"
 copyright = "the rtkit authors, Apache-2.0"
 release = version = __version__
 extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.napoleon"]
+exclude_patterns = ["generated/data_types.md"]
 html_theme = "furo"
 html_title = f"rtkit {__version__}"
 html_static_path = ["site.css"]

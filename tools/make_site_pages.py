@@ -7,7 +7,10 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
+from dataclasses import fields, is_dataclass
 from pathlib import Path
+
+from rtkit import component
 
 _ROFF = re.compile(r"\\f[BR]|\\([-&e\\])")
 _MARKDOWN = re.compile(r"([\\`*_{}\[\]<>#|~$])")
@@ -19,6 +22,7 @@ def write(root: Path, folder: Path) -> None:
     names = sorted(file.stem for file in (root / "man").glob("*.1"))
     pages = {f"man/{name}.md": _manual(root / "man" / f"{name}.1") for name in names}
     pages["man/index.md"] = _manual_index(root / "man", names)
+    pages["data_types.md"] = data_types()
     pages["decisions.md"] = decisions(root / "docs" / "decisions")
     for name, text in pages.items():
         file = folder / name
@@ -39,6 +43,17 @@ def decisions(folder: Path) -> str:
         names.append(f"../decisions/{file.stem}")
     table = ["| | decision | date | status |", "| ---: | --- | --- | --- |", *rows]
     return "\n".join(["# Decisions", "", *table, "", *_toctree(names, is_hidden=True)])
+
+
+def data_types() -> str:
+    """Return a table of the data types that component authors import: name and fields."""
+    types = {name: getattr(component, name) for name in sorted(component.__all__)}
+    rows = [
+        f"| `{name}` | {', '.join(f'`{each.name}`' for each in fields(each_type))} |"
+        for name, each_type in types.items()
+        if is_dataclass(each_type)
+    ]
+    return "\n".join(["| type | fields |", "| --- | --- |", *rows, ""])
 
 
 def _manual_index(folder: Path, names: list[str]) -> str:

@@ -4,7 +4,8 @@ A page is one session in one home: its blocks of `sh` and `python` are run from 
 a block of `text` behind one is what that one prints. A comment before a block may say otherwise:
 `<!-- file: NAME -->` has it written to a file, `<!-- not run by the tests: WHY -->` left out,
 `<!-- shown -->` says that it is a form or an extract, to be read only. `<!-- replay: WIRE -->` is
-for a test that speaks that protocol.
+for a test that speaks that protocol. Of a table behind `<!-- rows are run -->` the code in the last
+cell of each row is run.
 """
 
 from __future__ import annotations
@@ -47,6 +48,10 @@ class Script(NamedTuple):
     expected: list[str]
 
 
+_TABLE = re.compile(r"^<!-- rows are run -->\n((?:\|[^\n]*\n)+)", re.MULTILINE)
+_LAST_CELL = re.compile(r"`([^`]+)` \|$", re.MULTILINE)
+
+
 def pages() -> list[Path]:
     """Return README, CONTRIBUTING and all pages written by hand, without decision records."""
     docs = ROOT / "docs"
@@ -57,7 +62,7 @@ def pages() -> list[Path]:
 
 def blocks(page: Path) -> list[Block]:
     """Return the fenced blocks of a page."""
-    text = page.read_text(encoding="utf-8")
+    text = _TABLE.sub(_as_block, page.read_text(encoding="utf-8"))
     return [
         Block(
             found["language"],
@@ -68,6 +73,12 @@ def blocks(page: Path) -> list[Block]:
         )
         for found in _BLOCK.finditer(text)
     ]
+
+
+def _as_block(table: re.Match[str]) -> str:
+    """Return the rows of a table as a block of commands whose output nobody compares."""
+    commands = "".join(f"{found[1]}\n" for found in _LAST_CELL.finditer(table[1]))
+    return f"```sh\n{{\n{commands}}} > rows.txt 2> told.txt\n```\n"
 
 
 def script(page: Path) -> Script:
