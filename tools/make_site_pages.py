@@ -14,7 +14,7 @@ from rtkit import component
 
 _ROFF = re.compile(r"\\f[BR]|\\([-&e\\])")
 _MARKDOWN = re.compile(r"([\\`*_{}\[\]<>#|~$])")
-_HEAD = re.compile(r"# (\d+)\. ([^\n]*)\n\nDate: ([\d-]+)\. Status: (\w+)\.\s*([^\n]*)\n")
+_HEAD = re.compile(r"# (\d+)\. ([^\n]*)\n\nDate: ([\d-]+)\. Status: (\w+)\. *([^\n]*)\n")
 
 
 def write(root: Path, folder: Path) -> None:

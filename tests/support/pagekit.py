@@ -19,7 +19,7 @@ MARK = "-- end of block --"
 _BLOCK = re.compile(
     r"^(?:<!-- (file: (?P<file>[^\n]+)|not run by the tests: [^\n]+|shown|replay: (?P<replay>\w+))"
     r" -->\n)?"
-    r"```(?P<language>[\w{}-]*)\n(?P<text>.*?)^```$",
+    r"```(?P<language>[^\s`]*)[^\n]*\n(?P<text>.*?)^```$",
     re.MULTILINE | re.DOTALL,
 )
 _RUN = ("sh", "python")
