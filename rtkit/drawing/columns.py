@@ -10,7 +10,7 @@ from typing import NamedTuple
 from rtkit.drawing.channels import Net, Route, joints, routes
 from rtkit.drawing.heights import Chain, Pull, heights, slide
 from rtkit.drawing.order import EdgePiece, ordered
-from rtkit.drawing.ranks import backward_edges, ranks
+from rtkit.drawing.ranks import ranks
 from rtkit.drawing.scene import (
     LEFT,
     RIGHT,
@@ -62,7 +62,7 @@ class _Columns:
         self._boxes = boxes
         self._wires = wires
         self._sizes = [box_size(box) for box in boxes]
-        self._rank = self._ranks()
+        self._rank = ranks(len(boxes), [(wire.source.box, wire.target.box) for wire in wires])
         self._heights = [size.height for size in self._sizes]
         self._columns: list[list[int]] = [[] for _ in range(max(self._rank) + 1)]
         for box, rank in enumerate(self._rank):
@@ -118,13 +118,6 @@ class _Columns:
 
     def _ways(self) -> list[tuple[Wire, list[Hop]]]:
         return list(zip(self._wires, self._hops, strict=True))
-
-    def _ranks(self) -> list[int]:
-        edges = [(wire.source.box, wire.target.box) for wire in self._wires]
-        turned = backward_edges(len(self._boxes), edges)
-        forward = [edge for i, edge in enumerate(edges) if i not in turned]
-        forward += [edges[i][::-1] for i in sorted(turned) if edges[i][0] != edges[i][1]]
-        return ranks(len(self._boxes), forward)
 
     def _way(self, wire: Wire) -> list[Hop]:
         """Return the hops of a wire, adding a node to each column that it passes."""

@@ -50,7 +50,15 @@ def _greedy_order(count: int, edges: Sequence[Edge]) -> list[int]:
 
 
 def ranks(count: int, edges: Sequence[Edge]) -> list[int]:
-    """Return the column of each node of a graph without circles, from 0; edges are kept short."""
+    """Return the column of each node, from 0; edges are kept short, and lead back if they must."""
+    turned = backward_edges(count, edges)
+    back = (edges[index] for index in sorted(turned))
+    forward = [edge for index, edge in enumerate(edges) if index not in turned]
+    return _ranks(count, forward + [(b, a) for a, b in back if a != b])
+
+
+def _ranks(count: int, edges: Sequence[Edge]) -> list[int]:
+    """Return the same for a graph without circles."""
     order = _topological(count, edges)
     before: list[list[int]] = [[] for _ in range(count)]
     after: list[list[int]] = [[] for _ in range(count)]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from rtkit.drawing.ranks import backward_edges, ranks
+from rtkit.drawing.ranks import ranks
 from rtkit.drawing.scene import LEFT, RIGHT, SERVICE, Box, Scene, Wire, WireEnd
 
 
@@ -25,11 +25,7 @@ def with_sides(scene: Scene) -> Scene:
 
 
 def _order(count: int, wires: Sequence[Wire]) -> list[int]:
-    edges = [(wire.source.box, wire.target.box) for wire in wires]
-    turned = backward_edges(count, edges)
-    forward = [edge for index, edge in enumerate(edges) if index not in turned]
-    back = [edges[index] for index in sorted(turned)]
-    return ranks(count, forward + [(b, a) for a, b in back if a != b])
+    return ranks(count, [(wire.source.box, wire.target.box) for wire in wires])
 
 
 def _turned(wire: Wire, order: Sequence[int]) -> Wire:

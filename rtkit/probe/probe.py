@@ -46,7 +46,8 @@ class Tool(Component):
     execution_type = "EventDrivenExecutionContext"
 
     def __init__(self, instance: str, ports: Sequence[Port], rate: float) -> None:
-        super().__init__(instance, _polling(rate) if rate else {})
+        polling = {"exec_cxt.periodic.type": PERIODIC, "exec_cxt.periodic.rate": repr(rate)}
+        super().__init__(instance, polling if rate else {})
         self._is_polling = rate > 0
         self.arrived: queue.SimpleQueue[list[Arrival]] = queue.SimpleQueue()
         for port in ports:
@@ -197,10 +198,6 @@ class Probe(Closing):
     def _look(self) -> None:
         if not (self._attached.holds and self.is_connected):
             self.stop()
-
-
-def _polling(rate: float) -> dict[str, str]:
-    return {"exec_cxt.periodic.type": PERIODIC, "exec_cxt.periodic.rate": repr(rate)}
 
 
 def tap_ports(streams: Sequence[Stream]) -> list[Tap]:

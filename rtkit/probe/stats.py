@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import struct
 from collections import deque
 from collections.abc import Callable, Mapping
 from typing import NamedTuple
@@ -11,12 +10,11 @@ from typing import NamedTuple
 from rtkit.component.layout import StructLayout, layout_of
 from rtkit.component.types import Time
 from rtkit.probe.tap import Arrival
+from rtkit.recording.time_stamps import stamp_of
 
 _KEPT = 100_000
 """Number of latest values that percentiles are computed of."""
 
-_HEADER = 4
-_STAMP = {b"\x00\x01": struct.Struct("<II"), b"\x00\x00": struct.Struct(">II")}
 Stamp = Callable[[bytes], "int | None"]
 Number = Callable[[bytes], float]
 NO_NUMBERS: Mapping[str, Number] = {}
@@ -104,10 +102,7 @@ class Stats:
 
 
 def stamp_reader(cls: type) -> Stamp:
-    """Return a reader of a CDR value's time stamp, Unix time [ns]; None for a type without one.
-
-    It does not decode the value: a stamp is what a value begins with.
-    """
+    """Return a reader of a CDR value's time stamp, Unix time [ns]; None for a type without one."""
     if cls is bytes:
         return lambda _payload: None
     fields = layout_of(cls).fields
@@ -115,14 +110,7 @@ def stamp_reader(cls: type) -> Stamp:
     if not isinstance(head, StructLayout) or head.cls is not Time:
         return lambda _payload: None
 
-    def read(payload: bytes) -> int | None:
-        form = _STAMP.get(payload[:2])
-        if form is None or len(payload) < _HEADER + form.size:
-            return None
-        seconds, nanoseconds = form.unpack_from(payload, _HEADER)
-        return int(seconds) * 1_000_000_000 + int(nanoseconds)
-
-    return read
+    return stamp_of
 
 
 def _spread(values: deque[float]) -> Spread | None:

@@ -8,21 +8,10 @@ from rtkit.profile.common import Foreign, ForeignElement
 from rtkit.profile.spec import Attr, Child, ElementSpec
 from rtkit.profile.written import check_text, checked_name, format_value, in_order
 from rtkit.profile.xmlnames import NAMESPACES, XML, clark, short, split
+from rtkit.xmltext import TEXT_ESCAPES, VALUE_ESCAPES
 
 _DECLARATION = '<?xml version="1.0" encoding="UTF-8" standalone="yes"?>\n'
 _INDENT = "    "
-_TEXT_ESCAPES = str.maketrans({"&": "&amp;", "<": "&lt;", ">": "&gt;", "\r": "&#13;"})
-_VALUE_ESCAPES = str.maketrans(
-    {
-        "&": "&amp;",
-        "<": "&lt;",
-        ">": "&gt;",
-        '"': "&quot;",
-        "\r": "&#13;",
-        "\n": "&#10;",
-        "\t": "&#9;",
-    }
-)
 
 
 class XmlWriter:
@@ -41,7 +30,7 @@ class XmlWriter:
         self._element(profile, spec, tag, "")
         head = self._out[0].removeprefix(f"<{tag}")
         declared = "".join(
-            f' xmlns:{prefix}="{uri.translate(_VALUE_ESCAPES)}"'
+            f' xmlns:{prefix}="{uri.translate(VALUE_ESCAPES)}"'
             for uri, prefix in self._prefixes.items()
         )
         text = f"{_DECLARATION}<{tag}{declared}{head}{''.join(self._out[1:])}"
@@ -56,7 +45,7 @@ class XmlWriter:
         for item in spec.attributes:
             field = getattr(value, item.field)
             if field is not None:
-                text = format_value(item, field).translate(_VALUE_ESCAPES)
+                text = format_value(item, field).translate(VALUE_ESCAPES)
                 parts.append(f' {short(item.name)}="{text}"')
         parts += [self._foreign_attribute(*pair) for pair in foreign.attributes]
         start = len(self._out)
@@ -78,24 +67,24 @@ class XmlWriter:
         for value in field if child.is_many else (field,):
             if child.spec is None:
                 name = short(child.name)
-                text = value.translate(_TEXT_ESCAPES)
+                text = value.translate(TEXT_ESCAPES)
                 self._out.append(f"{indent}<{name}>{text}</{name}>\n")
             else:
                 self._element(value, child.spec, short(child.name), indent)
 
     def _foreign_attribute(self, name: str, value: str) -> str:
-        return f' {self._name(name)}="{value.translate(_VALUE_ESCAPES)}"'
+        return f' {self._name(name)}="{value.translate(VALUE_ESCAPES)}"'
 
     def _foreign(self, element: ForeignElement, indent: str) -> str:
         name = self._name(element.name)
         head = name + "".join(self._foreign_attribute(*pair) for pair in element.attributes)
-        text = (element.text or "").translate(_TEXT_ESCAPES)
+        text = (element.text or "").translate(TEXT_ESCAPES)
         if not element.children:
             return f"<{head}>{text}</{name}>" if text else f"<{head}/>"
         inner = indent + _INDENT
         is_mixed = bool(text) or any(below.tail for below in element.children)
         below = [
-            self._foreign(item, inner) + (item.tail or "").translate(_TEXT_ESCAPES)
+            self._foreign(item, inner) + (item.tail or "").translate(TEXT_ESCAPES)
             for item in element.children
         ]
         if is_mixed:

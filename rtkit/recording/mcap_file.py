@@ -9,7 +9,8 @@ from __future__ import annotations
 import os
 import struct
 import time
-from collections.abc import Callable, Iterator
+from collections import Counter
+from collections.abc import Iterator
 from types import TracebackType
 from typing import IO, Any, Self
 
@@ -117,16 +118,9 @@ class RecordingReader:
             Malformed: It is no recording.
             OSError: It cannot be read.
         """
-        channels: dict[str, RecordedStream] = {}
-        counts: dict[str, int] = {}
+        counts: Counter[str] = Counter()
         spans: dict[str, Span] = {}
-        began = [0]
-
-        def note(channel: RecordedStream) -> None:
-            channels[channel.name] = channel
-            counts.setdefault(channel.name, 0)
-
-        walk = _Walk(self._path, note, lambda ns: began.__setitem__(0, ns))
+        walk = _Walk(self._path)
         for index, entry in enumerate(walk.entries()):
             counts[entry.channel] += 1
             known = spans.get(entry.channel, Span(entry.time_ns, entry.time_ns, index, index))
@@ -135,11 +129,11 @@ class RecordingReader:
         last = max((span.last_ns for span in spans.values()), default=None)
         return Info(
             os.path.getsize(self._path),
-            began[0] or first or 0,
+            walk.began_ns or first or 0,
             first,
             last,
-            tuple(channels.values()),
-            counts,
+            tuple(walk.channels.values()),
+            {name: counts[name] for name in walk.channels},
             walk.is_whole,
             spans,
         )
@@ -151,22 +145,22 @@ class RecordingReader:
             Malformed: It is no recording.
             OSError: It cannot be read.
         """
-        return _Walk(self._path, lambda _channel: None, lambda _ns: None).entries()
+        return _Walk(self._path).entries()
 
 
 class _Walk:
     """One walk through a file from its beginning.
 
     Attributes:
+        channels: The streams that were declared so far.
+        began_ns: When the recording began, Unix time [ns]; 0 if that was not met.
         is_whole: Whether the file was finished, once the walk is over.
     """
 
-    def __init__(
-        self, path: str, note: Callable[[RecordedStream], object], begin: Callable[[int], object]
-    ) -> None:
+    def __init__(self, path: str) -> None:
         self._path = path
-        self._note = note
-        self._begin = begin
+        self.channels: dict[str, RecordedStream] = {}
+        self.began_ns = 0
         self._names: dict[int, str] = {}
         self._schemas: dict[int, tuple[str, str]] = {}
         self.is_whole = False
@@ -213,11 +207,12 @@ class _Walk:
             schema, definition = self._schemas.get(record.schema_id, ("", ""))
             named = record.metadata.get("data_type", "") or schema
             sources = tuple(filter(None, record.metadata.get("sources", "").split("\n")))
-            self._note(RecordedStream(record.topic, scoped_name(named), sources, definition))
+            found = RecordedStream(record.topic, scoped_name(named), sources, definition)
+            self.channels[record.topic] = found
         elif isinstance(record, records.Metadata) and record.name == _META:
             text = record.metadata.get("began_ns", "")
             if text.isascii() and text.isdigit():
-                self._begin(int(text))
+                self.began_ns = int(text)
 
     def _entry(self, message: Any) -> RecordedValue:
         return RecordedValue(

@@ -6,12 +6,9 @@ from collections.abc import Iterable, Iterator
 
 from rtkit.report.finding import ERROR, Checked
 from rtkit.report.lines import plain_line
-from rtkit.xmltext import without_bad_characters
+from rtkit.xmltext import TEXT_ESCAPES, VALUE_ESCAPES, without_bad_characters
 
 _NEW_LINE = "\n"
-_TEXT = {"&": "&amp;", "<": "&lt;", ">": "&gt;", "\r": "&#13;"}
-_TEXT_ESCAPES = str.maketrans(_TEXT)
-_VALUE_ESCAPES = str.maketrans(_TEXT | {'"': "&quot;", "\n": "&#10;", "\t": "&#9;"})
 
 
 def junit(checked: Iterable[Checked], tool: str, timestamp: str) -> str:
@@ -55,8 +52,8 @@ def _case(each: Checked, tool: str) -> Iterator[str]:
 
 
 def _text(text: str) -> str:
-    return without_bad_characters(text).translate(_TEXT_ESCAPES)
+    return without_bad_characters(text).translate(TEXT_ESCAPES)
 
 
 def _value(text: str) -> str:
-    return without_bad_characters(text).translate(_VALUE_ESCAPES)
+    return without_bad_characters(text).translate(VALUE_ESCAPES)

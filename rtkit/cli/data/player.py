@@ -251,7 +251,7 @@ def _write(
     Raises:
         Refused: There was nothing in the part that is wanted, or nobody is left to write to.
     """
-    from rtkit.recording.shift import shifted
+    from rtkit.recording.time_stamps import shifted
 
     first: RecordedValue | None = None
     begin = time.monotonic()
