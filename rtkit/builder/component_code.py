@@ -7,11 +7,8 @@ from collections.abc import Iterator
 from rtkit.builder import standard_types
 from rtkit.builder.layout import (
     CallExpression,
-    MappingExpression,
     Node,
     PlainExpression,
-    StringExpression,
-    TupleExpression,
     assigned,
     chained,
     constant,
@@ -151,36 +148,24 @@ def _identity(subject: GeneratedComponent) -> Iterator[str]:
         texts["execution_type"] = subject.execution_type
     for name, text in texts.items():
         if text:
-            yield from assigned(name, StringExpression(text))
+            yield from assigned(name, text)
     if subject.rate:
         yield f"{INDENT}rate = {subject.rate!r}  # Hz"
 
 
 def _machine(machine: GeneratedStateMachine) -> Iterator[str]:
-    yield from assigned("event_port", StringExpression(machine.port))
-    states = [
-        (
-            state,
-            MappingExpression(
-                [(event, StringExpression(target)) for event, target in moves.items()]
-            ),
-        )
-        for state, moves in machine.states.items()
-    ]
-    yield from mapping("states: ClassVar", states)
+    yield from assigned("event_port", machine.port)
+    yield from mapping("states: ClassVar", dict(machine.states))
     if machine.events:
-        yield from mapping(
-            "events: ClassVar", [(each.name, PlainExpression(each.type)) for each in machine.events]
-        )
-    yield from mapping(
-        "state_classes: ClassVar",
-        [(each.state, PlainExpression(each.name)) for each in machine.classes],
-    )
+        events = {each.name: PlainExpression(each.type) for each in machine.events}
+        yield from mapping("events: ClassVar", events)
+    classes = {each.state: PlainExpression(each.name) for each in machine.classes}
+    yield from mapping("state_classes: ClassVar", classes)
 
 
 def _named(attribute: str, name: str) -> list[tuple[str, Node]]:
     """Return the argument that says the name, unless the attribute says it already."""
-    return [] if attribute.rstrip("_") == name else [("name", StringExpression(name))]
+    return [] if attribute.rstrip("_") == name else [("name", name)]
 
 
 def port_doc(port: GeneratedPort) -> str:
@@ -197,14 +182,9 @@ def _port(port: GeneratedPort) -> list[str]:
     )
     given += _named(port.attribute, port.name)
     if port.type == "bytes" and port.type_name != "any":
-        given.append(
-            (
-                "properties",
-                MappingExpression([("dataport.data_type", StringExpression(port.type_name))]),
-            )
-        )
+        given.append(("properties", {"dataport.data_type": port.type_name}))
     text = port_doc(port)
-    given += [("doc", StringExpression(text))] if text else []
+    given += [("doc", text)] if text else []
     return assigned(port.attribute, CallExpression(f"rt.{port.kind}", given))
 
 
@@ -219,7 +199,7 @@ def service_doc(service: GeneratedServicePort) -> str:
 def _service(service: GeneratedServicePort) -> list[str]:
     text = service_doc(service)
     named = _named(service.attribute, service.name)
-    told: list[tuple[str, Node]] = [("doc", StringExpression(text))] if text else []
+    told: list[tuple[str, Node]] = [("doc", text)] if text else []
     called = [each for each in service.offers if each.protocol]
     described = [each for each in service.offers if not each.protocol]
     if len(service.offers) == 1 and called:
@@ -227,7 +207,7 @@ def _service(service: GeneratedServicePort) -> list[str]:
         given = [*_offer(called[0], service.name), *named, *told]
         return assigned(service.attribute, CallExpression(f"rt.ServicePort.{kind}", given))
     if described:
-        named = [*named, ("interfaces", TupleExpression([_described(each) for each in described]))]
+        named = [*named, ("interfaces", tuple(_described(each) for each in described))]
     steps = [
         CallExpression(
             f".{'provide' if each.is_provided else 'require'}", _offer(each, service.name)
@@ -240,22 +220,18 @@ def _service(service: GeneratedServicePort) -> list[str]:
 def _offer(offer: GeneratedInterface, port: str) -> list[tuple[str, Node]]:
     given: list[tuple[str, Node]] = [("", PlainExpression(offer.protocol))]
     if offer.name and offer.name != port:
-        given.append(("", StringExpression(offer.name)))
+        given.append(("", offer.name))
     if offer.servant:
         given.append(("implementation", PlainExpression(offer.servant)))
     if offer.type_name != offer.protocol.removeprefix("idl."):
-        given.append(("type_name", StringExpression(offer.type_name)))
+        given.append(("type_name", offer.type_name))
     return given
 
 
 def _described(offer: GeneratedInterface) -> Node:
     """Return an interface known by name only, whose operations no definition declares."""
     polarity = PlainExpression(f"rt.Polarity.{'PROVIDED' if offer.is_provided else 'REQUIRED'}")
-    given: list[tuple[str, Node]] = [
-        ("", StringExpression(offer.name)),
-        ("", StringExpression(offer.type_name)),
-    ]
-    given.append(("", polarity))
+    given: list[tuple[str, Node]] = [("", offer.name), ("", offer.type_name), ("", polarity)]
     return CallExpression("rt.PortInterfaceProfile", given)
 
 
@@ -263,7 +239,7 @@ def _setting(setting: GeneratedParameter) -> list[str]:
     given = [("", constant(setting.default)), *_named(setting.attribute, setting.name)]
     for keyword in ("unit", "doc", "constraint", "widget"):
         text = getattr(setting, keyword)
-        given += [(keyword, StringExpression(text))] if text else []
+        given += [(keyword, text)] if text else []
     return assigned(setting.attribute, CallExpression("rt.Parameter", given))
 
 
@@ -348,7 +324,7 @@ def _state_class(each: StateClass, subject: GeneratedComponent) -> Iterator[str]
         yield from region(f"{each.name}.{name}", BODY)
     for name, event, target in each.moves:
         yield ""
-        yield from lines_of("@", CallExpression("rt.takes", [("", StringExpression(event))]))
+        yield from lines_of("@", CallExpression("rt.takes", [("", event)]))
         yield f"{INDENT}def {name}(self, value: {types[event]}) -> str | None:"
         yield from docstring(
             "Take an event.", f"Take {one_line(event)}, which leads to {one_line(target)}", (), BODY

@@ -5,7 +5,7 @@ The form is that of ``ruff format``: what is split ends in a comma, so that it s
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import NamedTuple
 
 from rtkit.builder.text import INDENT, WIDTH, cut_text, literal, value, width
@@ -17,12 +17,6 @@ class PlainExpression(NamedTuple):
     code: str
 
 
-class StringExpression(NamedTuple):
-    """A string literal; one that is too long for a line is cut."""
-
-    text: str
-
-
 class CallExpression(NamedTuple):
     """``head(…)``; an argument is its keyword, which may be empty, and its value."""
 
@@ -30,27 +24,16 @@ class CallExpression(NamedTuple):
     arguments: Sequence[tuple[str, Node]]
 
 
-class TupleExpression(NamedTuple):
-    """``(…)``."""
-
-    items: Sequence[Node]
-
-
-class MappingExpression(NamedTuple):
-    """``{…}``; keys are texts."""
-
-    items: Sequence[tuple[str, Node]]
-
-
-Node = PlainExpression | StringExpression | CallExpression | TupleExpression | MappingExpression
+Node = str | tuple["Node", ...] | Mapping[str, "Node"] | PlainExpression | CallExpression
+"""An expression: a text, tuple or mapping stands for its literal; a long text is cut."""
 
 
 def constant(content: object) -> Node:
     """Return the literal of a number, a text, a truth value or a tuple of them."""
     if isinstance(content, str):
-        return StringExpression(content)
+        return content
     if isinstance(content, tuple):
-        return TupleExpression([constant(item) for item in content])
+        return tuple(constant(item) for item in content)
     return PlainExpression(value(content))
 
 
@@ -58,21 +41,21 @@ def flat(node: Node) -> str:
     """Return an expression on one line."""
     opening, items, closing = _parts(node)
     inner = ", ".join(f"{prefix}{flat(item)}" for prefix, item in items)
-    comma = "," if isinstance(node, TupleExpression) and len(items) == 1 else ""
+    comma = "," if opening == "(" and len(items) == 1 else ""
     return f"{opening}{inner}{comma}{closing}"
 
 
 def _parts(node: Node) -> tuple[str, list[tuple[str, Node]], str]:
     if isinstance(node, PlainExpression):
         return node.code, [], ""
-    if isinstance(node, StringExpression):
-        return literal(node.text), [], ""
+    if isinstance(node, str):
+        return literal(node), [], ""
     if isinstance(node, CallExpression):
         pairs = [(f"{keyword}=" if keyword else "", item) for keyword, item in node.arguments]
         return f"{node.head}(", pairs, ")"
-    if isinstance(node, TupleExpression):
-        return "(", [("", item) for item in node.items], ")"
-    return "{", [(f"{literal(key)}: ", item) for key, item in node.items], "}"
+    if isinstance(node, tuple):
+        return "(", [("", item) for item in node], ")"
+    return "{", [(f"{literal(key)}: ", item) for key, item in node.items()], "}"
 
 
 def lines(head: str, node: Node, tail: str = "", indent: str = INDENT) -> list[str]:
@@ -80,14 +63,14 @@ def lines(head: str, node: Node, tail: str = "", indent: str = INDENT) -> list[s
     line = f"{indent}{head}{flat(node)}{tail}"
     if width(line) <= WIDTH or isinstance(node, PlainExpression):
         return [line]
-    if isinstance(node, StringExpression):
-        return [f"{indent}{head}(", *cut_text(node.text, indent + INDENT), f"{indent}){tail}"]
+    if isinstance(node, str):
+        return [f"{indent}{head}(", *cut_text(node, indent + INDENT), f"{indent}){tail}"]
     opening, items, closing = _parts(node)
     if not items:
         return [line]
     inner = (
-        _pairs(node.items, indent + INDENT)
-        if isinstance(node, MappingExpression)
+        _pairs(node, indent + INDENT)
+        if isinstance(node, Mapping)
         else _inner(items, indent + INDENT)
     )
     return [f"{indent}{head}{opening}", *inner, f"{indent}{closing}{tail}"]
@@ -97,10 +80,10 @@ def _inner(items: Iterable[tuple[str, Node]], indent: str) -> list[str]:
     return [line for prefix, item in items for line in lines(prefix, item, ",", indent)]
 
 
-def _pairs(items: Iterable[tuple[str, Node]], indent: str) -> list[str]:
+def _pairs(items: Mapping[str, Node], indent: str) -> list[str]:
     """Return the lines of keys and values; a key that is too long is cut, too."""
     found: list[str] = []
-    for key, item in items:
+    for key, item in items.items():
         head = f"{literal(key)}: "
         rows = lines(head, item, ",", indent)
         if width(rows[0]) > WIDTH:
@@ -114,7 +97,7 @@ def assigned(name: str, node: Node, indent: str = INDENT) -> list[str]:
     return lines(f"{name} = ", node, indent=indent)
 
 
-def mapping(name: str, items: Sequence[tuple[str, Node]], indent: str = INDENT) -> list[str]:
+def mapping(name: str, items: Mapping[str, Node], indent: str = INDENT) -> list[str]:
     """Return the lines of a mapping that is written an item a line."""
     return [f"{indent}{name} = {{", *_pairs(items, indent + INDENT), f"{indent}}}"]
 

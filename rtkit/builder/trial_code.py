@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from rtkit.builder.layout import Node, StringExpression, TupleExpression, assigned, mapping
+from rtkit.builder.layout import Node, assigned, mapping
 from rtkit.builder.regions import CODE_STAMP, region
-from rtkit.builder.subject import GeneratedComponent, GeneratedInterface, GeneratedPort
+from rtkit.builder.subject import GeneratedComponent, GeneratedInterface
 from rtkit.builder.text import docstring, one_line
 from rtkit.component.kinds import kind_of
 from rtkit.rtc.enums import PortType
@@ -102,44 +102,31 @@ def trial_code(subject: GeneratedComponent) -> str:
 
 def _constants(subject: GeneratedComponent) -> Iterator[str]:
     yield f"Subject = {subject.module}.{subject.class_name}"
-    yield from assigned("TYPE_NAME", StringExpression(subject.type_name), "")
-    ports = [(port.name, _port(port)) for port in subject.ports]
-    machine = subject.machine
-    ports += [(each.name, _service(each.offers)) for each in subject.services]
-    if machine:
-        ports.append(
-            (
-                machine.port,
-                TupleExpression([StringExpression(PortType.IN.value), StringExpression("any")]),
-            )
-        )
+    yield from assigned("TYPE_NAME", subject.type_name, "")
+    ports: dict[str, Node] = {}
+    for port in subject.ports:
+        kind = PortType.OUT if port.kind == "OutPort" else PortType.IN
+        ports[port.name] = (kind.value, port.type_name)
+    ports |= {each.name: _service(each.offers) for each in subject.services}
+    if subject.machine:
+        ports[subject.machine.port] = (PortType.IN.value, "any")
     if ports:
         yield from mapping("PORTS", ports, "")
     else:
         yield "PORTS: dict[str, tuple[str, ...]] = {}"
     if _in_ports(subject):
-        names = [StringExpression(name) for name in _in_ports(subject)]
-        yield from assigned("IN_PORTS", TupleExpression(names), "")
+        yield from assigned("IN_PORTS", tuple(_in_ports(subject)), "")
     if subject.settings:
-        values = [
-            (each.name, kind_of(each.default).write(each.default)) for each in subject.settings
-        ]
-        yield from mapping(
-            "PARAMETERS", [(name, StringExpression(text)) for name, text in values], ""
-        )
+        values = {each.name: kind_of(each.default).write(each.default) for each in subject.settings}
+        yield from mapping("PARAMETERS", values, "")
 
 
 def _in_ports(subject: GeneratedComponent) -> list[str]:
     return [port.name for port in subject.ports if port.kind == "InPort"]
 
 
-def _port(port: GeneratedPort) -> Node:
-    kind = PortType.OUT if port.kind == "OutPort" else PortType.IN
-    return TupleExpression([StringExpression(kind.value), StringExpression(port.type_name)])
-
-
 def _service(offers: tuple[GeneratedInterface, ...]) -> Node:
     # Interfaces that are only described come first.
     known = sorted(offers, key=lambda offer: bool(offer.protocol))
     told = [f"{each.type_name} {'Provided' if each.is_provided else 'Required'}" for each in known]
-    return TupleExpression([StringExpression(PortType.SERVICE.value), *map(StringExpression, told)])
+    return (PortType.SERVICE.value, *told)

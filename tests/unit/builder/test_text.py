@@ -9,10 +9,7 @@ import pytest
 from rtkit.builder import text
 from rtkit.builder.layout import (
     CallExpression,
-    MappingExpression,
     PlainExpression,
-    StringExpression,
-    TupleExpression,
     assigned,
     chained,
     constant,
@@ -109,33 +106,33 @@ LONG = "word " * 30
 
 
 def test_expressions_are_on_one_line_where_they_fit():
-    call = CallExpression("f", [("", PlainExpression("1")), ("doc", StringExpression("a"))])
+    call = CallExpression("f", [("", PlainExpression("1")), ("doc", "a")])
     assert assigned("x", call) == ['    x = f(1, doc="a")']
     assert assigned("x", constant((1, 2)), "") == ["x = (1, 2)"]
     assert assigned("x", constant((1,)), "") == ["x = (1,)"]
-    assert assigned("x", MappingExpression([("a", constant("b"))]), "") == ['x = {"a": "b"}']
+    assert assigned("x", {"a": constant("b")}, "") == ['x = {"a": "b"}']
 
 
 @pytest.mark.parametrize(
     "node",
     [
-        StringExpression(LONG),
+        LONG,
         CallExpression(
             "f",
             [
                 ("", PlainExpression("1")),
-                ("doc", StringExpression(LONG)),
-                ("more", StringExpression("a")),
+                ("doc", LONG),
+                ("more", "a"),
             ],
         ),
         CallExpression(
             "f",
             [
-                ("", CallExpression("g", [("", StringExpression(LONG))])),
-                ("x", TupleExpression([StringExpression(LONG)])),
+                ("", CallExpression("g", [("", LONG)])),
+                ("x", (LONG,)),
             ],
         ),
-        MappingExpression([("a" * 120, PlainExpression("1")), ("b", StringExpression(LONG))]),
+        {"a" * 120: PlainExpression("1"), "b": LONG},
         constant(tuple(range(60))),
         CallExpression("f", [("", PlainExpression("a" * 120))]),
     ],
@@ -160,14 +157,14 @@ def test_chains():
         "    .c()",
         ")",
     ]
-    last = [CallExpression("a", []), CallExpression(".b", [("", StringExpression(LONG))])]
+    last = [CallExpression("a", []), CallExpression(".b", [("", LONG)])]
     assert chained("x", last, "")[0] == "x = a().b("
-    first = [CallExpression("a", [("", StringExpression(LONG))]), CallExpression(".b", [])]
+    first = [CallExpression("a", [("", LONG)]), CallExpression(".b", [])]
     assert chained("x", first, "")[-1] == ").b()"
 
 
 def test_mappings_have_a_line_for_each_item():
-    assert mapping("x", [("a", PlainExpression("1"))], "") == ["x = {", '    "a": 1,', "}"]
+    assert mapping("x", {"a": PlainExpression("1")}, "") == ["x = {", '    "a": 1,', "}"]
 
 
 @pytest.mark.parametrize(

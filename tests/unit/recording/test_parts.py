@@ -18,8 +18,8 @@ from rtkit.errors import Malformed, Refused
 from rtkit.idl.read import read_idl
 from rtkit.probe.stats import stamp_reader
 from rtkit.recording.entries import RecordedValue, RecordingSelection
-from rtkit.recording.time_stamps import shifted
 from rtkit.recording.text_log import line_of, read_file, read_lines
+from rtkit.recording.time_stamps import shifted
 
 FIVE = [RecordedValue("a", 100 + number, 0, b"") for number in range(5)]
 
