@@ -59,18 +59,14 @@ def deviations(
         if why:
             namesake = live.at(component.instance)
             found = "" if namesake is None else namesake.type.id
-            yield Deviation(
-                "component", component.path, why, component.is_required, "", component.id, found
-            )
+            yield _of("component", component, why, "", component.id, found)
     for wire in system.connectors:
         yield from _wire(wire, system, live)
     for component in system.components:
         facts = live.at(component.instance)
         if facts is not None and facts.trouble:
             text = f"Component {component.path} does not answer ({facts.trouble})"
-            yield Deviation(
-                "component", component.path, text, component.is_required, found=facts.trouble
-            )
+            yield _of("component", component, text, found=facts.trouble)
     there = [(c, facts) for c in system.components if (facts := _living(c, live)) is not None]
     for component, facts in there:
         if component.active_set and facts.active_set != component.active_set:
@@ -79,7 +75,7 @@ def deviations(
                 f" (Active set: {facts.active_set})"
             )
             sides = ("active set", component.active_set, facts.active_set)
-            yield Deviation("active-set", component.path, text, component.is_required, *sides)
+            yield _of("active-set", component, text, *sides)
     for component, facts in there:
         yield from _parameters(component, facts)
     for component, facts in there:
@@ -90,6 +86,17 @@ def deviations(
             yield Deviation("code", component.path, text, False, found=file)
     for component, facts in there:
         yield from _states(component, facts, state)
+
+
+def _of(
+    kind: str,
+    component: WantedComponent,
+    text: str,
+    item: str = "",
+    wanted: str = "",
+    found: str = "",
+) -> Deviation:
+    return Deviation(kind, component.path, text, component.is_required, item, wanted, found)
 
 
 def diff_lines(deviations: Iterable[Deviation]) -> Iterator[str]:
@@ -240,18 +247,17 @@ def _parameters(component: WantedComponent, facts: ComponentFacts) -> Iterator[D
             if found is None:
                 text = f"{where} is missing"
             sides = (f"{set_id}.{name}", value, found or "")
-            yield Deviation("parameter", component.path, text, component.is_required, *sides)
+            yield _of("parameter", component, text, *sides)
 
 
 def _manner(component: WantedComponent, facts: ComponentFacts) -> Iterator[Deviation]:
     """Yield in what a component is otherwise than wanted, beside values and states."""
-    path, is_required = component.path, component.is_required
     for each in drift.constraint_differences(component, facts):
         yield _deviation("constraint", component, each)
     # Of a stand-in its list of ports is reported as a whole.
     for name in () if facts.is_stand_in else drift.lacking_ports(component, facts):
-        text = f"Component {path} has no port {name}"
-        yield Deviation("port", path, text, is_required, f"port {name}", name, "")
+        text = f"Component {component.path} has no port {name}"
+        yield _of("port", component, text, f"port {name}", name)
     for each in () if facts.is_stand_in else drift.data_types(component, facts):
         yield _deviation("type", component, each)
     for rate in drift.rates(component, facts):
@@ -269,7 +275,7 @@ def _manner(component: WantedComponent, facts: ComponentFacts) -> Iterator[Devia
 def _deviation(kind: str, component: WantedComponent, each: drift.Drift) -> Deviation:
     item = each.item[0].upper() + each.item[1:]
     text = f"{item} of component {component.path} is incorrect (value: {each.found})"
-    return Deviation(kind, component.path, text, component.is_required, *each)
+    return _of(kind, component, text, *each)
 
 
 def _states(
@@ -279,14 +285,14 @@ def _states(
         if facts.contexts:
             text = f"Component {component.path} is in incorrect state {facts.state}"
             sides = ("state", UNKNOWN_STATE, facts.state)
-            yield Deviation("state", component.path, text, component.is_required, *sides)
+            yield _of("state", component, text, *sides)
         return
     for number, wanted in enumerate(component.contexts):
         context = context_of(facts, component, number)
         if context is None:
             text = f"Component {component.path} has no execution context {wanted.id}"
             sides = (f"execution context {wanted.id}", state.value, "")
-            yield Deviation("state", component.path, text, component.is_required, *sides)
+            yield _of("state", component, text, *sides)
         elif context.state is not state:
             text = f"Component {component.path} is in incorrect state {context.state}"
             item = "state"
@@ -296,4 +302,4 @@ def _states(
             if facts.cause:
                 text += f" ({facts.cause})"
             sides = (item, state.value, context.state.value)
-            yield Deviation("state", component.path, text, component.is_required, *sides)
+            yield _of("state", component, text, *sides)

@@ -34,6 +34,11 @@ class InvalidProfile(InvalidDocument):
         super().__init__("\n".join(shown))
 
 
+def refused(source: str, line: int, rule: str, why: str) -> InvalidProfile:
+    """Return the error that tells of one problem; `rule` is one of `rtkit.profile.rules`."""
+    return InvalidProfile(source, [Note(line, why, rule=rule)])
+
+
 class Findings:
     """Collector of findings; lines are those of the document as it was read.
 

@@ -6,7 +6,8 @@ import re
 from collections.abc import Iterator
 from typing import Any
 
-from rtkit.profile.nodes import MAX_DEPTH, MAX_NODES, ListNode, Node, ScalarNode, TableNode, refused
+from rtkit.profile.findings import refused
+from rtkit.profile.nodes import MAX_DEPTH, MAX_NODES, ListNode, Node, ScalarNode, TableNode
 
 # Possessive, and content with the end of the text for the end of a string: time grows with length.
 _MARKS = re.compile(r'"[^"\\]*+(?:\\.[^"\\]*+)*+(?:"|\\?\Z)|[{}\[\],\n]', re.DOTALL)

@@ -8,8 +8,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from rtkit.profile.common import Note
-from rtkit.profile.findings import InvalidProfile
+from rtkit.profile.findings import refused
 
 MAX_DEPTH = 136
 """Tables and lists nested deeper than this are refused; an element may be both of them."""
@@ -71,8 +70,3 @@ def decoded(data: bytes, source: str) -> str:
         raise refused(
             source, line, "not-well-formed", f"not {name}: byte {error.start + 1}"
         ) from error
-
-
-def refused(source: str, line: int, rule: str, why: str) -> InvalidProfile:
-    """Return the error that tells of one problem; `rule` is one of `rtkit.profile.rules`."""
-    return InvalidProfile(source, [Note(line, why, rule=rule)])

@@ -10,7 +10,7 @@ import re
 from typing import Any
 
 from rtkit.profile.common import Note
-from rtkit.profile.findings import InvalidProfile
+from rtkit.profile.findings import InvalidProfile, refused
 from rtkit.profile.xmlnames import short
 
 MAX_BYTES = 12 * 2**20
@@ -70,7 +70,7 @@ def parse(data: bytes, source: str, *, drops_blanks: bool = False) -> Any:
         line = error.lineno or 1
         why = re.sub(_PLACE, "", str(error.msg).removesuffix(f" (<string>, line {error.lineno})"))
         text = f"not well-formed: {_one_line(re.sub(_ADVICE, '', why))}"
-        raise InvalidProfile(source, [Note(line, text, rule="not-well-formed")]) from error
+        raise refused(source, line, "not-well-formed", text) from error
     _refuse_long_tags(root, data, source)
     doctype = root.getroottree().docinfo
     if doctype.internalDTD is not None:
@@ -89,12 +89,8 @@ def _refuse_long_tags(root: Any, data: bytes, source: str) -> None:
         return
     for element in root.xpath(f"(//*[@*[{MAX_ATTRIBUTES + 1}]])[1]"):
         text = f"more than {MAX_ATTRIBUTES} attributes on {short(element.tag)}"
-        note = Note(
-            element.sourceline or 1,
-            text,
-            rule="too-many-attributes",
-            allowed=f"at most {MAX_ATTRIBUTES}",
-        )
+        rule, allowed = "too-many-attributes", f"at most {MAX_ATTRIBUTES}"
+        note = Note(element.sourceline or 1, text, rule=rule, allowed=allowed)
         raise InvalidProfile(source, [note])
 
 
@@ -109,19 +105,15 @@ def refuse_size(data: bytes, source: str) -> None:
         InvalidProfile: It is.
     """
     if len(data) > MAX_BYTES:
-        raise InvalidProfile(
-            source,
-            [Note(1, f"more than {MAX_BYTES} bytes; no profile is so large", rule=_LARGE)],
-        )
+        why = f"more than {MAX_BYTES} bytes; no profile is so large"
+        raise refused(source, 1, _LARGE, why)
 
 
 def _refuse_many(data: bytes, source: str) -> None:
     is_full = data.count(b"<") > _MAX_TAGS or data.count(b"=") > _MAX_EQUALS
     if is_full or data.count(b"xmlns") > _MAX_NAMESPACES:
-        raise InvalidProfile(
-            source,
-            [Note(1, "more tags, attributes or namespaces than a profile can have", rule=_LARGE)],
-        )
+        why = "more tags, attributes or namespaces than a profile can have"
+        raise refused(source, 1, _LARGE, why)
 
 
 def _refuse_doctype(data: bytes, source: str) -> None:
@@ -140,15 +132,5 @@ def _refuse_doctype(data: bytes, source: str) -> None:
 
 def _doctype_problem(source: str, line: int, name: str | None) -> InvalidProfile:
     shown = "".join(c for c in (name or "")[:40] if c.isprintable())
-    return InvalidProfile(
-        source,
-        [
-            Note(
-                line,
-                f"DOCTYPE {shown} is not allowed: a profile declares no entities",
-                rule="doctype",
-                found=shown,
-                allowed="no DOCTYPE",
-            )
-        ],
-    )
+    text = f"DOCTYPE {shown} is not allowed: a profile declares no entities"
+    return InvalidProfile(source, [Note(line, text, "", "doctype", shown, "no DOCTYPE")])

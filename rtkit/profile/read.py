@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 from rtkit.errors import NotFound
 from rtkit.fast_dataclass import dataclass
 from rtkit.profile.common import Note, Reading
-from rtkit.profile.findings import FAR_LINE, Findings, InvalidProfile
+from rtkit.profile.findings import FAR_LINE, Findings, InvalidProfile, refused
 from rtkit.profile.forms import XML, YAML, check_form, form_of
 from rtkit.profile.spec import ElementSpec
 from rtkit.profile.xmlnames import clark, short, split
@@ -104,20 +104,6 @@ def read_bytes(path: str) -> bytes:
         raise NotFound(f"cannot read {path}: {error.strerror}") from error
     except ValueError as error:
         raise NotFound(f"cannot read {path!r}: {error}") from error
-
-
-def explain_rts(
-    data: bytes | str, source: str = STDIN, *, form: str | None = None
-) -> tuple[Note, ...]:
-    """Tell in full what is wrong with an RTS profile; slow."""
-    return explain(data, source, form=form, kind="rts")
-
-
-def explain_rtc(
-    data: bytes | str, source: str = STDIN, *, form: str | None = None
-) -> tuple[Note, ...]:
-    """Tell in full what is wrong with an RTC profile; slow."""
-    return explain(data, source, form=form, kind="rtc")
 
 
 def explain(
@@ -215,7 +201,7 @@ def _opened_xml(
             tag = clark(f"{kind}:{kind.capitalize()}Profile")
             namespace, local = split(tag)
             text = f"root is {short(root.tag)}; it must be {local} of namespace {namespace}"
-        raise InvalidProfile(source, [Note(root.sourceline or 1, text, rule="wrong-root")])
+        raise refused(source, root.sourceline or 1, "wrong-root", text)
 
     def elements(_: ElementSpec) -> tuple[Any, Findings]:
         is_flat = data.count(b"xmlns") == len(root.nsmap)
@@ -227,7 +213,7 @@ def _opened_xml(
 def _opened_tree(
     data: bytes, source: str, form: str, kind: str | None
 ) -> tuple[str, Callable[[ElementSpec], tuple[Any, Findings]]]:
-    from rtkit.profile.nodes import decoded, refused
+    from rtkit.profile.nodes import decoded
     from rtkit.profile.tree_form import ROOTS
     from rtkit.profile.tree_read import elements_of, root_of
 

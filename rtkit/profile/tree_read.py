@@ -6,8 +6,8 @@ from collections.abc import Iterator
 from contextlib import suppress
 from typing import Any
 
-from rtkit.profile.findings import Findings
-from rtkit.profile.nodes import ListNode, Node, ScalarNode, TableNode, refused
+from rtkit.profile.findings import Findings, refused
+from rtkit.profile.nodes import ListNode, Node, ScalarNode, TableNode
 from rtkit.profile.parse import MAX_ATTRIBUTES
 from rtkit.profile.rts_model import OrderStep
 from rtkit.profile.spec import DATE, FLAG, Attr, Child, ElementSpec

@@ -11,7 +11,8 @@ from __future__ import annotations
 
 from typing import Any, NoReturn
 
-from rtkit.profile.nodes import MAX_DEPTH, MAX_NODES, ListNode, Node, ScalarNode, TableNode, refused
+from rtkit.profile.findings import refused
+from rtkit.profile.nodes import MAX_DEPTH, MAX_NODES, ListNode, Node, ScalarNode, TableNode
 from rtkit.profile.parse import MAX_BYTES
 
 _SYNTAX, _LARGE, _TAGS, _KEYS = "not-well-formed", "too-large", "tag-or-alias", "repeated-key"

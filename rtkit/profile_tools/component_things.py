@@ -12,11 +12,10 @@ from rtkit.profile.rtc_model import (
     DataPortDeclaration,
     FsmTransition,
     RtcProfile,
-    ServiceInterface,
 )
 from rtkit.profile.rtc_spec import ACTIONS
 from rtkit.profile.words import normal_data_type
-from rtkit.profile_tools.thing import Thing, ThingKey, Things, fields_of, put, told
+from rtkit.profile_tools.thing import Thing, ThingKey, Things, fields_of, picked, put, told
 
 _PARTS = (
     "basic_info",
@@ -26,6 +25,7 @@ _PARTS = (
     "data_ports",
     "service_ports",
 )
+_OF_INTERFACE = ("direction", "type", "instance_name", "idl_file")
 _CONTAINERS = {
     "configuration_set": ("configurations",),
     "actions": tuple(ACTIONS),
@@ -44,7 +44,7 @@ def component_things(profile: RtcProfile, takes_all: bool) -> Things:
         fields = fields_of(service, ("name", "service_interfaces")) if takes_all else {}
         key = put(things, ThingKey(1, "service port", service.name), Thing(fields))
         for each in service.service_interfaces:
-            fields = fields_of(each, ("name",)) if takes_all else _interface(each)
+            fields = fields_of(each, ("name",)) if takes_all else picked(each, *_OF_INTERFACE)
             put(things, ThingKey(2, "interface", f"{service.name}.{each.name}"), Thing(fields, key))
     if profile.configuration_set is not None:
         for item in profile.configuration_set.configurations:
@@ -71,18 +71,9 @@ def _component(profile: RtcProfile, takes_all: bool) -> dict[str, str]:
 
 
 def _info(info: BasicInfo) -> dict[str, str]:
-    return told(
-        name=info.name,
-        vendor=info.vendor,
-        category=info.category,
-        version=info.version,
-        component_type=info.component_type,
-        activity_type=info.activity_type,
-        component_kind=info.component_kind,
-        rtc_type=info.rtc_type,
-        execution_type=info.execution_type,
-        execution_rate=info.execution_rate or None,
-        max_instances=info.max_instances or None,
+    kind = ("component_type", "activity_type", "component_kind", "rtc_type", "execution_type")
+    return picked(info, "name", "vendor", "category", "version", *kind) | told(
+        execution_rate=info.execution_rate or None, max_instances=info.max_instances or None
     )
 
 
@@ -103,21 +94,10 @@ def _events(
     things: Things, port: ThingKey, events: Iterable[FsmTransition], takes_all: bool
 ) -> None:
     for event in events:
-        fields = told(
-            source=event.source, target=event.target, condition=event.condition, type=event.type
-        )
+        fields = picked(event, "source", "target", "condition", "type")
         if takes_all:
             fields = fields_of(event, ("name",))
         put(things, ThingKey(2, "event", f"{port.name}.{event.name}"), Thing(fields, port))
-
-
-def _interface(each: ServiceInterface) -> dict[str, str]:
-    return told(
-        direction=each.direction,
-        type=each.type,
-        instance_name=each.instance_name,
-        idl_file=each.idl_file,
-    )
 
 
 def _parameter(item: ConfigurationParameter) -> dict[str, str]:

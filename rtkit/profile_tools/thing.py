@@ -90,3 +90,8 @@ def _text(value: Any) -> str:
 def told(**values: object) -> dict[str, str]:
     """Return values as fields; absent and empty ones are the same."""
     return {name: _text(value) for name, value in values.items() if value not in (None, "")}
+
+
+def picked(model: Any, *names: str) -> dict[str, str]:
+    """Return some values of a model as fields, under their names in the model."""
+    return told(**{name: getattr(model, name) for name in names})
