@@ -29,6 +29,7 @@ from rtkit.deployment.runner import PlanRunner, Talk
 from rtkit.deployment.site import Careful, Site, at_once
 from rtkit.deployment.system import WantedSystem
 from rtkit.errors import Refused, RtkitError, Unreachable, from_kind
+from rtkit.report.finding import counted
 
 _MOST_PLANS = 10
 """How often it is planned anew before a world that never behaves is given up."""
@@ -214,8 +215,7 @@ class Applier:
             rest = self._goal.plan(self._careful(self._site.remains), before)
             for line in lines(rest) if rest.moves else ():
                 self._report(line.replace("plan:", "left:", 1))
-            steps = len(rest.moves)
-            return f"{steps} step{'s' * (steps != 1)} left; run it again to go on"
+            return f"{counted(len(rest.moves), 'step')} left; run it again to go on"
         except (RtkitError, KeyboardInterrupt) as trouble:
             return f"what is left is not known ({str(trouble) or 'interrupted again'})"
 

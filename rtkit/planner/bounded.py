@@ -6,7 +6,7 @@ from heapq import heappop, heappush
 from itertools import count
 from time import perf_counter
 
-from rtkit.errors import Impossible, LimitReached, Malformed
+from rtkit.errors import Impossible, Malformed
 from rtkit.planner.command import State
 from rtkit.planner.problem import Problem
 from rtkit.planner.result import Limits, Plan, Statistics, Step
@@ -60,10 +60,7 @@ def plan_within(
             statistics = Statistics(expanded, generated, perf_counter() - begin)
             whole = costs[state]
             return Plan(_way(problem, ways, state), whole, min(lowest, whole), statistics)
-        if limits.states is not None and expanded >= limits.states:
-            raise LimitReached(f"no plan among the first {expanded} states looked at")
-        if limits.seconds is not None and perf_counter() - begin >= limits.seconds:
-            raise LimitReached(f"no plan found within {limits.seconds:g} s")
+        limits.check(expanded, begin)
         done[state] = costs[state]
         expanded += 1
         for command, after, price in problem.successors(state):

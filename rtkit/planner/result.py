@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from time import perf_counter
 from typing import NamedTuple
 
+from rtkit.errors import LimitReached
 from rtkit.planner.command import Command, State
 
 
@@ -20,6 +22,17 @@ class Limits:
 
     states: int | None = None
     seconds: float | None = None
+
+    def check(self, expanded: int, begin: float) -> None:
+        """Refuse to go on with so many states expanded, since `begin` of `perf_counter` [s].
+
+        Raises:
+            LimitReached: One of the limits is reached.
+        """
+        if self.states is not None and expanded >= self.states:
+            raise LimitReached(f"no plan among the first {expanded} states looked at")
+        if self.seconds is not None and perf_counter() - begin >= self.seconds:
+            raise LimitReached(f"no plan found within {self.seconds:g} s")
 
 
 class Statistics(NamedTuple):

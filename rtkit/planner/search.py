@@ -14,7 +14,7 @@ from math import isfinite
 from time import perf_counter
 from typing import Any
 
-from rtkit.errors import Impossible, LimitReached, Malformed
+from rtkit.errors import Impossible, Malformed
 from rtkit.planner.command import State
 from rtkit.planner.problem import Problem
 from rtkit.planner.result import Limits, OptimalPlans, Plan, Statistics, Step
@@ -121,7 +121,7 @@ class _Search:
                 self._goals.append(state)
                 best = best or (total, steps)
                 continue
-            self._check_limits()
+            self._limits.check(self._expanded, self._begin)
             self._expanded += 1
             self._expand(state, node)
         if best is None:
@@ -194,14 +194,6 @@ class _Search:
                 found = Fraction(f"{number:.12g}")
             self._decimals[number] = found
         return found
-
-    def _check_limits(self) -> None:
-        limits = self._limits
-        if limits.states is not None and self._expanded >= limits.states:
-            raise LimitReached(f"no plan among the first {self._expanded} states looked at")
-        is_time = limits.seconds is not None and not self._expanded & 255
-        if is_time and perf_counter() - self._begin >= (limits.seconds or 0):
-            raise LimitReached(f"no plan found within {limits.seconds:g} s")
 
     # what comes of it
 

@@ -8,6 +8,7 @@ from rtkit.profile.constraint_model import (
     Between,
     Comparison,
     Constraint,
+    ConstraintTest,
     ConstraintUnit,
     IsNull,
     Like,
@@ -16,7 +17,6 @@ from rtkit.profile.constraint_model import (
 from rtkit.profile.constraint_text import LIKE_MARKS, SIGNS
 from rtkit.profile.constraint_tokens import VARIABLE, literal
 
-_Test = Comparison | Between | Like | IsNull | Logical
 _LOW = ("propertyIsGreaterThan", "propertyIsGreaterThanOrEqualTo")
 _HIGH = ("propertyIsLessThan", "propertyIsLessThanOrEqualTo")
 _TURNED = {_LOW[0]: "<", _LOW[1]: "<="}
@@ -58,7 +58,7 @@ def _pairs(parts: Iterable[Constraint]) -> list[str] | None:
     return found
 
 
-def _format_test(test: _Test) -> str:
+def _format_test(test: ConstraintTest) -> str:
     match test:
         case Between(lower, upper):
             return f"{literal(lower)}<={VARIABLE}<={literal(upper)}"

@@ -64,11 +64,14 @@ class Logical:
     foreign: Foreign = NO_FOREIGN
 
 
+ConstraintTest = Comparison | Between | Like | IsNull | Logical
+
+
 @dataclass(frozen=True, slots=True)
 class ConstraintUnit:
     """One test, for one value; `key` names it within a hash."""
 
-    test: Comparison | Between | Like | IsNull | Logical
+    test: ConstraintTest
     key: str | None = None
     kind: str = "ConstraintUnitType"
     foreign: Foreign = NO_FOREIGN

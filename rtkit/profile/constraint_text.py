@@ -20,6 +20,7 @@ from rtkit.profile.constraint_model import (
     Comparison,
     Constraint,
     ConstraintGroup,
+    ConstraintTest,
     ConstraintUnit,
     IsNull,
     Like,
@@ -67,7 +68,7 @@ class _Parser:
             "not": lambda: _unit(Logical("Not", self._several(1, 1))),
             "and": lambda: _unit(Logical("And", self._several(2))),
             "or": lambda: _unit(Logical("Or", self._several(2))),
-            "null": self._null,
+            "null": lambda: _unit(IsNull()),
             "like": self._like,
             "list": lambda: _group("ConstraintListType", self._several(0)),
             "hash": lambda: _group("ConstraintHashType", self._several(0)),
@@ -75,12 +76,16 @@ class _Parser:
         }
 
     def whole(self) -> Constraint:
-        parts = [self._one()]
-        while self._takes(","):
-            parts.append(self._one())
+        parts = self._listed()
         if self._next.kind != "end":
             raise self._bad(f"{self._next.text!r} belongs nowhere")
         return parts[0] if len(parts) == 1 else _group("ConstraintListType", tuple(parts))
+
+    def _listed(self) -> list[Constraint]:
+        parts = [self._one()]
+        while self._takes(","):
+            parts.append(self._one())
+        return parts
 
     @property
     def _next(self) -> Token:
@@ -129,12 +134,7 @@ class _Parser:
         return _unit(self._comparison())
 
     def _several(self, least: int, most: int | None = None) -> tuple[Constraint, ...]:
-        if self._next == Token("mark", ")"):
-            parts = []
-        else:
-            parts = [self._one()]
-            while self._takes(","):
-                parts.append(self._one())
+        parts = [] if self._next == Token("mark", ")") else self._listed()
         if len(parts) < least or len(parts) > (most or len(parts)):
             raise self._bad("not() needs one constraint; and(), or() need two or more")
         return tuple(parts)
@@ -167,9 +167,6 @@ class _Parser:
         self._needs(")")
         units = tuple(_unit(_equal(each)) for each in found)
         return units[0] if len(units) == 1 else _unit(Logical("Or", units))
-
-    def _null(self) -> Constraint:
-        return _unit(IsNull())
 
     def _like(self) -> Constraint:
         why = 'like() is written like("a*") or like("a%","%","_","!")'
@@ -209,7 +206,7 @@ class _Parser:
         return _range(low, signs[0], signs[1], high)
 
 
-def _unit(test: Comparison | Between | Like | IsNull | Logical) -> Constraint:
+def _unit(test: ConstraintTest) -> Constraint:
     return Constraint(ConstraintUnit(test))
 
 

@@ -15,13 +15,13 @@ from rtkit.profile.constraint_model import (
     Comparison,
     Constraint,
     ConstraintGroup,
+    ConstraintTest,
     ConstraintUnit,
     IsNull,
     Like,
     Logical,
 )
 
-_Test = Comparison | Between | Like | IsNull | Logical
 _Number = int | float
 _Order = Callable[[_Number, _Number], bool]
 _ORDERS: dict[str, _Order] = {
@@ -101,7 +101,7 @@ def _entry(group: ConstraintGroup, entry: tuple[str, str], wants_number: bool) -
     return _all(_holds(test, value, wants_number) for test in tests)
 
 
-def _holds(test: _Test, text: str, wants_number: bool) -> bool | None:
+def _holds(test: ConstraintTest, text: str, wants_number: bool) -> bool | None:
     match test:
         case Comparison():
             return _compare(test, text, wants_number)

@@ -9,6 +9,7 @@ from rtkit.deployment.planning.costs import ORIGINS, TABLE, USUAL, Costs
 from rtkit.deployment.planning.model import NO, UNKNOWN, YES, owner_of
 from rtkit.deployment.planning.operators import Operator
 from rtkit.deployment.planning.plan import DeploymentPlan
+from rtkit.report.finding import counted
 
 NOTHING_TO_DO = "nothing to do"
 
@@ -21,7 +22,7 @@ def lines(plan: DeploymentPlan, costs: Costs = USUAL) -> Iterator[str]:
     if not plan.moves:
         yield f"{NOTHING_TO_DO}: everything is as wanted"
     else:
-        steps = _counted(len(plan.moves), "step")
+        steps = counted(len(plan.moves), "step")
         looked_at = f", {plan.looked_at} combinations looked at" if plan.looked_at else ""
         yield f"plan: {steps}, cost {plan.cost:g} ({quality(plan)}){looked_at}"
         rows = [
@@ -37,7 +38,7 @@ def lines(plan: DeploymentPlan, costs: Costs = USUAL) -> Iterator[str]:
         yield from _sources(plan, costs)
     managers, units, wires = plan.kept
     kept = [(managers, "manager"), (units, "component"), (wires, "connection")]
-    yield f"kept: {', '.join(_counted(*each) for each in kept if each[0]) or 'nothing'}"
+    yield f"kept: {', '.join(counted(*each) for each in kept if each[0]) or 'nothing'}"
 
 
 def quality(plan: DeploymentPlan) -> str:
@@ -138,10 +139,6 @@ def _subject(move: Operator) -> str:
     if move.kind == "configure":
         return f"{owner_of(move.subject)}.{move.subject.partition('.')[2]}"
     return move.subject.replace("\n", "/")
-
-
-def _counted(count: int, word: str) -> str:
-    return f"{count} {word}" if count == 1 else f"{count} {word}s"
 
 
 def _ranges(numbers: Sequence[int]) -> str:

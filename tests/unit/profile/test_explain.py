@@ -11,7 +11,7 @@ import pytest
 
 from rtkit.profile import rts_spec
 from rtkit.profile.examine import examine, objections
-from rtkit.profile.read import explain_rtc, explain_rts, read_rts
+from rtkit.profile.read import explain, read_rts
 from rtkit.profile.write import write_profile
 
 CHECKOUT = os.path.abspath(os.path.join(os.path.dirname(__file__), "..", "..", ".."))
@@ -23,12 +23,12 @@ PLAIN = (
 
 
 def test_nothing_to_explain() -> None:
-    assert explain_rts(PLAIN) == ()
+    assert explain(PLAIN) == ()
 
 
 def test_faults_are_explained_with_line_and_path() -> None:
     data = PLAIN.replace(b"/>", b">\n<r:Components r:id='a'/></r:RtsProfile>")
-    told = [(note.line, note.text) for note in explain_rts(data)]
+    told = [(note.line, note.text) for note in explain(data, kind="rts")]
     assert (2, "rts:Components has no rts:instanceName") in told
     assert (
         2,
@@ -38,7 +38,7 @@ def test_faults_are_explained_with_line_and_path() -> None:
 
 def test_what_only_the_schema_knows(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(rts_spec.RTS_PROFILE, "required_count", 0)
-    (note,) = explain_rts(PLAIN.replace(b' r:id="i"', b""))
+    (note,) = explain(PLAIN.replace(b' r:id="i"', b""))
     assert (note.path, note.text) == ("/rts:RtsProfile", "missing required attribute 'rts:id'")
 
 
@@ -75,7 +75,7 @@ def test_an_examination_keeps_apart_what_it_found() -> None:
 
 
 def test_what_is_no_profile_is_told_too() -> None:
-    (note,) = explain_rtc(PLAIN)
+    (note,) = explain(PLAIN, kind="rtc")
     assert note.text.startswith("root is rts:RtsProfile; it must be RtcProfile")
 
 

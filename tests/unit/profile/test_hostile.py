@@ -14,7 +14,7 @@ import pytest
 from rtkit.errors import InvalidDocument
 from rtkit.profile.findings import InvalidProfile
 from rtkit.profile.parse import MAX_BYTES, MAX_DEPTH
-from rtkit.profile.read import explain_rts, read_rtc, read_rts
+from rtkit.profile.read import explain, read_rtc, read_rts
 
 RTS = "http://www.openrtp.org/namespaces/rts"
 ROOT = (
@@ -90,7 +90,7 @@ def test_schema_hints_of_the_document_open_nothing(trap: Path) -> None:
     hint = f'xsi:schemaLocation="{RTS} {trap} urn:x {trap}" xsi:noNamespaceSchemaLocation="{trap}"'
     data = f'{ROOT} xmlns:xsi="{xsi}" {hint}><f:x xmlns:f="urn:x" {hint}/></r:RtsProfile>'
     reading = read_rts(data.encode())
-    assert explain_rts(data.encode()) == ()
+    assert explain(data.encode(), kind="rts") == ()
     assert reading.profile.foreign.elements[0].attributes == ()
 
 
