@@ -13,7 +13,7 @@ from contextlib import suppress
 from threading import Condition, Lock
 from typing import Generic, Protocol, TypeAlias, TypeVar
 
-from rtkit.component.options import BufferOptions, EmptyPolicy, FullPolicy, PortStatus
+from rtkit.component.options import BufferOptions, EmptyPolicy, FullPolicy, PortStatus, PushPolicy
 from rtkit.component.waiting import wait_for, waiting
 
 T = TypeVar("T")
@@ -251,3 +251,24 @@ def make_ring(options: BufferOptions) -> AnyRing[T]:
     if options.empty_policy is EmptyPolicy.BLOCK:
         return AwaitedRing(options)
     return Ring(options.length)
+
+
+def select(policy: PushPolicy, buffer: Buffer[T], skip_count: int = 0) -> list[T]:
+    """Take from `buffer` the values to send now, in order.
+
+    ``new`` takes all and sends the newest, ``all`` sends everything, ``fifo`` the oldest one,
+    ``skip`` the last of each complete group of `skip_count` + 1; an incomplete one stays queued.
+    """
+    queued = len(buffer)
+    if policy is PushPolicy.FIFO:
+        return _take(buffer, min(queued, 1))
+    if policy is PushPolicy.SKIP:
+        group = skip_count + 1
+        return _take(buffer, queued - queued % group)[skip_count::group]
+    values = _take(buffer, queued)
+    return values[-1:] if policy is PushPolicy.NEW else values
+
+
+def _take(buffer: Buffer[T], count: int) -> list[T]:
+    taken = (buffer.take() for _ in range(count))
+    return [value for value in taken if value is not None]

@@ -6,20 +6,22 @@ the code that finds, loads and configures them is a third of what a container im
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Mapping
 from functools import partial
 from typing import Any
 
 from rtkit.component.base import Component
 from rtkit.component.standin import stand_in
 from rtkit.container.process_settings import complete, configure
-from rtkit.container.remarks import odd_options
 from rtkit.deployment.message import Message
 from rtkit.errors import NotFound, Refused
 from rtkit.modules.loader import Loader, UntriedModule
 from rtkit.rtc.create import CreateString
+from rtkit.rtc.nearest import did_you_mean
 from rtkit.rtc.pattern import ComponentPattern
 from rtkit.rtc.profiles import ModuleProfile
 from rtkit.rtc.serde import decode, encode
+from rtkit.settings.options import CONF, unknown_options
 
 
 class ComponentFactory:
@@ -94,3 +96,25 @@ class ComponentFactory:
             return self._loader.make(create, partial(complete, message))
         except UntriedModule as untried:
             return {"untried": untried.path, "init": untried.init}
+
+
+def odd_options(component: Component, options: Mapping[str, str]) -> list[str]:
+    """Return findings about options that resemble known ones, a line each.
+
+    Others are properties of the component, which may ask for them.
+    """
+    return [*_parameters(component, options), *unknown_options(options)]
+
+
+def _parameters(component: Component, options: Mapping[str, str]) -> Iterator[str]:
+    """Yield options for parameters that the component does not have."""
+    if component.is_stand_in or component.composite_type:
+        return
+    known = component.configuration.values
+    for key in options:
+        if not key.startswith(CONF):
+            continue
+        set_id, _, name = key.removeprefix(CONF).partition(".")
+        if set_id and name and name not in known and not set_id.startswith("_"):
+            hint = did_you_mean(name, known, 1)
+            yield f"{component.instance} has no parameter {name}{hint}: {key}"

@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Any, Protocol
 
-from rtkit.component.buffer import Sink, Source, make_ring
+from rtkit.component.buffer import Sink, Source, make_ring, select
 from rtkit.component.carried import passage
 from rtkit.component.codec import codec_for, encoder_for
 from rtkit.component.options import (
@@ -24,7 +24,6 @@ from rtkit.component.options import (
 )
 from rtkit.component.period import Period
 from rtkit.component.port import InPort, OutPort
-from rtkit.component.publisher import select
 from rtkit.component.waiting import waiting
 from rtkit.errors import Malformed
 from rtkit.link import keys

@@ -18,12 +18,10 @@ from rtkit.container.component_factory import ComponentFactory
 from rtkit.container.container import ComponentContainer
 from rtkit.container.heartbeats import Heartbeats, heartbeats_path
 from rtkit.container.manager_connection import ManagerConnection
-from rtkit.container.orphans import MARK, Adopted, end_children
+from rtkit.container.orphans import MARK, Adopted, become_subreaper, end_children
 from rtkit.container.port_wiring import PortWiring
 from rtkit.container.slave_checkpoint import CheckpointWriter, checkpoint_path
 from rtkit.container.stacks import ASK, STACK_SIGNAL, open_stacks, write_stacks
-from rtkit.container.subreaper import become_subreaper
-from rtkit.container.termination import Term
 from rtkit.deployment.message import Message
 from rtkit.link.streams import Streams
 from rtkit.logs.logs import Log, hand_over
@@ -109,6 +107,28 @@ class Slave:
             fault.point("slave.told_to_end")
             self._container.close()
             signal.alarm(LAST_S)  # ends the process, also one in which a component hangs
+
+
+class Term:
+    """Descriptor that turns readable at TERM, whichever thread the kernel delivers that to.
+
+    A handler alone would run only when the main thread next leaves a wait of its own.
+    """
+
+    def __init__(self) -> None:
+        self._read, write = os.pipe()
+        for descriptor in (self._read, write):
+            os.set_blocking(descriptor, False)
+        signal.signal(signal.SIGTERM, lambda *_: None)
+        signal.set_wakeup_fd(write, warn_on_full_buffer=False)
+
+    def fileno(self) -> int:
+        """Return the descriptor that turns readable at any signal."""
+        return self._read
+
+    def has_come(self) -> bool:
+        """Return whether a TERM was among the signals."""
+        return signal.SIGTERM in os.read(self._read, 4096)
 
 
 def _name_process(name: str) -> None:

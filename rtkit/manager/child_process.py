@@ -1,8 +1,15 @@
-"""Child processes of a manager: how one ended, and the back-off of its restarts."""
+"""Child processes of a manager: what they inherit, how one ended, the back-off of its restarts."""
 
 from __future__ import annotations
 
 import os
+from collections.abc import Mapping
+from contextlib import suppress
+
+MARK = "RTKIT_MANAGER_PROCESS"
+"""Environment variable of what components in a manager's own process start: whose it is."""
+
+_FIRST = 3  # those before are input, output and error
 
 STOPS = (os.CLD_STOPPED, os.CLD_TRAPPED)
 ENDS = (os.CLD_EXITED, os.CLD_KILLED, os.CLD_DUMPED)
@@ -12,6 +19,25 @@ _FIRST_S = 0.1
 _MOST_S = 10.0
 _HEALTH_S = 30.0
 """Who has run for so long, or has done its work, ended by accident [s]."""
+
+
+def unmarked(environment: Mapping[str, str]) -> dict[str, str]:
+    """Return an environment without the mark, for what is to outlive the manager."""
+    return {key: value for key, value in environment.items() if key != MARK}
+
+
+def withhold() -> None:
+    """Have programs that are started from here inherit nothing that this one was given.
+
+    What this process opened itself is not inherited anyway; but a script may have handed it the
+    lock it holds, or a pipe whose end somebody waits for, and what outlives the script would keep
+    them.
+    """
+    for name in os.listdir("/proc/self/fd"):
+        descriptor = int(name)
+        if descriptor >= _FIRST:
+            with suppress(OSError):  # the one by which the folder was read
+                os.set_inheritable(descriptor, False)
 
 
 class Backoff:

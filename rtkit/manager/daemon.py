@@ -16,8 +16,8 @@ from functools import partial
 from typing import TYPE_CHECKING
 
 from rtkit import fault
+from rtkit.container.orphans import become_subreaper
 from rtkit.container.slave_checkpoint import SlaveCheckpoint
-from rtkit.container.subreaper import become_subreaper
 from rtkit.deployment.message import Message
 from rtkit.errors import RtkitError
 from rtkit.link import keys, places

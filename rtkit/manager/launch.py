@@ -10,9 +10,9 @@ import time
 from typing import NamedTuple
 
 from rtkit import fault
-from rtkit.container.inherited import unmarked, withhold
 from rtkit.errors import Partial, Refused, Unreachable
 from rtkit.link import places
+from rtkit.manager.child_process import unmarked, withhold
 from rtkit.manager.report import ERROR, FAILURE, READY, READY_VARIABLE, WARNING
 from rtkit.settings.configuration import CommandLineSettings
 

@@ -5,10 +5,9 @@ from __future__ import annotations
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rtkit.component.buffer import make_ring
+from rtkit.component.buffer import make_ring, select
 from rtkit.component.options import BufferOptions, EmptyPolicy, FullPolicy, PortStatus, PushPolicy
 from rtkit.component.port import InPort, OutPort
-from rtkit.component.publisher import select
 from rtkit.component.types import TimedLong
 from rtkit.rtc.profiles import ConnectorProfile
 

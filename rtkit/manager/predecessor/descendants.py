@@ -13,7 +13,6 @@ import os
 from collections.abc import Collection, Iterator
 from contextlib import suppress
 
-from rtkit.container.inherited import MARK
 from rtkit.container.orphans import (
     began_at,
     end_family,
@@ -23,6 +22,7 @@ from rtkit.container.orphans import (
 )
 from rtkit.link import places, running
 from rtkit.link.deadline import boot_id
+from rtkit.manager.child_process import MARK
 
 _log = logging.getLogger(__name__)
 KIND = "family"

@@ -14,10 +14,9 @@ from collections.abc import Mapping
 from typing import Any
 
 from rtkit.container.control_channel import ControlChannel
-from rtkit.container.inherited import unmarked, withhold
 from rtkit.deployment.message import Message
 from rtkit.errors import Malformed
-from rtkit.manager.child_process import Backoff, exit_reason
+from rtkit.manager.child_process import Backoff, exit_reason, unmarked, withhold
 
 _log = logging.getLogger(__name__)
 _ONE_THREAD = dict.fromkeys(("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"), "1")

@@ -25,9 +25,8 @@ from typing import Any, NoReturn
 
 from rtkit import fault
 from rtkit.container.control_channel import ControlChannel
-from rtkit.container.orphans import end_orphans
+from rtkit.container.orphans import become_subreaper, end_orphans
 from rtkit.container.slave import Slave
-from rtkit.container.subreaper import become_subreaper
 from rtkit.deployment.message import Message
 from rtkit.logs.logs import Log, share_log
 from rtkit.manager.child_process import ENDS, STOPS, exit_reason

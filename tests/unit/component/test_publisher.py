@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from rtkit.component.buffer import Ring
+from rtkit.component.buffer import Ring, select
 from rtkit.component.options import PushPolicy
-from rtkit.component.publisher import select
 
 
 def ring(count):

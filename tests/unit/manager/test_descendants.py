@@ -10,9 +10,9 @@ from pathlib import Path
 
 import pytest
 
-from rtkit.container.inherited import MARK, unmarked
 from rtkit.container.orphans import began_at
 from rtkit.link.deadline import boot_id
+from rtkit.manager.child_process import MARK, unmarked
 from rtkit.manager.predecessor.descendants import Descendants, end_descendants
 
 DEAD = 999_999_999

@@ -6,7 +6,7 @@ import os
 
 import pytest
 
-from rtkit.container.layers import layered
+from rtkit.container.process_settings import layered
 from rtkit.errors import Malformed, NotFound, Refused
 from rtkit.rtc.create import parse_create
 from rtkit.rtc.profiles import TypeProfile

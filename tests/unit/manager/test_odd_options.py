@@ -7,7 +7,7 @@ import pytest
 from rtkit.component import Component, Parameter
 from rtkit.component.composite import TYPES
 from rtkit.component.standin import stand_in
-from rtkit.container.remarks import odd_options
+from rtkit.container.component_factory import odd_options
 from rtkit.rtc.pattern import ComponentPattern
 from rtkit.rtc.profiles import TypeProfile
 

@@ -14,13 +14,13 @@ from rtkit.container import orphans
 from rtkit.container.orphans import (
     MARK,
     Adopted,
+    become_subreaper,
     end_family,
     end_orphans,
     end_sessions,
     family,
     reap_orphans,
 )
-from rtkit.container.subreaper import become_subreaper
 
 SLAVE = """
 import os, subprocess, sys
