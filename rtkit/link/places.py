@@ -137,6 +137,11 @@ def former_store_file(path: str) -> str:
     return f"{path.removesuffix('.desired')}.wishes"
 
 
+def dump_file(manager: str) -> str:
+    """Return the path of the dumps of a manager's own faults, ``%d`` for their number."""
+    return f"{state_dir()}/{_of_process(manager, '')}".replace("%", "%%") + ".fault-%d.dump"
+
+
 def _of_process(manager: str, slave: str) -> str:
     name = (f"{manager}.{slave}" if slave else manager).encode("utf-8", "surrogateescape")
     if len(name) > _MAX_FILE_NAME:

@@ -10,10 +10,10 @@ import selectors
 import signal
 import socket
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, NamedTuple
 
 from rtkit import fault
 from rtkit.container.container import ComponentContainer
@@ -29,8 +29,10 @@ from rtkit.link.segments import remove_orphans
 from rtkit.logs.outputs import cut
 from rtkit.manager.core import events as ev
 from rtkit.manager.core.core import Core
-from rtkit.manager.core.requests import PendingRequests
+from rtkit.manager.core.event_ring import CORE, EventRing
+from rtkit.manager.core.requests import NOBODY, PendingRequests
 from rtkit.manager.core.state import Process
+from rtkit.manager.fault_guard import FaultGuard, header, text_of
 from rtkit.manager.following.following import Following
 from rtkit.manager.limits.usage import usage
 from rtkit.manager.predecessor.descendants import Descendants
@@ -45,7 +47,7 @@ from rtkit.manager.slaves.watchdog import (
     remove_traces,
 )
 from rtkit.manager.store.writer import StoreWriter
-from rtkit.property.exchange import Request, failure
+from rtkit.property.exchange import Reply, Request, failure
 
 if TYPE_CHECKING:
     from rtkit.manager.limits.limiter import Limiter
@@ -58,6 +60,31 @@ _WAKES = 4096
 
 _LONG_S = 3600.0
 """The longest sleep; a selector takes no arbitrarily long one [s]."""
+_BREATH_S = 0.01
+"""How long the loop rests when all that is ready failed just before [s]."""
+_AFTER_FAULT_S = 1.0
+"""How long after a fault of the core it goes on with what it has left [s]."""
+
+
+class _Duty(NamedTuple):
+    """Work that is done when its time has come, or that looks itself in each turn of the loop."""
+
+    name: str
+    due_at: Callable[[], float | None]
+    work: Callable[[], object]
+    is_each_turn: bool = False
+
+    def is_due(self, now: float) -> bool:
+        """Return whether it is to be done at monotonic time `now` [s]."""
+        moment = self.due_at()
+        return self.is_each_turn or (moment is not None and now >= moment)
+
+
+class _Failed(NamedTuple):
+    """A fault on another thread."""
+
+    work: str
+    error: BaseException
 
 
 class Loop:
@@ -79,16 +106,20 @@ class Loop:
         keeper: StoreWriter,
     ) -> None:
         self._core = core
+        self._ring = EventRing(core)
+        self._guard = FaultGuard(core.state, self._ring)
         self._keeper = keeper
+        keeper.failed = self.note_fault
         keeper.heard = lambda *told: self.post(ev.RowsStored(*told))
         self.requests = PendingRequests()
         self.query_server = ManagerQueryServer(core.state, self.requests)
-        self.following = Following(self.post, core.state, self.requests)
+        self.following = Following(self.post, core.state, self.requests, self.note_fault)
         self.query_server.follow = self.following.ask
+        self.query_server.dump = self._dump
         self.has_failed = False
         self._container = container
         self._slave_supervisor = slave_supervisor
-        self._inbox: queue.SimpleQueue[ev.Event | Request] = queue.SimpleQueue()
+        self._inbox: queue.SimpleQueue[ev.Event | Request | _Failed] = queue.SimpleQueue()
         self._wake_at: float | None = None
         self._watchdog = Watchdog(
             slave_supervisor.data_pattern, self._deadline_s, self._shortest_s, self._ask_for_stack
@@ -107,18 +138,23 @@ class Loop:
             os.set_blocking(descriptor, False)
         self._selector.register(self._wake_read, selectors.EVENT_READ, lambda _mask: self._drain())
         self._lines = SlaveConnections(self._selector, listener, slave_supervisor, self._handle)
+        self._duties = self._all_duties()
 
     @property
     def wake_descriptor(self) -> int:
         """Return the descriptor at which a byte wakes the loop, for `signal.set_wakeup_fd`."""
         return self._wake_write
 
-    def post(self, item: ev.Event | Request) -> None:
+    def post(self, item: ev.Event | Request | _Failed) -> None:
         """Hand in an event or a request, from any thread."""
         self._inbox.put(item)
         if not self._is_closed:
             with suppress(BlockingIOError):  # it is awake already
                 os.write(self._wake_write, b"x")
+
+    def note_fault(self, work: str, error: BaseException) -> None:
+        """Take note of a fault on another thread, from there."""
+        self.post(_Failed(work, error))
 
     def recall(self, remembered: ev.StoreRead) -> None:
         """Pass the store of an earlier manager to the core, before anything else."""
@@ -135,23 +171,36 @@ class Loop:
             self._announce[line] = link.announce(keys.line_key(service, line), listened)
 
     def run(self) -> None:
-        """Work until the core reports that all is done."""
+        """Work until the core reports that all is done; no fault in a duty ends that."""
         while not self._is_finished:
-            for key, mask in self._selector.select(self._wait_s()):
-                _guarded(key.data, mask)
-            self._take_inbox()
-            self._lines.check_settled()
-            if self._wake_at is not None and time.monotonic() >= self._wake_at:
-                self._wake_at = None
-                self._handle(ev.TimerExpired())
-            self._lines.check_zygote()
-            self._look()
-            self._tidy()
-            if (
-                self._slave_supervisor.sweep_at is not None
-                and time.monotonic() >= self._slave_supervisor.sweep_at
-            ):
-                self._slave_supervisor.sweep()
+            for key, mask in self._guard.run("waiting", self._select) or ():
+                self._react(key, mask)
+            self._guard.run("inbox", self._take_inbox)
+            for duty in self._duties:
+                self._guard.run(duty.name, self._do, duty)
+
+    def _do(self, duty: _Duty) -> None:
+        if not self._guard.is_paused(duty.name) and duty.is_due(time.monotonic()):
+            fault.point(f"duty.{duty.name}")
+            duty.work()
+
+    def _select(self) -> list[tuple[selectors.SelectorKey, int]]:
+        if self._guard.is_paused("waiting"):
+            time.sleep(_BREATH_S)
+        fault.point("duty.waiting")
+        return self._selector.select(self._wait_s())
+
+    def _react(self, key: selectors.SelectorKey, mask: int) -> None:
+        """Do what is due at a descriptor; one at which that failed is left alone for a while."""
+        work = f"socket {key.fd}"
+        if self._guard.is_paused(work):
+            time.sleep(_BREATH_S)  # the selector returns at once as long as it is ready
+        else:
+            self._guard.run(work, self._exchange, key.data, mask)
+
+    def _exchange(self, react: Callable[[int], object], mask: int) -> None:
+        fault.point("duty.socket")
+        react(mask)
 
     def close(self) -> None:
         """Let go of all descriptors; what is posted from now on is not received."""
@@ -164,30 +213,52 @@ class Loop:
         for descriptor in (self._wake_read, self._wake_write, self._stacks):
             os.close(descriptor)
 
-    def _wait_s(self) -> float | None:
-        look_at = self._watchdog.look_at if self._has_callbacks else None
-        tidy_at = self._tidy_at if self._core.state.components else None
-        slave_supervisor = (self._slave_supervisor.sweep_at, self._slave_supervisor.start_at)
-        limits_at = self._limiter.look_at if self._limiter is not None else None
-        deadlines = (
-            self._wake_at,
-            self._lines.deadline,
-            look_at,
-            tidy_at,
-            limits_at,
-            *slave_supervisor,
+    def _all_duties(self) -> tuple[_Duty, ...]:
+        """Return what is to be done at certain times; a new duty belongs here, and is guarded."""
+        supervisor, lines = self._slave_supervisor, self._lines
+        return (
+            _Duty("settling", lambda: lines.deadline, lines.check_settled, is_each_turn=True),
+            _Duty("timer", lambda: self._wake_at, self._tick),
+            _Duty("zygote", lambda: supervisor.start_at, lines.restart_zygote),
+            _Duty("callbacks", self._look_at, self._look),
+            _Duty("limits", self._next_look_at_limits, self._look_at_limits),
+            _Duty("tidying", self._next_tidying, self._tidy),
+            _Duty("sweeping", lambda: supervisor.sweep_at, supervisor.sweep),
         )
+
+    def _wait_s(self) -> float | None:
+        able = [duty for duty in self._duties if not self._guard.is_paused(duty.name)]
+        deadlines = (self._guard.retry_at, *(duty.due_at() for duty in able))
         moments = [moment for moment in deadlines if moment is not None]
         return min(max(0.0, min(moments) - time.monotonic()), _LONG_S) if moments else None
 
+    def _wake(self, moment: float) -> None:
+        if self._wake_at is None or moment < self._wake_at:
+            self._wake_at = moment
+
+    def _tick(self) -> None:
+        self._wake_at = None
+        self._handle(ev.TimerExpired())
+
+    def _look_at(self) -> float | None:
+        return self._watchdog.look_at if self._has_callbacks else None
+
     def _look(self) -> None:
-        """See whether a callback is stuck, or a limit reached, when it is time."""
-        if self._has_callbacks and time.monotonic() >= self._watchdog.look_at:
-            for event in list(self._watchdog.poll()):
-                self._handle(event)
-        if self._limiter is not None and time.monotonic() >= self._limiter.look_at:
-            for reached in self._limiter.look():
-                self._handle(reached)
+        """See whether a callback is stuck."""
+        for event in list(self._watchdog.poll()):
+            self._handle(event)
+
+    def _next_look_at_limits(self) -> float | None:
+        return self._limiter.look_at if self._limiter is not None else None
+
+    def _look_at_limits(self) -> None:
+        """See whether a slave has reached a limit."""
+        assert self._limiter is not None
+        for reached in self._limiter.look():
+            self._handle(reached)
+
+    def _next_tidying(self) -> float | None:
+        return self._tidy_at if self._core.state.components else None
 
     def _limit(self, instruction: ev.LimitSlave) -> None:
         if self._limiter is None:
@@ -232,18 +303,26 @@ class Loop:
                 self._handle(event)
 
     def _take_inbox(self) -> None:
+        fault.point("duty.inbox")
         while True:
             try:
                 item = self._inbox.get_nowait()
             except queue.Empty:
                 return
             if isinstance(item, Request):
-                _guarded(self._serve, item)
+                self._guard.run("request", self._serve, item)
+            elif isinstance(item, _Failed):
+                self._guard.note(item.work, item.error)
             else:
-                _guarded(self._handle, item)
+                self._guard.run("event", self._handle, item)
+
+    def _dump(self) -> Callable[[], str]:
+        recording = self._ring.capture()
+        return lambda: text_of(header(self._core.state, "rtmgr dump"), recording)
 
     def _serve(self, request: Request) -> None:
         try:
+            fault.point("duty.request")
             event = self.query_server.take(request)
         except RtkitError as error:
             request.answer(failure(error))
@@ -259,14 +338,36 @@ class Loop:
             event = self._with_exit_diagnostics(event)
         elif isinstance(event, ev.SlaveExitedUnseen):
             _log.warning("slave %s ended while no manager ran: %s", event.name, event.reason)
+        for instruction in self._decide(event):
+            try:
+                self._carry_out(instruction)
+            except Exception as error:
+                self._guard.note("instruction", error)
+                if isinstance(instruction, ev.StoreRows):  # replies wait for its outcome
+                    why = f"a fault of the manager: {error}"
+                    self.post(ev.RowsStored(instruction.number, why))
+        self._guard.run("aftermath", self._follow_up, event)
+
+    def _decide(self, event: ev.Event) -> Sequence[ev.Instruction]:
+        """Have the core take an event; return what is to be done."""
+        now = time.monotonic()
+        self._ring.record(event, now)
         try:
-            instructions = self._core.handle(event, time.monotonic())
+            return self._core.handle(event, now)
         except RtkitError as error:
             _log.warning("%s", error)
-            return
-        self.query_server.forget_views()
-        for instruction in instructions:
-            _guarded(self._carry_out, instruction)
+        except Exception as error:
+            self._guard.note(CORE, error)
+            why = f"fault of the manager ({error!r}); whether it is done is not known"
+            self.requests.answer(getattr(event, "request", NOBODY), Reply(why, RtkitError.kind))
+            self._wake(now + _AFTER_FAULT_S)  # what it has left undone goes on then
+        finally:
+            self.query_server.forget_views()
+        return ()
+
+    def _follow_up(self, event: ev.Event) -> None:
+        """Do what an event means to the shell itself."""
+        fault.point("duty.aftermath")
         match event:
             case ev.ContainerReported(key, message) if "metrics" not in message:
                 self._watchdog.hasten(key)
@@ -314,16 +415,14 @@ class Loop:
         log_crash(self._core.state.name, process.name, process.pid, words, instance)
 
     def _tidy(self) -> None:
-        """See who is stopped, and keep short what is written past logs, when it is time."""
-        state, now = self._core.state, time.monotonic()
-        if state.components and now >= self._tidy_at:
-            self._tidy_at = now + TIDY_S
-            for event in list(self._slave_supervisor.halts()):
-                self._handle(event)
-            self._note_descendants()
-            for process in state.processes.values():
-                if process.is_guest:
-                    continue
+        """See who is stopped, and keep short what is written past logs."""
+        state = self._core.state
+        self._tidy_at = time.monotonic() + TIDY_S
+        for event in list(self._slave_supervisor.halts()):
+            self._handle(event)
+        self._note_descendants()
+        for process in state.processes.values():
+            if not process.is_guest:
                 cut(places.output_file(state.name, process.name if process.is_slave else ""))
 
     def _note_descendants(self) -> None:
@@ -349,6 +448,7 @@ class Loop:
             self._announce[line](json.dumps(whole, separators=(",", ":")))
 
     def _carry_out(self, instruction: ev.Instruction) -> None:
+        fault.point("duty.instruction")
         match instruction:
             case ev.SendToContainer(key, message):
                 fault.point("manager.sending")
@@ -384,15 +484,6 @@ class Loop:
             case ev.Publish(line, message):
                 self._publish(line, message)
             case ev.WakeAt(moment):
-                if self._wake_at is None or moment < self._wake_at:
-                    self._wake_at = moment
+                self._wake(moment)
             case ev.ExitDaemon():
                 self._is_finished = True
-
-
-def _guarded(work: Callable[[Any], object], argument: Any) -> None:
-    """Do one piece of work; a fault in it is logged, and ends neither the loop nor the rest."""
-    try:
-        work(argument)
-    except Exception:
-        _log.exception("fault in %s", getattr(work, "__qualname__", work))

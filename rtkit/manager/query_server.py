@@ -52,12 +52,14 @@ class ManagerQueryServer:
         restart: Set when the manager is to start again after its end.
         lease: Who carries a plan out.
         follow: Receives requests to follow a system, or not to.
+        dump: Captures the last events, and returns what makes the text of them, on any thread.
     """
 
     def __init__(self, state: ManagerState, requests: PendingRequests) -> None:
         self.restart: RestartRequest | None = None
         self.lease = Lease(ProcessWatch)
         self.follow: Callable[[Request], object] = lambda _request: None
+        self.dump: Callable[[], Callable[[], str]] = lambda: lambda: ""
         self._state = state
         self._requests = requests
         self._views: dict[str, str] = {}
@@ -81,6 +83,9 @@ class ManagerQueryServer:
             return None
         if request.is_extension and request.name == "lacking" and request.payload is not None:
             self._find(request)
+            return None
+        if request.is_extension and request.name == "dump":
+            _aside(request, self.dump())
             return None
         if request.is_extension:
             request.answer(Reply(self._view(request.name)))

@@ -11,7 +11,7 @@ from collections.abc import Callable, Mapping
 from enum import Enum
 from inspect import get_annotations
 from types import ModuleType, UnionType
-from typing import Any, TypeVar, Union, cast, get_args, get_origin
+from typing import Any, ForwardRef, TypeVar, Union, cast, get_args, get_origin
 
 from rtkit.errors import Malformed
 from rtkit.fast_dataclass import MISSING, fields, is_record
@@ -92,19 +92,21 @@ def _record_encoder(cls: Any) -> Coder:
                 # Made at first use: a type that is never sent need not even be imported.
                 coder = coders.get(name)
                 if coder is None:
-                    coder = coders[name] = _encoder(_hint(cls, name))
+                    coder = coders[name] = _encoder(hint_of(cls, name))
                 plain[name] = coder(item)
         return plain
 
     return encode_record
 
 
-def _hint(cls: type, name: str) -> Any:
+def hint_of(cls: type, name: str) -> Any:
     """Return the type of a field."""
     for owner in cls.__mro__:
         annotation = get_annotations(owner).get(name)
         if annotation is not None:
             break
+    if isinstance(annotation, ForwardRef):  # as a NamedTuple keeps them
+        annotation = annotation.__forward_arg__
     if not isinstance(annotation, str):
         return annotation
     return eval(annotation, {}, _Names(sys.modules[owner.__module__]))
@@ -191,7 +193,7 @@ def _scalar_decoder(hint: type) -> Coder:
 
 
 def _record_decoder(cls: Any) -> Coder:
-    coders = {field.name: _decoder(_hint(cls, field.name)) for field in fields(cls)}
+    coders = {field.name: _decoder(hint_of(cls, field.name)) for field in fields(cls)}
 
     def decode_record(data: Any) -> Any:
         if not isinstance(data, Mapping):

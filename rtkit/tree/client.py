@@ -145,6 +145,14 @@ class Tree(ByPath, Closing):
         except (TypeError, ValueError) as error:
             raise Malformed(f"the manager's snapshot cannot be read: {error}") from error
 
+    def dump(self) -> str:
+        """Return the last events of the manager, as the text of a dump.
+
+        Raises:
+            Unreachable: The manager does not answer in time.
+        """
+        return self._ask(keys.extension_key(self._service, "dump"))
+
     def lacking(self, makings: Sequence[tuple[str, str]]) -> list[str]:
         """Return for each pair of a module and a create string why nothing can be made of it.
 

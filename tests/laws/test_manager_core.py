@@ -1,15 +1,22 @@
 """Laws of the manager's core: whatever clients, slaves and the kernel do, in whatever order.
 
 A machine plays the shell: clients ask, holders answer well, badly, late, twice or wrongly, slaves
-die and stop at any moment, and the clock jumps.
+die and stop at any moment, and the clock jumps. Any stream, replayed from a dump, ends in an equal
+state; it is replayed in another process, whose hashes of texts are others.
 """
 
 from __future__ import annotations
 
 import itertools
 import math
+import os
+import subprocess
+import sys
 from contextlib import suppress
+from itertools import count, cycle
+from pathlib import Path
 
+import pytest
 from fake_shell import OWN, FakeShell, facts, module_of, wire
 from hypothesis import settings
 from hypothesis import strategies as st
@@ -19,12 +26,14 @@ from hypothesis.stateful import (
     invariant,
     precondition,
     rule,
+    run_state_machine_as_test,
 )
 
 from rtkit.deployment import actions as act
 from rtkit.deployment.limits import NO_LIMITS, limits_in
 from rtkit.errors import Malformed, NotFound, Refused
 from rtkit.manager.core import events as ev
+from rtkit.manager.core.dump import Dump, to_lines
 from rtkit.manager.core.stopping import FINALISE_S, TERM_S
 from rtkit.rtc.create import parse_create
 from rtkit.rtc.enums import Transition
@@ -84,7 +93,7 @@ WRONG = (
 class CoreMachine(RuleBasedStateMachine):
     def __init__(self):
         super().__init__()
-        self.shell = FakeShell()
+        self.shell = FakeShell(ring_size=self.ring_size())
         self.asked = []
         self.old_calls = []
         self.held = {OWN: set()}
@@ -101,6 +110,9 @@ class CoreMachine(RuleBasedStateMachine):
             if place:
                 self.shell.ask(act.SetPolicy(instance, {"rtkit.limit.memory": "1G"}))
         self.asked.append(self.shell.ask(*map(act.Connect, wires), ordered=False))
+
+    def ring_size(self):
+        return 0
 
     # clients
 
@@ -367,3 +379,56 @@ class CoreMachine(RuleBasedStateMachine):
 
 CoreMachine.TestCase.settings = settings(max_examples=200, stateful_step_count=60, deadline=None)
 TestCore = CoreMachine.TestCase
+
+STREAMS = 1000
+STEPS = 15
+HEADER = {"manager": "manager", "rtkit": "1"}
+REPLAY = """
+import sys
+from pathlib import Path
+from rtkit.manager.core.dump import from_lines
+from rtkit.manager.core.replay import Replay
+
+for path in Path(sys.argv[1]).iterdir():
+    with path.open() as file:
+        replay = Replay(from_lines(file).recording)
+    steps = list(replay.steps())
+    assert steps
+    assert not replay.differences, (path, replay.differences)
+    print(len(steps))
+"""
+
+
+def machine(folder: Path) -> type[CoreMachine]:
+    """Return a machine that writes a dump of each of its streams."""
+    sizes, numbers = cycle((10, 60, 4096)), count()
+
+    class RecordedMachine(CoreMachine):
+        def ring_size(self) -> int:
+            return next(sizes)
+
+        def teardown(self) -> None:
+            super().teardown()
+            recording = self.shell.ring.capture()
+            if recording.start is not None:  # it was at rest, as it is at the end at the latest
+                lines = to_lines(Dump(HEADER, recording))
+                (folder / f"{next(numbers)}.dump").write_text("\n".join(lines))
+
+    return RecordedMachine
+
+
+@pytest.mark.timeout(600)
+def test_a_thousand_streams_end_in_equal_states_when_replayed(tmp_path: Path) -> None:
+    recorded = settings(max_examples=STREAMS, stateful_step_count=STEPS, deadline=None)
+    run_state_machine_as_test(machine(tmp_path), settings=recorded)
+    found = len(list(tmp_path.iterdir()))
+
+    assert found >= STREAMS
+    environment = {**os.environ, "PYTHONHASHSEED": "7"}
+    done = subprocess.run(
+        [sys.executable, "-c", REPLAY, tmp_path], env=environment, capture_output=True, text=True
+    )
+    assert done.returncode == 0, done.stderr[-3000:]
+    steps = [int(line) for line in done.stdout.split()]
+    assert len(steps) == found
+    assert max(steps) > STEPS

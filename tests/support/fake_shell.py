@@ -17,6 +17,7 @@ from rtkit.deployment.limits import SlaveLimits
 from rtkit.errors import NotFound, RtkitError
 from rtkit.manager.core import events as ev
 from rtkit.manager.core.core import Core
+from rtkit.manager.core.event_ring import EventRing
 from rtkit.manager.core.import_check import TRIAL
 from rtkit.manager.core.requests import PendingRequests
 from rtkit.manager.core.state import ManagerState, Process
@@ -108,6 +109,7 @@ class FakeShell:
     """Carries instructions out by noting them.
 
     Attributes:
+        ring: Records its last events, where its size is given.
         requests: Who waits for answers.
         now: The time [s].
         calls: Messages that wait for an answer, in order.
@@ -123,10 +125,18 @@ class FakeShell:
         is_disk_lost: All that was stored is gone, which is reported once.
     """
 
-    def __init__(self, host: str = "host", manager: str = "manager", pid: int = 100) -> None:
+    def __init__(
+        self,
+        host: str = "host",
+        manager: str = "manager",
+        pid: int = 100,
+        *,
+        ring_size: int = 0,
+    ) -> None:
         state = ManagerState(host, manager, pid, "1", names=(f"localhost/{manager}.mgr",))
         state.processes[OWN] = Process(OWN, manager, pid, "up")
         self.core = Core(state)
+        self.ring = EventRing(self.core, ring_size) if ring_size else None
         self.requests = PendingRequests()
         self.now = 1000.0
         self.calls: list[FakeCall] = []
@@ -148,6 +158,8 @@ class FakeShell:
 
     def feed(self, event: ev.Event) -> list[ev.Instruction]:
         """Hand in one event, check the facts, and note what is to be done."""
+        if self.ring is not None:
+            self.ring.record(event, self.now)
         instructions = self.core.handle(event, self.now)
         self.state.validate()
         self.wake_at = None

@@ -223,7 +223,8 @@ def counted(site: Site, operation: Operation) -> tuple[State, State, Counter[str
     outcome = site.shell.run(operation.line)
     assert outcome.status == 0, f"{operation.line}: {outcome.err}{site.shell.log()}"
     after = site.state(operation)
-    passed = site.points.passed()
+    # Those of the manager's loop are passed at each turn, and tried by `test_duties.py`.
+    passed = Counter({p: n for p, n in site.points.passed().items() if not p.startswith("duty.")})
     site.points.disarm()
     return before, after, passed
 

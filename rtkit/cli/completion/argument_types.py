@@ -175,9 +175,11 @@ def _or_none(look: Callable[[], Found]) -> Found:
         return ()
 
 
-def _manager_names(asked: CursorMeaning, live: CompletionSource) -> Found:
+def _manager_names(asked: CursorMeaning, live: CompletionSource) -> Found | Files:
     from rtkit.link.running import managers
 
+    if asked.arguments[:1] == ("replay",):
+        return Files((".dump",))
     return those(managers(), asked.typed)
 
 

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from rtkit.cli.managers.steps import ManagerStep
     from rtkit.tree.view import TreeNode
 
-WORDS = ("start", "stop", "restart", "status", "run")
+WORDS = ("start", "stop", "restart", "status", "run", "dump", "replay")
 _ORDER = "rtkit.order"
 _FOR_START = "-f, -o, -p, -a, -i and --allow-faults"
 
@@ -79,10 +79,12 @@ _STEP_NAMES = tuple(each.name for each in _STEPS)
             "Load a module, make a component with it, tell where it is found.",
         ),
         ("rtmgr -d Left /localhost/manager.mgr", "Finalise a component and forget it."),
+        ("rtmgr dump", "Write down what the manager did last, in manager.dump."),
+        ("rtmgr replay manager.dump", "What it did at each event, done again here."),
         ("rtmgr stop", "End the manager with everything that it holds."),
     ),
-    json=("properties", "instance", "component-type", "manager-status"),
-    arguments=("manager|word", "manager-name"),
+    json=("properties", "instance", "component-type", "manager-status", "replay"),
+    arguments=("manager|word", "manager-name", "file"),
     values={
         "-c": "type",
         "-d": "instance",
@@ -109,7 +111,11 @@ _STEP_NAMES = tuple(each.name for each in _STEPS)
 @click.option("-i", "--lenient", is_flag=True, help="start: the file may be missing.")
 @click.option("--allow-faults", is_flag=True, help="start: root's manager heeds RTKIT_FAULT.")
 @strict_option("Take warnings, and notes on what is made, for errors; nothing of it stays.")
-@click.argument("words", nargs=-1, metavar="MANAGER | start|stop|restart|status|run [NAME]")
+@click.argument(
+    "words",
+    nargs=-1,
+    metavar="MANAGER | start|stop|restart|status|run [NAME] | dump [NAME [FILE]] | replay FILE",
+)
 def main(
     app: App,
     words: tuple[str, ...],
@@ -130,6 +136,12 @@ def main(
     RTC_MANAGER_CONFIG names, ./rtc.conf, or one in /etc; what -o says counts more. Everything
     else is asked of the manager at a path, or at a direct address as corbaloc::localhost:2810,
     in the order of the command line and in one batch, and ends at the first failure.
+
+    dump writes the last events of a manager, with the state that they began in, to a new FILE,
+    by default NAME.dump, which replay reads: it shows what the manager did at each, and that it
+    ends alike. At a fault of its own a manager leaves such a file beside its log. Only this user
+    can read it; it holds what components, properties and configurations hold, but for texts that
+    are named like a password, a secret or a token.
 
     A manager in the foreground ends in order at Ctrl-C, when its terminal is closed, and at
     Ctrl-\ after telling where each thread is; a second Ctrl-C ends it at once.
@@ -229,12 +241,24 @@ def _check_word(words: Sequence[str], has_steps: bool, is_configured: bool) -> N
         raise UsageProblem(f"{words[0]} takes no options that command a manager")
     if is_configured and words[0] not in ("start", "run"):
         raise UsageProblem(f"{_FOR_START} are not for {words[0]}")
-    check_at_most_one(words[1:], "name")
+    if words[0] == "replay":
+        if len(words) == 1:
+            raise UsageProblem("replay takes the file of a dump")
+        check_at_most_one(words[1:], "file")
+    elif words[0] == "dump":
+        check_at_most_one(words[2:], "file")
+    else:
+        check_at_most_one(words[1:], "name")
 
 
 def _word(
     app: App, words: Sequence[str], is_json: bool, wanted: tuple[str, tuple[str, ...], bool]
 ) -> int:
+    if words[0] == "replay":
+        from rtkit.cli.managers.dumps import replay
+
+        return replay(app, words[1], is_json)
     from rtkit.cli.managers.words import run_word
 
-    return run_word(app, words[0], words[1] if len(words) > 1 else "", is_json, wanted)
+    name, file = (*words[1:], "", "")[:2]
+    return run_word(app, words[0], name, is_json, wanted, file)

@@ -1,4 +1,4 @@
-"""Words of ``rtmgr``: start, stop, restart, status, run."""
+"""Words of ``rtmgr`` that take the name of a manager: start, stop, restart, status, run, dump."""
 
 from __future__ import annotations
 
@@ -18,11 +18,17 @@ if TYPE_CHECKING:
 
 
 def run_word(
-    app: App, word: str, name: str, is_json: bool, wanted: tuple[str, tuple[str, ...], bool]
+    app: App,
+    word: str,
+    name: str,
+    is_json: bool,
+    wanted: tuple[str, tuple[str, ...], bool],
+    file: str = "",
 ) -> int:
-    """Start, stop, run or report on the manager of that name; return the exit status.
+    """Start, stop, run, dump or report on the manager of that name; return the exit status.
 
-    `wanted` is its configuration file, properties over it, and whether the file may be missing.
+    `wanted` is its configuration file, properties over it, and whether the file may be missing;
+    `file` is where a dump goes.
     """
     typed = name.removesuffix(MANAGER_SUFFIX)
     if word in ("start", "run"):
@@ -38,6 +44,10 @@ def run_word(
         _restart(app, chosen)
     elif word == "stop":
         _stop(app, chosen)
+    elif word == "dump":
+        from rtkit.cli.managers.dumps import dump
+
+        dump(app, chosen, file)
     else:
         _tell_status(chosen, managers.status(chosen, app.timeout_s), is_json)
     return 0

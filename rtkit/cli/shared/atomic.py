@@ -18,11 +18,13 @@ _LONGEST = 180
 """Part of a name that its draft bears [bytes]: a name may have 255."""
 
 
-def write_output(data: bytes, output: str, *, is_new: bool = False) -> None:
+def write_output(
+    data: bytes, output: str, *, is_new: bool = False, mode: int | None = None
+) -> None:
     """Write to a file, or to stdout for ``-``.
 
     A file that was there is replaced in one step and keeps its mode; a link stays a link. If it
-    must be new, what is there is never touched.
+    must be new, what is there is never touched. A new file may be given a mode of its own.
 
     Raises:
         NotFound: It cannot be written; what was there before is unchanged.
@@ -38,7 +40,7 @@ def write_output(data: bytes, output: str, *, is_new: bool = False) -> None:
             with open(place, "wb") as stream:
                 stream.write(data)
         else:
-            _replace(data, place, is_new=is_new)
+            _replace(data, place, _mode(place) if mode is None else mode, is_new=is_new)
     except FileExistsError as error:
         raise Refused(f"{output} is there already; --force replaces it") from error
     except (OSError, ValueError) as error:
@@ -46,7 +48,7 @@ def write_output(data: bytes, output: str, *, is_new: bool = False) -> None:
         raise NotFound(f"cannot write {output}: {why}") from error
 
 
-def _replace(data: bytes, place: str, *, is_new: bool) -> None:
+def _replace(data: bytes, place: str, mode: int, *, is_new: bool) -> None:
     """Write a draft beside the target, and move it there.
 
     The draft has no name where the file system allows it, so that a kill leaves nothing behind.
@@ -59,8 +61,8 @@ def _replace(data: bytes, place: str, *, is_new: bool) -> None:
     draft = os.path.join(folder, f".{stem}.{os.getpid()}.{get_native_id()}{_DRAFT}")
     try:
         target = place if is_new else draft
-        if not _write_nameless(folder, data, _mode(place), target):
-            _write_named(data, _mode(place), draft)
+        if not _write_nameless(folder, data, mode, target):
+            _write_named(data, mode, draft)
             target = draft
         fault.point("file.named")
         if target == draft and not (is_new and _link(draft, place)):

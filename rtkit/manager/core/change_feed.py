@@ -20,6 +20,8 @@ from rtkit.rtc.serde import encode
 class ChangeFeed:
     """State as the subscribers know it; `out` collects instructions for the shell."""
 
+    DERIVED = ("_components", "_connectors", "_processes", "_claims")
+
     def __init__(self, state: ManagerState, out: list[Instruction]) -> None:
         self._state = state
         self._out = out
@@ -35,6 +37,10 @@ class ChangeFeed:
     def run_id(self) -> str:
         """Return the id of this run of the manager."""
         return f"{self._state.pid}@{self._state.properties.get('manager.started', '')}"
+
+    def resume(self) -> None:
+        """Derive again what was known of the state, which is the same now."""
+        self._is_other()
 
     def listen(self, is_heard: bool) -> None:
         """Note that somebody listens now, or that nobody does any more."""

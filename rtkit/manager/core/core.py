@@ -100,6 +100,15 @@ class Core:
         """Return whether nothing is under way."""
         return self._tasks.is_idle and self._keeping.is_idle
 
+    @property
+    def is_at_rest(self) -> bool:
+        """Return whether its state can be copied: nothing is under way, nor left by a fault."""
+        return self.is_idle and not self._out
+
+    def resume(self) -> None:
+        """Derive what a checkpoint leaves out, from the state that was put in."""
+        self._announcer.resume()
+
     def handle(self, event: Event, now: float) -> list[Instruction]:
         """Take one event at monotonic time `now` [s] and return what is to be done.
 

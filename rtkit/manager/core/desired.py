@@ -33,6 +33,20 @@ COMPONENT, WIRE, MODULE, SETTING, BEGUN, ZOMBIE, WATCHED, BOOT, ANSWERED, FOLLOW
     "reached",
 )
 """The kinds of rows."""
+_TABLES: Mapping[str, str] = {
+    COMPONENT: "components",
+    WIRE: "wires",
+    MODULE: "modules",
+    SETTING: "settings",
+    BEGUN: "begun",
+    ZOMBIE: "zombies",
+    WATCHED: "watched",
+    BOOT: "boot",
+    ANSWERED: "answered",
+    FOLLOWED: "followed",
+    REACHED: "reached",
+}
+"""The attributes that hold them."""
 _URGENT = (ZOMBIE, WATCHED)
 """Those of ends, which are kept though something that answers them is under way."""
 
@@ -93,19 +107,6 @@ class DesiredState:
         self.reached: dict[str, Followed] = {}
         self._changed: dict[tuple[str, str], None] = {}
         self._stored: set[tuple[str, str]] = set()
-        self._tables: Mapping[str, dict[str, Any]] = {
-            COMPONENT: self.components,
-            WIRE: self.wires,
-            MODULE: self.modules,
-            SETTING: self.settings,
-            BEGUN: self.begun,
-            ZOMBIE: self.zombies,
-            WATCHED: self.watched,
-            BOOT: self.boot,
-            ANSWERED: self.answered,
-            FOLLOWED: self.followed,
-            REACHED: self.reached,
-        }
 
     @property
     def has_changed(self) -> bool:
@@ -144,9 +145,7 @@ class DesiredState:
 
     def keep_all(self) -> None:
         """Have all rows kept again, since nothing is on the disk any more."""
-        self._changed.update(
-            {(kind, name): None for kind, table in self._tables.items() for name in table}
-        )
+        self._changed.update({(kind, name): None for kind in _TABLES for name in self._table(kind)})
 
     def read(self, rows: Iterable[Row]) -> list[str]:
         """Take in what was stored; return what cannot be read, one line each."""
@@ -154,7 +153,7 @@ class DesiredState:
         for kind, name, text in rows:
             self._stored.add((kind, name))
             try:
-                self._tables[kind][name] = _READ[kind](json.loads(text or ""))
+                self._table(kind)[name] = _READ[kind](json.loads(text or ""))
             except (ValueError, LookupError, TypeError) as error:
                 bad.append(f"{kind} {name}: {error}")
         return bad
@@ -169,25 +168,30 @@ class DesiredState:
 
     def clear(self) -> None:
         """Clear the desired state."""
-        for kind, table in self._tables.items():
-            for name in list(table):
+        for kind in _TABLES:
+            for name in list(self._table(kind)):
                 self.drop(kind, name)
 
+    def _table(self, kind: str) -> dict[str, Any]:
+        table: dict[str, Any] = getattr(self, _TABLES[kind])
+        return table
+
     def _text(self, kind: str, name: str) -> str | None:
-        value = self._tables[kind].get(name)
+        value = self._table(kind).get(name)
         if value is None:
             return None
         return json.dumps(value if isinstance(value, str) else encode(value), separators=(",", ":"))
 
     def put(self, kind: str, name: str, value: object) -> None:
         """Put a row under its name."""
-        if self._tables[kind].get(name) != value:
-            self._tables[kind][name] = value
+        table = self._table(kind)
+        if table.get(name) != value:
+            table[name] = value
             self._changed[kind, name] = None
 
     def drop(self, kind: str, name: str) -> None:
         """Remove a row."""
-        if self._tables[kind].pop(name, None) is not None:
+        if self._table(kind).pop(name, None) is not None:
             self._changed[kind, name] = None
 
     # components

@@ -43,7 +43,7 @@ class HealthMonitor:
         """Judge all that have rules by the metrics of their processes, at `now` [s]."""
         state = self._state
         metrics = {each.instance: each for every in answers.values() for each in every}
-        for instance in list(state.ruled):
+        for instance in sorted(state.ruled):
             desired = state.kept.components.get(instance)
             if desired is None:
                 state.ruled.discard(instance)

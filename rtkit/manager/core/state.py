@@ -154,6 +154,8 @@ class ManagerState:
             the other end is known too.
     """
 
+    UNRECORDED = ("capacity",)
+
     host: str
     name: str
     pid: int

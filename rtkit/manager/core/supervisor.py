@@ -112,8 +112,8 @@ class Supervisor:
                 state.watch(instance, pending=why)
             return
         instances = list(instances)
-        for each in state.returning.intersection(instances):  # dead again before it was noted
-            self._show_zombie(each)
+        for each in filter(state.returning.__contains__, instances):
+            self._show_zombie(each)  # dead again before it was noted
         policies = {each: self.policy(each) for each in instances if each not in state.returning}
         critical = [each for each, policy in policies.items() if policy.is_critical]
         if critical:

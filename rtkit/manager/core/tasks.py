@@ -7,7 +7,6 @@ batch of any length needs no stack. Time comes in as an argument.
 from __future__ import annotations
 
 import heapq
-import itertools
 import logging
 import math
 import signal
@@ -96,8 +95,8 @@ class Tasks:
         self._state = state
         self._out = out
         self._now = 0.0
-        self._numbers = itertools.count(1)
-        self._keys = itertools.count(OWN_PROCESS + 1)
+        self._number = 0
+        self._key = OWN_PROCESS
         self._ready: deque[_Step] = deque()
         self._waiting: dict[int, _Task] = {}
         self._conditions: dict[int, None] = {}
@@ -135,7 +134,8 @@ class Tasks:
 
     def new_process(self, name: str, pid: int = 0, *, trial_of: str = "") -> Process:
         """Enter another slave into the state, under a key that was never used."""
-        process = Process(next(self._keys), name, pid, trial_of=trial_of)
+        self._key += 1
+        process = Process(self._key, name, pid, trial_of=trial_of)
         self._state.processes[process.key] = process
         return process
 
@@ -243,7 +243,8 @@ class Tasks:
 
     def _wait(self, task: _Task, wait: Wait, key: int, timeout_s: float | None = None) -> int:
         """Have a task wait for so long, or until its own time is up."""
-        number = next(self._numbers)
+        self._number += 1
+        number = self._number
         task.wait, task.key, task.since = wait, key, self._now
         self._waiting[number] = task
         if task.until is None:

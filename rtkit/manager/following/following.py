@@ -30,15 +30,20 @@ _END_S = 5.0
 _CLOSE_S = 1.0
 
 Post = Callable[["Event | Request"], object]
+Failed = Callable[[str, BaseException], object]
+"""Takes note of a fault of its own, with the name of the work."""
 
 
 class Following:
     """Followers of a manager; called on its loop except where stated."""
 
-    def __init__(self, post: Post, state: ManagerState, requests: PendingRequests) -> None:
+    def __init__(
+        self, post: Post, state: ManagerState, requests: PendingRequests, failed: Failed
+    ) -> None:
         self._post = post
         self._state = state
         self._requests = requests
+        self._failed = failed
         self._workers: dict[str, FollowingWorker] = {}
         self._numbers = itertools.count()
         self._has_begun = self._is_over = False
@@ -75,7 +80,7 @@ class Following:
             site.awaited()
 
         listen = partial(self._listen, f"{name} {next(self._numbers)}")
-        worker = FollowingWorker(text, told, site, say, listen)
+        worker = FollowingWorker(text, told, site, say, listen, self._failed)
         worker.begin()
         return worker
 

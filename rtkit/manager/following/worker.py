@@ -74,6 +74,7 @@ class FollowingWorker:
         site: Leased,
         say: Callable[[Followed], object],
         listen: Callable[[Sequence[str]], object],
+        failed: Callable[[str, BaseException], object] = lambda _work, _error: None,
     ) -> None:
         """Prepare to follow.
 
@@ -83,11 +84,13 @@ class FollowingWorker:
             site: Where it lives.
             say: Stores and reports its outcome; returns when that is stored.
             listen: Has `changed` called with what is published on these topics, and no others.
+            failed: Takes note of a fault of its own.
         """
         self._text = text
         self._site = site
         self._say = say
         self._listen = listen
+        self._failed_at = failed
         self._changed = Event()
         self._rolls_back = False
         self._metrics: dict[str, ComponentMetrics] = {}
@@ -130,9 +133,9 @@ class FollowingWorker:
         except Exception as error:
             kind = error.kind if isinstance(error, RtkitError) else "error"
             why = str(error) if isinstance(error, RtkitError) else f"a bug in rtkit: {error!r}"
-            _log.error(
-                "%s is followed no more: %s", self.told.system, why, exc_info=kind == "error"
-            )
+            _log.error("%s is followed no more: %s", self.told.system, why)
+            if not isinstance(error, RtkitError):
+                self._failed_at("following", error)
             self._give_up(why, kind)
         finally:
             self._listen(())

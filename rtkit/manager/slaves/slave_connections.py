@@ -266,11 +266,8 @@ class SlaveConnections:
             events = self._slave_supervisor.on_zygote_exit()
         for event in events:
             self._handle(event)
-        self.check_zygote()
 
-    def check_zygote(self) -> None:
-        """Start the next zygote if it is time."""
-        start_at = self._slave_supervisor.start_at
-        if start_at is not None and time.monotonic() >= start_at:
-            self._slave_supervisor.restart()
-            self._register(self._slave_supervisor, lambda _mask: self._on_supervisor_message())
+    def restart_zygote(self) -> None:
+        """Start the next zygote."""
+        self._slave_supervisor.restart()
+        self._register(self._slave_supervisor, lambda _mask: self._on_supervisor_message())

@@ -9,6 +9,7 @@ import threading
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, NamedTuple
 
+from rtkit import fault
 from rtkit.link import places
 
 if TYPE_CHECKING:
@@ -17,6 +18,8 @@ if TYPE_CHECKING:
 Heard = Callable[[int, str, bool], object]
 """Called with the number of what was to be kept, why it is not (empty when it is), and whether
 nothing is that was kept before: then all is to be kept again."""
+
+Failed = Callable[[str, BaseException], object]
 
 _log = logging.getLogger(__name__)
 
@@ -31,6 +34,7 @@ class StoreWriter:
 
     Attributes:
         heard: Receives what was stored, on that thread.
+        failed: Receives faults of its own, with the name of the work.
     """
 
     def __init__(self, path: str) -> None:
@@ -40,6 +44,7 @@ class StoreWriter:
         self._store: Store | None = None
         self._is_forgotten = False
         self.heard: Heard = lambda _number, _why, _is_lost: None
+        self.failed: Failed = lambda _work, _error: None
 
     def find(self) -> tuple[list[Row], str]:
         """Return the rows of an earlier manager, and a finding about its store.
@@ -68,8 +73,8 @@ class StoreWriter:
 
     def keep(self, number: int, rows: Sequence[Row]) -> None:
         """Have rows written; `heard` is called when they are."""
-        self._inbox.put(_Order(number, rows))
         self.begin()
+        self._inbox.put(_Order(number, rows))
 
     def forget(self) -> None:
         """Have the store removed at the end: nothing is desired any more."""
@@ -113,6 +118,7 @@ class StoreWriter:
             failed_before, why, lost = why, lost, ""
             is_lost = bool(why)
             try:
+                fault.point("duty.store")
                 if not is_lost:
                     store.write([row for order in whole for row in order.rows])
             except StoreLost as error:
@@ -121,5 +127,8 @@ class StoreWriter:
                 why = str(error)
                 if why != failed_before:  # it is tried again each second
                     _log.error("the desired state cannot be recorded: %s", why)
+            except Exception as error:  # whoever waits for it is answered all the same
+                self.failed("store", error)
+                why = f"a fault of rtkit: {error}"
             for order in whole:
                 self.heard(order.number, why, is_lost)

@@ -177,6 +177,7 @@ HOST = "/localhost/"
         ("rtmgr -d St", ["Std0"]),
         ("rtmgr -s manager.nam", ["manager.name=", "manager.naming_formats="]),
         ("rtmgr sta", ["start", "status"]),
+        ("rtmgr r", ["restart", "run", "replay"]),
         ("rtmgr /localhost/", [f"{HOST}manager.mgr", f"{HOST}manager.mgr/"]),
         (
             "rtexit /localhost/manager.mgr/sl",

@@ -59,6 +59,7 @@ ELSEWHERE = {
     "event": "system/test_observers.py",
     "log-record": "system/test_observers.py",
     "plan": "unit/cli/test_planning.py",
+    "replay": "unit/cli/test_rtmgr_replay.py",
     "system-state": "unit/cli/test_system_states.py",
     "transition": "unit/cli/test_system_states.py",
     "property": "system/test_live_properties.py",
