@@ -20,8 +20,8 @@ from property_endpoints import (
     Zenoh,
     client_of,
     listening,
+    opening,
     params,
-    ports,
 )
 from unruly import Unruly, check_only_its_own_request_suffers
 
@@ -42,7 +42,7 @@ def service() -> Service:
 
 @pytest.fixture
 def served(place: str, service: Service) -> Iterator[ServedObject]:
-    with serve(service, "robot", **PORTS) as served:
+    with serve(service, "robot", **opening(place)) as served:
         yield served
 
 
@@ -56,7 +56,6 @@ DOORS: dict[str, Callable[[ServedObject], Lines | Zenoh | OneLine]] = {
     "zenoh": lambda served: Zenoh(),
 } | {each: partial(client_of, scheme=each) for each in KNOWING}
 """Each is a row: what is asked of one is asked of all."""
-PORTS = ports(*KNOWING)
 THERE = [each for each in DOORS if icekit.IS_THERE or each != "ice"]
 
 
@@ -74,7 +73,7 @@ def test_requests(endpoint: Door) -> None:
 @pytest.mark.parametrize("wire", params(*DOORS))
 def test_of_code_that_does_anything_only_its_own_request_suffers(place: str, wire: str) -> None:
     thing = Unruly()
-    with serve(thing, "robot", **PORTS) as served:
+    with serve(thing, "robot", **opening(place)) as served:
         endpoint = DOORS[wire](served)
         check_only_its_own_request_suffers(endpoint, thing)
         endpoint.close()
@@ -318,7 +317,7 @@ def test_rules_hold_at_every_door(
     place: str, caplog: pytest.LogCaptureFixture, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(refusals, "MOST", 1000)
-    with _ruled() as served:
+    with _ruled(place) as served:
         for name in THERE:
             endpoint = DOORS[name](served)
             caplog.clear()
@@ -338,7 +337,7 @@ def test_rules_hold_at_every_door(
 
 
 def test_listeners_are_bounded_at_every_door(place: str) -> None:
-    with _ruled("limit * door_listeners 2") as served:
+    with _ruled(place, "limit * door_listeners 2") as served:
         for name in THERE:
             endpoint = DOORS[name](served)
             with endpoint.listen("count") as first, endpoint.listen("speed") as second:
@@ -352,7 +351,7 @@ def test_listeners_are_bounded_at_every_door(place: str) -> None:
 
 @pytest.mark.parametrize("name", params("unix", *KNOWING))
 def test_who_asks_too_often_is_told(place: str, name: str) -> None:
-    with _ruled("limit * rate 20") as served:
+    with _ruled(place, "limit * rate 20") as served:
         endpoint = DOORS[name](served)
         answers = [endpoint.ask("speed") for _ in range(200)]
         assert {each.error for each in answers} == {"", "busy"}
@@ -361,7 +360,7 @@ def test_who_asks_too_often_is_told(place: str, name: str) -> None:
 
 
 def test_one_connection_too_many_is_told(place: str) -> None:
-    with _ruled("limit * connections 1") as served:
+    with _ruled(place, "limit * connections 1") as served:
         first = DOORS["unix"](served)
         assert first.ask("speed").error == ""
         second = DOORS["unix"](served)
@@ -370,5 +369,5 @@ def test_one_connection_too_many_is_told(place: str) -> None:
         second.close()
 
 
-def _ruled(rules: str = RULES) -> ServedObject:
-    return serve(subject(), "robot", **PORTS, rules=rules)
+def _ruled(place: str, rules: str = RULES) -> ServedObject:
+    return serve(subject(), "robot", **opening(place), rules=rules)

@@ -48,10 +48,14 @@ KNOWING = [each for each in SERVED if wire_of(each).option.knows_clients]  # typ
 """Those of them that learn who asks, and serve many."""
 
 
-def ports(*schemes: str) -> dict[str, int | str]:
-    """Return keywords of `rtkit.serve` that open a free port on each wire that has ports."""
-    options = [wire_of(each).option for each in schemes if each not in _IS_ABSENT]
-    return {each.name: 0 for each in options if each is not None and each.metavar == PORT}
+def opening(place: str) -> dict[str, int | str]:
+    """Return keywords of `rtkit.serve` that open an endpoint on each of the wires in `KNOWING`."""
+    options = [wire_of(each).option for each in KNOWING if each not in _IS_ABSENT]
+    return {
+        each.name: 0 if each.metavar == PORT else f"{place}/{each.name}.sock"
+        for each in options
+        if each is not None
+    }
 
 
 class Lines:
