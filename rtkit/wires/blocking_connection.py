@@ -14,12 +14,12 @@ from rtkit.property.exchange import NOT_BEGUN
 from rtkit.property.messages import DONE, Answer, Payload
 from rtkit.serving.event_loop import PropertyEventLoop
 from rtkit.wires.provider_connection import (
+    ENDED,
     Answering,
     ConnectionMaker,
-    Gone,
     Hearing,
     LoopInbox,
-    Waiting,
+    ProviderConnection,
     with_id,
 )
 from rtkit.wires.request_scheduler import RequestScheduler, ScheduledRequest
@@ -35,7 +35,7 @@ _MOST_AT_ONCE = 8
 """Connections for requests."""
 
 
-class BlockingConnection:
+class BlockingConnection(ProviderConnection):
     """Pool of connections, each of which waits for one answer.
 
     Args:
@@ -46,21 +46,14 @@ class BlockingConnection:
     def __init__(
         self, host: PropertyEventLoop, end: BoundedClient, another: Callable[[], BoundedClient]
     ) -> None:
-        self._host = host
-        self._end: BoundedClient | None = end
+        super().__init__(host)
+        self._first: BoundedClient | None = end
         self._another = another
         self._calls: SimpleQueue[_Call | None] = SimpleQueue()
         self._turns = RequestScheduler(_MOST_AT_ONCE)
         self._workers = 0
         self._idle = 0
-        self._waiting = Waiting()
         self._listening: dict[str, threading.Event] = {}
-        self._is_open = True
-        self._gone: Gone = lambda why: None
-
-    def start(self, gone: Gone) -> None:
-        """See `ProviderConnection.start`."""
-        self._gone = gone
 
     def ask(
         self,
@@ -72,9 +65,9 @@ class BlockingConnection:
     ) -> None:
         """See `ProviderConnection.ask`."""
         if not self._is_open:
-            answer(Answer("the connection has ended", "no-service"))
+            answer(ENDED)
             return
-        number = self._waiting.expect(answer)
+        number = self._expect(answer)
 
         def work() -> None:
             self._calls.put(call)
@@ -105,7 +98,7 @@ class BlockingConnection:
                 self._idle -= 1
                 continue
             self._workers += 1
-            end, self._end = self._end, None
+            end, self._first = self._first, None
             threading.Thread(target=self._work, args=(end,), name="calls", daemon=True).start()
 
     def has_room(self, name: str) -> bool:
@@ -170,22 +163,14 @@ class BlockingConnection:
         if is_over is not None:
             is_over.set()
 
-    def check(self, now: float) -> None:
-        """See `ProviderConnection.check`: each call has a bound of its own."""
-
-    def close(self) -> None:
-        """See `ProviderConnection.close`."""
-        if not self._is_open:
-            return
-        self._is_open = False
+    def _release(self) -> None:
         for _ in range(self._workers):
             self._calls.put(None)
-        if self._end is not None:
-            self._end.close()
+        if self._first is not None:
+            self._first.close()
         for is_over in self._listening.values():
             is_over.set()
         self._listening.clear()
-        self._waiting.end(Answer("the connection has ended", "no-service"))
 
     def _work(self, end: BoundedClient | None) -> None:
         """Make calls, one after the other, over one connection, made when it is needed."""
@@ -197,14 +182,9 @@ class BlockingConnection:
     def _answered(self, number: int, turn: ScheduledRequest, reply: Answer) -> None:
         self._idle += 1
         self._turns.end(turn)
-        self._waiting.answer(number, reply)
+        self._answer(number, reply)
         if self._is_open:
             self._begin()
-
-    def _fail(self, why: str) -> None:
-        if self._is_open:
-            self.close()
-            self._gone(why)
 
 
 def failure(error: RtkitError) -> Answer:

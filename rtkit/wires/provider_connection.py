@@ -5,10 +5,10 @@ from __future__ import annotations
 import itertools
 import math
 import threading
+from abc import ABC, abstractmethod
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from time import monotonic
-from typing import Protocol
 
 from rtkit.property.codes import PASSING
 from rtkit.property.messages import Answer, Payload, PropertyEvent
@@ -20,6 +20,7 @@ Answering = Callable[[Answer], object]
 Hearing = Callable[[PropertyEvent], object]
 Gone = Callable[[str], object]
 
+ENDED = Answer("the connection has ended", "no-service")
 STATUS = "~proxy.status"
 """Property that every proxy answers itself; asked of a silent peer, to learn that it lives."""
 ASKED_S = 5.0
@@ -28,13 +29,21 @@ DEAD_S = 15.0
 """Silence after which the connection is given up [s]."""
 
 
-class ProviderConnection(Protocol):
+class ProviderConnection(ABC):
     """Connection to an owner, used by the loop only; its callbacks run there."""
+
+    def __init__(self, host: PropertyEventLoop) -> None:
+        self._host = host
+        self._count = itertools.count(1)
+        self._callers: dict[int, Answering] = {}
+        self._is_open = True
+        self._gone: Gone = lambda why: None
 
     def start(self, gone: Gone) -> None:
         """Start the connection; `gone` is called once with the reason when it ends."""
-        ...
+        self._gone = gone
 
+    @abstractmethod
     def ask(
         self,
         target: str,
@@ -49,27 +58,62 @@ class ProviderConnection(Protocol):
         `rtkit.property.idempotency.shared`, a repetition is known; it is empty for nothing. What
         has not begun at `until`, by the monotonic clock of this host [s], is to be done by nobody.
         """
-        ...
 
+    @abstractmethod
     def has_room(self, name: str) -> bool:
         """Return whether it can listen to this beside what it listens to."""
-        ...
 
+    @abstractmethod
     def listen(self, name: str, options: str, hear: Hearing, answer: Answering) -> None:
         """Listen to a property, with the parameters `options`."""
-        ...
 
+    @abstractmethod
     def leave(self, name: str) -> None:
         """Listen to a property no longer."""
-        ...
 
-    def check(self, now: float) -> None:
+    def check(self, now: float) -> None:  # noqa: B027  not all have anything to look at
         """Check whether the peer has been silent for too long [s, of a monotonic clock]."""
-        ...
 
     def close(self) -> None:
         """Close the connection; callers that wait for an answer get an error."""
-        ...
+        self._finish(ENDED)
+
+    # For the wires
+
+    @abstractmethod
+    def _release(self) -> None:
+        """Give back what the connection holds: it has ended."""
+
+    def _take_callers(self) -> Iterable[Answering]:
+        """Return the callers that wait for an answer; they wait no longer."""
+        callers, self._callers = self._callers, {}
+        return callers.values()
+
+    def _expect(self, answer: Answering) -> int:
+        """Add a caller that waits; return the number of its request."""
+        number = next(self._count)
+        self._callers[number] = answer
+        return number
+
+    def _answer(self, number: int, reply: Answer) -> None:
+        """Answer the caller of a request; none waits once the connection has ended."""
+        answer = self._callers.pop(number, None)
+        if answer is not None:
+            answer(reply)
+
+    def _finish(self, reply: Answer) -> None:
+        """End the connection, with the same reply to all callers."""
+        if self._is_open:
+            self._is_open = False
+            for answer in self._take_callers():
+                answer(reply)
+            self._release()
+
+    def _fail(self, why: str, code: str = "no-service") -> None:
+        """End the connection, and report why."""
+        if self._is_open:
+            self._finish(Answer(why, code))
+            self._gone(why)
 
 
 ConnectionMaker = Callable[[], ProviderConnection]
@@ -114,35 +158,6 @@ class Keepalive:
         elif silent_s > ASKED_S and not self._is_asked:
             self._is_asked = True
             ask()
-
-
-class Waiting:
-    """Requests that are not answered yet; used by the loop only."""
-
-    def __init__(self) -> None:
-        self._count = itertools.count(1)
-        self._by_number: dict[int, Answering] = {}
-
-    def __len__(self) -> int:
-        return len(self._by_number)
-
-    def expect(self, answer: Answering) -> int:
-        """Add a waiting caller; return the number of its request."""
-        number = next(self._count)
-        self._by_number[number] = answer
-        return number
-
-    def answer(self, number: int, reply: Answer) -> None:
-        """Answer the caller of a request; none waits once the connection has ended."""
-        answer = self._by_number.pop(number, None)
-        if answer is not None:
-            answer(reply)
-
-    def end(self, reply: Answer) -> None:
-        """Answer all callers with an error: no answers come any more."""
-        waiting, self._by_number = self._by_number, {}
-        for answer in waiting.values():
-            answer(reply)
 
 
 class LoopInbox:

@@ -13,18 +13,18 @@ from rtkit.wires.ice.address import IceAddress
 from rtkit.wires.ice.protocol import runtime
 from rtkit.wires.ice.session import IceSession, Outcome
 from rtkit.wires.provider_connection import (
+    ENDED,
     STATUS,
     Answering,
-    Gone,
     Hearing,
     Keepalive,
     LoopInbox,
-    Waiting,
+    ProviderConnection,
     with_id,
 )
 
 
-class IceConnection:
+class IceConnection(ProviderConnection):
     """Session with an Ice endpoint, used by nobody else.
 
     Args:
@@ -38,18 +38,11 @@ class IceConnection:
     """
 
     def __init__(self, host: PropertyEventLoop, address: IceAddress, timeout_s: float) -> None:
-        self._host = host
-        self._waiting = Waiting()
+        super().__init__(host)
         self._subscriptions: dict[str, str] = {}
         self._silence = Keepalive()
-        self._is_open = True
-        self._gone: Gone = lambda why: None
         runtime()
         self._session = IceSession(address, secret.read(), timeout_s, went=self._went)
-
-    def start(self, gone: Gone) -> None:
-        """See `ProviderConnection.start`."""
-        self._gone = gone
 
     def ask(
         self,
@@ -61,13 +54,13 @@ class IceConnection:
     ) -> None:
         """See `ProviderConnection.ask`."""
         if not self._is_open:
-            answer(Answer("the connection has ended", "no-service"))
+            answer(ENDED)
             return
         number = self._expect(answer)
         self._session.ask(
             with_id(target, id),
             payload,
-            lambda told: self._host.post(lambda: self._answered(number, told)),
+            lambda told: self._host.post(lambda: self._received(number, told)),
             until,
         )
 
@@ -92,7 +85,7 @@ class IceConnection:
         key = self._session.listen(
             f"{name}?{options}" if options else name,
             take,
-            lambda told: self._host.post(lambda: self._answered(number, told)),
+            lambda told: self._host.post(lambda: self._received(number, told)),
         )
         self._subscriptions[name] = key
 
@@ -104,25 +97,22 @@ class IceConnection:
 
     def check(self, now: float) -> None:
         """See `ProviderConnection.check`."""
-        if self._waiting or self._subscriptions:
+        if self._callers or self._subscriptions:
             probe = partial(self.ask, STATUS, None, "", lambda _: None)
             self._silence.check(now, probe, self._fail)
-
-    def close(self) -> None:
-        """See `ProviderConnection.close`."""
-        self._close(Answer("the connection has ended", "no-service"))
 
     # Its own
 
     def _expect(self, answer: Answering) -> int:
-        if not self._waiting and not self._subscriptions:
+        if not self._callers and not self._subscriptions:
             self._silence.end()
-        return self._waiting.expect(answer)
+        return super()._expect(answer)
 
-    def _answered(self, number: int, told: Outcome) -> None:
+    def _received(self, number: int, outcome: Outcome) -> None:
         self._silence.end()
-        reply = Answer(str(told), "no-service") if isinstance(told, Unreachable) else told
-        self._waiting.answer(number, reply)
+        if isinstance(outcome, Unreachable):
+            outcome = Answer(str(outcome), "no-service")
+        self._answer(number, outcome)
 
     def _take(self, name: str, key: str, hear: Hearing, event: PropertyEvent) -> None:
         self._silence.end()
@@ -130,17 +120,8 @@ class IceConnection:
             hear(event)
 
     def _went(self, why: str) -> None:
-        self._host.post(lambda: self._fail(why, "no-service"))
+        self._host.post(lambda: self._fail(why))
 
-    def _fail(self, why: str, code: str) -> None:
-        if self._is_open:
-            self._close(Answer(why, code))
-            self._gone(why)
-
-    def _close(self, reply: Answer) -> None:
-        if not self._is_open:
-            return
-        self._is_open = False
+    def _release(self) -> None:
         self._subscriptions.clear()
-        self._waiting.end(reply)
         self._session.close()

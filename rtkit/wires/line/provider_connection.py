@@ -14,7 +14,15 @@ from rtkit.property.codes import PropertyError
 from rtkit.property.line import Replies, write_request
 from rtkit.property.messages import Answer, Payload, PropertyEvent
 from rtkit.serving.event_loop import PropertyEventLoop
-from rtkit.wires.provider_connection import STATUS, Answering, Gone, Hearing, Keepalive, slot
+from rtkit.wires.provider_connection import (
+    STATUS,
+    Answering,
+    Gone,
+    Hearing,
+    Keepalive,
+    ProviderConnection,
+    slot,
+)
 
 _PIECE = 1 << 16
 _MOST_OUT = 1 << 24
@@ -22,7 +30,7 @@ _MOST_OUT = 1 << 24
 _MOST_LISTENINGS = 1000
 
 
-class LineConnection:
+class LineConnection(ProviderConnection):
     """One connection over the line protocol.
 
     Args:
@@ -31,25 +39,22 @@ class LineConnection:
     """
 
     def __init__(self, host: PropertyEventLoop, end: socket.socket, service: str = "") -> None:
-        self._host = host
+        super().__init__(host)
         self._end = end
         self._prefix = f"{service}/" if service else ""
         self._replies = Replies()
         self._out = bytearray()
         self._in_turn: deque[Answering] = deque()
         self._by_id: dict[str, deque[Answering]] = {}
-        self._count = itertools.count(1)
         self._hearing: dict[str, Hearing | None] = {}
         self._silence = Keepalive()
         self._is_stuck = False
-        self._is_open = True
-        self._gone: Gone = lambda why: None
 
     # Contact
 
     def start(self, gone: Gone) -> None:
         """See `ProviderConnection.start`."""
-        self._gone = gone
+        super().start(gone)
         self._end.settimeout(0)
         self._host.register(self._end, self)
 
@@ -109,11 +114,7 @@ class LineConnection:
         """See `ProviderConnection.check`."""
         if self._is_waited_for or self._hearing:
             probe = partial(self.ask, STATUS, None, "", lambda _: None)
-            self._silence.check(now, probe, self._end_with)
-
-    def close(self) -> None:
-        """See `ProviderConnection.close`."""
-        self._close(Answer("the connection has ended", "no-service"))
+            self._silence.check(now, probe, self._fail)
 
     # IOHandler
 
@@ -128,10 +129,10 @@ class LineConnection:
         except BlockingIOError:
             return
         except OSError as error:
-            self._end_with(f"the connection has ended: {error.strerror}")
+            self._fail(f"the connection has ended: {error.strerror}")
             return
         if not data:
-            self._end_with("the connection has ended")
+            self._fail("the connection has ended")
             return
         self._silence.end()
         self._replies.feed(data)
@@ -139,7 +140,7 @@ class LineConnection:
             while self._is_open and (told := self._replies.next()) is not None:
                 self._take(told)
         except PropertyError as error:
-            self._end_with(f"no line protocol: {error}")
+            self._fail(f"no line protocol: {error}")
 
     def flush(self, now: float) -> float | None:
         """See `IOHandler.flush`."""
@@ -181,22 +182,16 @@ class LineConnection:
             self._is_stuck = bool(self._out)
             self._host.await_room(self._end, reads=True, writes=self._is_stuck)
 
-    def _end_with(self, why: str, code: str = "no-service") -> None:
-        self._close(Answer(why, code))
-        self._gone(why)
-
-    def _close(self, reply: Answer) -> None:
-        if not self._is_open:
-            return
-        self._is_open = False
-        self._host.unregister(self._end, self)
-        self._end.close()
-        waiting = [*self._in_turn, *itertools.chain(*self._by_id.values())]
+    def _take_callers(self) -> list[Answering]:
+        callers = [*self._in_turn, *itertools.chain(*self._by_id.values())]
         self._in_turn.clear()
         self._by_id.clear()
+        return callers
+
+    def _release(self) -> None:
+        self._host.unregister(self._end, self)
+        self._end.close()
         self._hearing.clear()
-        for answer in waiting:
-            answer(reply)
 
 
 def _listen(name: str, options: str) -> str:

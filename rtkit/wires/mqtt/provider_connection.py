@@ -25,11 +25,11 @@ from rtkit.wires.mqtt.session import (
     topic_of,
 )
 from rtkit.wires.provider_connection import (
+    ENDED,
     Answering,
-    Gone,
     Hearing,
     LoopInbox,
-    Waiting,
+    ProviderConnection,
     over,
     with_id,
 )
@@ -46,7 +46,7 @@ class _Subscription(NamedTuple):
     last: list[Mark]
 
 
-class MqttConnection:
+class MqttConnection(ProviderConnection):
     """Session with a broker, below the topic of a service.
 
     Args:
@@ -59,14 +59,11 @@ class MqttConnection:
     """
 
     def __init__(self, host: PropertyEventLoop, address: MqttAddress, timeout_s: float) -> None:
-        self._host = host
+        super().__init__(host)
         self._root = address.path
         self._own = f"{self._root}/$to/{uuid.uuid4().hex}"
-        self._waiting = Waiting()
         self._subscriptions: dict[str, _Subscription] = {}
         self._number = 0
-        self._is_open = True
-        self._gone: Gone = lambda why: None
         self._state = ""
         self._is_ready = threading.Event()
         self._session = MqttSession(address, heard=self._heard, came=lambda: None, went=self._went)
@@ -77,10 +74,6 @@ class MqttConnection:
             self._session.close()
             state = f"its state is {self._state}" if self._state else "nothing is there"
             raise Unreachable(f"no service at {address}: {state}")
-
-    def start(self, gone: Gone) -> None:
-        """See `ProviderConnection.start`."""
-        self._gone = gone
 
     def ask(
         self,
@@ -134,16 +127,11 @@ class MqttConnection:
                     self._renewed(name, subscription),
                 )
 
-    def close(self) -> None:
-        """See `ProviderConnection.close`."""
-        if not self._is_open:
-            return
-        self._is_open = False
-        self._subscriptions.clear()
-        self._waiting.end(Answer("the connection has ended", "no-service"))
-        self._session.close()
-
     # Its own
+
+    def _release(self) -> None:
+        self._subscriptions.clear()
+        self._session.close()
 
     def _renewed(self, name: str, subscription: _Subscription) -> Answering:
         def renewed(reply: Answer) -> None:
@@ -163,14 +151,14 @@ class MqttConnection:
         until: float = math.inf,
     ) -> None:
         if not self._is_open:
-            answer(Answer("the connection has ended", "no-service"))
+            answer(ENDED)
             return
         try:
             name = parse_target(target).name
         except PropertyError as error:
             answer(Answer(str(error), error.code))
             return
-        mark = str(self._waiting.expect(answer)).encode()
+        mark = str(self._expect(answer)).encode()
         _, is_given, parameters = target.partition("?")
         topic = f"{self._root}/{topic_of(name)}/{'get' if payload is None else 'set'}"
         more = (("parameters", parameters),) if is_given else ()
@@ -202,7 +190,7 @@ class MqttConnection:
 
     def _answered(self, mark: bytes, reply: Answer) -> None:
         if mark.isdigit() and len(mark) < _LONGEST_MARK:  # else it is not one of ours
-            self._waiting.answer(int(mark), reply)
+            self._answer(int(mark), reply)
 
     def _take(self, topic: str, event: PropertyEvent) -> None:
         for subscription in self._subscriptions.values():
@@ -214,8 +202,3 @@ class MqttConnection:
     def _went(self, why: str) -> None:
         if self._is_ready.is_set():
             self._host.post(lambda: self._fail(why))
-
-    def _fail(self, why: str) -> None:
-        if self._is_open:
-            self.close()
-            self._gone(why)

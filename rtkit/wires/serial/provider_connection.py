@@ -11,28 +11,30 @@ from rtkit.errors import RtkitError, Unreachable
 from rtkit.property.codes import code_of
 from rtkit.property.messages import DONE, Answer, Payload
 from rtkit.serving.event_loop import PropertyEventLoop
-from rtkit.wires.provider_connection import Answering, Gone, Hearing, LoopInbox, slot
+from rtkit.wires.provider_connection import (
+    ENDED,
+    Answering,
+    Gone,
+    Hearing,
+    LoopInbox,
+    ProviderConnection,
+    slot,
+)
 from rtkit.wires.serial.client import SerialClient
 
-_ENDED = Answer("the connection has ended", "no-service")
 
-
-class SerialConnection:
+class SerialConnection(ProviderConnection):
     """Conversation in which each request waits for the one before it."""
 
     def __init__(self, host: PropertyEventLoop, client: SerialClient) -> None:
-        self._host = host
+        super().__init__(host)
         self._client = client
         self._calls: SimpleQueue[Callable[[], None]] = SimpleQueue()
-        self._waiting: dict[int, Answering] = {}
-        self._number = 0
         self._mail: dict[str, LoopInbox] = {}
-        self._is_open = True
-        self._gone: Gone = lambda why: None
 
     def start(self, gone: Gone) -> None:
         """See `ProviderConnection.start`."""
-        self._gone = gone
+        super().start(gone)
         threading.Thread(target=self._work, name="serial line", daemon=True).start()
 
     def ask(
@@ -75,29 +77,18 @@ class SerialConnection:
         if self._mail.pop(slot(name), None) is not None:
             self._call(lambda: self._client.leave(name), lambda reply: None)
 
-    def check(self, now: float) -> None:
-        """See `ProviderConnection.check`: renew leases; each request has a time-out of its own."""
-
-    def close(self) -> None:
-        """See `ProviderConnection.close`."""
-        if self._is_open:
-            self._is_open = False
-            self._client.wake()
-            self._mail.clear()
-            waiting, self._waiting = self._waiting, {}
-            for answer in waiting.values():
-                answer(_ENDED)
-
     # Its own
+
+    def _release(self) -> None:
+        self._client.wake()
+        self._mail.clear()
 
     def _call(self, work: Callable[[], Answer], answer: Answering) -> None:
         """Run a function on the thread of the line; its outcome is passed on the loop."""
         if not self._is_open:
-            answer(_ENDED)
+            answer(ENDED)
             return
-        self._number += 1
-        number = self._number
-        self._waiting[number] = answer
+        number = self._expect(answer)
 
         def call() -> None:
             try:
@@ -106,8 +97,8 @@ class SerialConnection:
                 is_late = isinstance(error, Unreachable) and "no answer" in str(error)
                 reply = Answer(str(error), "timeout" if is_late else code_of(error))
                 if isinstance(error, Unreachable) and not is_late:
-                    self._host.post(lambda: self._fail(reply))
-            self._host.post(lambda: self._answered(number, reply))
+                    self._host.post(lambda: self._fail(str(reply.payload), reply.error))
+            self._host.post(lambda: self._answer(number, reply))
 
         self._calls.put(call)
         self._client.wake()
@@ -125,20 +116,7 @@ class SerialConnection:
                 if event is not None and inbox is not None:
                     inbox.put(event)
         except RtkitError as error:
-            reply = Answer(str(error), "no-service")
-            self._host.post(lambda: self._fail(reply))
+            why = str(error)
+            self._host.post(lambda: self._fail(why))
         finally:
             self._client.close()
-
-    def _answered(self, number: int, reply: Answer) -> None:
-        answer = self._waiting.pop(number, None)
-        if answer is not None:
-            answer(reply)
-
-    def _fail(self, reply: Answer) -> None:
-        if self._is_open:
-            waiting, self._waiting = self._waiting, {}
-            for answer in waiting.values():
-                answer(reply)
-            self.close()
-            self._gone(str(reply.payload))

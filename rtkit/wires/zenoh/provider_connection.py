@@ -17,12 +17,12 @@ from rtkit.property.codes import PropertyError
 from rtkit.property.messages import Answer, Payload, PropertyEvent
 from rtkit.serving.event_loop import PropertyEventLoop
 from rtkit.wires.provider_connection import (
+    ENDED,
     STATUS,
     Answering,
-    Gone,
     Hearing,
     LoopInbox,
-    Waiting,
+    ProviderConnection,
     over,
     with_id,
 )
@@ -52,7 +52,7 @@ class _Subscription(NamedTuple):
     hear: Hearing
 
 
-class ZenohConnection:
+class ZenohConnection(ProviderConnection):
     """Session to the owner, used by nobody else.
 
     Args:
@@ -60,19 +60,13 @@ class ZenohConnection:
     """
 
     def __init__(self, host: PropertyEventLoop, session: zenoh.Session, service_key: str) -> None:
-        self._host = host
+        super().__init__(host)
         self._session = session
         self._key = service_key
         self._subscriptions: dict[str, _Subscription] = {}
-        self._waiting = Waiting()
         self._probed_at = monotonic()
         self._is_probing = False
-        self._is_open = True
-        self._gone: Gone = lambda why: None
-
-    def start(self, gone: Gone) -> None:
-        """See `ProviderConnection.start`."""
-        self._gone = gone
+        self._is_silent = False
 
     def ask(
         self,
@@ -129,12 +123,6 @@ class ZenohConnection:
             self._is_probing, self._probed_at = True, now
             self._query(STATUS, None, "", _PROBE_S, self._probed)
 
-    def close(self) -> None:
-        """See `ProviderConnection.close`."""
-        if self._is_open:
-            self._end(Answer("the connection has ended", "no-service"))
-            self._session.close()  # type: ignore[no-untyped-call]
-
     # Its own
 
     def _renewed(self, name: str, subscription: _Subscription) -> Answering:
@@ -149,11 +137,8 @@ class ZenohConnection:
     def _probed(self, reply: Answer) -> None:
         self._is_probing = False
         if reply.error in ("timeout", "no-service") and self._is_open:
-            why = str(reply.payload)
-            self._end(Answer(why, reply.error))
-            # It waits for the far side, which is not there: not on the loop.
-            threading.Thread(target=self._session.close, name="closing", daemon=True).start()
-            self._gone(why)
+            self._is_silent = True
+            self._fail(str(reply.payload), reply.error)
 
     def _query(
         self,
@@ -165,14 +150,14 @@ class ZenohConnection:
     ) -> None:
         """Ask; the answer comes on the loop."""
         if not self._is_open:
-            answer(Answer("the connection has ended", "no-service"))
+            answer(ENDED)
             return
         try:
             selector = selector_of(self._key, target)
         except PropertyError as error:
             answer(Answer(str(error), error.code))
             return
-        number = self._waiting.expect(answer)
+        number = self._expect(answer)
         replies: list[Answer] = []
 
         def receive(reply: zenoh.Reply) -> None:
@@ -183,7 +168,7 @@ class ZenohConnection:
 
         def ended() -> None:
             reply = replies[0] if replies else Answer(_NOBODY, "no-service")
-            self._host.post(lambda: self._waiting.answer(number, reply))
+            self._host.post(lambda: self._answer(number, reply))
 
         self._session.get(
             for_subscriber(selector, subscription) if subscription else selector,
@@ -204,11 +189,14 @@ class ZenohConnection:
             subscription.subscriber.undeclare()  # type: ignore[no-untyped-call]
         return subscription
 
-    def _end(self, reply: Answer) -> None:
-        self._is_open = False
+    def _release(self) -> None:
         for name in list(self._subscriptions):
             self._take_off(name)
-        self._waiting.end(reply)
+        if self._is_silent:
+            # It waits for the far side, which is not there: not on the loop.
+            threading.Thread(target=self._session.close, name="closing", daemon=True).start()
+        else:
+            self._session.close()  # type: ignore[no-untyped-call]
 
 
 def _receiver(inbox: LoopInbox) -> Callable[[zenoh.Sample], None]:
