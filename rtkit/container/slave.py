@@ -75,7 +75,7 @@ class Slave:
         self._stacks = open_stacks(data, pid)
         faulthandler.register(STACK_SIGNAL, self._stacks, all_threads=True)
         fault.point("slave.greeting")
-        connection.greet(key, self._settings["born_of"])
+        connection.greet(key, self._settings["manager_run"])
         os.setsid()  # until now it was to end with its zygote
         become_subreaper()
         fault.point("slave.greeted")

@@ -43,7 +43,7 @@ class Link(Protocol):
         """
         ...
 
-    def listen(self, key: str, heard: Callable[[str], object]) -> Callable[[], object]:
+    def listen(self, key: str, on_text: Callable[[str], object]) -> Callable[[], object]:
         """Subscribe `heard` to the texts of a topic; return the function that ends it.
 
         It is called on the transport's threads and must only enqueue.

@@ -46,9 +46,9 @@ def split_deadline(target: str) -> tuple[str, float]:
         return target, math.inf
     name, _, tail = target.partition("?")
     given = tail.split("&")
-    told = [each for each in given if each.startswith(_PARAMETER)]
-    kept = "&".join(each for each in given if each not in told)
-    untils = (deadline_from_text(each[len(_PARAMETER) :].replace("_", " ")) for each in told)
+    found = [each for each in given if each.startswith(_PARAMETER)]
+    kept = "&".join(each for each in given if each not in found)
+    untils = (deadline_from_text(each[len(_PARAMETER) :].replace("_", " ")) for each in found)
     return (f"{name}?{kept}" if kept else name), min(untils, default=math.inf)
 
 

@@ -64,13 +64,13 @@ class Outlet:
         arrived = threading.Event()
         mark = f"{key}/flushed/{uuid4().hex}"
         try:
-            heard = self._session.declare_subscriber(mark, lambda _sample: arrived.set())
+            on_sample = self._session.declare_subscriber(mark, lambda _sample: arrived.set())
             try:
                 block = zenoh.CongestionControl.BLOCK
                 self._session.put(key, b"", attachment=mark.encode(), congestion_control=block)
                 return arrived.wait(timeout_s)
             finally:
-                heard.undeclare()  # type: ignore[no-untyped-call]
+                on_sample.undeclare()  # type: ignore[no-untyped-call]
         except zenoh.ZError:
             return False
 
@@ -106,14 +106,14 @@ class Inlet:
     def __init__(self) -> None:
         self._declared: zenoh.Subscriber[None] | zenoh.Queryable[None] | None = None
         self._ask: Callable[[], None] | None = None
-        self._told = threading.Event()
+        self._is_reported = threading.Event()
         self._next = 0
         self.lost = 0
 
     def receive(self, session: zenoh.Session, key: str, deliver: Deliver) -> None:
         """Call `deliver` with each value from now on."""
 
-        def heard(sample: zenoh.Sample) -> None:
+        def on_sample(sample: zenoh.Sample) -> None:
             attachment = sample.attachment
             if attachment is None:
                 deliver(sample.payload.to_bytes())
@@ -123,11 +123,11 @@ class Inlet:
                 deliver(sample.payload.to_bytes())
             elif len(attachment) == _NUMBER.size + len(_TOTAL):
                 self._count(*_NUMBER.unpack(attachment.to_bytes()[len(_TOTAL) :]))
-                self._told.set()
+                self._is_reported.set()
             else:
                 session.put(attachment.to_string(), b"")
 
-        self._declared = session.declare_subscriber(key, heard)
+        self._declared = session.declare_subscriber(key, on_sample)
         self._ask = lambda: session.put(_question(key), b"")
 
     def settle(self, timeout_s: float) -> bool:
@@ -137,12 +137,12 @@ class Inlet:
         """
         if self._ask is None:
             return False
-        self._told.clear()
+        self._is_reported.clear()
         try:
             self._ask()
         except zenoh.ZError:
             return False
-        return self._told.wait(timeout_s)
+        return self._is_reported.wait(timeout_s)
 
     def answer(self, session: zenoh.Session, key: str, reply: Callable[[], bytes | None]) -> None:
         """Answer with the next value whenever it is asked for from now on."""

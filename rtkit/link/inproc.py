@@ -54,20 +54,20 @@ class InprocLink:
         self._listened[key] = listened
 
         def tell(text: str) -> None:
-            for heard in list(self._lines.get(key, ())):
-                heard(text)
+            for on_text in list(self._lines.get(key, ())):
+                on_text(text)
 
         return tell
 
-    def listen(self, key: str, heard: Callable[[str], object]) -> Callable[[], object]:
+    def listen(self, key: str, on_text: Callable[[str], object]) -> Callable[[], object]:
         """See `Link.listen`."""
         listeners = self._lines.setdefault(key, [])
-        listeners.append(heard)
+        listeners.append(on_text)
         if len(listeners) == 1 and key in self._listened:
             self._listened[key](True)
 
         def end() -> None:
-            listeners.remove(heard)
+            listeners.remove(on_text)
             if not listeners and key in self._listened:
                 self._listened[key](False)
 

@@ -87,8 +87,8 @@ def open_client(
     config = _config("client", settings, has_shared_memory)
     opened = _in_background(lambda: zenoh.open(config))
     if isinstance(opened, zenoh.ZError):
-        told = f": {_bare(opened)}" if opened.__cause__ is not None else ""
-        raise Unreachable(f"cannot reach {endpoint}{told}") from opened
+        cause = f": {_bare(opened)}" if opened.__cause__ is not None else ""
+        raise Unreachable(f"cannot reach {endpoint}{cause}") from opened
     return opened
 
 
@@ -188,11 +188,11 @@ class ZenohLink:
         self._declared.append(publisher)
         return publisher.put
 
-    def listen(self, key: str, heard: Callable[[str], object]) -> Callable[[], object]:
+    def listen(self, key: str, on_text: Callable[[str], object]) -> Callable[[], object]:
         """See `Link.listen`."""
 
         def take(sample: zenoh.Sample) -> None:
-            heard(sample.payload.to_string())
+            on_text(sample.payload.to_string())
 
         handler = zenoh.handlers.Callback(take, indirect=False)
         return self._session.declare_subscriber(key, handler).undeclare
@@ -239,8 +239,8 @@ def _receiver(
         except ValueError:  # which is what zenoh raises
             answer(Reply("payload is not UTF-8 text", "malformed"))
             return
-        told, given = query.attachment, str(query.parameters)
-        until = math.inf if told is None else deadline_from_bytes(told.to_bytes())
+        attached, given = query.attachment, str(query.parameters)
+        until = math.inf if attached is None else deadline_from_bytes(attached.to_bytes())
         id = given.removeprefix(_ID) if given.startswith(_ID) else ""
         enqueue(Request(key.removeprefix(prefix), payload, answer, is_extension, until, id))
 

@@ -12,7 +12,7 @@ from contextlib import ExitStack
 
 from rtkit.errors import Refused
 from rtkit.link import places, unix
-from rtkit.link.bound import is_abandoned
+from rtkit.link.processes import is_abandoned
 from rtkit.link.segments import remove_orphans
 
 _DYING_MS = 1000

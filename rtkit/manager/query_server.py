@@ -17,7 +17,7 @@ from rtkit.deployment.part import part_of
 from rtkit.errors import NotFound, Refused, Unreachable
 from rtkit.fast_dataclass import replace
 from rtkit.link import keys
-from rtkit.link.process_watch import ProcessWatch
+from rtkit.link.processes import ProcessWatch
 from rtkit.link.running import managers
 from rtkit.manager.core import configuring, operations
 from rtkit.manager.core.events import (

@@ -24,7 +24,7 @@ from rtkit.manager.child_process import Backoff, exit_reason
 from rtkit.settings.configuration import TcpEndpointSettings
 
 _log = logging.getLogger(__name__)
-_MODULE = "rtkit.link.door_process"
+_MODULE = "rtkit.link.endpoint_process"
 _READY = "ready"
 _TRIES = 5
 _START_S = 20.0

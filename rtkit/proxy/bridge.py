@@ -34,8 +34,8 @@ class Bridge(Closing):
 class _OwnerStatus:
     """Reports about the owner: only when it comes and goes, and from the first time on."""
 
-    def __init__(self, said: Callable[[str], None]) -> None:
-        self._said = said
+    def __init__(self, on_status: Callable[[str], None]) -> None:
+        self._on_status = on_status
         self._reported: bool | str | None = None
         self.why = ""
         self.is_known = threading.Event()
@@ -47,7 +47,7 @@ class _OwnerStatus:
             self.why = why
             self.is_known.set()
         elif self._reported != delta and not (isinstance(self._reported, str) and delta is False):
-            self._said(why)
+            self._on_status(why)
         else:
             return
         self._reported = delta
@@ -61,7 +61,7 @@ def bridge(
     allow_set: Sequence[str] = (),
     cwd: str = "/",
     timeout_s: float = 5.0,
-    said: Callable[[str], None] = lambda why: None,
+    on_status: Callable[[str], None] = lambda why: None,
     on_refusal: Callable[[str, str, str], object] | None = None,
 ) -> Bridge:
     """Open an endpoint for the properties of another service.
@@ -73,7 +73,7 @@ def bridge(
         allow_set: Patterns of the names that may be set; actions are started by that too.
         cwd: Working directory in the tree, for paths.
         timeout_s: Bound on each attempt to connect [s].
-        said: Called, on the loop, with why when the owner goes, with nothing when it is back.
+        on_status: Called, on the loop, with why when the owner goes, with nothing when it is back.
         on_refusal: Hears of each request that was denied: who, method, target.
 
     Raises:
@@ -83,11 +83,13 @@ def bridge(
     host = PropertyEventLoop()
     # What may be set has been decided here: endpoints let anybody set what passes.
     settings = WireSettings(host, timeout_s, settable=("*",))
-    status = _OwnerStatus(said)
+    status = _OwnerStatus(on_status)
     try:
         names = _names(prefix)
         found = source_of(source, cwd, settings)
-        relay = Relay(host, found.connect, names=names, allowed=Allowed(allow_set), said=status)
+        relay = Relay(
+            host, found.connect, names=names, allowed=Allowed(allow_set), on_status=status
+        )
         relay.name, relay.on_refusal = found.name, on_refusal
         host.at_end(lambda: _locked(host, relay.uplink.close))
         host.start()

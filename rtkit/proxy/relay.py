@@ -39,7 +39,7 @@ class Relay:
     """Stands for the owner of properties; a `PropertyProvider` to the endpoints.
 
     Args:
-        said: Called with why whenever the owner is gone, and with nothing when it is back.
+        on_status: Called with why whenever the owner is gone, and with nothing when it is back.
 
     Attributes:
         name: Under which it is found.
@@ -56,13 +56,13 @@ class Relay:
         *,
         names: Names,
         allowed: Allowed,
-        said: Callable[[str], None],
+        on_status: Callable[[str], None],
     ) -> None:
         self.name = ""
         self.on_refusal: Callable[[str, str, str], object] | None = None
         self._names = names
         self._is_allowed = allowed
-        self._said = said
+        self._on_status = on_status
         self._id = f"p{uuid.uuid4().hex[:12]}"
         self._count = itertools.count(1)
         self._numbers: dict[Hashable, int] = {}
@@ -259,8 +259,8 @@ class Relay:
         def answered(reply: Answer) -> None:
             if not reply.error:
                 try:
-                    told = self._names.widened(place, str(reply.payload), options)
-                    reply = Answer(told)
+                    listing = self._names.widened(place, str(reply.payload), options)
+                    reply = Answer(listing)
                 except PropertyError as error:
                     reply = Answer(str(error), error.code)
             answer(reply)
@@ -272,12 +272,12 @@ class Relay:
     # The connection
 
     def _came(self) -> None:
-        self._said("")
+        self._on_status("")
         self._listenings.came()
 
     def _went(self, why: str) -> None:
         self._listenings.went()
-        self._said(why)
+        self._on_status(why)
 
 
 def _listened(name: str) -> str | None:

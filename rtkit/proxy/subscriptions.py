@@ -245,7 +245,7 @@ class RelayedSubscriptions:
             connection.listen(
                 listening.name,
                 _with_initial(listening.options.text) if is_again else listening.options.text,
-                lambda event: self._heard(listening, connection, event),
+                lambda event: self._on_event(listening, connection, event),
                 lambda reply: self._answered(listening, reply),
             )
 
@@ -313,7 +313,7 @@ class RelayedSubscriptions:
         if relayed.pending:
             caller.wake()
 
-    def _heard(
+    def _on_event(
         self, listening: RelayedSubscription, connection: ProviderConnection, event: PropertyEvent
     ) -> None:
         """Send on what the owner sent."""

@@ -105,8 +105,8 @@ class Uplink:
                 placed(connection)
                 return
         if len(self._connections) >= _MOST_CONNECTIONS:
-            told = f"{_MOST_CONNECTIONS} connections listen in different ways"
-            placed(PropertyError("denied", told))
+            why = f"{_MOST_CONNECTIONS} connections listen in different ways"
+            placed(PropertyError("denied", why))
             return
         self._wanted.append((name, placed))
         if len(self._wanted) == 1:

@@ -43,14 +43,14 @@ class Acceptor(ABC):
     ) -> None:
         self._host = host
         self._end = end
-        self._guests: list[AdmittedClient] = []
-        self._quota = EndpointQuota(host.policy, endpoint, lambda: self._guests, limits=limits)
+        self._clients: list[AdmittedClient] = []
+        self._quota = EndpointQuota(host.policy, endpoint, lambda: self._clients, limits=limits)
         end.setblocking(False)
         end.listen(_BACKLOG)
         host.register(end, self)
 
     @abstractmethod
-    def enter(self, client: socket.socket) -> AdmittedClient | str:
+    def admit(self, client: socket.socket) -> AdmittedClient | str:
         """Admit a client, or return the refusal to send it: code, blank, words."""
 
     @abstractmethod
@@ -65,14 +65,14 @@ class Acceptor(ABC):
             return  # it has gone again, or there is no descriptor left: the next one may fit
         self._forget()
         most = self._quota.limits.connections
-        is_full = len(self._guests) >= most
-        entered = f"busy there are {most} connections" if is_full else self.enter(client)
-        if not isinstance(entered, str):
-            self._guests.append(entered)
+        is_full = len(self._clients) >= most
+        admitted = f"busy there are {most} connections" if is_full else self.admit(client)
+        if not isinstance(admitted, str):
+            self._clients.append(admitted)
             return
         with contextlib.suppress(OSError):  # whoever does not wait for the word goes without
             client.setblocking(False)
-            client.send(self.reject(entered))
+            client.send(self.reject(admitted))
         client.close()
 
     def flush(self, now: float) -> float | None:
@@ -84,7 +84,7 @@ class Acceptor(ABC):
         self._forget()
 
     def _forget(self) -> None:
-        self._guests = [each for each in self._guests if each.is_open]
+        self._clients = [each for each in self._clients if each.is_open]
 
 
 def bound_to(port: int) -> socket.socket:

@@ -1,4 +1,4 @@
-"""Quota of an endpoint and its access rules, shared by its clients."""
+"""Quota of an endpoint: access rules, rates and subscriptions of its clients."""
 
 from __future__ import annotations
 
@@ -8,7 +8,8 @@ from typing import Protocol
 
 from rtkit.property.access import DEFAULT_LIMITS, AccessPolicy, AccessRule, EndpointLimits
 from rtkit.property.codes import PropertyError
-from rtkit.serving.rate_limit import RateLimit
+from rtkit.property.requests import Requester
+from rtkit.property.subscription import Listener
 
 
 class QuotaClient(Protocol):
@@ -18,6 +19,34 @@ class QuotaClient(Protocol):
     def listening(self) -> int:
         """Return how many subscriptions it has."""
         ...
+
+
+class RateLimit:
+    """Requests that one client has left.
+
+    Args:
+        rate: Requests in a second; also how many may come at once.
+        now: Present time [s, of a clock that never goes back].
+    """
+
+    def __init__(self, rate: int, now: float) -> None:
+        self._rate = rate
+        self._left = float(rate)
+        self._at = now
+
+    def takes(self, now: float) -> bool:
+        """Return whether one more request may be made; then it counts."""
+        self._left = min(self._rate, self._left + (now - self._at) * self._rate)
+        self._at = now
+        if self._left < 1:
+            return False
+        self._left -= 1
+        return True
+
+
+def too_fast(rate: int) -> str:
+    """Return the refusal for a client that asks too often."""
+    return f"more than {rate} requests a second"
 
 
 class EndpointQuota:
@@ -62,3 +91,37 @@ class EndpointQuota:
             raise PropertyError("denied", f"more than {limits.listeners} listeners")
         if sum(each.listening for each in self._clients()) >= limits.door_listeners:
             raise PropertyError("denied", f"more than {limits.door_listeners} listeners at a door")
+
+
+class SubscribingClient(Requester):
+    """Requester with listeners.
+
+    Args:
+        quota: How much there is room for, and what may be done.
+    """
+
+    def __init__(self, quota: EndpointQuota, identity: str = "") -> None:
+        super().__init__(identity)
+        self.access = quota.access
+        self._quota = quota
+        self._listeners: list[Listener] = []
+
+    @property
+    def listening(self) -> int:
+        """Return how many subscriptions it has."""
+        return len(self._listeners)
+
+    @property
+    def has_pending(self) -> bool:
+        """Return whether an event waits to be sent."""
+        return any(each.pending for each in self._listeners)
+
+    def listen(self, listener: Listener) -> None:
+        """See `Requester.listen`."""
+        self._quota.check_listeners(self.listening)
+        self._listeners.append(listener)
+
+    def unlisten(self, listener: Listener) -> None:
+        """See `Requester.unlisten`."""
+        if listener in self._listeners:
+            self._listeners.remove(listener)

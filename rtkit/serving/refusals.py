@@ -14,7 +14,7 @@ MOST = 20
 _MOST_KNOWN = 1000
 
 
-class _Told(NamedTuple):
+class _Reported(NamedTuple):
     until: float
     lines: int
     more: int = 0
@@ -26,7 +26,7 @@ class Refusals:
 
     def __init__(self, log: Callable[[str], object] | None = None) -> None:
         self._log = log or (lambda line: getLogger("rtkit.properties").warning("%s", line))
-        self._told: dict[str, _Told] = {}
+        self._reported: dict[str, _Reported] = {}
         self._lock = threading.Lock()
 
     def __call__(self, identity: str, method: str, target: str) -> None:
@@ -34,21 +34,21 @@ class Refusals:
         what = f"{method} {target} by {identity!r}"
         with self._lock:
             now = monotonic()
-            told = self._told.get(identity)
-            if told is None or now >= told.until:
+            reported = self._reported.get(identity)
+            if reported is None or now >= reported.until:
                 self._summed(identity)
-                if len(self._told) >= _MOST_KNOWN:
-                    self._told.clear()
-                told = _Told(now + INTERVAL_S, 0)
-            if told.lines < MOST:
-                self._told[identity] = told._replace(lines=told.lines + 1)
+                if len(self._reported) >= _MOST_KNOWN:
+                    self._reported.clear()
+                reported = _Reported(now + INTERVAL_S, 0)
+            if reported.lines < MOST:
+                self._reported[identity] = reported._replace(lines=reported.lines + 1)
                 self._log(f"denied: {what}")
                 return
-            if not told.more:
-                timer = threading.Timer(max(0.0, told.until - now), self.sum_up, (identity,))
+            if not reported.more:
+                timer = threading.Timer(max(0.0, reported.until - now), self.sum_up, (identity,))
                 timer.daemon = True
                 timer.start()
-            self._told[identity] = told._replace(more=told.more + 1, last=what)
+            self._reported[identity] = reported._replace(more=reported.more + 1, last=what)
 
     def sum_up(self, identity: str) -> None:
         """Log the number of denials that were not logged one by one."""
@@ -56,6 +56,6 @@ class Refusals:
             self._summed(identity)
 
     def _summed(self, identity: str) -> None:
-        told = self._told.pop(identity, None)
-        if told is not None and told.more:
-            self._log(f"denied: {told.more} more by {identity!r}, the last one {told.last}")
+        reported = self._reported.pop(identity, None)
+        if reported is not None and reported.more:
+            self._log(f"denied: {reported.more} more by {identity!r}, the last one {reported.last}")

@@ -12,7 +12,7 @@ from rtkit.closing import Closing
 from rtkit.deployment.lease import LeaseHolder, holder_from_text
 from rtkit.errors import Malformed, NotFound, Refused, RtkitError
 from rtkit.link.ports import user_name
-from rtkit.link.process_watch import ProcessWatch
+from rtkit.link.processes import ProcessWatch
 from rtkit.rtc.serde import encode
 from rtkit.tree.client import Tree
 

@@ -18,7 +18,8 @@ from rtkit.rtc.names import LOCAL, is_local_host
 
 if TYPE_CHECKING:
     from rtkit.tree.live import ThisHost
-    from rtkit.wires.wire import ClientSide, PropertyClient
+    from rtkit.wires.property_client import PropertyClient
+    from rtkit.wires.wire import ClientSide
 
 
 class PropertyTarget(NamedTuple):

@@ -11,7 +11,7 @@ from rtkit.errors import RtkitError
 from rtkit.property.messages import PropertyEvent
 from rtkit.tree.properties import PropertyConnections, printed_error
 from rtkit.tree.wakeup import Wakeup
-from rtkit.wires.wire import PropertyClient
+from rtkit.wires.property_client import PropertyClient
 
 _Heard = tuple[str, PropertyEvent | Exception]
 

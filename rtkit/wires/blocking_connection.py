@@ -13,17 +13,17 @@ from rtkit.property.codes import code_of
 from rtkit.property.exchange import NOT_BEGUN
 from rtkit.property.messages import DONE, Answer, Payload
 from rtkit.serving.event_loop import PropertyEventLoop
+from rtkit.wires.property_client import BoundedClient
 from rtkit.wires.provider_connection import (
     ENDED,
     Answering,
     ConnectionMaker,
-    Hearing,
+    EventHandler,
     LoopInbox,
     ProviderConnection,
     with_id,
 )
 from rtkit.wires.request_scheduler import RequestScheduler, ScheduledRequest
-from rtkit.wires.wire import BoundedClient
 
 _LATE = Answer(NOT_BEGUN, "timeout")
 _LOOK_S = 1.0
@@ -105,12 +105,12 @@ class BlockingConnection(ProviderConnection):
         """See `ProviderConnection.has_room`."""
         return name not in self._listening
 
-    def listen(self, name: str, options: str, hear: Hearing, answer: Answering) -> None:
+    def listen(self, name: str, options: str, on_event: EventHandler, answer: Answering) -> None:
         """See `ProviderConnection.listen`."""
         is_over = self._listening[name] = threading.Event()
         target = f"{name}?{options}" if options else name
         inbox = LoopInbox(
-            self._host, options, lambda event: None if is_over.is_set() else hear(event)
+            self._host, options, lambda event: None if is_over.is_set() else on_event(event)
         )
 
         def answered(reply: Answer) -> None:
@@ -126,13 +126,13 @@ class BlockingConnection(ProviderConnection):
                 self._host.post(lambda: answered(reply))
                 return
             try:
-                self._hear(end, target, is_over, inbox, answered)
+                self._receive(end, target, is_over, inbox, answered)
             finally:
                 end.close()
 
         threading.Thread(target=work, name="listening", daemon=True).start()
 
-    def _hear(
+    def _receive(
         self,
         end: BoundedClient,
         target: str,

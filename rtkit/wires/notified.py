@@ -85,16 +85,19 @@ class Notified(Requester):
             return None
         self._is_busy = True
         self._host.user_code.later(
-            self.identity, lambda: self._tell(event), lambda late: self._told(False), DELIVERY_S
+            self.identity,
+            lambda: self._set_event(event),
+            lambda late: self._delivered(False),
+            DELIVERY_S,
         )
         return None
 
-    def _tell(self, event: PropertyEvent) -> None:
+    def _set_event(self, event: PropertyEvent) -> None:
         outcome = self._host.user_code.call(lambda: self._deliver(event))
         if self._is_busy:
-            self._told(outcome.error is None)
+            self._delivered(outcome.error is None)
 
-    def _told(self, is_well: bool, /) -> None:
+    def _delivered(self, is_well: bool, /) -> None:
         self._is_busy = False
         self._failures = 0 if is_well else self._failures + 1
         if self._failures >= MOST_FAILURES:

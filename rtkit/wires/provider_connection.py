@@ -17,7 +17,7 @@ from rtkit.property.subscription import LONGEST_QUEUE
 from rtkit.serving.event_loop import PropertyEventLoop
 
 Answering = Callable[[Answer], object]
-Hearing = Callable[[PropertyEvent], object]
+EventHandler = Callable[[PropertyEvent], object]
 Gone = Callable[[str], object]
 
 ENDED = Answer("the connection has ended", "no-service")
@@ -64,7 +64,7 @@ class ProviderConnection(ABC):
         """Return whether it can listen to this beside what it listens to."""
 
     @abstractmethod
-    def listen(self, name: str, options: str, hear: Hearing, answer: Answering) -> None:
+    def listen(self, name: str, options: str, on_event: EventHandler, answer: Answering) -> None:
         """Listen to a property, with the parameters `options`."""
 
     @abstractmethod
@@ -165,14 +165,14 @@ class LoopInbox:
 
     Args:
         options: Parameters of the listening; the queue is one of them.
-        hear: Called on the loop with each event.
+        on_event: Called on the loop with each event.
     """
 
     def __init__(
-        self, host: PropertyEventLoop, options: str, hear: Callable[[PropertyEvent], object]
+        self, host: PropertyEventLoop, options: str, on_event: Callable[[PropertyEvent], object]
     ) -> None:
         self._host = host
-        self._hear = hear
+        self._on_event = on_event
         self._events: deque[PropertyEvent] = deque(maxlen=_queue_of(options))
         self._dropped = 0
         self._is_posted = False
@@ -199,7 +199,7 @@ class LoopInbox:
         if dropped:
             events[0] = events[0]._replace(dropped=events[0].dropped + dropped)
         for event in events:
-            self._hear(event)
+            self._on_event(event)
 
 
 def _queue_of(options: str) -> int:

@@ -94,7 +94,7 @@ class QueryServer:
     def _serve_one(self, query: Queried, ask: PropertyRequest) -> None:
         is_new = query.subscription not in self._subscriptions
         subscription = self._subscription(query.subscription)
-        told: list[Answer] = []
+        answers: list[Answer] = []
         is_late = False
 
         def answer(reply: Answer) -> None:
@@ -102,14 +102,14 @@ class QueryServer:
             if is_late:
                 self._answer_one(query, subscription, reply, is_new=is_new)
             else:
-                told.append(reply)
+                answers.append(reply)
 
         subscription.asked += 1
         asked = ask._replace(target=_leased(query.target), caller=subscription, answer=answer)
         self._service.handle(asked)
         is_late = True
-        if told:
-            self._answer_one(query, subscription, told[0], is_new=is_new)
+        if answers:
+            self._answer_one(query, subscription, answers[0], is_new=is_new)
         subscription.repeat()
         self._let_go(query.subscription)
 
@@ -142,9 +142,9 @@ class QueryServer:
 
     def _is_heard(self, target: str, group: SharedSubscription) -> bool:
         """Make a group listen, or listen on; return whether it does."""
-        told: list[Answer] = []
-        self._service.handle(PropertyRequest(_shared(target), "self", told.append, group))
-        if told and not told[0].error:
+        answers: list[Answer] = []
+        self._service.handle(PropertyRequest(_shared(target), "self", answers.append, group))
+        if answers and not answers[0].error:
             return True
         if not group.listening:
             self._service.forget(group)  # it is asked elsewhere, and told later

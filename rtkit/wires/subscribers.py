@@ -11,8 +11,7 @@ from typing import Protocol
 from rtkit.property.messages import PropertyEvent
 from rtkit.property.subscription import Listener
 from rtkit.serving.event_loop import PropertyEventLoop
-from rtkit.serving.quota import EndpointQuota
-from rtkit.serving.subscribing_client import SubscribingClient
+from rtkit.serving.quota import EndpointQuota, SubscribingClient
 from rtkit.wires.zenoh.properties import EventPosition, Joined, new_run
 
 

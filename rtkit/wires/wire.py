@@ -7,50 +7,21 @@ start.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING, NamedTuple, Protocol
+from typing import TYPE_CHECKING, NamedTuple
 
 from rtkit.errors import Malformed, Refused
 
 if TYPE_CHECKING:
-    from rtkit.property.messages import Answer, Payload, PropertyEvent
     from rtkit.serving.event_loop import PropertyEventLoop
     from rtkit.serving.provider import PropertyProvider
+    from rtkit.wires.property_client import PropertyClient
     from rtkit.wires.provider_connection import ConnectionMaker
 
 SERVICES = "door/services"
 """Target that lists the services behind an endpoint."""
 PORT = "[HOST:]PORT"
 HERE = ("", "localhost", "127.0.0.1")
-
-
-class PropertyClient(Protocol):
-    """A connection to the owner of properties."""
-
-    def ask(self, target: str, payload: Payload | None = None) -> Answer:
-        """GET, or SET."""
-        ...
-
-    def listen(self, target: str) -> None:
-        """Begin to listen."""
-        ...
-
-    def event(self, timeout_s: float | None = None) -> PropertyEvent | None:
-        """Return the next event, None if none came in time."""
-        ...
-
-    def close(self) -> None:
-        """End the connection."""
-        ...
-
-
-class BoundedClient(PropertyClient, Protocol):
-    """A connection on which each request may be given up sooner."""
-
-    def ask(self, target: str, payload: Payload | None = None, until: float = math.inf) -> Answer:
-        """GET, or SET that has begun at `until`, by the monotonic clock [s], or never does."""
-        ...
 
 
 class WireSettings(NamedTuple):

@@ -73,7 +73,7 @@ def door_of(served: ServedObject) -> IceEndpoint:
 
 
 def guests(served: ServedObject) -> list[ServedIceClient]:
-    return list(door_of(served)._guests.values())
+    return list(door_of(served)._clients.values())
 
 
 def await_that(served: ServedObject, is_so: Callable[[], object]) -> None:
@@ -403,7 +403,10 @@ def test_a_proxy_finds_its_owner_again(place: str, monkeypatch: pytest.MonkeyPat
     served = serve(first, "robot", ice=0, is_on_zenoh=False)
     source = f"ice://localhost:{served.ice}/robot"
     path = f"{place}/p.sock"
-    with bridge(source, f"unix:{path}", said=said.put), connect_unix(path, BOUND_S) as endpoint:
+    with (
+        bridge(source, f"unix:{path}", on_status=said.put),
+        connect_unix(path, BOUND_S) as endpoint,
+    ):
         endpoint.listen("count?queue=9")
         assert _next(endpoint) == ("7", "good")
         served.close()

@@ -231,4 +231,4 @@ def test_what_is_refused(
     said: SimpleQueue[str] = SimpleQueue()
     broker.stop()
     with pytest.raises(Unreachable, match="cannot reach localhost"):
-        bridge("robot", broker.address("lab"), said=said.put)
+        bridge("robot", broker.address("lab"), on_status=said.put)

@@ -125,7 +125,7 @@ class Proxied:
                 f"unix:{path}",
                 prefix=prefix,
                 allow_set=allow_set,
-                said=self.said.put,
+                on_status=self.said.put,
                 on_refusal=lambda *what: self.refused.append(what),
             )
         )
@@ -241,7 +241,7 @@ def test_the_owner_goes_and_comes_back(place: str, ends: ExitStack) -> None:
                 source.replace("unix:", f"unix:{place}/"),
                 target.replace("unix:", f"unix:{place}/"),
                 allow_set=["*"],
-                said=hear,
+                on_status=hear,
             )
         )
     endpoint = Lines(lambda: connect_unix(f"{place}/run/p2.ps", BOUND_S))
@@ -373,7 +373,7 @@ def test_a_proxy_of_itself_is_refused(served: ServedObject, place: str, ends: Ex
         bridge(f"{path}a.sock", f"{path}a.sock")
     said: SimpleQueue[str] = SimpleQueue()
     bystander = ends.enter_context(bridge("robot", f"{path}b.sock"))
-    ends.enter_context(bridge(f"{path}b.sock", f"{path}a.sock", said=said.put))
+    ends.enter_context(bridge(f"{path}b.sock", f"{path}a.sock", on_status=said.put))
     with pytest.raises(Refused, match="somebody listens there"):
         bridge("robot", f"{path}a.sock")
     bystander.close()

@@ -205,7 +205,7 @@ def test_while_the_device_is_gone_a_proxy_says_so(place: str, cable: Cable) -> N
     path = f"{place}/p.sock"
     with (
         serving(cable, subject(), "*") as served,
-        bridge(f"serial:{cable.near}?check=1", f"unix:{path}", allow_set=["*"], said=said.put),
+        bridge(f"serial:{cable.near}?check=1", f"unix:{path}", allow_set=["*"], on_status=said.put),
         connect_unix(path, BOUND_S) as client,
         listening(connect_unix(path, BOUND_S), "count") as events,
     ):

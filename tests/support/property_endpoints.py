@@ -23,9 +23,10 @@ from rtkit.link.zenoh import open_client, unix_endpoint
 from rtkit.property.messages import PropertyEvent
 from rtkit.proxy.bridge import bridge
 from rtkit.tree.properties import OfService
+from rtkit.wires.property_client import PropertyClient
 from rtkit.wires.serve import ServedObject
 from rtkit.wires.table import WIRES, wire_of
-from rtkit.wires.wire import PORT, PropertyClient, Wire
+from rtkit.wires.wire import PORT, Wire
 from rtkit.wires.zenoh.client import ZenohClient
 
 BOUND_S = 30.0

@@ -65,7 +65,7 @@ def main(app: App, prefix: str, allow_set: tuple[str, ...], source: str, target:
             allow_set=allow_set,
             cwd=working_directory(),
             timeout_s=app.timeout_s,
-            said=say,
+            on_status=say,
             on_refusal=Refusals(),
         ) as opened,
     ):

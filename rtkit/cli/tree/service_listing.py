@@ -14,7 +14,7 @@ from rtkit.cli.shared.app import App, working_directory
 if TYPE_CHECKING:
     from rtkit.property.values import Element, Value
     from rtkit.tree.properties import PropertyTarget
-    from rtkit.wires.wire import PropertyClient
+    from rtkit.wires.property_client import PropertyClient
 
 _HEAD = ("type", "access", "unit", "quality")
 _CALL_S = 0.1

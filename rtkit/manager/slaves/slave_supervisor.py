@@ -63,7 +63,7 @@ class SlaveSupervisor:
     def __init__(
         self, settings: Mapping[str, Any], dead: Mapping[int, SlaveCheckpoint] = NOBODY
     ) -> None:
-        self._settings = {**settings, "born_of": f"{os.getpid()}.{time.monotonic_ns()}"}
+        self._settings = {**settings, "manager_run": f"{os.getpid()}.{time.monotonic_ns()}"}
         self._pids: dict[int, int] = {}
         self._keys: dict[int, int] = {}
         self._pidfds: dict[int, int] = {}
@@ -116,7 +116,7 @@ class SlaveSupervisor:
 
     def expects(self, key: object, pid: object, manager: object) -> bool:
         """Return whether a connecting slave with this key and pid was requested here."""
-        is_ours = manager == self._settings["born_of"]
+        is_ours = manager == self._settings["manager_run"]
         if not is_ours or not isinstance(key, int) or not isinstance(pid, int):
             return False
         if key in self._asked:

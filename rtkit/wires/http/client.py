@@ -82,9 +82,9 @@ class HttpClient(Closing):
             if not self._nonce:
                 self._exchange("GET", _ROOT, None, {})  # only to be told what to prove
         for _ in range(3):
-            response, told = self._exchange(method, uri, body, headers)
+            response, received = self._exchange(method, uri, body, headers)
             if response.status != HTTPStatus.UNAUTHORIZED or not self._is_challenged(response):
-                return _answer(response, told)
+                return _answer(response, received)
         return Answer("the door does not take the secret of this user", "denied")
 
     def _exchange(
@@ -98,7 +98,7 @@ class HttpClient(Closing):
         try:
             self._http.request(method, uri, body, headers | self._proof(method, uri))
             response = self._http.getresponse()
-            told = response.read()
+            received = response.read()
         except TimeoutError:
             self._http.close()
             raise Unreachable(f"no answer within {self._timeout_s:g} s") from None
@@ -107,7 +107,7 @@ class HttpClient(Closing):
             raise Unreachable(self._gone(error)) from error
         if response.status == HTTPStatus.UNAUTHORIZED:
             self._is_challenged(response)
-        return response, told
+        return response, received
 
     def _close_if_hung_up(self) -> None:
         """Reconnect where the endpoint has closed the connection since the last answer."""

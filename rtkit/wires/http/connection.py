@@ -22,8 +22,7 @@ from rtkit.property.exchange import NOT_BEGUN
 from rtkit.property.messages import Answer
 from rtkit.property.requests import PropertyRequest
 from rtkit.property.subscription import Listener
-from rtkit.serving.rate_limit import too_fast
-from rtkit.serving.subscribing_client import SubscribingClient
+from rtkit.serving.quota import SubscribingClient, too_fast
 from rtkit.wires.http import request as http_request
 from rtkit.wires.http.client import DEADLINE
 from rtkit.wires.http.events import SseProgress, write_sse
@@ -96,7 +95,7 @@ class HttpConnection(SubscribingClient):
         self._began_at: float | None = None
         self._moved_at = monotonic()
         self._linger_until: float | None = None
-        self._heard: SseProgress | None = None
+        self._progress: SseProgress | None = None
         self._mask = (True, False)
         end.setblocking(False)
         host.register(end, self)
@@ -147,7 +146,7 @@ class HttpConnection(SubscribingClient):
                 event = listener.take(now)
                 if event is None:
                     break
-                if self._heard is None or self._heard.is_new(event):
+                if self._progress is None or self._progress.is_new(event):
                     self._stream(write_sse(event))
             if listener.has_ended and not listener.pending:
                 self._listeners.remove(listener)
@@ -320,7 +319,7 @@ class HttpConnection(SubscribingClient):
             answer(Answer(NOT_BEGUN, "timeout"))
 
     def _open_stream(self, asked: HttpRequest) -> None:
-        self._heard = SseProgress(self._headers.get("last-event-id", ""))
+        self._progress = SseProgress(self._headers.get("last-event-id", ""))
         self._is_asked = self._wants_events = True
         listening = PropertyRequest(
             http_request.to_listen(asked.target), "self", self._listened, self

@@ -25,7 +25,7 @@ class HttpEndpoint(Acceptor):
         self._guard = Guard(secret.read())
         super().__init__(host, end, "http", _LIMITS)
 
-    def enter(self, client: socket.socket) -> AdmittedClient:
+    def admit(self, client: socket.socket) -> AdmittedClient:
         """See `Acceptor.enter`."""
         client.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
         return self._connection(self._host, client, self._guard, self._quota)

@@ -142,9 +142,9 @@ def response(
         return Response(HTTPStatus.NO_CONTENT, "", b"", tag)
     payload = answer.payload
     if JSON in accepts:
-        told = {"target": uri, "value": payload_to_plain(payload),
+        record = {"target": uri, "value": payload_to_plain(payload),
                 "text": None if isinstance(payload, bytes) else payload}  # fmt: skip
-        return Response(HTTPStatus.OK, JSON, _json(told), tag)
+        return Response(HTTPStatus.OK, JSON, _json(record), tag)
     if isinstance(payload, bytes):
         return Response(HTTPStatus.OK, BYTES, payload, tag)
     return Response(HTTPStatus.OK, TEXT, payload.encode("utf-8", "surrogateescape"), tag)
@@ -159,11 +159,11 @@ def failure(code: str, text: str, status: int = 0) -> Response:
     return Response(int(found), TEXT, body, more)
 
 
-def _json(told: Mapping[str, Any]) -> bytes:
+def _json(record: Mapping[str, Any]) -> bytes:
     try:
-        text = json.dumps(told, ensure_ascii=False, allow_nan=False)
+        text = json.dumps(record, ensure_ascii=False, allow_nan=False)
     except ValueError:
-        text = json.dumps(_named(told), ensure_ascii=False, allow_nan=False)
+        text = json.dumps(_named(record), ensure_ascii=False, allow_nan=False)
     return text.encode("utf-8", "backslashreplace") + b"\n"
 
 

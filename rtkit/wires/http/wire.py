@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING
 from rtkit.errors import Malformed
 from rtkit.wires.wire import (
     PORT,
-    BoundedClient,
     ClientSide,
     ProviderAddress,
     ServeOption,
@@ -19,6 +18,7 @@ from rtkit.wires.wire import (
 
 if TYPE_CHECKING:
     from rtkit.serving.provider import PropertyProvider
+    from rtkit.wires.property_client import BoundedClient
 
 _ROOT = "/ps/"
 

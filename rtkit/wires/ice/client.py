@@ -8,12 +8,12 @@ from typing import Any
 
 from rtkit.closing import Closing
 from rtkit.errors import Unreachable
-from rtkit.link.inbox import Inbox
 from rtkit.link.secret import Secret
 from rtkit.property.messages import Answer, Payload, PropertyEvent
 from rtkit.wires.ice import protocol
 from rtkit.wires.ice.address import IceAddress, read_address
 from rtkit.wires.ice.session import IceSession, Outcome
+from rtkit.wires.property_client import Inbox
 
 _MOST_EVENTS = 10_000
 """Events that nobody has taken, above which the endpoint is to send no more."""

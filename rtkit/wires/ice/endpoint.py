@@ -52,8 +52,8 @@ class IceEndpoint:
         self._runtime = protocol.runtime()
         self._host = host
         self._secret = secret.read()
-        self._guests: dict[Any, ServedIceClient] = {}
-        self._quota = EndpointQuota(host.policy, "ice", lambda: list(self._guests.values()))
+        self._clients: dict[Any, ServedIceClient] = {}
+        self._quota = EndpointQuota(host.policy, "ice", lambda: list(self._clients.values()))
         self._lock = threading.Lock()
         self._pending: dict[Any, Settling] = {}
         self._has_ended = False
@@ -107,32 +107,32 @@ class IceEndpoint:
 
     def _work(self, connection: Any, asked: IceRequest) -> None:
         try:
-            guest = self._guests.get(connection)
-            if guest is None:
-                guest = self._entered(connection, asked)
-            if guest is not None:
-                guest.take(asked)
+            client = self._clients.get(connection)
+            if client is None:
+                client = self._entered(connection, asked)
+            if client is not None:
+                client.take(asked)
         except Exception as error:  # Ice would tell the far side where in our files it was
             getLogger("rtkit.properties").exception("%s", asked.target)
             asked.answer(failed(error))
 
     def _entered(self, connection: Any, asked: IceRequest) -> ServedIceClient | None:
         most = self._quota.limits.connections
-        if len(self._guests) >= most:
+        if len(self._clients) >= most:
             asked.answer(Answer(f"there are {most} connections", "busy"))
             connection.close(self._runtime.ice.ConnectionClose.Gracefully)
             return None
         login = Login(self._secret, monotonic(), self._host.services)
-        guest = ServedIceClient(self._host, connection, login, self._quota)
-        self._guests[connection] = guest
+        client = ServedIceClient(self._host, connection, login, self._quota)
+        self._clients[connection] = client
         connection.setCloseCallback(lambda _: self._host.post(lambda: self._left(connection)))
         self._host.mark(self)
-        return guest
+        return client
 
     def _left(self, connection: Any) -> None:
-        guest = self._guests.pop(connection, None)
-        if guest is not None:
-            guest.leave()
+        client = self._clients.pop(connection, None)
+        if client is not None:
+            client.leave()
 
     def ready(self, mask: int) -> None:
         """See `IOHandler.ready`; its sockets are Ice's."""
@@ -142,9 +142,9 @@ class IceEndpoint:
 
     def flush(self, now: float) -> float | None:
         """See `IOHandler.flush`: wait for those who have not said who they are."""
-        unknown = [each for each in self._guests.values() if not each.identity]
-        for guest in unknown:
-            guest.check(now)
+        unknown = [each for each in self._clients.values() if not each.identity]
+        for client in unknown:
+            client.check(now)
         return now + _CHECK_S if unknown else None
 
     # Answers
@@ -162,8 +162,8 @@ class IceEndpoint:
             pending, self._pending = list(self._pending.values()), {}
         for settle in pending:
             settle(_ENDED)
-        for guest in list(self._guests.values()):
-            guest.cut_off()
+        for client in list(self._clients.values()):
+            client.cut_off()
         self._communicator.destroy()
 
 

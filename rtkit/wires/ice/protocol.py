@@ -121,9 +121,9 @@ def write_payload(payload: Payload) -> Any:
     return made("", payload, True)
 
 
-def read_payload(told: Any) -> Payload:
+def read_payload(given: Any) -> Payload:
     """Return the payload that arrived."""
-    return bytes(told.data) if told.isBytes else str(told.text)
+    return bytes(given.data) if given.isBytes else str(given.text)
 
 
 def write_event(event: PropertyEvent) -> Any:
@@ -133,11 +133,11 @@ def write_event(event: PropertyEvent) -> Any:
                                  event.dropped, event.code)  # fmt: skip
 
 
-def read_event(told: Any) -> PropertyEvent:
+def read_event(given: Any) -> PropertyEvent:
     """Return the event that arrived."""
-    value = read_payload(told.value)
+    value = read_payload(given.value)
     return PropertyEvent(
-        told.name, value, told.time, told.revision, told.quality, told.dropped, told.code
+        given.name, value, given.time, given.revision, given.quality, given.dropped, given.code
     )
 
 

@@ -16,7 +16,7 @@ from rtkit.wires.provider_connection import (
     ENDED,
     STATUS,
     Answering,
-    Hearing,
+    EventHandler,
     Keepalive,
     LoopInbox,
     ProviderConnection,
@@ -60,7 +60,7 @@ class IceConnection(ProviderConnection):
         self._session.ask(
             with_id(target, id),
             payload,
-            lambda told: self._host.post(lambda: self._received(number, told)),
+            lambda outcome: self._host.post(lambda: self._received(number, outcome)),
             until,
         )
 
@@ -68,9 +68,9 @@ class IceConnection(ProviderConnection):
         """See `ProviderConnection.has_room`: each listening has an object of its own."""
         return name not in self._subscriptions
 
-    def listen(self, name: str, options: str, hear: Hearing, answer: Answering) -> None:
+    def listen(self, name: str, options: str, on_event: EventHandler, answer: Answering) -> None:
         """See `ProviderConnection.listen`."""
-        inbox = LoopInbox(self._host, options, lambda event: self._take(name, key, hear, event))
+        inbox = LoopInbox(self._host, options, lambda event: self._take(name, key, on_event, event))
 
         def take(events: list[PropertyEvent]) -> None:
             for event in events:
@@ -85,7 +85,7 @@ class IceConnection(ProviderConnection):
         key = self._session.listen(
             f"{name}?{options}" if options else name,
             take,
-            lambda told: self._host.post(lambda: self._received(number, told)),
+            lambda outcome: self._host.post(lambda: self._received(number, outcome)),
         )
         self._subscriptions[name] = key
 
@@ -114,10 +114,10 @@ class IceConnection(ProviderConnection):
             outcome = Answer(str(outcome), "no-service")
         self._answer(number, outcome)
 
-    def _take(self, name: str, key: str, hear: Hearing, event: PropertyEvent) -> None:
+    def _take(self, name: str, key: str, on_event: EventHandler, event: PropertyEvent) -> None:
         self._silence.end()
         if self._subscriptions.get(name) == key:
-            hear(event)
+            on_event(event)
 
     def _went(self, why: str) -> None:
         self._host.post(lambda: self._fail(why))

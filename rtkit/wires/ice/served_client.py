@@ -14,8 +14,7 @@ from rtkit.property.messages import Answer, Payload
 from rtkit.property.requests import PropertyRequest, Requester
 from rtkit.property.subscription import Listener
 from rtkit.serving.event_loop import PropertyEventLoop
-from rtkit.serving.quota import EndpointQuota
-from rtkit.serving.rate_limit import too_fast
+from rtkit.serving.quota import EndpointQuota, too_fast
 from rtkit.wires.ice import protocol
 from rtkit.wires.ice.protocol import DOOR, LEASE_S
 from rtkit.wires.ice.subscriber import IceSubscriber

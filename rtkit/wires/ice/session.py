@@ -23,7 +23,7 @@ from rtkit.wires.ice.address import IceAddress
 from rtkit.wires.ice.protocol import DOOR, LEASE_S, LONGEST
 
 Outcome = Answer | Unreachable
-Told = Callable[[Outcome], object]
+OnOutcome = Callable[[Outcome], object]
 Taking = Callable[[list[PropertyEvent]], object]
 """Takes events; what it returns is what the endpoint waits for before it sends more: nothing, or a
 future."""
@@ -101,11 +101,11 @@ class IceSession(Closing):
         outcomes: list[Outcome] = []
         is_told = threading.Event()
 
-        def told(outcome: Outcome) -> None:
+        def on_outcome(outcome: Outcome) -> None:
             outcomes.append(outcome)
             is_told.set()
 
-        self.ask(target, payload, told)
+        self.ask(target, payload, on_outcome)
         if not is_told.wait(timeout_s):
             raise Unreachable(f"{LATE} {timeout_s:g} s: {self._address}")
         if isinstance(outcomes[0], Unreachable):
@@ -115,7 +115,7 @@ class IceSession(Closing):
     # Requests
 
     def ask(
-        self, target: str, payload: Payload | None, told: Told, until: float = math.inf
+        self, target: str, payload: Payload | None, on_outcome: OnOutcome, until: float = math.inf
     ) -> None:
         """GET, or SET; the outcome is passed once, on a thread of Ice or at once.
 
@@ -133,13 +133,13 @@ class IceSession(Closing):
                 context = None if until == math.inf else {protocol.DEADLINE: deadline_at(until)}
                 future = service.setAsync(rest, protocol.write_payload(payload), context=context)
         except UnicodeEncodeError as error:
-            told(Answer(f"{error.start} expected UTF-8", "syntax"))
+            on_outcome(Answer(f"{error.start} expected UTF-8", "syntax"))
         except _TooLarge as error:
-            told(Answer(str(error), "too-large"))
+            on_outcome(Answer(str(error), "too-large"))
         except self._runtime.ice.Exception as error:
-            told(Unreachable(protocol.words_of(error)))
+            on_outcome(Unreachable(protocol.words_of(error)))
         else:
-            future.add_done_callback(lambda done: told(self._outcome(done)))
+            future.add_done_callback(lambda done: on_outcome(self._outcome(done)))
 
     def _split(self, target: str) -> tuple[Any, str]:
         """Return the proxy of the service that a target names, and what is asked of it."""
@@ -175,13 +175,13 @@ class IceSession(Closing):
 
     # Listening
 
-    def listen(self, target: str, take: Taking, told: Told) -> str:
+    def listen(self, target: str, take: Taking, on_outcome: OnOutcome) -> str:
         """Listen to a property; return by what `leave` knows it.
 
         Args:
             target: ``P`` or ``P?queue=…``.
             take: Called with events, on a thread of Ice.
-            told: Hears what came of it.
+            on_outcome: Called with what came of it.
         """
         key = uuid.uuid4().hex
         try:
@@ -192,13 +192,13 @@ class IceSession(Closing):
             proxy = self._runtime.slice.ListenerPrx.uncheckedCast(bare)
             future = service.listenAsync(rest, proxy)
         except UnicodeEncodeError as error:
-            told(Answer(f"{error.start} expected UTF-8", "syntax"))
+            on_outcome(Answer(f"{error.start} expected UTF-8", "syntax"))
             return key
         except _TooLarge as error:
-            told(Answer(str(error), "too-large"))
+            on_outcome(Answer(str(error), "too-large"))
             return key
         except self._runtime.ice.Exception as error:
-            told(Unreachable(protocol.words_of(error)))
+            on_outcome(Unreachable(protocol.words_of(error)))
             return key
         with self._lock:
             self._subscriptions[key] = _Subscription(service, rest, proxy)
@@ -209,7 +209,7 @@ class IceSession(Closing):
                 self._take_off(key)
             elif "lease=" not in rest:
                 self._keep_renewing()
-            told(outcome)
+            on_outcome(outcome)
 
         future.add_done_callback(done)
         return key
@@ -288,7 +288,7 @@ def _check_size(payload: Payload) -> None:
 
 
 def _servant(base: Any, take: Taking) -> Any:
-    def hear(self: object, told: list[Any], current: object = None) -> object:
-        return take([protocol.read_event(each) for each in told])
+    def hear(self: object, events: list[Any], current: object = None) -> object:
+        return take([protocol.read_event(each) for each in events])
 
     return type("Ear", (base,), {"hear": hear})()

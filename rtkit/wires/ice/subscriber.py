@@ -7,8 +7,7 @@ from typing import Any, Protocol
 from rtkit.property.messages import PropertyEvent
 from rtkit.property.subscription import Listener
 from rtkit.serving.event_loop import PropertyEventLoop
-from rtkit.serving.quota import EndpointQuota
-from rtkit.serving.subscribing_client import SubscribingClient
+from rtkit.serving.quota import EndpointQuota, SubscribingClient
 from rtkit.wires.ice import protocol
 
 STUCK_S = 30.0
@@ -105,11 +104,11 @@ class IceSubscriber(SubscribingClient):
         try:
             future = self._proxy.hearAsync([protocol.write_event(each) for each in events])
         except protocol.runtime().ice.Exception as error:
-            self._heard(error)
+            self._on_sent(error)
             return
-        future.add_done_callback(lambda done: self._host.post(lambda: self._heard(_error(done))))
+        future.add_done_callback(lambda done: self._host.post(lambda: self._on_sent(_error(done))))
 
-    def _heard(self, error: Exception | None) -> None:
+    def _on_sent(self, error: Exception | None) -> None:
         runtime = protocol.runtime().ice
         self._is_called = False
         self._failures = 0 if error is None else self._failures + 1

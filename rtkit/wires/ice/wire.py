@@ -8,7 +8,6 @@ from rtkit.errors import Malformed
 from rtkit.wires.wire import (
     PORT,
     ClientSide,
-    PropertyClient,
     ProviderAddress,
     ServeOption,
     Wire,
@@ -19,6 +18,7 @@ from rtkit.wires.wire import (
 
 if TYPE_CHECKING:
     from rtkit.serving.provider import PropertyProvider
+    from rtkit.wires.property_client import PropertyClient
 
 _PREFIX = "ice://"
 

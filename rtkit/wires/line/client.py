@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING
 from rtkit.closing import Closing
 from rtkit.errors import Unreachable
 from rtkit.link import unix
-from rtkit.link.inbox import Inbox
 from rtkit.property.line import Replies, write_request
 from rtkit.property.messages import DONE, Answer, Payload, PropertyEvent
+from rtkit.wires.property_client import Inbox
 
 if TYPE_CHECKING:
     pass
@@ -63,13 +63,13 @@ class LineClient(Closing):
                 return quick
         deadline = monotonic() + self._timeout_s
         while True:
-            told = self._receive(deadline)
-            if told is None:
+            received = self._receive(deadline)
+            if received is None:
                 raise Unreachable(f"no answer within {self._timeout_s:g} s")
-            if isinstance(told, PropertyEvent):
-                self._inbox.put(told)
+            if isinstance(received, PropertyEvent):
+                self._inbox.put(received)
             else:
-                return told[1]
+                return received[1]
 
     def _get(self, target: str) -> bytes:
         """Return the request that gets a target, and remember it."""
@@ -90,11 +90,11 @@ class LineClient(Closing):
             return known
         deadline = None if timeout_s is None else monotonic() + timeout_s
         while True:
-            told = self._receive(deadline)
-            if told is None:
+            received = self._receive(deadline)
+            if received is None:
                 return None
-            if isinstance(told, PropertyEvent):
-                self._inbox.put(told)
+            if isinstance(received, PropertyEvent):
+                self._inbox.put(received)
                 self._drain()
                 return self._inbox.take()
 
@@ -110,9 +110,9 @@ class LineClient(Closing):
                 break
             quota -= len(data)
             self._replies.feed(data)
-        while (told := self._replies.next()) is not None:
-            if isinstance(told, PropertyEvent):
-                self._inbox.put(told)
+        while (received := self._replies.next()) is not None:
+            if isinstance(received, PropertyEvent):
+                self._inbox.put(received)
 
     def listen(self, target: str) -> None:
         """Begin to listen to ``P`` or ``P?queue=…``.
@@ -162,9 +162,9 @@ class LineClient(Closing):
 
     def _receive(self, deadline: float | None) -> tuple[str, Answer] | PropertyEvent | None:
         while True:
-            told = self._replies.next()
-            if told is not None:
-                return told
+            received = self._replies.next()
+            if received is not None:
+                return received
             left = None if deadline is None else deadline - monotonic()
             # The kernel bounds a wait as long as one for a reply; any other one is bounded here.
             if (left is None or left < self._timeout_s * 0.9) and not self._is_readable(left):

@@ -21,8 +21,7 @@ from rtkit.property.order import InOrder
 from rtkit.property.requests import PropertyRequest
 from rtkit.property.subscription import Listener
 from rtkit.serving.dedicated_worker import WorkerExit
-from rtkit.serving.rate_limit import too_fast
-from rtkit.serving.subscribing_client import SubscribingClient
+from rtkit.serving.quota import SubscribingClient, too_fast
 
 if TYPE_CHECKING:
     from rtkit.serving.event_loop import ByteStream, PropertyEventLoop
@@ -204,8 +203,8 @@ class Connection(SubscribingClient):
             name, _, rest = path.rpartition("/")
             target = rest + target[len(path) :]
         if self._login is not None and (name == "door" or not self.identity):
-            told = self._login.take(self, name, target, asked.payload)
-            answer(told)
+            reply = self._login.take(self, name, target, asked.payload)
+            answer(reply)
             self._is_closing = self._login.is_refused
             return
         service = self._host.services.get(name)

@@ -31,7 +31,7 @@ class LineEndpoint(Acceptor):
         self._is_open_to_all = is_open_to_all
         super().__init__(host, end, "tcp" if is_open_to_all else "unix")
 
-    def enter(self, client: socket.socket) -> Connection | str:
+    def admit(self, client: socket.socket) -> Connection | str:
         """See `Acceptor.enter`."""
         identity, login = "", None
         if self._is_open_to_all:

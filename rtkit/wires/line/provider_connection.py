@@ -17,8 +17,8 @@ from rtkit.serving.event_loop import PropertyEventLoop
 from rtkit.wires.provider_connection import (
     STATUS,
     Answering,
+    EventHandler,
     Gone,
-    Hearing,
     Keepalive,
     ProviderConnection,
     slot,
@@ -46,7 +46,7 @@ class LineConnection(ProviderConnection):
         self._out = bytearray()
         self._in_turn: deque[Answering] = deque()
         self._by_id: dict[str, deque[Answering]] = {}
-        self._hearing: dict[str, Hearing | None] = {}
+        self._handlers: dict[str, EventHandler | None] = {}
         self._silence = Keepalive()
         self._is_stuck = False
 
@@ -89,16 +89,16 @@ class LineConnection(ProviderConnection):
 
     def has_room(self, name: str) -> bool:
         """See `ProviderConnection.has_room`: a connection has one listener per property."""
-        return slot(name) not in self._hearing and len(self._hearing) < _MOST_LISTENINGS
+        return slot(name) not in self._handlers and len(self._handlers) < _MOST_LISTENINGS
 
-    def listen(self, name: str, options: str, hear: Hearing, answer: Answering) -> None:
+    def listen(self, name: str, options: str, on_event: EventHandler, answer: Answering) -> None:
         """See `ProviderConnection.listen`."""
         key = slot(name)
-        self._hearing[key] = hear
+        self._handlers[key] = on_event
 
         def answered(reply: Answer) -> None:
             if reply.error:
-                self._hearing.pop(key, None)
+                self._handlers.pop(key, None)
             answer(reply)
 
         self.ask(_listen(name, options), "self", "", answered)
@@ -106,13 +106,13 @@ class LineConnection(ProviderConnection):
     def leave(self, name: str) -> None:
         """See `ProviderConnection.leave`; events come until the owner has received it."""
         key = slot(name)
-        if key in self._hearing:
-            self._hearing[key] = None
-            self.ask(_listen(name, "remove"), "self", "", lambda _: self._hearing.pop(key, None))
+        if key in self._handlers:
+            self._handlers[key] = None
+            self.ask(_listen(name, "remove"), "self", "", lambda _: self._handlers.pop(key, None))
 
     def check(self, now: float) -> None:
         """See `ProviderConnection.check`."""
-        if self._is_waited_for or self._hearing:
+        if self._is_waited_for or self._handlers:
             probe = partial(self.ask, STATUS, None, "", lambda _: None)
             self._silence.check(now, probe, self._fail)
 
@@ -137,8 +137,8 @@ class LineConnection(ProviderConnection):
         self._silence.end()
         self._replies.feed(data)
         try:
-            while self._is_open and (told := self._replies.next()) is not None:
-                self._take(told)
+            while self._is_open and (received := self._replies.next()) is not None:
+                self._take(received)
         except PropertyError as error:
             self._fail(f"no line protocol: {error}")
 
@@ -152,13 +152,13 @@ class LineConnection(ProviderConnection):
     def _is_waited_for(self) -> bool:
         return bool(self._in_turn or self._by_id)
 
-    def _take(self, told: tuple[str, Answer] | PropertyEvent) -> None:
-        if isinstance(told, PropertyEvent):
-            hear = self._hearing.get(slot(told.name))
-            if hear is not None:
-                hear(told)
+    def _take(self, received: tuple[str, Answer] | PropertyEvent) -> None:
+        if isinstance(received, PropertyEvent):
+            on_event = self._handlers.get(slot(received.name))
+            if on_event is not None:
+                on_event(received)
             return
-        id, reply = told
+        id, reply = received
         waiting = self._by_id.get(id) if id else self._in_turn
         if not waiting:
             raise PropertyError("syntax", "0 expected no reply")
@@ -191,7 +191,7 @@ class LineConnection(ProviderConnection):
     def _release(self) -> None:
         self._host.unregister(self._end, self)
         self._end.close()
-        self._hearing.clear()
+        self._handlers.clear()
 
 
 def _listen(name: str, options: str) -> str:

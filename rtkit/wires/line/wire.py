@@ -9,7 +9,6 @@ from rtkit.wires.wire import (
     PORT,
     SERVICES,
     ClientSide,
-    PropertyClient,
     ProviderAddress,
     ServeOption,
     Wire,
@@ -21,6 +20,7 @@ from rtkit.wires.wire import (
 
 if TYPE_CHECKING:
     from rtkit.serving.provider import PropertyProvider
+    from rtkit.wires.property_client import PropertyClient
 
 
 def _unix_provider(path: str, settings: WireSettings) -> ProviderAddress:

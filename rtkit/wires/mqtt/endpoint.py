@@ -63,7 +63,7 @@ class MqttEndpoint:
         state = f"{self._root}/{STATE}"
         self._session = MqttSession(
             address,
-            heard=self._heard,
+            on_message=self._on_message,
             came=lambda: host.post(self._came),
             went=lambda why: host.post(lambda: self._went(why)),
             has_room=lambda: host.post(self._arrived),
@@ -115,17 +115,17 @@ class MqttEndpoint:
 
     # Requests
 
-    def _heard(self, message: Message) -> None:
+    def _on_message(self, message: Message) -> None:
         """Take a message; on the thread of the session."""
         topic, _, method = message.topic.rpartition("/")
         rest = topic.removeprefix(self._root).lstrip("/")
         if method in ("get", "set") and rest and not rest.startswith("$"):
-            until = deadline_from_text(message.told(DEADLINE) or "")
+            until = deadline_from_text(message.attribute(DEADLINE) or "")
             name, is_get = name_of(rest), method == "get"
             self._host.post(lambda: self._request(message, name, until, is_get=is_get))
 
     def _request(self, message: Message, name: str, until: float, *, is_get: bool) -> None:
-        parameters = message.told("parameters")
+        parameters = message.attribute("parameters")
         target = name if parameters is None else f"{name}?{parameters}"
         payload: Payload | None = None if is_get else _decoded(message.payload)
 
@@ -133,13 +133,13 @@ class MqttEndpoint:
             self._waiting -= 1
             if not message.reply_to:
                 if reply.error:
-                    told = "nobody waits to hear: %s: %s %s"
+                    text = "nobody waits for the answer: %s: %s %s"
                     log = getLogger("rtkit.properties")
-                    log.warning(told, target, reply.error, reply.payload)
+                    log.warning(text, target, reply.error, reply.payload)
                 return
             more = (("code", reply.error),) if reply.error else ()
-            told_back = Message(message.reply_to, reply.payload, mark=message.mark, more=more)
-            self._publish(told_back, is_kept=False)
+            answer = Message(message.reply_to, reply.payload, mark=message.mark, more=more)
+            self._publish(answer, is_kept=False)
 
         self._waiting += 1
         if self._waiting > _MOST_WAITING:

@@ -98,8 +98,8 @@ class Feed:
         due: list[float] = []
         for listener in list(subscription.listeners):
             while self._has_room() and (event := listener.take(now)) is not None:
-                if subscription.heard is not None:
-                    subscription.heard()
+                if subscription.on_event is not None:
+                    subscription.on_event()
                 elif event.code:
                     self._listened.discard(event.name)
                     self._put(topic_of(event.name), "")
@@ -184,7 +184,7 @@ class Feed:
 
     def _listen(self, name: str) -> None:
         subscription = self._subscriptions[-1]
-        if subscription.heard is not None or subscription.count >= _OF_ONE:
+        if subscription.on_event is not None or subscription.count >= _OF_ONE:
             subscription = _Subscriber(self, None)
             self._subscriptions.append(subscription)
         subscription.count += 1
@@ -203,14 +203,14 @@ class _Subscriber(Requester):
     """Listener of properties, or of their names, for the broker.
 
     Attributes:
-        heard: Called for an event instead of publishing it.
+        on_event: Called for an event instead of publishing it.
         count: How many it was asked to listen to.
     """
 
-    def __init__(self, feed: Feed, heard: Callable[[], None] | None) -> None:
+    def __init__(self, feed: Feed, on_event: Callable[[], None] | None) -> None:
         super().__init__("mqtt")
         self._feed = feed
-        self.heard = heard
+        self.on_event = on_event
         self.count = 0
         self.listeners: list[Listener] = []
 
@@ -240,8 +240,8 @@ class _Subscriber(Requester):
 
 def _described(listing: str) -> dict[str, Element]:
     """Return the attributes of properties, by name; inner names have none."""
-    told = read(listing)
-    rows = told if isinstance(told, tuple) else ()
+    listed = read(listing)
+    rows = listed if isinstance(listed, tuple) else ()
     found: dict[str, Element] = {}
     for row in rows[:MOST_PROPERTIES]:
         if isinstance(row, tuple) and len(row) > 1 and isinstance(row[1], Element):

@@ -27,7 +27,7 @@ from rtkit.wires.mqtt.session import (
 from rtkit.wires.provider_connection import (
     ENDED,
     Answering,
-    Hearing,
+    EventHandler,
     LoopInbox,
     ProviderConnection,
     over,
@@ -66,7 +66,9 @@ class MqttConnection(ProviderConnection):
         self._number = 0
         self._state = ""
         self._is_ready = threading.Event()
-        self._session = MqttSession(address, heard=self._heard, came=lambda: None, went=self._went)
+        self._session = MqttSession(
+            address, on_message=self._on_message, came=lambda: None, went=self._went
+        )
         self._session.connect(timeout_s)
         self._session.subscribe(f"{self._root}/{STATE}", has_kept=True)
         self._session.subscribe(f"{self._own}/#", has_kept=False)
@@ -90,14 +92,14 @@ class MqttConnection(ProviderConnection):
         """See `ProviderConnection.has_room`: each listening has a topic of its own."""
         return name not in self._subscriptions
 
-    def listen(self, name: str, options: str, hear: Hearing, answer: Answering) -> None:
+    def listen(self, name: str, options: str, on_event: EventHandler, answer: Answering) -> None:
         """See `ProviderConnection.listen`."""
         self._number += 1
         more = f"{options}&lease={LEASE_S:g}" if options else f"lease={LEASE_S:g}"
         target = f"{name}.listen".lstrip(".") + f"?{more}"
         topic = f"{self._own}/{self._number}"
         subscription = _Subscription(
-            target, topic, LoopInbox(self._host, options, hear), [monotonic()], []
+            target, topic, LoopInbox(self._host, options, on_event), [monotonic()], []
         )
         self._subscriptions[name] = subscription
 
@@ -168,7 +170,7 @@ class MqttConnection(ProviderConnection):
             Message(topic, "" if payload is None else payload, reply_to, mark, more)
         )
 
-    def _heard(self, message: Message) -> None:
+    def _on_message(self, message: Message) -> None:
         """Take a message; on the thread of the session."""
         if message.topic == f"{self._root}/{STATE}":
             self._state = str(message.payload)
@@ -177,9 +179,9 @@ class MqttConnection(ProviderConnection):
             elif self._is_ready.is_set():
                 self._went(f"the state of the service is {self._state}")
             return
-        attributes = message.told("event")
+        attributes = message.attribute("event")
         if attributes is None:
-            reply = Answer(message.payload, message.told("code") or "")
+            reply = Answer(message.payload, message.attribute("code") or "")
             if reply.error and isinstance(reply.payload, bytes):
                 reply = Answer(reply.payload.decode("utf-8", "replace"), reply.error)
             self._host.post(lambda: self._answered(message.mark, reply))

@@ -57,7 +57,7 @@ class Message(NamedTuple):
     mark: bytes = b""
     more: tuple[tuple[str, str], ...] = ()
 
-    def told(self, key: str) -> str | None:
+    def attribute(self, key: str) -> str | None:
         """Return a user property."""
         return dict(self.more).get(key)
 
@@ -67,7 +67,7 @@ class MqttSession:
 
     Args:
         will: Topic of the state, which the broker sets to `LOST` when this is not heard of.
-        heard: Called with each message, on a thread of the session.
+        on_message: Called with each message, on a thread of the session.
         came: Called when it is connected, also again.
         went: Called with why it is not, likewise.
         has_room: Called when what was published has arrived at the broker.
@@ -80,7 +80,7 @@ class MqttSession:
         self,
         address: MqttAddress,
         *,
-        heard: Callable[[Message], None],
+        on_message: Callable[[Message], None],
         came: Callable[[], None],
         went: Callable[[str], None],
         has_room: Callable[[], None] = lambda: None,
@@ -95,7 +95,7 @@ class MqttSession:
         if not password:
             raise Refused(f"no password for {address.user} at the broker: set {PASSWORD}")
         self.address = address
-        self._heard, self._came, self._went, self._has_room = heard, came, went, has_room
+        self._on_message, self._came, self._went, self._has_room = on_message, came, went, has_room
         self._first = threading.Event()
         self._refusal = ""
         self._client: Client = Client(CallbackAPIVersion.VERSION2, protocol=MQTTv5)
@@ -166,8 +166,8 @@ class MqttSession:
     def close(self, last: Message | None = None) -> None:
         """End the session; the last word is retained."""
         if last is not None and self._client.is_connected():
-            told = self._client.publish(last.topic, last.payload, 1, retain=True)
-            told.wait_for_publish(1.0)
+            publishing = self._client.publish(last.topic, last.payload, 1, retain=True)
+            publishing.wait_for_publish(1.0)
         self._client.disconnect()
         self._client.loop_stop()
 
@@ -207,7 +207,7 @@ class MqttSession:
         raw, payload = bytes(message.payload), None
         if getattr(given, "PayloadFormatIndicator", 0) == 1:
             payload = raw.decode("utf-8", "surrogateescape")
-        self._heard(
+        self._on_message(
             Message(
                 message.topic,
                 raw if payload is None else payload,

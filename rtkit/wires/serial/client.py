@@ -22,12 +22,12 @@ from time import monotonic
 from rtkit.closing import Closing
 from rtkit.errors import Unreachable
 from rtkit.link.deadline import with_deadline
-from rtkit.link.inbox import Inbox
 from rtkit.property.checked import HELLO, CheckedReplies, frame
 from rtkit.property.codes import PASSING, PropertyError
 from rtkit.property.exchange import NOT_BEGUN
 from rtkit.property.line import Replies, write_request
 from rtkit.property.messages import Answer, Mark, Payload, PropertyEvent
+from rtkit.wires.property_client import Inbox
 from rtkit.wires.serial.address import (
     HELLO_TARGET,
     KNOWS_DEADLINES,
@@ -99,8 +99,8 @@ class SerialClient(Closing):
         self._exchange(HELLO + b"\n", "", deadline, may_repeat=True)
         id = self._next_id()
         hello = write_request(HELLO_TARGET, None, id)
-        told = self._exchange(hello, id, deadline, may_repeat=True)
-        self._has_ids, self._has_deadlines = told.error != "syntax", told == _KNOWS
+        received = self._exchange(hello, id, deadline, may_repeat=True)
+        self._has_ids, self._has_deadlines = received.error != "syntax", received == _KNOWS
         self._drain(_QUIET_S)
 
     def _knows_checks(self) -> bool:
@@ -111,12 +111,14 @@ class SerialClient(Closing):
             id = self._next_id()
             self._send(self._encoded(write_request(HELLO_TARGET, None, id)), deadline)
             until = min(deadline, monotonic() + patience)
-            while (told := self._receive(until)) is not None:
-                if not isinstance(told, bytes):
-                    self._has_deadlines |= not isinstance(told, PropertyEvent) and told[1] == _KNOWS
+            while (received := self._receive(until)) is not None:
+                if not isinstance(received, bytes):
+                    self._has_deadlines |= (
+                        not isinstance(received, PropertyEvent) and received[1] == _KNOWS
+                    )
                     return True
-                is_plain = told.startswith((b"! ", f"#{id} ".encode()))
-                if is_plain and not told.startswith(b"! checksum"):
+                is_plain = received.startswith((b"! ", f"#{id} ".encode()))
+                if is_plain and not received.startswith(b"! checksum"):
                     plain += 1
                     break
             if plain == _ALIKE and self._address.has_checks is None:
@@ -176,10 +178,10 @@ class SerialClient(Closing):
             self._send(data, deadline)
             begin = monotonic()
             until = min(deadline, begin + patience) if may_repeat else deadline
-            told = self._next_reply(id, until)
-            if told is not None:
-                answer = told[1]
-                if told[0] == id and (answer.error != "checksum" or not may_repeat):
+            received = self._next_reply(id, until)
+            if received is not None:
+                answer = received[1]
+                if received[0] == id and (answer.error != "checksum" or not may_repeat):
                     self._usual_s += (monotonic() - begin - self._usual_s) / _TIMES_USUAL
                     return answer
                 refused.append(answer)
@@ -194,14 +196,14 @@ class SerialClient(Closing):
 
     def _next_reply(self, id: str, until: float) -> tuple[str, Answer] | None:
         """Return the reply to a request, or a refusal without a request; None in silence."""
-        while (told := self._receive(until)) is not None:
-            if isinstance(told, PropertyEvent):
-                self._keep(told)
-            elif isinstance(told, bytes):
-                if told.strip() and self.has_checks:
+        while (received := self._receive(until)) is not None:
+            if isinstance(received, PropertyEvent):
+                self._keep(received)
+            elif isinstance(received, bytes):
+                if received.strip() and self.has_checks:
                     return "", Answer("the line is damaged", "checksum")
-            elif told[0] == id or (not told[0] and told[1].error):
-                return told
+            elif received[0] == id or (not received[0] and received[1].error):
+                return received
         return None
 
     def _silence(self) -> Unreachable:
@@ -261,9 +263,9 @@ class SerialClient(Closing):
             if self._is_woken() or (deadline is not None and now >= deadline):
                 return None
             times = [each for each in (deadline, *self._leases.values()) if each is not None]
-            told = self._receive(min(times, default=None), may_wake=True)
-            if isinstance(told, PropertyEvent):
-                self._keep(told)
+            received = self._receive(min(times, default=None), may_wake=True)
+            if isinstance(received, PropertyEvent):
+                self._keep(received)
             self._renew()
 
     def events(self) -> Iterator[PropertyEvent]:
@@ -294,11 +296,11 @@ class SerialClient(Closing):
     def _drain(self, quiet_s: float = 0.0) -> None:
         """Take what has come, until nothing has for some time [s]."""
         for _ in range(_MOST_DRAINED):
-            told = self._receive(monotonic() + quiet_s)
-            if told is None:
+            received = self._receive(monotonic() + quiet_s)
+            if received is None:
                 return
-            if isinstance(told, PropertyEvent):
-                self._keep(told)
+            if isinstance(received, PropertyEvent):
+                self._keep(received)
 
     def _is_woken(self) -> bool:
         try:
@@ -309,11 +311,11 @@ class SerialClient(Closing):
     def _receive(self, until: float | None, *, may_wake: bool = False) -> _Told | None:
         while True:
             try:
-                told = self._replies.next()
+                received = self._replies.next()
             except PropertyError:
                 return b""  # no reply at all
-            if told is not None:
-                return told
+            if received is not None:
+                return received
             left = None if until is None else max(0.0, until - monotonic())
             if not self._is_ready(select.POLLIN, left, may_wake=may_wake):
                 return None

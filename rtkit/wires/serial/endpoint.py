@@ -113,7 +113,7 @@ class _SerialConnection(Connection):
         self.origin = endpoint
         self._endpoint = endpoint
         self._requests = CheckedRequests(has_checks)
-        self._told: dict[Listener, PropertyEvent] = {}
+        self._sent_events: dict[Listener, PropertyEvent] = {}
 
     def _is_answered(self, data: bytes) -> bool:
         return False
@@ -123,15 +123,15 @@ class _SerialConnection(Connection):
 
     def _tell(self, listener: Listener, event: PropertyEvent) -> None:
         if event.code:
-            self._told.pop(listener, None)
+            self._sent_events.pop(listener, None)
         else:
-            self._told[listener] = event
+            self._sent_events[listener] = event
         super()._tell(listener, event)
 
     def unlisten(self, listener: Listener) -> None:
         """See `Requester.unlisten`."""
         super().unlisten(listener)
-        self._told.pop(listener, None)
+        self._sent_events.pop(listener, None)
 
     def _dispatch(self, asked: LineRequest, answer: Callable[[Answer], None]) -> None:
         if asked.target == HELLO_TARGET and asked.payload is None:
@@ -146,7 +146,7 @@ class _SerialConnection(Connection):
         super()._dispatch(asked._replace(target=asked.target + lease), answer)
         # Who goes on listening may have missed the last event.
         property_name = name.rpartition("/")[2].removesuffix(".listen")
-        for listener, event in list(self._told.items()):
+        for listener, event in list(self._sent_events.items()):
             if listener.name == property_name and not listener.pending:
                 super()._tell(listener, event)
 

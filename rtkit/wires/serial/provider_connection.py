@@ -14,8 +14,8 @@ from rtkit.serving.event_loop import PropertyEventLoop
 from rtkit.wires.provider_connection import (
     ENDED,
     Answering,
+    EventHandler,
     Gone,
-    Hearing,
     LoopInbox,
     ProviderConnection,
     slot,
@@ -52,10 +52,10 @@ class SerialConnection(ProviderConnection):
         """See `ProviderConnection.has_room`: there is one listener of a property on each line."""
         return slot(name) not in self._mail
 
-    def listen(self, name: str, options: str, hear: Hearing, answer: Answering) -> None:
+    def listen(self, name: str, options: str, on_event: EventHandler, answer: Answering) -> None:
         """See `ProviderConnection.listen`."""
         key = slot(name)
-        inbox = LoopInbox(self._host, options, lambda e: hear(e) if is_mine() else None)
+        inbox = LoopInbox(self._host, options, lambda e: on_event(e) if is_mine() else None)
         self._mail[key] = inbox
 
         def is_mine() -> bool:

@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING
 from rtkit.wires.serial.address import SCHEME, read_address, split_target
 from rtkit.wires.wire import (
     ClientSide,
-    PropertyClient,
     ProviderAddress,
     ServeOption,
     Wire,
@@ -16,6 +15,7 @@ from rtkit.wires.wire import (
 
 if TYPE_CHECKING:
     from rtkit.serving.provider import PropertyProvider
+    from rtkit.wires.property_client import PropertyClient
 
 
 def _provider(device: str, settings: WireSettings) -> ProviderAddress:

@@ -14,8 +14,8 @@ from rtkit.property.messages import Answer, Payload
 from rtkit.wires.zenoh.properties import (
     Joined,
     answer_of,
+    event_of,
     for_subscriber,
-    heard,
     selector_of,
     subscriber_key,
 )
@@ -69,7 +69,7 @@ class ZenohClient:
         answer_of(reply, self._timeout_s).value()
         if reply.ok is None or reply.ok.attachment is None:
             return None
-        event, at = heard(reply.ok)
+        event, at = event_of(reply.ok)
         return None if at is None else Joined(event, at)
 
     def _reply(self, selector: str, payload: Payload | None) -> zenoh.Reply:

@@ -146,8 +146,8 @@ def _receiver(
                 event = joined.event
                 payload = "" if event is None else event.payload
                 encoding = _BYTES if isinstance(payload, bytes) else None
-                told = _attributes(event, joined.at)
-                query.reply(key, payload, encoding=encoding, attachment=told)
+                attached = _attributes(event, joined.at)
+                query.reply(key, payload, encoding=encoding, attachment=attached)
             elif reply.error:
                 query.reply_err(f"{reply.error} {reply.payload!s}", encoding=ERROR_ENCODING)
             elif isinstance(reply.payload, bytes):
@@ -158,8 +158,8 @@ def _receiver(
 
         target = keys.to_target(key.removeprefix(prefix), is_extension=is_extension)
         target, subscription, group = _with_parameters(target, str(query.parameters))
-        told = query.attachment
-        until = math.inf if told is None else deadline_from_bytes(told.to_bytes())
+        attached = query.attachment
+        until = math.inf if attached is None else deadline_from_bytes(attached.to_bytes())
         take(Queried(target, _payload(query.payload), answer, subscription, group, until))
 
     return receive
@@ -241,7 +241,7 @@ def answer_of(reply: zenoh.Reply, timeout_s: float) -> Answer:
     return Answer(message, code)
 
 
-def heard(sample: zenoh.Sample) -> tuple[PropertyEvent | None, EventPosition | None]:
+def event_of(sample: zenoh.Sample) -> tuple[PropertyEvent | None, EventPosition | None]:
     """Return the event that a sample carries, if any, and where it stands."""
     attachment = sample.attachment
     text = "" if attachment is None else attachment.to_string()

@@ -20,7 +20,7 @@ from rtkit.wires.provider_connection import (
     ENDED,
     STATUS,
     Answering,
-    Hearing,
+    EventHandler,
     LoopInbox,
     ProviderConnection,
     over,
@@ -30,8 +30,8 @@ from rtkit.wires.zenoh.properties import (
     LEASE_S,
     EventProgress,
     answer_of,
+    event_of,
     for_subscriber,
-    heard,
     selector_of,
     subscriber_key,
 )
@@ -49,7 +49,7 @@ class _Subscription(NamedTuple):
     id: str
     subscriber: zenoh.Subscriber[None]
     renewed_at: list[float]
-    hear: Hearing
+    on_event: EventHandler
 
 
 class ZenohConnection(ProviderConnection):
@@ -84,14 +84,14 @@ class ZenohConnection(ProviderConnection):
         """See `ProviderConnection.has_room`: each listening has a key of its own."""
         return name not in self._subscriptions
 
-    def listen(self, name: str, options: str, hear: Hearing, answer: Answering) -> None:
+    def listen(self, name: str, options: str, on_event: EventHandler, answer: Answering) -> None:
         """See `ProviderConnection.listen`."""
         id = uuid.uuid4().hex
-        inbox = LoopInbox(self._host, options, lambda event: self._hear(id, hear, event))
+        inbox = LoopInbox(self._host, options, lambda event: self._on_event(id, on_event, event))
         handler = zenoh.handlers.Callback(_receiver(inbox), indirect=False)
         subscriber = self._session.declare_subscriber(subscriber_key(self._key, id), handler)
         target = f"{name}.listen".lstrip(".") + (f"?{options}" if options else "")
-        self._subscriptions[name] = _Subscription(target, id, subscriber, [monotonic()], hear)
+        self._subscriptions[name] = _Subscription(target, id, subscriber, [monotonic()], on_event)
 
         def answered(reply: Answer) -> None:
             if reply.error:
@@ -130,7 +130,7 @@ class ZenohConnection(ProviderConnection):
             last = over(name, reply)
             if last is not None and self._subscriptions.get(name) is subscription:
                 self._take_off(name)
-                subscription.hear(last)
+                subscription.on_event(last)
 
         return renewed
 
@@ -179,9 +179,9 @@ class ZenohConnection(ProviderConnection):
             consolidation=zenoh.ConsolidationMode.NONE,
         )
 
-    def _hear(self, id: str, hear: Hearing, event: PropertyEvent) -> None:
+    def _on_event(self, id: str, on_event: EventHandler, event: PropertyEvent) -> None:
         if any(each.id == id for each in self._subscriptions.values()):
-            hear(event)
+            on_event(event)
 
     def _take_off(self, name: str) -> _Subscription | None:
         subscription = self._subscriptions.pop(name, None)
@@ -204,7 +204,7 @@ def _receiver(inbox: LoopInbox) -> Callable[[zenoh.Sample], None]:
 
     def receive(sample: zenoh.Sample) -> None:
         """Take what arrived; on a thread of the transport."""
-        event, at = heard(sample)
+        event, at = event_of(sample)
         lost = None if at is None else known.lost(at)
         if event is not None and lost is not None:  # else it was sent again
             inbox.put(event, lost)

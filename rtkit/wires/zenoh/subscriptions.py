@@ -21,8 +21,8 @@ from rtkit.wires.zenoh.properties import (
     EventPosition,
     EventProgress,
     Joined,
+    event_of,
     group_of,
-    heard,
     subscriber_key,
 )
 
@@ -60,21 +60,21 @@ class ZenohSubscription:
         self._last: Mark | None = None
         self._lock = threading.Lock()
         self._renew_at = 0.0
-        self._heard = EventProgress()
+        self._progress = EventProgress()
         self._at: EventPosition | None = None
         self._early: deque[tuple[PropertyEvent, EventPosition]] = deque(maxlen=self._most)
         """Events of the group that came before we know whether we are in it."""
 
     def receive(self, sample: zenoh.Sample) -> None:
         """Take what arrived on the key of its own; on a thread of the transport."""
-        event, at = heard(sample)
+        event, at = event_of(sample)
         if event is not None and at is not None:
             self.hear(event, at)
 
     def hear(self, event: PropertyEvent, at: EventPosition) -> None:
         """Take an event that is for nobody else."""
         with self._lock:
-            lost = self._heard.lost(at)
+            lost = self._progress.lost(at)
             if lost is not None:
                 self._take(event, lost)
 
@@ -222,7 +222,7 @@ class SharedSubscriptions:
 
     def _receiver(self, group: str) -> Callable[[zenoh.Sample], None]:
         def receive(sample: zenoh.Sample) -> None:
-            event, at = heard(sample)
+            event, at = event_of(sample)
             if event is not None and at is not None:
                 for subscription in self._subscriptions.get(group, ()):
                     subscription.follow(event, at)

@@ -6,7 +6,7 @@ import pytest
 
 from rtkit.errors import Malformed
 from rtkit.property.access import Access, EndpointLimits, read_policy
-from rtkit.serving.rate_limit import RateLimit
+from rtkit.serving.quota import RateLimit
 from rtkit.wires.table import WIRES
 
 RULES = """

@@ -9,7 +9,7 @@ from rtkit.property.messages import DONE, Answer, Payload, PropertyEvent
 from rtkit.property.requests import Requester
 from rtkit.property.subscription import Listener
 from rtkit.proxy.subscriptions import RelayedSubscriptions
-from rtkit.wires.provider_connection import Answering, Gone, Hearing, over
+from rtkit.wires.provider_connection import Answering, EventHandler, Gone, over
 
 Placed = Callable[["Asked | PropertyError"], None]
 
@@ -19,7 +19,7 @@ class Asked:
 
     def __init__(self) -> None:
         self.answer: Answering | None = None
-        self.hear: Hearing | None = None
+        self.hear: EventHandler | None = None
 
     def start(self, gone: Gone) -> None: ...
 
@@ -28,7 +28,7 @@ class Asked:
     def has_room(self, name: str) -> bool:
         return True
 
-    def listen(self, name: str, wish: str, hear: Hearing, answer: Answering) -> None:
+    def listen(self, name: str, wish: str, hear: EventHandler, answer: Answering) -> None:
         assert self.answer is None, "asked again before it has answered"
         self.answer, self.hear = answer, hear
 

@@ -10,7 +10,7 @@ from fake_tree import fake_tree
 
 from rtkit.deployment.lease import Lease, LeaseHolder, holder_from_text
 from rtkit.errors import NotFound, Refused
-from rtkit.link.process_watch import ProcessWatch
+from rtkit.link.processes import ProcessWatch
 from rtkit.rtc.serde import encode
 from rtkit.tree import lease
 from rtkit.tree.lease import Leases
