@@ -7,7 +7,7 @@ component authors import `rtkit.component`.
 from __future__ import annotations
 
 # Spelt out, because typing costs more to import than all that a command does before its own
-# imports, and until it has done that a Ctrl-C shows a traceback.
+# imports, and until it has done that a Ctrl-C shows a traceback (decision 35).
 TYPE_CHECKING = False
 if TYPE_CHECKING:
     from typing import Any

@@ -25,7 +25,8 @@ def _begin_script() -> None:
 
     Ctrl-C ends it without a traceback while it still imports. The module `signal` itself takes as
     long to import as all that comes before this. And what is imported lives until the end: to
-    look through it for cycles again and again is a tenth of the time of a whole rtls.
+    look through it for cycles again and again is a tenth of the time of a whole rtls
+    (decision 35).
     """
     script = sys.argv[0].rpartition("/")[2] if sys.argv else ""
     if script != "rtkit" and script not in COMMANDS.values():

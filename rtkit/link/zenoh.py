@@ -25,7 +25,8 @@ from rtkit.property.exchange import Reply, Request
 
 _RETRY = "{period_init_ms: 50, period_max_ms: 200, period_increase_factor: 1.5}"
 LEASE_S = 600.0
-"""How long a peer may be silent until it is given up: a stopped machine is no death [s]."""
+"""How long a peer may be silent until it is given up: what stands still is not dead (decision 18)
+[s]."""
 
 _ID = "id="
 NOTHING: Mapping[str, str] = {}
@@ -35,6 +36,7 @@ _ERROR_ENCODING = zenoh.Encoding("text/plain;rtkit.error")
 def _config(mode: str, settings: dict[str, str], has_shared_memory: bool) -> zenoh.Config:
     config = zenoh.Config()
     common = {
+        # Decision 3: each endpoint is known, so nothing waits for scouting, or is found by it.
         "mode": f'"{mode}"',
         "scouting/multicast/enabled": "false",
         "scouting/gossip/enabled": "false",
@@ -44,7 +46,7 @@ def _config(mode: str, settings: dict[str, str], has_shared_memory: bool) -> zen
         "transport/link/tx/lease": str(int(LEASE_S * 1000)),
         "transport/shared_memory/enabled": str(has_shared_memory).lower(),
     }
-    if has_shared_memory:
+    if has_shared_memory:  # decision 3: links of port data alone
         # Queries and replies stay out of it: there it races with its own watchdog under load.
         common["transport/shared_memory/transport_optimization/messages"] = '["put"]'
     for key, value in {**common, **settings}.items():

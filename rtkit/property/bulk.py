@@ -113,7 +113,7 @@ class Bulk:
         nodes = self._registry.nodes
         is_open = caller.access.lets_all_get and not prefix
         for name in names:
-            # 0034: most are kept here, and have their text ready.
+            # Decision 34: most are kept here, and have their text ready.
             if is_open and (known := nodes.get(name)) is not None and known.reader is None:
                 pair = known.pair
                 if pair:

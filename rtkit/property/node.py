@@ -96,7 +96,7 @@ class PropertyNode:
         payload: Payload | None
         old = self.value
         if type(value) is float and type(old) is float and self.history is None:
-            payload = None  # a loop sets it more often than somebody reads it
+            payload = None  # decision 34: a loop sets it more often than somebody reads it
             # Zeros have a sign, and what is no number is not equal to itself.
             differs = value != old if value and value == value else repr(value) != repr(old)
         else:

@@ -240,7 +240,7 @@ class Service:
         """Answer a request, now or later; never raises for what is asked."""
         if ask.payload is None:
             node = self._nodes.get(ask.target)
-            # Nearly all requests are of this kind; the rest only refuses or widens it.
+            # Decision 34: nearly all requests are of this kind; the rest refuses or widens it.
             is_kept = node is not None and node.reader is None and node.value is not None
             if is_kept and ask.caller.may("GET", ask.target):
                 assert node is not None
@@ -270,7 +270,7 @@ class Service:
 
     def _perform(self, ask: PropertyRequest) -> Answer | None:
         node = self._nodes.get(ask.target)
-        # A name and nothing else, which most are, needs no reading.
+        # Decision 34: a name and nothing else, which most are, needs no reading.
         is_plain = node is not None and not node.function and not ask.id
         if is_plain and ask.payload is not None and ask.caller.may("SET", ask.target):
             assert node is not None

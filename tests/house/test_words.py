@@ -58,6 +58,6 @@ def test_a_summary_names_its_subject() -> None:
 def test_each_decision_that_code_names_is_there() -> None:
     there = {int(file.name[:4]) for file in (ROOT / "docs" / "decisions").glob("*.md")}
     texts = (file.read_text(encoding="utf-8") for file in (ROOT / "rtkit").rglob("*.py"))
-    named = {int(number) for text in texts for number in re.findall(r"decision (\d+)", text)}
+    named = {int(number) for text in texts for number in re.findall(r"[Dd]ecisions? (\d+)", text)}
     assert named
     assert named <= there

@@ -55,6 +55,7 @@ class ForkServer:
             module = ["-P", "-m", "rtkit.manager.slaves.zygote"]
             arguments = [sys.executable, *module, str(theirs.fileno()), self._settings]
             environment = {**unmarked(os.environ), **_ONE_THREAD}  # it outlives the manager
+            # Decision 49: not by fork, which a session of zenoh in this process does not survive.
             self.pid = os.posix_spawn(sys.executable, arguments, environment)
         ours.setblocking(False)
         self._channel = ControlChannel(ours)

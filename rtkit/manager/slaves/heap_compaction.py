@@ -3,6 +3,8 @@
 A page that a slave writes to becomes its own, and is copied first. What it allocates would go into
 gaps all over the memory that it has in common with the others; where those are filled, it goes to
 new pages, of which it needs but few.
+
+See decision 49.
 """
 
 from __future__ import annotations

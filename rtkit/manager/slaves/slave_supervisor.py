@@ -39,7 +39,8 @@ _NO_ZYGOTE = 0
 _SWEEP_S = 0.1
 """For how long nobody else ends before what ended slaves left behind is looked for [s].
 
-Each look through all processes costs milliseconds: those that end one after the other share one.
+Each look through all processes costs milliseconds: those that end one after the other share one
+(decision 42).
 """
 
 _SWEEP_WITHIN_S = 1.0

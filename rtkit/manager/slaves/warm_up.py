@@ -4,6 +4,8 @@ What Python works out at first use is then there in every slave, costs no time i
 once for all: coders of records, answers of abstract classes, byte code that is fitted to what it
 met. The latter takes a few times. Done between two requests, with the files and threads of a real
 slave, and without what would change this process: descriptors, signals, environment.
+
+See decision 49.
 """
 
 from __future__ import annotations

@@ -4,7 +4,7 @@ It is started by exec before the manager opens any session, has one thread, and 
 what the kernel reports of its children: exit, stop, continue. It outlives the manager as long as
 it has children, so that the next one receives their end too.
 
-See decision 2.
+See decisions 2 and 49.
 """
 
 from __future__ import annotations
@@ -89,7 +89,7 @@ class Zygote:
         signal.set_wakeup_fd(self._wake_write, warn_on_full_buffer=False)
         for name in AHEAD:
             importlib.import_module(name)
-        gc.freeze()
+        gc.freeze()  # decision 49: a slave's collector would copy each page that it looks through
         self._tell({"ready": os.getpid()})
         later: list[Callable[[], object]] = [self._warm_up] * _REHEARSALS
         later += [partial(importlib.import_module, name) for name in _AT_LEISURE]

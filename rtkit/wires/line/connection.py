@@ -136,6 +136,7 @@ class Connection(SubscribingClient):
         self._in_a_row += 1
         if self._in_a_row >= IN_A_ROW:
             self._in_a_row = 0
+            # Decision 34: whoever asks one thing after the other gets a thread of its own.
             self._host.attend(self._end, self._reply_at_once, self._take_back)
         return True
 
