@@ -128,9 +128,9 @@ def _system_row(tree: Tree) -> Row:
 
 def made(count: int) -> float:
     """Return how long a plain loop takes to make so many components [ms]."""
+    from rtkit.component import TimedLong
     from rtkit.component.base import Component
     from rtkit.component.port import OutPort
-    from rtkit.component.types import TimedLong
 
     class Source(Component):
         """What the samples' console source declares."""

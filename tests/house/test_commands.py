@@ -228,7 +228,7 @@ VISIT = f"""
 import queue, sys, threading
 import rtkit.cli.data.rtprint, rtkit.cli.data.printing, rtkit.probe.fields, rtkit.probe.text
 import rtkit.container.attached_process
-from rtkit.component.types import TimedLong
+from rtkit.component import TimedLong
 from rtkit.link.streams import Streams
 from rtkit.container.port_wiring import PortWiring
 from rtkit.container.container import ComponentContainer

@@ -5,10 +5,10 @@ from __future__ import annotations
 from hypothesis import given
 from hypothesis import strategies as st
 
+from rtkit.component import TimedLong
 from rtkit.component.buffer import make_ring, select
 from rtkit.component.options import BufferOptions, EmptyPolicy, FullPolicy, PortStatus, PushPolicy
 from rtkit.component.port import InPort, OutPort
-from rtkit.component.types import TimedLong
 from rtkit.rtc.profiles import ConnectorProfile
 
 STEPS = st.lists(st.sampled_from(["write", "write", "read", "all"]), max_size=60)

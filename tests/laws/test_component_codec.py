@@ -9,9 +9,8 @@ import pycdr2
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from rtkit.component import geometry, types
+from rtkit.component import Char, Double, Float, Long, Octet, Short, ULong, UShort, geometry, timed
 from rtkit.component.codec import codec_for
-from rtkit.component.types import Char, Double, Float, Long, Octet, Short, ULong, UShort
 from rtkit.errors import Malformed
 
 T = pycdr2.types
@@ -87,15 +86,15 @@ def outcome(action, argument):
 
 
 DECODED = [
-    types.TimedLong,
-    types.TimedBoolean,
-    types.TimedString,
-    types.TimedWString,
-    types.TimedStringSeq,
-    types.TimedBooleanSeq,
-    types.TimedDoubleSeq,
-    types.TimedOctetSeq,
-    types.TimedCharSeq,
+    timed.TimedLong,
+    timed.TimedBoolean,
+    timed.TimedString,
+    timed.TimedWString,
+    timed.TimedStringSeq,
+    timed.TimedBooleanSeq,
+    timed.TimedDoubleSeq,
+    timed.TimedOctetSeq,
+    timed.TimedCharSeq,
     geometry.TimedPose3D,
     Deep,
 ]
@@ -142,7 +141,7 @@ WRONG = st.one_of(
 )
 
 
-@given(cls=st.sampled_from(DECODED[:-2]), tm=st.just(types.EPOCH) | WRONG, data=WRONG)
+@given(cls=st.sampled_from(DECODED[:-2]), tm=st.just(timed.EPOCH) | WRONG, data=WRONG)
 def test_any_value_is_written_or_malformed(cls, tm, data):
     written = outcome(codec_for(cls).encode, cls(tm, data))
     if isinstance(written, Malformed):

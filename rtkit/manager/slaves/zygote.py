@@ -37,6 +37,7 @@ _OPTIONS = os.WEXITED | os.WSTOPPED | os.WCONTINUED | os.WNOHANG
 AHEAD = (
     "rtkit.component.composite",
     "rtkit.component.fsm",
+    "rtkit.component.timed",
     "rtkit.deployment.listing",
     "rtkit.link.running",
     "rtkit.container.metrics",

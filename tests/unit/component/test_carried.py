@@ -7,14 +7,13 @@ from dataclasses import dataclass
 import numpy
 import pytest
 
-from rtkit.component import InPort, OutPort, TimedDoubleSeq, TimedLong, TimedOctetSeq
+from rtkit.component import InPort, Long, OutPort, TimedDoubleSeq, TimedLong, TimedOctetSeq
 from rtkit.component import carried as carried_module
 from rtkit.component.carried import passage
 from rtkit.component.codec import codec_for
 from rtkit.component.geometry import TimedPose2D
 from rtkit.component.images import CameraImage, ImageData
 from rtkit.component.options import PortStatus
-from rtkit.component.types import Long
 from rtkit.container.port_wiring import PortWiring
 from rtkit.errors import Malformed
 from rtkit.link.streams import Streams

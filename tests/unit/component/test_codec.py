@@ -11,13 +11,23 @@ from typing import Annotated, Optional
 import pycdr2
 import pytest
 
+from rtkit.component import Char as OneChar
 from rtkit.component import (
+    Double,
+    Float,
+    Long,
+    Octet,
+    Short,
+    Time,
+    TimedLong,
+    ULong,
     actuators,
     extended,
     geometry,
     images,
     navigation,
     sensors,
+    timed,
     types,
 )
 from rtkit.component.codec import BYTES, codec_for
@@ -33,13 +43,11 @@ from rtkit.component.layout import (
     layout_of,
     zero,
 )
-from rtkit.component.types import Char as OneChar
-from rtkit.component.types import Double, Float, Long, Octet, Short, Time, TimedLong, ULong
 from rtkit.errors import Malformed
 
 BASIC = [
     cls
-    for module in (types, geometry, extended, sensors, actuators, navigation, images)
+    for module in (types, timed, geometry, extended, sensors, actuators, navigation, images)
     for cls in vars(module).values()
     if isinstance(cls, type) and is_dataclass(cls) and cls.__module__ == module.__name__
 ]
@@ -210,20 +218,20 @@ def test_the_bytes_are_those_of_the_standard():
 def test_big_endian_is_read():
     data = b"\0\0\0\0" + struct.pack(">IIi", 1, 2, -3)
     assert codec_for(TimedLong).decode(data) == TimedLong(Time(1, 2), -3)
-    words = types.TimedStringSeq(Time(1, 2), ("a", "bcd"))
+    words = timed.TimedStringSeq(Time(1, 2), ("a", "bcd"))
     swapped = b"\0\0\0\0" + struct.pack(">IIIi2sxxI4s", 1, 2, 2, 2, b"a\0", 4, b"bcd\0")
-    assert codec_for(types.TimedStringSeq).decode(swapped) == words
+    assert codec_for(timed.TimedStringSeq).decode(swapped) == words
 
 
 def test_nan_and_infinity_pass():
-    codec = codec_for(types.TimedFloat)
-    assert math.isnan(codec.decode(codec.encode(types.TimedFloat(data=math.nan))).data)
-    assert codec.decode(codec.encode(types.TimedFloat(data=-math.inf))).data == -math.inf
+    codec = codec_for(timed.TimedFloat)
+    assert math.isnan(codec.decode(codec.encode(timed.TimedFloat(data=math.nan))).data)
+    assert codec.decode(codec.encode(timed.TimedFloat(data=-math.inf))).data == -math.inf
 
 
 def test_wide_text_is_utf16():
-    codec = codec_for(types.TimedWString)
-    data = codec.encode(types.TimedWString(data="aß𝄞"))
+    codec = codec_for(timed.TimedWString)
+    data = codec.encode(timed.TimedWString(data="aß𝄞"))
     assert data[12:] == struct.pack("<I", 8) + "aß𝄞".encode("utf-16-le")
     assert codec.decode(data).data == "aß𝄞"
 
@@ -239,27 +247,27 @@ def test_enums_travel_as_their_numbers():
 @pytest.mark.parametrize(
     ("value", "named"),
     [
-        (types.TimedShort(data=32768), "TimedShort.data: 32768 is not a value of type int16"),
-        (types.TimedUShort(data=-1), "TimedUShort.data: -1 is not a value of type uint16"),
-        (types.TimedOctet(data=256), "TimedOctet.data"),
-        (types.TimedLong(data=1.5), "TimedLong.data: 1.5"),
-        (types.TimedLong(data="1"), "TimedLong.data: '1'"),
-        (types.TimedFloat(data=1e39), "TimedFloat.data: 1e+39 is not a value of type float32"),
-        (types.TimedDouble(data="x"), "TimedDouble.data"),
-        (types.TimedDouble(data=None), "TimedDouble.data: None"),
-        (types.TimedChar(data="ab"), "TimedChar.data"),
-        (types.TimedChar(data="€"), "TimedChar.data"),
-        (types.TimedChar(data=""), "TimedChar.data"),
-        (types.TimedString(data=b"x"), "TimedString.data"),
-        (types.TimedString(data="a\0b"), "TimedString.data"),
-        (types.TimedString(data="\ud800"), "TimedString.data"),
-        (types.TimedLongSeq(data=(1, 2**31)), "TimedLongSeq.data[1]: 2147483648"),
-        (types.TimedLongSeq(data=5), "TimedLongSeq.data: 5"),
-        (types.TimedOctetSeq(data="text"), "TimedOctetSeq.data: 'text'"),
-        (types.TimedOctetSeq(data=(1, 2)), "TimedOctetSeq.data"),
-        (types.TimedStringSeq(data=("a", None)), "TimedStringSeq.data[1]: None"),
-        (types.TimedLong(tm=None), "TimedLong.tm: NoneType has no field sec"),
-        (types.TimedLong(tm=Time(-1, 0)), "TimedLong.tm.sec: -1"),
+        (timed.TimedShort(data=32768), "TimedShort.data: 32768 is not a value of type int16"),
+        (timed.TimedUShort(data=-1), "TimedUShort.data: -1 is not a value of type uint16"),
+        (timed.TimedOctet(data=256), "TimedOctet.data"),
+        (timed.TimedLong(data=1.5), "TimedLong.data: 1.5"),
+        (timed.TimedLong(data="1"), "TimedLong.data: '1'"),
+        (timed.TimedFloat(data=1e39), "TimedFloat.data: 1e+39 is not a value of type float32"),
+        (timed.TimedDouble(data="x"), "TimedDouble.data"),
+        (timed.TimedDouble(data=None), "TimedDouble.data: None"),
+        (timed.TimedChar(data="ab"), "TimedChar.data"),
+        (timed.TimedChar(data="€"), "TimedChar.data"),
+        (timed.TimedChar(data=""), "TimedChar.data"),
+        (timed.TimedString(data=b"x"), "TimedString.data"),
+        (timed.TimedString(data="a\0b"), "TimedString.data"),
+        (timed.TimedString(data="\ud800"), "TimedString.data"),
+        (timed.TimedLongSeq(data=(1, 2**31)), "TimedLongSeq.data[1]: 2147483648"),
+        (timed.TimedLongSeq(data=5), "TimedLongSeq.data: 5"),
+        (timed.TimedOctetSeq(data="text"), "TimedOctetSeq.data: 'text'"),
+        (timed.TimedOctetSeq(data=(1, 2)), "TimedOctetSeq.data"),
+        (timed.TimedStringSeq(data=("a", None)), "TimedStringSeq.data[1]: None"),
+        (timed.TimedLong(tm=None), "TimedLong.tm: NoneType has no field sec"),
+        (timed.TimedLong(tm=Time(-1, 0)), "TimedLong.tm.sec: -1"),
     ],
 )
 def test_what_does_not_fit_is_named(value, named):
@@ -268,7 +276,7 @@ def test_what_does_not_fit_is_named(value, named):
     assert str(caught.value).startswith(named)
 
 
-GOOD = codec_for(types.TimedString).encode(types.TimedString(data="abc"))
+GOOD = codec_for(timed.TimedString).encode(timed.TimedString(data="abc"))
 
 
 @pytest.mark.parametrize(
@@ -290,20 +298,20 @@ GOOD = codec_for(types.TimedString).encode(types.TimedString(data="abc"))
 )
 def test_what_cannot_be_read_is_refused(data, reason):
     with pytest.raises(Malformed, match=reason):
-        codec_for(types.TimedString).decode(data)
+        codec_for(timed.TimedString).decode(data)
 
 
 def test_padding_up_to_four_bytes_is_accepted():
     for count in range(4):
-        assert codec_for(types.TimedString).decode(GOOD + bytes(count)).data == "abc"
+        assert codec_for(timed.TimedString).decode(GOOD + bytes(count)).data == "abc"
 
 
 def test_lengths_are_checked_before_memory_is_taken():
     for cls in (
-        types.TimedDoubleSeq,
-        types.TimedStringSeq,
-        types.TimedOctetSeq,
-        types.TimedCharSeq,
+        timed.TimedDoubleSeq,
+        timed.TimedStringSeq,
+        timed.TimedOctetSeq,
+        timed.TimedCharSeq,
     ):
         data = codec_for(cls).encode(cls())[:-4] + b"\xff\xff\xff\xff"
         with pytest.raises(Malformed, match="do not fit"):
@@ -311,12 +319,12 @@ def test_lengths_are_checked_before_memory_is_taken():
 
 
 def test_a_truth_value_is_0_or_1():
-    data = codec_for(types.TimedBoolean).encode(types.TimedBoolean())
+    data = codec_for(timed.TimedBoolean).encode(timed.TimedBoolean())
     with pytest.raises(Malformed, match="truth value: 2"):
-        codec_for(types.TimedBoolean).decode(data[:-1] + b"\2")
-    data = codec_for(types.TimedBooleanSeq).encode(types.TimedBooleanSeq(data=(True,)))
+        codec_for(timed.TimedBoolean).decode(data[:-1] + b"\2")
+    data = codec_for(timed.TimedBooleanSeq).encode(timed.TimedBooleanSeq(data=(True,)))
     with pytest.raises(Malformed, match="truth value: 9"):
-        codec_for(types.TimedBooleanSeq).decode(data[:-1] + b"\x09")
+        codec_for(timed.TimedBooleanSeq).decode(data[:-1] + b"\x09")
 
 
 def test_bytes_pass_unchanged():

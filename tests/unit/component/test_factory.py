@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import pytest
 
-from rtkit.component import Component, OutPort, TimedLong
+from rtkit.component import Component, OutPort, Time, TimedLong
 from rtkit.component.describe import describe
 from rtkit.component.factory import Factories, free_name
 from rtkit.component.standin import is_stand_in, stand_in
-from rtkit.component.types import Time
 from rtkit.errors import Malformed, NotFound, Refused
 from rtkit.rtc.create import parse_create
 from rtkit.rtc.enums import ExecutionKind, LifeCycleState, Polarity, PortType

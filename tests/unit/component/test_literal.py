@@ -7,10 +7,9 @@ from enum import Enum
 
 import pytest
 
-from rtkit.component import types
+from rtkit.component import Char, Long, Time, TimedLong, timed
 from rtkit.component.geometry import Pose2D, TimedPose2D, TimedVelocity2D, Velocity2D
 from rtkit.component.literal import Literal, value_from_json, zero_value
-from rtkit.component.types import Char, Long, Time, TimedLong
 from rtkit.errors import Malformed
 
 NOW = Time(100, 5)
@@ -37,11 +36,11 @@ class Everything:
         (TimedLong, "3", TimedLong(NOW, 3)),
         (TimedLong, '{"data": 3}', TimedLong(NOW, 3)),
         (TimedLong, '{"tm": {"sec": 1, "nsec": 2}, "data": 3}', TimedLong(Time(1, 2), 3)),
-        (types.TimedDouble, "3", types.TimedDouble(NOW, 3.0)),
-        (types.TimedString, '"grüß"', types.TimedString(NOW, "grüß")),
-        (types.TimedBoolean, "true", types.TimedBoolean(NOW, True)),
-        (types.TimedLongSeq, "[1, 2]", types.TimedLongSeq(NOW, (1, 2))),
-        (types.TimedOctetSeq, "[1, 255]", types.TimedOctetSeq(NOW, b"\1\xff")),
+        (timed.TimedDouble, "3", timed.TimedDouble(NOW, 3.0)),
+        (timed.TimedString, '"grüß"', timed.TimedString(NOW, "grüß")),
+        (timed.TimedBoolean, "true", timed.TimedBoolean(NOW, True)),
+        (timed.TimedLongSeq, "[1, 2]", timed.TimedLongSeq(NOW, (1, 2))),
+        (timed.TimedOctetSeq, "[1, 255]", timed.TimedOctetSeq(NOW, b"\1\xff")),
         (TimedVelocity2D, '{"vx": 1}', TimedVelocity2D(NOW, Velocity2D(1.0, 0.0, 0.0))),
         (TimedPose2D, "{}", TimedPose2D(NOW, Pose2D())),
         (Velocity2D, '{"va": 2.5}', Velocity2D(0.0, 0.0, 2.5)),
@@ -77,13 +76,13 @@ def test_values(cls, text, value):
         (TimedLong, "3.5", "TimedLong.data: 3.5"),
         (TimedLong, "3000000000", "TimedLong.data: 3000000000 is not a value of type int32"),
         (TimedLong, "null", "TimedLong.data: null"),
-        (types.TimedDouble, "1" + "0" * 400, "TimedDouble.data"),
-        (types.TimedBoolean, "1", "TimedBoolean.data: 1"),
-        (types.TimedChar, '"ab"', "TimedChar.data"),
-        (types.TimedLongSeq, "[1, true]", "TimedLongSeq.data[1]: true"),
-        (types.TimedLongSeq, "5", "TimedLongSeq.data: 5"),
-        (types.TimedOctetSeq, "[256]", "TimedOctetSeq.data: 256"),
-        (types.TimedOctetSeq, '"abc"', "TimedOctetSeq.data"),
+        (timed.TimedDouble, "1" + "0" * 400, "TimedDouble.data"),
+        (timed.TimedBoolean, "1", "TimedBoolean.data: 1"),
+        (timed.TimedChar, '"ab"', "TimedChar.data"),
+        (timed.TimedLongSeq, "[1, true]", "TimedLongSeq.data[1]: true"),
+        (timed.TimedLongSeq, "5", "TimedLongSeq.data: 5"),
+        (timed.TimedOctetSeq, "[256]", "TimedOctetSeq.data: 256"),
+        (timed.TimedOctetSeq, '"abc"', "TimedOctetSeq.data"),
         (TimedVelocity2D, '{"speed": 1}', "TimedVelocity2D.data: no field speed; it has vx, vy"),
         (TimedVelocity2D, '{"data": {"vx": "a"}}', 'TimedVelocity2D.data.vx: "a"'),
         (TimedLong, '{"data": 1, "tm": {"sec": -1}}', "TimedLong.tm.sec: -1"),
@@ -102,4 +101,4 @@ def test_zero_values():
     assert zero_value(TimedLong, NOW) == TimedLong(NOW, 0)
     assert zero_value(Velocity2D, NOW) == Velocity2D()
     assert zero_value(bytes, NOW) == b""
-    assert zero_value(types.TimedStringSeq, NOW).data == ()
+    assert zero_value(timed.TimedStringSeq, NOW).data == ()

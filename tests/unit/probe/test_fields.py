@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
+from rtkit.component import Time, TimedBoolean, TimedLong, TimedLongSeq, TimedString
 from rtkit.component.geometry import TimedPose2D
-from rtkit.component.types import Time, TimedBoolean, TimedLong, TimedLongSeq, TimedString
 from rtkit.errors import Malformed, NotFound
 from rtkit.probe.fields import check_field, numbers
 

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import pytest
 
+from rtkit.component import Time, TimedLong
 from rtkit.component.codec import codec_for
 from rtkit.component.geometry import Point2D
 from rtkit.component.sensors import CameraImage
-from rtkit.component.types import Time, TimedLong
 from rtkit.probe.report import lines_of, record_of, size_text
 from rtkit.probe.spec import Stream
 from rtkit.probe.stats import Stats, stamp_reader

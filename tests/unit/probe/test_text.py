@@ -7,10 +7,10 @@ from enum import Enum
 
 import pytest
 
+from rtkit.component import Time, TimedDouble, TimedLongSeq, TimedOctetSeq, TimedString
 from rtkit.component.geometry import Point2D, Pose2D, TimedPose2D
 from rtkit.component.literal import Literal
 from rtkit.component.sensors import CameraImage
-from rtkit.component.types import Time, TimedDouble, TimedLongSeq, TimedOctetSeq, TimedString
 from rtkit.errors import Malformed, NotFound
 from rtkit.probe.text import field_reader, plain, text_of
 

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+from rtkit.component import Time, TimedLong
 from rtkit.component.codec import codec_for
-from rtkit.component.types import Time, TimedLong
 from rtkit.probe.probe import Tool
 from rtkit.probe.tap import Tap
 from rtkit.rtc.profiles import ConnectorProfile, PortRef

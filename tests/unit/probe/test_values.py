@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
+from rtkit.component import Time, TimedLong, TimedLongSeq, TimedString
 from rtkit.component.geometry import TimedVelocity2D
-from rtkit.component.types import Time, TimedLong, TimedLongSeq, TimedString
 from rtkit.errors import Malformed
 from rtkit.probe.values import Template, templates
 

@@ -8,11 +8,11 @@ from typing import Annotated
 
 import pytest
 
+from rtkit.component import Long, Time, TimedLong, WString
 from rtkit.component.codec import codec_for
 from rtkit.component.definition import definition_of, idl_of, name_of
 from rtkit.component.geometry import TimedPoint2D
 from rtkit.component.port import InPort, OutPort
-from rtkit.component.types import Long, Time, TimedLong, WString
 from rtkit.errors import Malformed, NotFound
 from rtkit.idl.read import read_idl
 from rtkit.probe.defined import class_of

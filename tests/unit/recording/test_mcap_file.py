@@ -8,9 +8,9 @@ from pathlib import Path
 import pytest
 from mcap.reader import make_reader
 
+from rtkit.component import Time, TimedLong
 from rtkit.component.codec import codec_for
 from rtkit.component.definition import idl_of
-from rtkit.component.types import Time, TimedLong
 from rtkit.errors import Malformed
 from rtkit.recording.entries import RecordedStream, RecordedValue
 from rtkit.recording.mcap_file import RecordingReader, RecordingWriter

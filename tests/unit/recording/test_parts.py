@@ -8,12 +8,12 @@ from pathlib import Path
 
 import pytest
 
+from rtkit.component import Time, TimedLong
 from rtkit.component.codec import codec_for
 from rtkit.component.definition import idl_of, name_of
 from rtkit.component.geometry import Point2D
 from rtkit.component.standard import HOMES
 from rtkit.component.typenames import type_by_name
-from rtkit.component.types import Time, TimedLong
 from rtkit.errors import Malformed, Refused
 from rtkit.idl.read import read_idl
 from rtkit.probe.stats import stamp_reader
