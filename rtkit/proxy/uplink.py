@@ -6,9 +6,9 @@ to the same property with other options. When one of them ends, all reconnect.
 
 from __future__ import annotations
 
-import math
 import threading
 from collections.abc import Callable
+from math import inf
 from time import monotonic
 
 from rtkit.errors import RtkitError
@@ -70,12 +70,7 @@ class Uplink:
         self._dial(self._connected, 0.0)
 
     def ask(
-        self,
-        target: str,
-        payload: Payload | None,
-        id: str,
-        answer: Answering,
-        until: float = math.inf,
+        self, target: str, payload: Payload | None, id: str, answer: Answering, until: float = inf
     ) -> None:
         """GET, or SET, and pass on the outcome."""
         if not self._is_up:

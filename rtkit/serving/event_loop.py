@@ -279,3 +279,23 @@ class PropertyEventLoop:
         for end in [*self._sockets.values(), self._wake, self._waker]:
             end.close()
         self._epoll.close()
+
+
+class SocketlessHandler:
+    """Handler without a socket of its own: the loop flushes it when it is marked."""
+
+    _host: PropertyEventLoop
+
+    def wake(self) -> None:
+        """See `Requester.wake`."""
+        self._host.mark(self)
+
+    def ready(self, mask: int) -> None:
+        """See `IOHandler.ready`: there is nothing to read."""
+
+    def check(self, now: float) -> None:
+        """See `IOHandler.check`: nothing takes too long."""
+
+    def flush(self, now: float) -> float | None:
+        """See `IOHandler.flush`."""
+        raise NotImplementedError

@@ -8,6 +8,7 @@ from typing import Protocol
 
 from rtkit.property.access import DEFAULT_LIMITS, AccessPolicy, AccessRule, EndpointLimits
 from rtkit.property.codes import PropertyError
+from rtkit.property.messages import PropertyEvent
 from rtkit.property.requests import Requester
 from rtkit.property.subscription import Listener
 
@@ -125,3 +126,20 @@ class SubscribingClient(Requester):
         """See `Requester.unlisten`."""
         if listener in self._listeners:
             self._listeners.remove(listener)
+
+    def send_due(
+        self,
+        now: float,
+        has_room: Callable[[], bool],
+        send: Callable[[Listener, PropertyEvent], object],
+    ) -> float | None:
+        """Send the events that are due while there is room; return when others will be [s]."""
+        due: list[float] = []
+        for listener in list(self._listeners):
+            while has_room() and (event := listener.take(now)) is not None:
+                send(listener, event)
+            if listener.has_ended and not listener.pending:
+                self._listeners.remove(listener)
+            elif listener.pending and has_room() and (at := listener.due()) is not None:
+                due.append(at)
+        return min(due, default=None)

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-import math
 import threading
 from collections.abc import Callable
+from math import inf
 from queue import SimpleQueue
 from time import monotonic
 
@@ -56,12 +56,7 @@ class BlockingConnection(ProviderConnection):
         self._listening: dict[str, threading.Event] = {}
 
     def ask(
-        self,
-        target: str,
-        payload: Payload | None,
-        id: str,
-        answer: Answering,
-        until: float = math.inf,
+        self, target: str, payload: Payload | None, id: str, answer: Answering, until: float = inf
     ) -> None:
         """See `ProviderConnection.ask`."""
         if not self._is_open:

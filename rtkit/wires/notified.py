@@ -17,7 +17,7 @@ from rtkit.property.naming import parse_target
 from rtkit.property.requests import Requester
 from rtkit.property.service import Service
 from rtkit.property.subscription import Listener
-from rtkit.serving.event_loop import PropertyEventLoop
+from rtkit.serving.event_loop import PropertyEventLoop, SocketlessHandler
 from rtkit.wires.line.client import connect_unix
 
 DELIVERY_S = 5.0
@@ -26,7 +26,7 @@ MOST_FAILURES = 3
 MOST_TARGETS = 64
 
 
-class Notified(Requester):
+class Notified(SocketlessHandler, Requester):
     """Property of another service; each event is a SET of it.
 
     Args:
@@ -61,16 +61,6 @@ class Notified(Requester):
         """See `Requester.unlisten`."""
         if self._listener is listener:
             self._listener = None
-
-    def wake(self) -> None:
-        """See `Requester.wake`."""
-        self._host.mark(self)
-
-    def ready(self, mask: int) -> None:
-        """See `IOHandler.ready`; it has no socket."""
-
-    def check(self, now: float) -> None:
-        """See `IOHandler.check`; it has a lease, or ends by failures."""
 
     def flush(self, now: float) -> float | None:
         """See `IOHandler.flush`: one event is on the way at a time, what comes meanwhile waits."""

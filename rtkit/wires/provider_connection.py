@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import itertools
-import math
 import threading
 from abc import ABC, abstractmethod
 from collections import deque
 from collections.abc import Callable, Iterable
+from math import inf
 from time import monotonic
 
 from rtkit.property.codes import PASSING
@@ -45,12 +45,7 @@ class ProviderConnection(ABC):
 
     @abstractmethod
     def ask(
-        self,
-        target: str,
-        payload: Payload | None,
-        id: str,
-        answer: Answering,
-        until: float = math.inf,
+        self, target: str, payload: Payload | None, id: str, answer: Answering, until: float = inf
     ) -> None:
         """GET, or SET; `answer` is called exactly once, also when the connection ends.
 

@@ -10,7 +10,7 @@ from typing import Protocol
 
 from rtkit.property.messages import PropertyEvent
 from rtkit.property.subscription import Listener
-from rtkit.serving.event_loop import PropertyEventLoop
+from rtkit.serving.event_loop import PropertyEventLoop, SocketlessHandler
 from rtkit.serving.quota import EndpointQuota, SubscribingClient
 from rtkit.wires.zenoh.properties import EventPosition, Joined, new_run
 
@@ -31,7 +31,7 @@ class EventSender(Protocol):
         """Send an event to a subscriber, or to a group of them."""
 
 
-class Subscriber(SubscribingClient):
+class Subscriber(SocketlessHandler, SubscribingClient):
     """Single subscriber, on a key of its own.
 
     Attributes:
@@ -54,31 +54,12 @@ class Subscriber(SubscribingClient):
         """Return whether it listens to anything, or is about to."""
         return bool(self._listeners or self.asked)
 
-    def wake(self) -> None:
-        """See `Requester.wake`."""
-        self._host.mark(self)
-
-    def ready(self, mask: int) -> None:
-        """See `IOHandler.ready`; it has no socket."""
-
-    def check(self, now: float) -> None:
-        """See `IOHandler.check`; it has a lease."""
-
     def flush(self, now: float) -> float | None:
         """See `IOHandler.flush`."""
-        due: list[float] = []
-        for listener in list(self._listeners):
-            while self._sender.has_room() and (event := listener.take(now)) is not None:
-                self._last = event
-                self._send(event)
-            if listener.has_ended and not listener.pending:
-                self._listeners.remove(listener)
-            elif listener.pending and self._sender.has_room():
-                at = listener.due()
-                due += [] if at is None else [at]
-        return min(due, default=None)
+        return self.send_due(now, self._sender.has_room, self._send)
 
-    def _send(self, event: PropertyEvent) -> None:
+    def _send(self, listener: Listener, event: PropertyEvent) -> None:
+        self._last = event
         self._at = EventPosition(self._at.run, self._at.number + 1)
         self._sender.send(self._id, event, self._at)
 

@@ -19,7 +19,7 @@ import h11
 from rtkit.link.deadline import deadline_from_text
 from rtkit.property.codes import PropertyError
 from rtkit.property.exchange import NOT_BEGUN
-from rtkit.property.messages import Answer
+from rtkit.property.messages import Answer, PropertyEvent
 from rtkit.property.requests import PropertyRequest
 from rtkit.property.subscription import Listener
 from rtkit.serving.quota import SubscribingClient, too_fast
@@ -140,23 +140,15 @@ class HttpConnection(SubscribingClient):
 
     def flush(self, now: float) -> float | None:
         """See `IOHandler.flush`."""
-        due: list[float] = []
-        for listener in list(self._listeners):
-            while len(self._out) < _ROOM_FOR_EVENTS:
-                event = listener.take(now)
-                if event is None:
-                    break
-                if self._progress is None or self._progress.is_new(event):
-                    self._stream(write_sse(event))
-            if listener.has_ended and not listener.pending:
-                self._listeners.remove(listener)
-            elif listener.pending and len(self._out) < _ROOM_FOR_EVENTS:
-                at = listener.due()
-                due += [] if at is None else [at]
+        due = self.send_due(now, lambda: len(self._out) < _ROOM_FOR_EVENTS, self._tell)
         if self.is_stream and not self._listeners and not self._is_closing:
             self._finish()
         self._work()
-        return min(due, default=None) if self.is_open else None
+        return due if self.is_open else None
+
+    def _tell(self, listener: Listener, event: PropertyEvent) -> None:
+        if self._progress is None or self._progress.is_new(event):
+            self._stream(write_sse(event))
 
     def check(self, now: float) -> None:
         """See `IOHandler.check`."""

@@ -18,7 +18,7 @@ from rtkit.link import secret
 from rtkit.link.deadline import deadline_from_text
 from rtkit.property.messages import Answer, failed
 from rtkit.serving.acceptor import LOOPBACK
-from rtkit.serving.event_loop import PropertyEventLoop
+from rtkit.serving.event_loop import PropertyEventLoop, SocketlessHandler
 from rtkit.serving.quota import EndpointQuota
 from rtkit.wires.ice import protocol
 from rtkit.wires.ice.served_client import IceRequest, ServedIceClient
@@ -37,7 +37,7 @@ _ENDED = Answer("the service has ended", "no-service")
 Settling = Callable[[Answer], None]
 
 
-class IceEndpoint:
+class IceEndpoint(SocketlessHandler):
     """Adapter of Ice; an `IOHandler` of its host.
 
     Attributes:
@@ -133,12 +133,6 @@ class IceEndpoint:
         client = self._clients.pop(connection, None)
         if client is not None:
             client.leave()
-
-    def ready(self, mask: int) -> None:
-        """See `IOHandler.ready`; its sockets are Ice's."""
-
-    def check(self, now: float) -> None:
-        """See `IOHandler.check`."""
 
     def flush(self, now: float) -> float | None:
         """See `IOHandler.flush`: wait for those who have not said who they are."""

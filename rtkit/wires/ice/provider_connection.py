@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-import math
 from functools import partial
+from math import inf
 
 from rtkit.errors import Unreachable
 from rtkit.link import secret
@@ -45,12 +45,7 @@ class IceConnection(ProviderConnection):
         self._session = IceSession(address, secret.read(), timeout_s, went=self._went)
 
     def ask(
-        self,
-        target: str,
-        payload: Payload | None,
-        id: str,
-        answer: Answering,
-        until: float = math.inf,
+        self, target: str, payload: Payload | None, id: str, answer: Answering, until: float = inf
     ) -> None:
         """See `ProviderConnection.ask`."""
         if not self._is_open:

@@ -6,7 +6,7 @@ from typing import Any, Protocol
 
 from rtkit.property.messages import PropertyEvent
 from rtkit.property.subscription import Listener
-from rtkit.serving.event_loop import PropertyEventLoop
+from rtkit.serving.event_loop import PropertyEventLoop, SocketlessHandler
 from rtkit.serving.quota import EndpointQuota, SubscribingClient
 from rtkit.wires.ice import protocol
 
@@ -33,7 +33,7 @@ class SubscribedClient(Protocol):
         """Close the connection: it takes no events."""
 
 
-class IceSubscriber(SubscribingClient):
+class IceSubscriber(SocketlessHandler, SubscribingClient):
     """Subscriber: events that come during a call wait here, bounded, for the next call.
 
     Args:
@@ -62,16 +62,6 @@ class IceSubscriber(SubscribingClient):
         """See `Requester.listen`."""
         self._quota.check_listeners(self._client.listening)
         self._listeners.append(listener)
-
-    def wake(self) -> None:
-        """See `Requester.wake`."""
-        self._host.mark(self)
-
-    def ready(self, mask: int) -> None:
-        """See `IOHandler.ready`; its connection is Ice's."""
-
-    def check(self, now: float) -> None:
-        """See `IOHandler.check`; each call has a bound."""
 
     def flush(self, now: float) -> float | None:
         """See `IOHandler.flush`."""

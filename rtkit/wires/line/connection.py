@@ -224,20 +224,9 @@ class Connection(SubscribingClient):
 
     def flush(self, now: float) -> float | None:
         """See `IOHandler.flush`."""
-        due: list[float] = []
-        for listener in list(self._listeners):
-            while len(self._out) < _ROOM_FOR_EVENTS:
-                event = listener.take(now)
-                if event is None:
-                    break
-                self._tell(listener, event)
-            if listener.has_ended and not listener.pending:
-                self._listeners.remove(listener)
-            elif listener.pending and len(self._out) < _ROOM_FOR_EVENTS:
-                at = listener.due()
-                due += [] if at is None else [at]
+        due = self.send_due(now, lambda: len(self._out) < _ROOM_FOR_EVENTS, self._tell)
         self._work()
-        return min(due, default=None) if self.is_open else None
+        return due if self.is_open else None
 
     def _tell(self, listener: Listener, event: PropertyEvent) -> None:
         self._write(write_event(event))

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import itertools
-import math
 import select
 import socket
 from collections import deque
 from functools import partial
+from math import inf
 
 from rtkit.link.deadline import with_deadline
 from rtkit.property.codes import PropertyError
@@ -59,12 +59,7 @@ class LineConnection(ProviderConnection):
         self._host.register(self._end, self)
 
     def ask(
-        self,
-        target: str,
-        payload: Payload | None,
-        id: str,
-        answer: Answering,
-        until: float = math.inf,
+        self, target: str, payload: Payload | None, id: str, answer: Answering, until: float = inf
     ) -> None:
         """See `ProviderConnection.ask`.
 

@@ -16,15 +16,7 @@ from rtkit.serving.event_loop import PropertyEventLoop
 from rtkit.serving.provider import PropertyProvider
 from rtkit.wires.mqtt.address import MqttAddress
 from rtkit.wires.mqtt.feed import Feed
-from rtkit.wires.mqtt.session import (
-    DEADLINE,
-    READY,
-    STATE,
-    Message,
-    MqttSession,
-    name_of,
-    topic_of,
-)
+from rtkit.wires.mqtt.session import DEADLINE, READY, STATE, Message, MqttSession, name_of, topic_of
 from rtkit.wires.query_server import QueryServer
 from rtkit.wires.zenoh.properties import EventPosition, Joined, Queried
 

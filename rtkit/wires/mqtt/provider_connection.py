@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-import math
 import threading
 import uuid
+from math import inf
 from time import monotonic
 from typing import NamedTuple
 
@@ -16,14 +16,7 @@ from rtkit.property.messages import Answer, Mark, Payload, PropertyEvent
 from rtkit.property.naming import parse_target
 from rtkit.serving.event_loop import PropertyEventLoop
 from rtkit.wires.mqtt.address import MqttAddress
-from rtkit.wires.mqtt.session import (
-    DEADLINE,
-    READY,
-    STATE,
-    Message,
-    MqttSession,
-    topic_of,
-)
+from rtkit.wires.mqtt.session import DEADLINE, READY, STATE, Message, MqttSession, topic_of
 from rtkit.wires.provider_connection import (
     ENDED,
     Answering,
@@ -78,12 +71,7 @@ class MqttConnection(ProviderConnection):
             raise Unreachable(f"no service at {address}: {state}")
 
     def ask(
-        self,
-        target: str,
-        payload: Payload | None,
-        id: str,
-        answer: Answering,
-        until: float = math.inf,
+        self, target: str, payload: Payload | None, id: str, answer: Answering, until: float = inf
     ) -> None:
         """See `ProviderConnection.ask`."""
         self._request(with_id(target, id), payload, f"{self._own}/0", answer, until)
@@ -150,7 +138,7 @@ class MqttConnection(ProviderConnection):
         payload: Payload | None,
         reply_to: str,
         answer: Answering,
-        until: float = math.inf,
+        until: float = inf,
     ) -> None:
         if not self._is_open:
             answer(ENDED)
@@ -164,7 +152,7 @@ class MqttConnection(ProviderConnection):
         _, is_given, parameters = target.partition("?")
         topic = f"{self._root}/{topic_of(name)}/{'get' if payload is None else 'set'}"
         more = (("parameters", parameters),) if is_given else ()
-        if payload is not None and until < math.inf:
+        if payload is not None and until < inf:
             more = (*more, (DEADLINE, deadline_at(until)))
         self._session.publish(
             Message(topic, "" if payload is None else payload, reply_to, mark, more)

@@ -16,7 +16,7 @@ from rtkit.property.checked import CheckedRequests, frame
 from rtkit.property.line import LineRequest
 from rtkit.property.messages import Answer, PropertyEvent
 from rtkit.property.subscription import Listener
-from rtkit.serving.event_loop import PropertyEventLoop
+from rtkit.serving.event_loop import PropertyEventLoop, SocketlessHandler
 from rtkit.serving.quota import EndpointQuota
 from rtkit.wires.line.connection import Connection
 from rtkit.wires.serial.address import HELLO_TARGET, KNOWS_DEADLINES, SerialAddress, SerialEnd
@@ -27,7 +27,7 @@ _FIRST_RETRY_S = 0.05
 _LAST_RETRY_S = 1.0
 
 
-class SerialEndpoint:
+class SerialEndpoint(SocketlessHandler):
     """Opens a device, waits for it while it is not there, and opens it again.
 
     Args:
@@ -53,12 +53,6 @@ class SerialEndpoint:
         self._is_missed = False
         self._open()
         host.mark(self)
-
-    def ready(self, mask: int) -> None:
-        """See `IOHandler.ready`; the client behind it has the descriptor."""
-
-    def check(self, now: float) -> None:
-        """See `IOHandler.check`."""
 
     def flush(self, now: float) -> float | None:
         """See `IOHandler.flush`: try again, if it is time to."""

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-import math
 import threading
 from collections.abc import Callable
+from math import inf
 from queue import Empty, SimpleQueue
 
 from rtkit.errors import RtkitError, Unreachable
@@ -38,12 +38,7 @@ class SerialConnection(ProviderConnection):
         threading.Thread(target=self._work, name="serial line", daemon=True).start()
 
     def ask(
-        self,
-        target: str,
-        payload: Payload | None,
-        id: str,
-        answer: Answering,
-        until: float = math.inf,
+        self, target: str, payload: Payload | None, id: str, answer: Answering, until: float = inf
     ) -> None:
         """See `ProviderConnection.ask`."""
         self._call(lambda: self._client.ask(target, payload, id, until), answer)

@@ -5,13 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from rtkit.wires.serial.address import SCHEME, read_address, split_target
-from rtkit.wires.wire import (
-    ClientSide,
-    ProviderAddress,
-    ServeOption,
-    Wire,
-    WireSettings,
-)
+from rtkit.wires.wire import ClientSide, ProviderAddress, ServeOption, Wire, WireSettings
 
 if TYPE_CHECKING:
     from rtkit.serving.provider import PropertyProvider

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import math
 import threading
 import uuid
 from collections.abc import Callable
+from math import inf
 from time import monotonic
 from typing import NamedTuple
 
@@ -69,12 +69,7 @@ class ZenohConnection(ProviderConnection):
         self._is_silent = False
 
     def ask(
-        self,
-        target: str,
-        payload: Payload | None,
-        id: str,
-        answer: Answering,
-        until: float = math.inf,
+        self, target: str, payload: Payload | None, id: str, answer: Answering, until: float = inf
     ) -> None:
         """See `ProviderConnection.ask`."""
         wait_s = min(_REQUEST_S, max(until - monotonic(), _LEAST_S))
