@@ -25,15 +25,8 @@ from rtkit.link.deadline import boot_id
 from rtkit.logs.logs import open_log
 from rtkit.manager.claim import check_silence, remove_stale, take_lock
 from rtkit.manager.core import configuring
+from rtkit.manager.core import events as ev
 from rtkit.manager.core.core import Core
-from rtkit.manager.core.events import (
-    OWN_PROCESS,
-    ContainerReported,
-    OperationRequested,
-    Row,
-    StopRequested,
-    StoreRead,
-)
 from rtkit.manager.core.requests import NOBODY
 from rtkit.manager.core.startup import StartUp
 from rtkit.manager.core.state import ManagerState, Process
@@ -116,7 +109,7 @@ def run(name: str, wanted: CommandLineSettings, is_shown: bool = False) -> int:
 
 def _recall(
     state: ManagerState, warn: Callable[[str], None], stack: ExitStack
-) -> tuple[StoreWriter, StoreRead]:
+) -> tuple[StoreWriter, ev.StoreRead]:
     """Open the store; return it with what an earlier manager kept there.
 
     Raises:
@@ -124,14 +117,14 @@ def _recall(
     """
     keeper = StoreWriter(places.store_file(state.name))
     stack.callback(keeper.close)
-    rows: list[Row]
+    rows: list[ev.Row]
     if not state.settings.flag("rtkit.restore"):
         rows, remark = [], keeper.set_aside()
     else:
         rows, remark = keeper.find()
     if remark:
         warn(remark)
-    return keeper, StoreRead(rows, boot_id(), remark)
+    return keeper, ev.StoreRead(rows, boot_id(), remark)
 
 
 def _started(
@@ -146,7 +139,7 @@ def _started(
     if failures and settings.flag(STRICT):
         report.give_up("the manager ends, because rtkit.start.strict is YES")
         loop.has_failed = True
-        loop.post(StopRequested())
+        loop.post(ev.StopRequested())
     else:
         fault.point("manager.settled")
         report.ready()
@@ -264,7 +257,7 @@ def _open_endpoints(
     loop: Loop
 
     def report(message: Message) -> None:
-        loop.post(ContainerReported(OWN_PROCESS, message))
+        loop.post(ev.ContainerReported(ev.OWN_PROCESS, message))
 
     container = _container(state, data, report, stack)
     loop = Loop(Core(state), container, slave_supervisor, listener, keeper)
@@ -347,7 +340,7 @@ def _register(loop: Loop, state: ManagerState, stack: ExitStack) -> None:
     every_s = settings.number("manager.update_master_manager.interval")
     if not settings.flag("manager.update_master_manager.enable"):
         every_s = 0.0
-    found = OperationRequested("add_master_manager", str(master), NOBODY)
+    found = ev.OperationRequested("add_master_manager", str(master), NOBODY)
     registrar = Registrar(master, state.name, every_s, lambda: loop.post(found))
     stack.callback(registrar.close)
 
@@ -355,7 +348,7 @@ def _register(loop: Loop, state: ManagerState, stack: ExitStack) -> None:
 def _state(name: str, folder: str, settings: Settings) -> ManagerState:
     state = ManagerState(os.uname().nodename, name, os.getpid(), __version__)
     state.names = _names(state.host, name, settings)
-    state.processes[OWN_PROCESS] = Process(OWN_PROCESS, name, os.getpid(), "up")
+    state.processes[ev.OWN_PROCESS] = Process(ev.OWN_PROCESS, name, os.getpid(), "up")
     state.settings, state.folder = settings, folder
     state.base_paths = base_paths()
     state.capacity = _capacity

@@ -20,13 +20,7 @@ from rtkit.link import keys
 from rtkit.link.processes import ProcessWatch
 from rtkit.link.running import managers
 from rtkit.manager.core import configuring, operations
-from rtkit.manager.core.events import (
-    BatchRequested,
-    Event,
-    OperationRequested,
-    SnapshotRequested,
-    StopRequested,
-)
+from rtkit.manager.core import events as ev
 from rtkit.manager.core.requests import PendingRequests
 from rtkit.manager.core.state import ManagerState
 from rtkit.manager.loadable import loadable
@@ -68,7 +62,7 @@ class ManagerQueryServer:
         """Make views anew when they are asked for next: facts have changed."""
         self._views.clear()
 
-    def take(self, request: Request) -> Event | None:
+    def take(self, request: Request) -> ev.Event | None:
         """Answer a request, or return the event that leads to its answer.
 
         Raises:
@@ -77,7 +71,7 @@ class ManagerQueryServer:
         if monotonic() > request.until:
             raise Unreachable(NOT_BEGUN)
         if request.is_extension and request.name == "picture":
-            return SnapshotRequested(self._requests.add(request.answer))
+            return ev.SnapshotRequested(self._requests.add(request.answer))
         if request.is_extension and request.name == "lease":
             request.answer(Reply(self.lease.asked(request.payload)))
             return None
@@ -99,14 +93,14 @@ class ManagerQueryServer:
             return None
         if request.name == "batch":
             batch = batch_from_text(request.payload)
-            return BatchRequested(batch, self._requests.add(request.answer), request.until)
+            return ev.BatchRequested(batch, self._requests.add(request.answer), request.until)
         if request.name in ("stop", "shutdown"):
             request.answer(Reply(str(self._state.pid)))
-            return StopRequested()
+            return ev.StopRequested()
         if request.name == "restart":
             self.restart = RestartRequest(open_report(request.payload))
             request.answer(Reply(str(self._state.pid)))
-            return StopRequested(is_kept=True)
+            return ev.StopRequested(is_kept=True)
         if keys.unescape(request.name) == FOLLOW:
             self.follow(request)
             return None
@@ -154,18 +148,20 @@ class ManagerQueryServer:
             value = "\n".join(each for each in value.splitlines() if each not in gone)
         return value
 
-    def _operation(self, name: str, request: Request) -> Event:
+    def _operation(self, name: str, request: Request) -> ev.Event:
         argument = request.payload or ""
         if name in operations.READ:
             raise Refused(f"read-only property: {name}")
         if name == "create_component" and request.id:
             return self._create_once(request)
         if name in operations.DO:
-            return OperationRequested(name, argument, self._requests.add(request.answer))
+            return ev.OperationRequested(name, argument, self._requests.add(request.answer))
         change = f"{name}:{argument}"
-        return OperationRequested("set_configuration", change, self._requests.add(request.answer))
+        return ev.OperationRequested(
+            "set_configuration", change, self._requests.add(request.answer)
+        )
 
-    def _create_once(self, request: Request) -> BatchRequested:
+    def _create_once(self, request: Request) -> ev.BatchRequested:
         """Return a creation as a batch, so that it is known by its id when it comes again."""
 
         def answer(reply: Reply) -> None:
@@ -176,7 +172,7 @@ class ManagerQueryServer:
 
         made = (Create(request.payload or ""),)
         batch = Batch(made, True, operations.TIMEOUT_S, request.id[:MAX_ID])
-        return BatchRequested(batch, self._requests.add(answer), request.until)
+        return ev.BatchRequested(batch, self._requests.add(answer), request.until)
 
 
 def _aside(request: Request, work: Callable[[], str]) -> None:

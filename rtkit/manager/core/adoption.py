@@ -14,10 +14,9 @@ from rtkit.deployment.facts import ComponentFacts
 from rtkit.deployment.message import Message
 from rtkit.errors import Malformed
 from rtkit.fast_dataclass import replace
-from rtkit.manager.core import user_changes
+from rtkit.manager.core import record_desired
 from rtkit.manager.core.effects import Procedure, Send, Sleep
 from rtkit.manager.core.limiting import note_limits
-from rtkit.manager.core.record_desired import note
 from rtkit.manager.core.registration import free_names
 from rtkit.manager.core.state import ManagerState, Process
 from rtkit.rtc.names import check_instance_name
@@ -43,7 +42,7 @@ class Holding(NamedTuple):
 
     components: list[ComponentFacts]
     wires: list[ConnectorProfile]
-    asked: user_changes.Asked = MappingProxyType({})
+    asked: record_desired.Asked = MappingProxyType({})
 
 
 def read(name: str, components: object, wires: object, asked: object = None) -> Holding:
@@ -58,7 +57,7 @@ def read(name: str, components: object, wires: object, asked: object = None) -> 
     for facts in held:
         check_instance_name(facts.instance)
     ends = [decode(ConnectorProfile, each) for each in wires]
-    return Holding(held, ends, user_changes.read(asked))
+    return Holding(held, ends, record_desired.read(asked))
 
 
 def take(state: ManagerState, process: Process, holding: Holding) -> list[Message]:
@@ -84,9 +83,9 @@ def believe(state: ManagerState, process: Process, holding: Holding) -> None:
     for instance, actions in holding.asked.items():
         if state.containers.get(instance) == process.key:
             for action in actions:
-                note(state.kept, action)
+                record_desired.note(state.kept, action)
             state.kept.named(instance, state.components[instance].names)
-            state.since_made[instance] = user_changes.desired(instance, actions)
+            state.since_made[instance] = record_desired.desired(instance, actions)
 
 
 def take_unsaid(state: ManagerState, process: Process, holding: Holding) -> None:

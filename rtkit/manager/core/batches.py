@@ -12,16 +12,11 @@ from rtkit.deployment.actions import Result
 from rtkit.deployment.batch import results_to_text, stamp_of
 from rtkit.errors import Refused, Unreachable
 from rtkit.fast_dataclass import replace
+from rtkit.manager.core import events as ev
 from rtkit.manager.core import operations
 from rtkit.manager.core.desired import ANSWERED
 from rtkit.manager.core.durable_replies import DurableReplies, unkept
 from rtkit.manager.core.effects import AcquireSlave, Procedure
-from rtkit.manager.core.events import (
-    AnswerClient,
-    BatchRequested,
-    Instruction,
-    OperationRequested,
-)
 from rtkit.manager.core.procedures import procedure_for, slaves_of
 from rtkit.manager.core.state import ManagerState, Process
 from rtkit.manager.core.stopping import retire
@@ -38,7 +33,7 @@ TOO_OLD = "request {} is too old: it may have been done, and its answer is not r
 class _Job:
     """A batch under way, with all clients that wait for its answer."""
 
-    def __init__(self, asked: BatchRequested) -> None:
+    def __init__(self, asked: ev.BatchRequested) -> None:
         self.batch = asked.batch
         self.requests = [asked.request]
         self.until = asked.until
@@ -59,7 +54,7 @@ class Batches:
     def __init__(
         self,
         state: ManagerState,
-        out: list[Instruction],
+        out: list[ev.Instruction],
         tasks: Tasks,
         keeping: DurableReplies,
         supervisor: Supervisor,
@@ -81,15 +76,17 @@ class Batches:
         if len(self._answered) >= REMEMBERED - 1:  # before the first of them were others
             self._forget(next(iter(self._answered)))
 
-    def take(self, asked: BatchRequested) -> None:
+    def take(self, asked: ev.BatchRequested) -> None:
         """Begin a batch as soon as it can be recorded, unless it is or was done already."""
         id = asked.batch.id
         if id and id in self._jobs:
             self._jobs[id].requests.append(asked.request)
         elif id and id in self._answered:
-            self._out.append(AnswerClient(asked.request, Reply(self._answered[id])))
+            self._out.append(ev.AnswerClient(asked.request, Reply(self._answered[id])))
         elif self._is_too_old(id):
-            self._out.append(AnswerClient(asked.request, Reply(TOO_OLD.format(id), Refused.kind)))
+            self._out.append(
+                ev.AnswerClient(asked.request, Reply(TOO_OLD.format(id), Refused.kind))
+            )
         else:
             self._admit(_Job(asked))
 
@@ -108,19 +105,19 @@ class Batches:
         while len(self._forgotten) > REMEMBERED:
             del self._forgotten[next(iter(self._forgotten))]
 
-    def operate(self, asked: OperationRequested) -> None:
+    def operate(self, asked: ev.OperationRequested) -> None:
         """Begin an operation."""
 
         def tell(results: list[Result]) -> None:
             (result,) = results
             text, kind = (result.value, "") if result.ok else (result.why, result.kind)
-            self._out.append(AnswerClient(asked.request, Reply(text, kind)))
+            self._out.append(ev.AnswerClient(asked.request, Reply(text, kind)))
 
         def done(result: Result) -> None:
             self._keeping.finish([operations.action(asked.name, asked.argument)], [result], tell)
 
         if self.is_stopping:
-            self._out.append(AnswerClient(asked.request, Reply(STOPPING, Refused.kind)))
+            self._out.append(ev.AnswerClient(asked.request, Reply(STOPPING, Refused.kind)))
         else:
             steps = operations.DO[asked.name](self._state, asked.argument)
             self._tasks.begin(steps, operations.TIMEOUT_S, done)
@@ -137,7 +134,7 @@ class Batches:
         self._keeping.admit(job.batch.actions, go_on)
 
     def _answer(self, job: _Job, reply: Reply) -> None:
-        self._out.extend(AnswerClient(request, reply) for request in job.requests)
+        self._out.extend(ev.AnswerClient(request, reply) for request in job.requests)
         self._jobs.pop(job.batch.id, None)
 
     def _begin(self, job: _Job) -> None:

@@ -17,44 +17,10 @@ from rtkit.deployment.message import Message
 from rtkit.deployment.metrics import METRICS
 from rtkit.errors import Malformed, Refused, RtkitError, Unreachable
 from rtkit.manager.core import adoption, configuring, modules, report_intake
+from rtkit.manager.core import events as ev
 from rtkit.manager.core.batches import STOPPING, Batches
 from rtkit.manager.core.change_feed import ChangeFeed
 from rtkit.manager.core.durable_replies import DurableReplies
-from rtkit.manager.core.events import (
-    AdoptSlave,
-    AnswerClient,
-    BatchRequested,
-    CallbackStuck,
-    ContainerReported,
-    Event,
-    ExitDaemon,
-    FollowAsked,
-    FollowSaid,
-    Instruction,
-    ListenersChanged,
-    OperationRequested,
-    ProcessInspected,
-    RecoveryRequested,
-    RemoveStore,
-    RowsStored,
-    SendToContainer,
-    SignalSlave,
-    SlaveEnded,
-    SlaveExitedUnseen,
-    SlaveFailed,
-    SlaveForked,
-    SlaveFound,
-    SlaveOverLimit,
-    SlaveReady,
-    SlaveStopped,
-    SnapshotRequested,
-    SpawnDisabled,
-    StartStepDone,
-    StopRequested,
-    StoreRead,
-    TimerExpired,
-    WakeAt,
-)
 from rtkit.manager.core.follows import Follows
 from rtkit.manager.core.health_monitor import HealthMonitor
 from rtkit.manager.core.import_check import TRIAL
@@ -78,7 +44,7 @@ class Core:
 
     def __init__(self, state: ManagerState) -> None:
         self.state = state
-        self._out: list[Instruction] = []
+        self._out: list[ev.Instruction] = []
         self._tasks = Tasks(state, self._out)
         self._keeping = DurableReplies(state, self._out, self._tasks)
         self._supervisor = Supervisor(state, self._tasks)
@@ -109,7 +75,7 @@ class Core:
         """Derive what a checkpoint leaves out, from the state that was put in."""
         self._announcer.resume()
 
-    def handle(self, event: Event, now: float) -> list[Instruction]:
+    def handle(self, event: ev.Event, now: float) -> list[ev.Instruction]:
         """Take one event at monotonic time `now` [s] and return what is to be done.
 
         Raises:
@@ -117,55 +83,55 @@ class Core:
         """
         self._now = self._batches.now = now
         match event:
-            case BatchRequested():
+            case ev.BatchRequested():
                 self._batches.take(event)
-            case SnapshotRequested(request):
+            case ev.SnapshotRequested(request):
                 self._announcer.send_picture(request)
-            case ListenersChanged(line, is_heard, who):
+            case ev.ListenersChanged(line, is_heard, who):
                 self._listened(line, is_heard, who)
-            case FollowAsked():
+            case ev.FollowAsked():
                 self._follow(event)
-            case FollowSaid():
+            case ev.FollowSaid():
                 self._follows.say(event)
-            case OperationRequested():
+            case ev.OperationRequested():
                 self._batches.operate(event)
-            case ContainerReported(key, message):
+            case ev.ContainerReported(key, message):
                 self._heard(key, message)
-            case SlaveForked(key, pid):
+            case ev.SlaveForked(key, pid):
                 self._forked(key, pid)
-            case SlaveReady(key):
+            case ev.SlaveReady(key):
                 self._ready(key)
-            case SlaveFound():
+            case ev.SlaveFound():
                 self._found(event)
-            case SlaveExitedUnseen():
+            case ev.SlaveExitedUnseen():
                 self._missed(event)
-            case SlaveEnded(key, reason, last):
+            case ev.SlaveEnded(key, reason, last):
                 self._ended(key, reason, last)
-            case SlaveFailed(key, reason):
+            case ev.SlaveFailed(key, reason):
                 self._ended(key, reason)
-            case SpawnDisabled(why):
+            case ev.SpawnDisabled(why):
                 self.state.barred = why
-            case SlaveStopped(key, is_halted):
+            case ev.SlaveStopped(key, is_halted):
                 self._halted(key, is_halted)
-            case SlaveOverLimit(key, why):
+            case ev.SlaveOverLimit(key, why):
                 self._limiting.reached(key, why)
-            case CallbackStuck():
+            case ev.CallbackStuck():
                 self._stuck(event)
-            case ProcessInspected(key):
+            case ev.ProcessInspected(key):
                 self._tasks.inspected(key)
-            case StoreRead():
+            case ev.StoreRead():
                 self._remember(event)
-            case RecoveryRequested(request):
+            case ev.RecoveryRequested(request):
                 self._restore(request)
-            case StartStepDone(step):
+            case ev.StartStepDone(step):
                 self.state.kept.begin(step)
-            case RowsStored(number, why, is_lost):
+            case ev.RowsStored(number, why, is_lost):
                 self._keeping.kept(number, why, is_lost=is_lost)
-            case StopRequested(is_urgent, is_kept):
+            case ev.StopRequested(is_urgent, is_kept):
                 self._stop(is_kept)
                 if is_urgent:
                     self._hurry()
-            case TimerExpired():
+            case ev.TimerExpired():
                 pass
         self._tasks.run(now)
         until = self._survey.run(now)
@@ -173,7 +139,7 @@ class Core:
         self._limiting.run()
         self._keeping.run(now)
         if until is not None:
-            self._out.append(WakeAt(until))
+            self._out.append(ev.WakeAt(until))
         self._announcer.run()
         out = list(self._out)
         self._out.clear()
@@ -187,15 +153,15 @@ class Core:
         elif line == METRICS:
             self._survey.listen(bool(listeners))
 
-    def _follow(self, asked: FollowAsked) -> None:
+    def _follow(self, asked: ev.FollowAsked) -> None:
         if self._is_stopping:
-            self._out.append(AnswerClient(asked.request, Reply(STOPPING, Refused.kind)))
+            self._out.append(ev.AnswerClient(asked.request, Reply(STOPPING, Refused.kind)))
         else:
             self._follows.ask(asked)
 
     # desired state
 
-    def _remember(self, event: StoreRead) -> None:
+    def _remember(self, event: ev.StoreRead) -> None:
         state = self.state
         self._announcer.hold()
         bad = state.kept.read(event.rows)
@@ -220,7 +186,7 @@ class Core:
         self._announcer.release()
 
         def tell(results: list[Result]) -> None:
-            self._out.append(AnswerClient(request, Reply(results[0].value)))
+            self._out.append(ev.AnswerClient(request, Reply(results[0].value)))
 
         def done(result: Result) -> None:
             self._keeping.finish([act.Tick("", "")], [result], tell)
@@ -284,9 +250,9 @@ class Core:
     def _configure(self, process: Process, *, is_found: bool = False) -> None:
         """Send properties to a process; a new one has the defaults, one that was found any."""
         if configuring.is_needed(self.state) or (is_found and process.is_slave):
-            self._out.append(SendToContainer(process.key, configuring.message(self.state)))
+            self._out.append(ev.SendToContainer(process.key, configuring.message(self.state)))
 
-    def _found(self, event: SlaveFound) -> None:
+    def _found(self, event: ev.SlaveFound) -> None:
         """Believe a process about what it holds; what contradicts the living, it is to drop."""
         holding = adoption.read(event.name, event.components, event.wires, event.asked)
         process = adoption.process_of(self.state, event.pid)
@@ -298,20 +264,20 @@ class Core:
             process.trial_of, process.is_wanted = TRIAL, False
         was_silent, process.silence = bool(process.silence), event.silence
         process.state = "silent" if event.silence else "up"
-        self._out.append(AdoptSlave(process.key, event.pid, process.is_guest))
+        self._out.append(ev.AdoptSlave(process.key, event.pid, process.is_guest))
         if event.silence:
             adoption.take_unsaid(self.state, process, holding)
             self._end_unwanted(process)
             return
         self._configure(process, is_found=True)
         for message in adoption.take(self.state, process, holding):
-            self._out.append(SendToContainer(process.key, message))
+            self._out.append(ev.SendToContainer(process.key, message))
         adoption.believe(self.state, process, holding)
         for wire in adoption.unsaid_wires(self.state, process, holding) if was_silent else ():
             self._cut(wire)
         if process.is_guest:
             welcome = {"welcome": self.state.held_by(process.key)}
-            self._out.append(SendToContainer(process.key, welcome))
+            self._out.append(ev.SendToContainer(process.key, welcome))
         process.is_wanted &= not self._is_stopping
         self._end_unwanted(process)
         self._tasks.begin(adoption.cut_loose(self.state, process), adoption.SETTLE_S)
@@ -320,7 +286,7 @@ class Core:
             self._tasks.begin(repair(self.state, held), RESTORE_S)
         self._tasks.begin(retire(self.state, process), adoption.SETTLE_S)
 
-    def _missed(self, event: SlaveExitedUnseen) -> None:
+    def _missed(self, event: ev.SlaveExitedUnseen) -> None:
         holding = adoption.read(event.name, event.components, [])
         name = adoption.free_name(self.state, event.name, event.pid)
         process = self._tasks.new_process(name, event.pid)
@@ -335,7 +301,7 @@ class Core:
     def _end_unwanted(self, process: Process) -> bool:
         """End a slave that came when nobody waited for it any more."""
         if not process.is_wanted and process.is_slave:
-            self._out.append(SignalSlave(process.key, signal.SIGKILL))
+            self._out.append(ev.SignalSlave(process.key, signal.SIGKILL))
         return not process.is_wanted
 
     def _ended(self, key: int, reason: str, last: str = "") -> None:
@@ -371,7 +337,7 @@ class Core:
         for process in list(self.state.processes.values()):
             if process.key in ends and process.is_ready:
                 message = {"op": "unlink", "connector_id": wire.connector_id}
-                self._out.append(SendToContainer(process.key, message))
+                self._out.append(ev.SendToContainer(process.key, message))
 
     def _halted(self, key: int, is_halted: bool) -> None:
         process = self.state.processes.get(key)
@@ -391,11 +357,11 @@ class Core:
     def _give_up_spawn(self, process: Process) -> None:
         """End a slave that was stopped before it connected: nobody has use for it."""
         process.is_wanted = False
-        self._out.append(SignalSlave(process.key, signal.SIGKILL))
+        self._out.append(ev.SignalSlave(process.key, signal.SIGKILL))
         why = f"slave {process.name} was stopped before it was ready, and is ended"
         self._tasks.give_up_on(process, Unreachable(why))
 
-    def _stuck(self, event: CallbackStuck) -> None:
+    def _stuck(self, event: ev.CallbackStuck) -> None:
         process, instance = self.state.processes.get(event.key), event.instance
         if process is None or not process.is_alive:
             return
@@ -415,7 +381,7 @@ class Core:
             self._is_stopping = self._batches.is_stopping = True
             self._keeping.stop(is_kept=is_kept)
             if not is_kept:
-                self._out.append(RemoveStore())
+                self._out.append(ev.RemoveStore())
             self._tasks.cancel(Refused(STOPPING))
             self._tasks.begin(stop_everything(self.state), FINALISE_S, self._stopped)
 
@@ -425,9 +391,9 @@ class Core:
         for process in self.state.processes.values():
             if process.is_slave and process.is_alive:
                 process.is_wanted = False
-                self._out.append(SignalSlave(process.key, signal.SIGKILL))
+                self._out.append(ev.SignalSlave(process.key, signal.SIGKILL))
         self._tasks.give_up(Unreachable(STOPPING))
 
     def _stopped(self, _result: Result) -> None:
         self._announcer.end()
-        self._out.append(ExitDaemon())
+        self._out.append(ev.ExitDaemon())

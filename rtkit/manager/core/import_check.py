@@ -13,15 +13,7 @@ from typing import Any, NamedTuple
 
 from rtkit.deployment.actions import Result
 from rtkit.errors import Malformed, Refused, RtkitError, Unreachable
-from rtkit.manager.core.effects import (
-    AcquireSlave,
-    Call,
-    Effect,
-    Procedure,
-    SendSignal,
-    Spawn,
-    WaitForEnds,
-)
+from rtkit.manager.core import effects as fx
 from rtkit.manager.core.state import ManagerState, Process
 from rtkit.manager.core.stopping import end_slaves
 from rtkit.rtc.profiles import ModuleProfile
@@ -42,27 +34,29 @@ class CheckedModule(NamedTuple):
     remarks: tuple[str, ...]
 
 
-def try_module(state: ManagerState, path: str, init: str) -> Generator[Effect, Any, CheckedModule]:
+def try_module(
+    state: ManagerState, path: str, init: str
+) -> Generator[fx.Effect, Any, CheckedModule]:
     """Have another process import a module; return what it offers, and what is odd in it.
 
     Raises:
         RtkitError: It cannot be imported; gives the reason, and the line if there is one.
     """
-    process: Process = yield AcquireSlave(TRIAL, trial_of=path)
+    process: Process = yield fx.AcquireSlave(TRIAL, trial_of=path)
     try:
-        told = yield Call(process, {"op": "load", "path": path, "init": init})
+        told = yield fx.Call(process, {"op": "load", "path": path, "init": init})
         tried = read(told)
     except RtkitError as error:
-        yield Spawn(_kill(process))
+        yield fx.Spawn(_kill(process))
         failure = _explained(path, process, error) if isinstance(error, Unreachable) else error
         process.failure = failure
         raise failure from error
-    yield Spawn(end_slaves([process]))
+    yield fx.Spawn(end_slaves([process]))
     state.tried[path] = tried.fingerprint
     return tried
 
 
-def share_trial(state: ManagerState, path: str, init: str) -> Generator[Effect, Any, None]:
+def share_trial(state: ManagerState, path: str, init: str) -> Generator[fx.Effect, Any, None]:
     """Have a module tried once for all that want it at a time.
 
     Raises:
@@ -73,7 +67,7 @@ def share_trial(state: ManagerState, path: str, init: str) -> Generator[Effect, 
     if trial is None:
         yield from try_module(state, path, init)
         return
-    yield WaitForEnds((trial,), _PATIENCE_S)
+    yield fx.WaitForEnds((trial,), _PATIENCE_S)
     if trial.failure is not None:
         raise trial.failure
 
@@ -90,10 +84,10 @@ def read(told: Any) -> CheckedModule:
     return CheckedModule(decode(ModuleProfile, told.get("module")), told["fingerprint"], remarks)
 
 
-def _kill(process: Process) -> Procedure:
+def _kill(process: Process) -> fx.Procedure:
     process.is_wanted = False
     if process.is_alive:
-        yield SendSignal(process, signal.SIGKILL)
+        yield fx.SendSignal(process, signal.SIGKILL)
     return Result()
 
 

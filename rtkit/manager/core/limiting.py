@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import logging
 
-from rtkit.deployment.actions import Result
 from rtkit.deployment.facts import ComponentFacts
 from rtkit.deployment.limits import (
     NO_LIMITS,
@@ -18,7 +17,7 @@ from rtkit.errors import Refused
 from rtkit.manager.core.events import OWN_PROCESS, Instruction, LimitSlave
 from rtkit.manager.core.state import NOWHERE, ManagerState, Process
 from rtkit.manager.core.stopping import HANGING_S, end_slaves
-from rtkit.manager.core.tasks import Tasks
+from rtkit.manager.core.tasks import Tasks, ignored
 from rtkit.rtc.enums import LifeCycleState
 
 _log = logging.getLogger(__name__)
@@ -62,7 +61,7 @@ class Limiting:
             return
         _log.error("slave %s is ended: %s", process.name, why)
         process.verdict = why
-        self._tasks.begin(end_slaves([process], HANGING_S), _END_S, _ignore)
+        self._tasks.begin(end_slaves([process], HANGING_S), _END_S, ignored)
 
     def heard(self, facts: ComponentFacts) -> None:
         """Take note of how a component is: one that failed for a limit has reached it."""
@@ -74,10 +73,6 @@ class Limiting:
             why = exhausted(self._told.get(process.key, NO_LIMITS), facts.cause)
             if why:
                 self.reached(process.key, why)
-
-
-def _ignore(_result: Result) -> None:
-    """Nobody waits for the end."""
 
 
 def _by_process(state: ManagerState) -> dict[int, SlaveLimits]:

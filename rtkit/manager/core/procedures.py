@@ -17,7 +17,6 @@ from rtkit.deployment.limits import needs_slave
 from rtkit.deployment.message import Message
 from rtkit.errors import Malformed, Refused, RtkitError, Unreachable
 from rtkit.fast_dataclass import replace
-from rtkit.manager.core.composition import process_of_members
 from rtkit.manager.core.configuring import config_files, inherited
 from rtkit.manager.core.deletion import delete, end_slave
 from rtkit.manager.core.effects import AcquireSlave, Call, Effect, Procedure, Send, Spawn
@@ -254,7 +253,7 @@ def _in_language(state: ManagerState, create: CreateString) -> CreateString:
 def _place(
     state: ManagerState, claim: NameReservation, create: CreateString
 ) -> Generator[AcquireSlave, Any, Process]:
-    home = process_of_members(state, create)
+    home = _process_of_members(state, create)
     if home is not None:
         return home
     name = create.place or _slave_at(state, create.address)
@@ -390,3 +389,26 @@ def _consequence(
         path = f"/{state.names[0]}/{process.name}{MANAGER_SUFFIX}" if state.names else process.name
         whose, end = f"slave {process.name}", f"rtexit --force {path} ends it"
     return Unreachable(f"{error}; {whose} makes and ends nothing else until that returns; {end}")
+
+
+def _process_of_members(state: ManagerState, create: CreateString) -> Process | None:
+    """Return the process of the members that a create string names, None if it names none.
+
+    Raises:
+        NotFound: There is no such component.
+        Refused: They are in different processes, or it is to be made in another one.
+    """
+    names = [name.strip() for name in create.options.get("members", "").split(",")]
+    processes = {name: living(state, name) for name in names if name}
+    if not processes:
+        return None
+    first, home = next(iter(processes.items()))
+    for name, process in processes.items():
+        if process is not home:
+            raise Refused(
+                f"{first} is in {home.name}, {name} in {process.name}:"
+                " members of a composite are in one process"
+            )
+    if create.place not in ("", home.name):
+        raise Refused(f"{first} is in {home.name}: a composite of it cannot be in {create.place}")
+    return home

@@ -27,7 +27,7 @@ from rtkit.manager.core.record_desired import note
 from rtkit.manager.core.recovery import Failed, lives, revive
 from rtkit.manager.core.state import ManagerState
 from rtkit.manager.core.stopping import HANGING_S, end_slaves
-from rtkit.manager.core.tasks import Tasks
+from rtkit.manager.core.tasks import Tasks, ignored
 from rtkit.rtc.enums import LifeCycleState, Transition
 
 _log = logging.getLogger(__name__)
@@ -140,7 +140,7 @@ class Supervisor:
         """Deactivate everything, since these were lost or are not well."""
         for instance in critical:
             self._state.watch(instance, halted=why)
-        self._tasks.begin(_stop_system(self._state, critical, why), _STOP_S, _ignore)
+        self._tasks.begin(_stop_system(self._state, critical, why), _STOP_S, ignored)
 
     def steps(self, action: act.Action) -> Procedure | None:
         """Return how an action is done to a component that is in hand; None for any other."""
@@ -218,7 +218,7 @@ class Supervisor:
         self._state.returning.update(instances)
         dues = {each: self._state.watched(each).ledger.times for each in instances}
         again = self._bring_back(dues, wait_s, why)
-        self._tasks.begin(again, _REVIVE_S, _ignore)
+        self._tasks.begin(again, _REVIVE_S, ignored)
 
     def _bring_back(
         self, dues: Mapping[str, tuple[float, ...]], wait_s: float, why: str
@@ -281,10 +281,6 @@ class Supervisor:
         self._state.watch(instance, pending="", took_s=round(now - ended, 6))
         count, why = watched.restarts, watched.pending
         _log.warning("%s was made again (%d.): %s", instance, count, why)
-
-
-def _ignore(_result: Result) -> None:
-    """Nobody waits for a restart; but when the manager stops, it is broken off."""
 
 
 def _spread(instance: str, count: int) -> float:

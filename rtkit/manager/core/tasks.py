@@ -19,31 +19,9 @@ from rtkit.deployment.actions import Result
 from rtkit.deployment.message import Message
 from rtkit.errors import RtkitError, Unreachable
 from rtkit.fast_dataclass import dataclass
+from rtkit.manager.core import effects as fx
+from rtkit.manager.core import events as ev
 from rtkit.manager.core import report_intake
-from rtkit.manager.core.effects import (
-    AcquireSlave,
-    Call,
-    Effect,
-    Gather,
-    Procedure,
-    ReadClock,
-    Send,
-    SendSignal,
-    Sleep,
-    Spawn,
-    Wait,
-    WaitForEnds,
-    WaitUntil,
-)
-from rtkit.manager.core.events import (
-    OWN_PROCESS,
-    InspectProcess,
-    Instruction,
-    SendToContainer,
-    SignalSlave,
-    SpawnSlave,
-    WakeAt,
-)
 from rtkit.manager.core.state import ManagerState, Process
 from rtkit.rtc.create import FRESH_SLAVE
 from rtkit.rtc.enums import ReturnCode
@@ -69,11 +47,11 @@ class _Task:
         told: The failure in a container's answer, and the error that stands for it.
     """
 
-    steps: Procedure
+    steps: fx.Procedure
     timeout_s: float
     done: Done | None = None
     until: float | None = None
-    wait: Wait | None = None
+    wait: fx.Wait | None = None
     since: float = 0.0
     key: int = -1
     is_late: bool = False
@@ -91,12 +69,12 @@ class _Step(NamedTuple):
 class Tasks:
     """Procedures under way; `out` collects instructions for the shell."""
 
-    def __init__(self, state: ManagerState, out: list[Instruction]) -> None:
+    def __init__(self, state: ManagerState, out: list[ev.Instruction]) -> None:
         self._state = state
         self._out = out
         self._now = 0.0
         self._number = 0
-        self._key = OWN_PROCESS
+        self._key = ev.OWN_PROCESS
         self._ready: deque[_Step] = deque()
         self._waiting: dict[int, _Task] = {}
         self._conditions: dict[int, None] = {}
@@ -107,7 +85,7 @@ class Tasks:
         """Return whether no procedure is under way."""
         return not self._waiting and not self._ready
 
-    def begin(self, steps: Procedure, timeout_s: float, done: Done | None = None) -> None:
+    def begin(self, steps: fx.Procedure, timeout_s: float, done: Done | None = None) -> None:
         """Take a procedure in; `done` receives its outcome.
 
         All that it waits for together, but for what names a time of its own, takes at most
@@ -125,7 +103,7 @@ class Tasks:
                 break
         self._prune()
         if self._deadlines and self._deadlines[0][0] < math.inf:
-            self._out.append(WakeAt(self._deadlines[0][0]))
+            self._out.append(ev.WakeAt(self._deadlines[0][0]))
 
     def run_new(self, now: float) -> None:
         """Go on with what was begun since `run`, if there is any."""
@@ -143,7 +121,7 @@ class Tasks:
         """Take the answer of a container; one that nobody waits for any more is ignored."""
         number = message["reply"]
         task = self._waiting.get(number) if isinstance(number, int) else None
-        if task is None or task.key != key or not isinstance(task.wait, Call):
+        if task is None or task.key != key or not isinstance(task.wait, fx.Call):
             return
         result = report_intake.result(message)
         if result.ok:
@@ -156,7 +134,7 @@ class Tasks:
     def process_is_up(self, process: Process) -> None:
         """Go on with those who need this slave."""
         for number, task in self._waiting_for(process.key):
-            if isinstance(task.wait, AcquireSlave):
+            if isinstance(task.wait, fx.AcquireSlave):
                 self._go_on(number, process)
 
     def inspected(self, key: int) -> None:
@@ -169,7 +147,7 @@ class Tasks:
         """Notify the tasks that wait for this slave that it ended."""
         self.give_up_on(process, Unreachable(process.end))
         for number, task in list(self._waiting.items()):
-            if isinstance(task.wait, WaitForEnds) and _have_ended(task.wait):
+            if isinstance(task.wait, fx.WaitForEnds) and _have_ended(task.wait):
                 self._go_on(number, None)
 
     def give_up_on(self, process: Process, error: RtkitError) -> None:
@@ -186,7 +164,7 @@ class Tasks:
     def give_up(self, error: RtkitError, key: int | None = None) -> None:
         """Raise an error in every procedure that waits for an answer, of one process or of any."""
         for number, task in list(self._waiting.items()):
-            if isinstance(task.wait, Call) and key in (None, task.key):
+            if isinstance(task.wait, fx.Call) and key in (None, task.key):
                 self._go_on(number, None, error)
 
     def _waiting_for(self, key: int) -> list[tuple[int, _Task]]:
@@ -205,20 +183,20 @@ class Tasks:
             match effect:
                 case None:
                     return
-                case ReadClock():
+                case fx.ReadClock():
                     value = self._now
-                case Spawn(procedure):
+                case fx.Spawn(procedure):
                     self._resume(_Step(_Task(procedure, task.timeout_s)))
-                case SendSignal(process, number):
-                    self._out.append(SignalSlave(process.key, number))
-                case Send(process, message):
-                    self._out.append(SendToContainer(process.key, message))
-                case Call(process):
+                case fx.SendSignal(process, number):
+                    self._out.append(ev.SignalSlave(process.key, number))
+                case fx.Send(process, message):
+                    self._out.append(ev.SendToContainer(process.key, message))
+                case fx.Call(process):
                     if not process.unfit:
                         self._ask(task, effect)
                         return
                     error = Unreachable(process.unfit)
-                case AcquireSlave():
+                case fx.AcquireSlave():
                     slave = self._needed(effect)
                     if slave is None:
                         error = Unreachable(f"no slave can be started: {self._state.barred}")
@@ -226,22 +204,22 @@ class Tasks:
                         self._wait(task, effect, slave.key)
                         return
                     value = slave
-                case Sleep(time_s):
+                case fx.Sleep(time_s):
                     self._wait(task, effect, -1, time_s)
                     return
-                case WaitForEnds():
+                case fx.WaitForEnds():
                     if not _have_ended(effect):
                         self._wait(task, effect, -1, effect.timeout_s)
                         return
-                case WaitUntil(is_so):
+                case fx.WaitUntil(is_so):
                     if not is_so():
                         self._conditions[self._wait(task, effect, -1)] = None
                         return
-                case Gather():
+                case fx.Gather():
                     self._side_by_side(task, effect)
                     return
 
-    def _wait(self, task: _Task, wait: Wait, key: int, timeout_s: float | None = None) -> int:
+    def _wait(self, task: _Task, wait: fx.Wait, key: int, timeout_s: float | None = None) -> int:
         """Have a task wait for so long, or until its own time is up."""
         self._number += 1
         number = self._number
@@ -253,15 +231,15 @@ class Tasks:
         heapq.heappush(self._deadlines, (until, number))
         return number
 
-    def _ask(self, task: _Task, ask: Call) -> None:
+    def _ask(self, task: _Task, ask: fx.Call) -> None:
         key = ask.process.key
         number = self._wait(task, ask, key, ask.timeout_s or None)
         message = {**ask.message, "call": number}
         if not ask.is_lasting:
             message["until"] = task.until if not ask.timeout_s else self._now + ask.timeout_s
-        self._out.append(SendToContainer(key, message))
+        self._out.append(ev.SendToContainer(key, message))
 
-    def _side_by_side(self, task: _Task, effect: Gather) -> None:
+    def _side_by_side(self, task: _Task, effect: fx.Gather) -> None:
         """Begin procedures, and go on with the task when each has ended; each has its time-out."""
         results: list[Result | None] = [None] * len(effect.procedures)
         left = len(results)
@@ -280,14 +258,14 @@ class Tasks:
         for index, steps in enumerate(effect.procedures):
             self.begin(steps, task.timeout_s, partial(done, index))
 
-    def _needed(self, need: AcquireSlave) -> Process | None:
+    def _needed(self, need: fx.AcquireSlave) -> Process | None:
         """Return a slave that lives, or is started now; None when none can be."""
         name = need.name
         is_fresh = bool(need.trial_of) or name == FRESH_SLAVE
         process = None if is_fresh else self._state.living_process(name)
         if process is None and not self._state.barred:
             process = self.new_process(name, trial_of=need.trial_of)
-            self._out.append(SpawnSlave(process.key, name))
+            self._out.append(ev.SpawnSlave(process.key, name))
         return process
 
     def _go_on_with_what_is_so(self) -> bool:
@@ -296,7 +274,7 @@ class Tasks:
             task = self._waiting.get(number)
             if task is None:
                 del self._conditions[number]
-            elif isinstance(task.wait, WaitUntil) and task.wait.is_so():
+            elif isinstance(task.wait, fx.WaitUntil) and task.wait.is_so():
                 self._go_on(number, None)
                 return True  # one at a time: what it does may undo what the next one waits for
         return False
@@ -308,10 +286,10 @@ class Tasks:
             task = self._waiting.get(number)
             if task is None:
                 continue
-            if isinstance(task.wait, Call) and not task.is_late:
+            if isinstance(task.wait, fx.Call) and not task.is_late:
                 self._inspect(number, task)
             else:
-                is_late = not isinstance(task.wait, Sleep)
+                is_late = not isinstance(task.wait, fx.Sleep)
                 self._go_on(number, None, self._late(task) if is_late else None)
         return bool(self._ready)
 
@@ -319,11 +297,11 @@ class Tasks:
         """Find out what holds up an answer before it is given up; it may still come meanwhile."""
         task.is_late = True
         waited_s = self._now - task.since
-        self._out.append(InspectProcess(task.key, waited_s / 2))
+        self._out.append(ev.InspectProcess(task.key, waited_s / 2))
         heapq.heappush(self._deadlines, (self._now + _INSPECTION_S, number))
 
     def _late(self, task: _Task) -> Unreachable:
-        if isinstance(task.wait, WaitUntil):
+        if isinstance(task.wait, fx.WaitUntil):
             return Unreachable(task.wait.why)
         key = task.key
         process = self._state.processes.get(key)
@@ -338,7 +316,7 @@ class Tasks:
             )
         if len(self._waiting_for(key)) == 1:
             process.is_wanted = False
-            self._out.append(SignalSlave(key, signal.SIGKILL))
+            self._out.append(ev.SignalSlave(key, signal.SIGKILL))
         barred = f": {self._state.barred}" if self._state.barred else ""
         return Unreachable(f"slave {process.name} did not start in time{barred}")
 
@@ -351,6 +329,10 @@ class Tasks:
             heapq.heapify(self._deadlines)
 
 
+def ignored(_result: Result) -> None:
+    """Take an outcome that nobody waits for: the procedure is broken off when the manager stops."""
+
+
 def failed(error: RtkitError) -> Result:
     """Return the result that stands for an error."""
     is_bad = isinstance(error, (ValueError, LookupError))
@@ -358,7 +340,7 @@ def failed(error: RtkitError) -> Result:
     return Result(code, error.kind, str(error))
 
 
-def _advance(task: _Task, value: Any, error: RtkitError | None) -> Effect | None:
+def _advance(task: _Task, value: Any, error: RtkitError | None) -> fx.Effect | None:
     """Resume a procedure; return its next effect, None when it is over."""
     try:
         return task.steps.throw(error) if error else task.steps.send(value)
@@ -375,5 +357,5 @@ def _advance(task: _Task, value: Any, error: RtkitError | None) -> Effect | None
     return None
 
 
-def _have_ended(wait: WaitForEnds) -> bool:
+def _have_ended(wait: fx.WaitForEnds) -> bool:
     return not any(process.is_alive for process in wait.slaves)
