@@ -50,6 +50,12 @@ the ends that live. The policy of each says whether it returns, the law of resta
 (`SlaveFound`, decision 2) and are believed about facts. When all have, or their time is up,
 `RecoveryRequested` makes what is missing. Until then ends are only noted.
 
+*Recorded and replayed.* Events are data: an answer is the number of a request. The loop tells an
+`event_ring.EventRing` of each before the core; what is left in it begins with a `checkpoint` of the
+core at rest, so that `replay` comes to the same state, in another process too (decision 48). So
+nothing here may hang on anything but state, events, the time and the capacity of the host, nor on
+the order of a set of texts.
+
 *Invariants*, which `state.ManagerState.validate` checks after each step of the laws: each component
 has one process; it is a zombie exactly when that process is lost; a connector joins two components
 that live and have such ports; no full name is used twice; a lost process is forgotten with its
