@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import pytest
@@ -27,3 +28,11 @@ def test_each_example_is_tried_or_says_why_not(page: Path) -> None:
 def test_the_readme_is_short() -> None:
     lines = (ROOT / "README.md").read_text(encoding="utf-8").splitlines()
     assert len(lines) <= MOST_LINES_OF_THE_README
+
+
+def test_check_lists_name_files_that_are_there() -> None:
+    text = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8")
+    named = re.findall(r"`((?:rtkit|tests|schemas|tools|docs)/[\w./]+)`", text)
+    meant = {name for name in named if not re.search("[A-Z]{2,}|00NN", name)}
+    assert len(meant) > 20
+    assert [name for name in meant if not (ROOT / name).exists()] == []

@@ -8,6 +8,7 @@ from rtkit.cli.help.statuses import DETAILS, STATUSES, TOLD_APART
 
 _FOLDER = os.path.join(os.path.dirname(__file__), "texts")
 TOPICS: dict[str, str] = {
+    "authors": "What a component consists of, for its author.",
     "connectors": "How values travel between two ports.",
     "limits": "The most that slaves may use of memory, processes, files, processors.",
     "paths": "How components, managers, directories and ports are named.",
@@ -17,6 +18,8 @@ TOPICS: dict[str, str] = {
     "states": "What a system is to be like in each of its states.",
     "statuses": "What the exit status of a command says.",
     "survival": "What is there again after a crash, and a loss of power.",
+    "testing": "How components are tested, without and with a manager.",
+    "types": "Data types and interfaces of your own, from IDL or as classes.",
     "wires": "Wires of live properties, and the forms of their addresses.",
 }
 
