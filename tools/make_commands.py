@@ -17,10 +17,9 @@ from pathlib import Path
 import click
 
 from rtkit import __version__, cli
-from rtkit.cli.help.statuses import DETAILS, STATUSES, TOLD_APART
-from rtkit.cli.help.topics import TOPICS
+from rtkit.cli.help.topics import DETAILS, STATUSES, TOLD_APART, TOPICS
 from rtkit.cli.help.verbs import WORDS
-from rtkit.cli.shared.app import Main
+from rtkit.cli.shared.command import Main
 from rtkit.cli.shared.group import CommandGroup
 from rtkit.cli.unified import EXAMPLES
 

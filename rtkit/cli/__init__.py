@@ -1,20 +1,10 @@
-"""Finds commands: one file a command, all of them in the generated `rtkit.cli.table`."""
+"""The commands: one file each, by topic; all of them are in the generated `rtkit.cli.table`."""
 
 from __future__ import annotations
 
 import _signal  # type: ignore[import-not-found]
 import gc
 import sys
-from typing import TYPE_CHECKING
-
-from rtkit.cli.table import TABLE
-
-if TYPE_CHECKING:
-    from rtkit.cli.shared.app import Main
-
-COMMANDS: dict[str, str] = {name[2:]: name for name in TABLE if " " not in name}
-"""Verb of the unified tool to the name of the command, of its console script and man page."""
-
 
 _MANY = 50_000
 """New objects after which the collector of cycles looks at them; 700 are usual."""
@@ -29,7 +19,8 @@ def _begin_script() -> None:
     (decision 35).
     """
     script = sys.argv[0].rpartition("/")[2] if sys.argv else ""
-    if script != "rtkit" and script not in COMMANDS.values():
+    # All our scripts are named so; the table itself is not worth an import here.
+    if not (script.startswith("rt") and script.isalpha()):
         return
     gc.set_threshold(_MANY, *gc.get_threshold()[1:])
     if _signal.getsignal(_signal.SIGINT) is _signal.default_int_handler:
@@ -37,14 +28,6 @@ def _begin_script() -> None:
 
 
 _begin_script()
-
-
-def load(name: str) -> Main:
-    """Import a command, by its name or its verb, ``rtprofile show`` too, and return it."""
-    from importlib import import_module
-
-    made: Main = import_module(TABLE[COMMANDS.get(name, name)][0]).main
-    return made
 
 
 def main() -> int:

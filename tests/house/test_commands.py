@@ -11,10 +11,11 @@ import click
 import make_commands
 import pytest
 
-from rtkit.cli import COMMANDS, load
 from rtkit.cli.completion.argument_types import KINDS
-from rtkit.cli.help.statuses import STATUSES
-from rtkit.cli.shared.app import App, Main
+from rtkit.cli.help.topics import STATUSES
+from rtkit.cli.shared.app import App
+from rtkit.cli.shared.command import Main
+from rtkit.cli.shared.commands import COMMANDS, load
 from rtkit.cli.table import TABLE
 from rtkit.deployment import extension
 from rtkit.deployment.known_keys import OF_COMPONENTS, OF_PORTS, OF_SYSTEMS
@@ -149,7 +150,7 @@ PROFILE = """<?xml version="1.0" encoding="UTF-8"?>
 """
 WITH_ONE = """
 import sys
-from rtkit.cli import load
+from rtkit.cli.shared.commands import load
 import rtkit.tree.client
 class Tree:
     host, manager, timeout_s = 'box', 'm', 10.0

@@ -12,8 +12,8 @@ from fake_tree import fake_tree
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from rtkit.cli import load
 from rtkit.cli.shared import terminal
+from rtkit.cli.shared.commands import load
 from rtkit.deployment.facts import ComponentFacts, ProcessFacts
 from rtkit.rtc.enums import ExecutionKind, Polarity, PortType
 from rtkit.rtc.profiles import (

@@ -20,7 +20,7 @@ from pathlib import Path
 from typing import Any, NamedTuple, Protocol
 
 from rtkit import fault
-from rtkit.cli.shared.app import Main
+from rtkit.cli.shared.command import Main
 from rtkit.deployment.actions import Action
 from rtkit.deployment.facts import ComponentFacts
 from rtkit.errors import Unreachable

@@ -56,7 +56,7 @@ class Commands:
 
 def serve() -> None:
     """Answer requests until there are no more."""
-    from rtkit.cli import COMMANDS, load
+    from rtkit.cli.shared.commands import COMMANDS, load
 
     for name in COMMANDS.values():
         load(name)
@@ -93,8 +93,9 @@ def _become(argv: list[str], given: int, pipes: list[tuple[int, int]]) -> None:
     sys.stderr = open(2, "w", buffering=1, closefd=False)  # noqa: SIM115
     sys.argv = argv
     from rtkit import cli
+    from rtkit.cli.shared.commands import load
 
-    sys.exit(cli.main() if argv[0] == "rtkit" else cli.load(argv[0])())
+    sys.exit(cli.main() if argv[0] == "rtkit" else load(argv[0])())
 
 
 def _read(pid: int, ends: list[int], is_endless: bool) -> list[str]:

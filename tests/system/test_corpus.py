@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 
-from rtkit.cli import load
+from rtkit.cli.shared.commands import load
 from rtkit.deployment.stated import Stated, stated
 from rtkit.profile.read import read_rts
 from rtkit.tree.connect import connect

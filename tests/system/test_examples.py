@@ -20,8 +20,8 @@ from forked import Commands
 from make_commands import examples
 from serialkit import Cable
 
-from rtkit.cli import COMMANDS
 from rtkit.cli.help.verbs import WORDS
+from rtkit.cli.shared.commands import COMMANDS
 from rtkit.link.tcp_endpoint import free_port
 
 ROOT = Path(__file__).parents[2]

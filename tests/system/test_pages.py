@@ -13,7 +13,7 @@ from typing import Any
 import pytest
 from pagekit import MARK, ROOT, pages, script
 
-from rtkit.cli import COMMANDS
+from rtkit.cli.shared.commands import COMMANDS
 from rtkit.cli.table import TABLE
 
 WITH_EXAMPLES = [page for page in pages() if script(page).text]

@@ -13,9 +13,9 @@ import sys
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from rtkit.cli import COMMANDS
-from rtkit.cli.completion.candidates import Candidate, Files, those
+from rtkit.cli.completion.candidates import Candidate, Files, named, those
 from rtkit.cli.help.verbs import SUMMARIES, WORDS
+from rtkit.cli.shared.commands import COMMANDS
 from rtkit.cli.shared.console_process import write
 from rtkit.errors import RtkitError
 
@@ -66,17 +66,16 @@ def _for_words(shell: str, words: Sequence[str], typed: str, tree: Tree | None) 
 
 
 def _for_bash(kind: str, breaks: str, text: str, tree: Tree | None) -> list[str]:
-    from rtkit.cli.completion import files
     from rtkit.cli.completion.line import read
 
     line = read(text, breaks)
     found = candidates(line.words, line.typed, tree)
     if isinstance(found, Files):
-        found = files.named(found, line.typed)
+        found = named(found, line.typed)
     while line.quote and len(found) == 1 and found[0].is_open:
         # Bash closes the quote behind the only candidate: it gets those of the next level.
         deeper = candidates(line.words, found[0].text, tree)
-        deeper = files.named(deeper, found[0].text) if isinstance(deeper, Files) else deeper
+        deeper = named(deeper, found[0].text) if isinstance(deeper, Files) else deeper
         if not deeper or deeper == found:
             break
         found = deeper

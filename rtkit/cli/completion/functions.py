@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 
-from rtkit.cli import COMMANDS
+from rtkit.cli.shared.commands import COMMANDS
 
 SHELLS = ("bash", "zsh", "fish")
 _FOLDER = os.path.join(os.path.dirname(__file__), "shells")

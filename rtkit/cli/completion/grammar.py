@@ -11,9 +11,9 @@ from typing import NamedTuple
 
 import click
 
-from rtkit.cli import COMMANDS, load
 from rtkit.cli.completion.candidates import Candidate
-from rtkit.cli.shared.app import Main
+from rtkit.cli.shared.command import Main
+from rtkit.cli.shared.commands import COMMANDS, load
 from rtkit.cli.shared.group import CommandGroup
 from rtkit.cli.shared.watch import WatchOption
 

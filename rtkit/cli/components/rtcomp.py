@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING
 import click
 
 from rtkit.cli.components.composites import MemberChange, Parts, parts_of
-from rtkit.cli.shared.app import App, check_at_most_one, command, strict_option
+from rtkit.cli.shared.app import App, check_at_most_one
+from rtkit.cli.shared.command import command, strict_option
 from rtkit.errors import Malformed, NotFound, Refused, from_kind
 from rtkit.rtc.names import COMPONENT_SUFFIX
 

@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING
 
 import click
 
-from rtkit.cli.shared.app import App, command, strict_option
+from rtkit.cli.shared.app import App
+from rtkit.cli.shared.command import command, strict_option
 from rtkit.errors import Malformed, Refused, UsageProblem, from_kind
 
 if TYPE_CHECKING:

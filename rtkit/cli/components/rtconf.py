@@ -7,11 +7,12 @@ from typing import TYPE_CHECKING
 
 import click
 
-from rtkit.cli.shared.app import App, WrongArguments, command, strict_option
+from rtkit.cli.shared.app import App, WrongArguments
+from rtkit.cli.shared.command import command, strict_option
 from rtkit.errors import NotFound, Refused
 
 if TYPE_CHECKING:
-    from rtkit.cli.components.conf.request import ConfRequest
+    from rtkit.cli.components.conf import ConfRequest
     from rtkit.deployment.listing import Listing
     from rtkit.rtc.names import Path
     from rtkit.tree.view import TreeNode
@@ -115,7 +116,7 @@ def main(
 def _asked(
     words: Sequence[str], has_hidden: bool, is_long: bool, set_id: str, is_json: bool
 ) -> tuple[str, ConfRequest]:
-    from rtkit.cli.components.conf.request import ConfRequest
+    from rtkit.cli.components.conf import ConfRequest
 
     if not words:
         raise WrongArguments("No component specified.")

@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from rtkit.cli.shared.app import App, Main, command
+from rtkit.cli.shared.app import App
+from rtkit.cli.shared.command import Main, command
 from rtkit.errors import Malformed, Partial, RtkitError, UsageProblem, from_kind
 from rtkit.rtc.enums import Transition
 

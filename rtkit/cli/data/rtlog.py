@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING
 
 import click
 
-from rtkit.cli.shared.app import App, command
-from rtkit.cli.shared.choice import NumberChoice
-from rtkit.cli.shared.lasting import lasting
+from rtkit.cli.shared.app import App
+from rtkit.cli.shared.choice import NumberChoice, lasting
+from rtkit.cli.shared.command import command
 from rtkit.errors import Malformed, Refused, UsageProblem
 
 if TYPE_CHECKING:

@@ -10,9 +10,9 @@ import click
 
 from rtkit.cli.data.arguments import module_options, named_streams
 from rtkit.cli.shared import stdout_reader
-from rtkit.cli.shared.app import App, command
-from rtkit.cli.shared.choice import NumberChoice
-from rtkit.cli.shared.lasting import lasting
+from rtkit.cli.shared.app import App
+from rtkit.cli.shared.choice import NumberChoice, lasting
+from rtkit.cli.shared.command import command
 from rtkit.errors import Refused, UsageProblem
 
 if TYPE_CHECKING:

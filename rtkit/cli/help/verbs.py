@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from rtkit.cli import COMMANDS
+from rtkit.cli.shared.commands import COMMANDS
 from rtkit.cli.table import TABLE
 
 SUMMARIES: dict[str, str] = {verb: TABLE[name][1] for verb, name in COMMANDS.items()}

@@ -10,12 +10,13 @@ from typing import TYPE_CHECKING
 import click
 
 from rtkit.cli.shared import json_records, terminal
-from rtkit.cli.shared.app import App, WrongArguments, command, strict_option
+from rtkit.cli.shared.app import App, WrongArguments
 from rtkit.cli.shared.choice import NumberChoice
+from rtkit.cli.shared.command import command, strict_option
 from rtkit.errors import Refused
 
 if TYPE_CHECKING:
-    from rtkit.cli.managers.doctor.diagnosis import Diagnosis
+    from rtkit.cli.managers.doctor import Diagnosis
 
 _PATIENCE_S = 0.4
 _STYLES: dict[str, dict[str, object]] = {
@@ -70,14 +71,14 @@ def main(app: App, words: tuple[str, ...], timeout_s: float, is_json: bool) -> i
 
 
 def _looked(timeout_s: float) -> Iterator[Diagnosis]:
-    from rtkit.cli.managers.doctor import data_link, folders, installation, live, stores
+    from rtkit.cli.managers.doctor import data_link, folders, installation, live
 
     yield from installation.installation(os.environ)
     yield from data_link.data_link()
     yield from folders.folders()
     if folders.is_trusted():
         yield from folders.remains()
-        yield from stores.stores()
+        yield from folders.stores()
         yield from live.managers(timeout_s, os.environ)
     yield from live.servers(os.environ, timeout_s)
     if sys.stdin is not None and sys.stdin.isatty() and terminal.is_terminal():

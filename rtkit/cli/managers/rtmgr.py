@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING
 import click
 
 from rtkit import fault
-from rtkit.cli.shared.app import App, check_at_most_one, command, strict_option
+from rtkit.cli.shared.app import App, check_at_most_one
+from rtkit.cli.shared.command import command, strict_option
 from rtkit.errors import Malformed, Unreachable, UsageProblem
 
 if TYPE_CHECKING:

@@ -10,8 +10,9 @@ from rtkit.cli.observing.top.activity import Top
 from rtkit.cli.observing.top.page import TITLES, Look, ordered, table
 from rtkit.cli.observing.top.rates import RateRow
 from rtkit.cli.shared import terminal
-from rtkit.cli.shared.app import App, command
+from rtkit.cli.shared.app import App
 from rtkit.cli.shared.choice import WordChoice
+from rtkit.cli.shared.command import command
 from rtkit.cli.shared.observers import Observers, scopes_of, write_now
 from rtkit.rtc.names import LOCAL
 

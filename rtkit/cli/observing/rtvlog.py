@@ -9,11 +9,11 @@ from typing import TYPE_CHECKING
 import click
 
 from rtkit.cli.shared import terminal
-from rtkit.cli.shared.app import App, WrongArguments, command
-from rtkit.cli.shared.choice import NumberChoice, WordChoice
-from rtkit.cli.shared.lasting import lasting
+from rtkit.cli.shared.app import App, WrongArguments
+from rtkit.cli.shared.choice import NumberChoice, WordChoice, lasting
+from rtkit.cli.shared.command import command
 from rtkit.cli.shared.observers import write_now
-from rtkit.cli.shared.wait import wait_for
+from rtkit.cli.shared.stdout_reader import wait_for
 from rtkit.errors import Malformed, Unreachable
 
 if TYPE_CHECKING:
@@ -239,7 +239,7 @@ def _of_components(manager: str, instances: Iterable[str]) -> Wanted:
 def _text(entry: LogEntry) -> list[str]:
     from datetime import datetime
 
-    from rtkit.cli.shared.moments import clock
+    from rtkit.cli.shared.terminal import clock
 
     who = entry.component or entry.process
     head = f"[{who} {clock(datetime.fromisoformat(entry.time).timestamp())}] "

@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING, NamedTuple
 import click
 
 from rtkit.cli.shared import json_records, terminal
-from rtkit.cli.shared.app import App, WrongArguments, command
+from rtkit.cli.shared.app import App, WrongArguments
 from rtkit.cli.shared.choice import NumberChoice
+from rtkit.cli.shared.command import command
 from rtkit.errors import Malformed, Partial, RtkitError
 
 if TYPE_CHECKING:

@@ -9,12 +9,11 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from rtkit.cli.shared import terminal
-from rtkit.cli.shared.app import App, WrongArguments, command
-from rtkit.cli.shared.choice import WordChoice
+from rtkit.cli.shared.app import App, WrongArguments
+from rtkit.cli.shared.choice import WordChoice, lasting
+from rtkit.cli.shared.command import command
 from rtkit.cli.shared.json_records import line as json_line
 from rtkit.cli.shared.json_records import time_text
-from rtkit.cli.shared.lasting import lasting
-from rtkit.cli.shared.moments import clock
 from rtkit.cli.shared.observers import (
     ManagerSeen,
     Observers,
@@ -23,6 +22,7 @@ from rtkit.cli.shared.observers import (
     scopes_of,
     write_now,
 )
+from rtkit.cli.shared.terminal import clock
 from rtkit.deployment.user_events import HEARTBEAT, KINDS, SYSTEM_STATE, UserEvent, heartbeats
 
 if TYPE_CHECKING:

@@ -8,8 +8,9 @@ import click
 
 from rtkit.cli.properties.asking import connected, joined, place_options, record, shown, write_raw
 from rtkit.cli.shared import terminal
-from rtkit.cli.shared.app import App, WrongArguments, command
+from rtkit.cli.shared.app import App, WrongArguments
 from rtkit.cli.shared.choice import NumberChoice
+from rtkit.cli.shared.command import command
 from rtkit.cli.shared.watch import MayWatch, WatchOption, watch
 from rtkit.errors import RtkitError
 

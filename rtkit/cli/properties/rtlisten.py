@@ -11,9 +11,9 @@ import click
 
 from rtkit.cli.properties.asking import connected, joined, place_options, record, shown, write_raw
 from rtkit.cli.shared import json_records, terminal
-from rtkit.cli.shared.app import App, WrongArguments, command
-from rtkit.cli.shared.choice import NumberChoice
-from rtkit.cli.shared.lasting import lasting
+from rtkit.cli.shared.app import App, WrongArguments
+from rtkit.cli.shared.choice import NumberChoice, lasting
+from rtkit.cli.shared.command import command
 
 if TYPE_CHECKING:
     from rtkit.property.messages import PropertyEvent
@@ -111,7 +111,7 @@ def _events(
         PropertyError: An owner has gone.
         BrokenPipeError: Nobody reads stdout any more.
     """
-    from rtkit.cli.shared.wait import wait_for
+    from rtkit.cli.shared.stdout_reader import wait_for
 
     while True:
         while (event := heard.take()) is not None:

@@ -5,7 +5,8 @@ from __future__ import annotations
 import click
 
 from rtkit.cli.shared import terminal
-from rtkit.cli.shared.app import App, command, working_directory
+from rtkit.cli.shared.app import App, working_directory
+from rtkit.cli.shared.command import command
 
 
 @command(

@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING
 import click
 
 from rtkit.cli.shared import terminal
-from rtkit.cli.shared.app import App, command
+from rtkit.cli.shared.app import App
+from rtkit.cli.shared.command import command
 from rtkit.wires.table import WIRES, wires
 from rtkit.wires.wire import HERE, PORT
 

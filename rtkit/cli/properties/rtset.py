@@ -9,7 +9,8 @@ import click
 
 from rtkit.cli.properties.asking import connected, joined, place_options, shown
 from rtkit.cli.shared import terminal
-from rtkit.cli.shared.app import App, WrongArguments, command
+from rtkit.cli.shared.app import App, WrongArguments
+from rtkit.cli.shared.command import command
 
 _NUMBER = re.compile(r"-(?:\.?\d|inf$).*")
 _MARK = "\0"

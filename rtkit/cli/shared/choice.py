@@ -1,4 +1,4 @@
-"""Option types: words out of a few, with a suggestion for a misspelt one, and finite numbers.
+"""Option types: words out of a few, with a suggestion for a misspelt one, finite numbers, times.
 
 Words are taken in any case of letters. Numbers must be finite: neither ``nan``
 nor infinity, to which ``1e400`` overflows.
@@ -6,8 +6,8 @@ nor infinity, to which ``1e400`` overflows.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import Any
+from collections.abc import Callable, Sequence
+from typing import Any, TypeVar
 
 import click
 
@@ -52,3 +52,18 @@ class NumberChoice(click.FloatRange):
         if number - number != 0.0:
             self.fail(f"{value!r} is not a finite number.", param, ctx)
         return number
+
+
+F = TypeVar("F", bound=Callable[..., Any])
+
+
+def lasting(text: str = "Stop after this time.", long: str = "--timeout") -> Callable[[F], F]:
+    """Add ``-t``, as `duration_s`: a time above zero [s], None if it was not given."""
+    return click.option(
+        "-t",
+        long,
+        "duration_s",
+        type=NumberChoice(min=0.0, min_open=True),
+        metavar="SECONDS",
+        help=text,
+    )

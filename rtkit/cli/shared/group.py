@@ -6,8 +6,9 @@ from collections.abc import Sequence
 
 import click
 
-from rtkit.cli import load
-from rtkit.cli.shared.app import SETTINGS, App, Examples, Main, WrongArguments, common_options
+from rtkit.cli.shared.app import App, WrongArguments
+from rtkit.cli.shared.command import SETTINGS, Examples, Main, common_options
+from rtkit.cli.shared.commands import load
 from rtkit.cli.table import TABLE
 from rtkit.errors import UsageProblem
 

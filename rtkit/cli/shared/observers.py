@@ -9,7 +9,7 @@ from time import monotonic, time
 from typing import TYPE_CHECKING, NamedTuple
 
 from rtkit.cli.shared.app import App
-from rtkit.cli.shared.wait import wait_for
+from rtkit.cli.shared.stdout_reader import wait_for
 from rtkit.closing import Closing
 from rtkit.errors import Refused, RtkitError, Unreachable
 from rtkit.fast_dataclass import replace

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import sys
+import time
 from collections.abc import Iterable, Sequence
 
 _STATE_STYLES: dict[str, dict[str, object]] = {
@@ -119,3 +120,8 @@ def _column_count(sizes: Sequence[int], width: int) -> int:
         if sum(max(sizes[i::count]) for i in range(count)) + 2 * (count - 1) <= width:
             return count
     return 1
+
+
+def clock(moment: float) -> str:
+    """Return the local time of day of a moment [s since 1970]: ``12:00:00.250``."""
+    return f"{time.strftime('%H:%M:%S', time.localtime(moment))}.{int(moment % 1 * 1000):03}"

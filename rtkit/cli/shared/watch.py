@@ -77,8 +77,8 @@ class WatchedScreen:
 
 def watch(look: Callable[[], Iterable[str]], period_s: float) -> None:
     """Render again in each period, and show changes, until nobody reads them."""
-    from rtkit.cli.shared.resizing import resizing
-    from rtkit.cli.shared.wait import wait_for
+    from rtkit.cli.shared.signals import resizing
+    from rtkit.cli.shared.stdout_reader import wait_for
 
     sight = WatchedScreen(period_s, "")
     with resizing(terminal.is_terminal()) as wakeup:

@@ -184,8 +184,7 @@ def begin(
         Unreachable: No manager answers.
     """
     from rtkit.cli.system.known_types import known_types
-    from rtkit.cli.system.preflight import look_ahead
-    from rtkit.cli.system.reserving import check_reserved
+    from rtkit.cli.system.preflight import check_reserved, look_ahead
     from rtkit.deployment.goal import DeploymentGoal
 
     snapshot = shared.look(app, document.profile, dry_run=is_dry, starts=starts, lease=lease)

@@ -1,4 +1,4 @@
-"""Checks components before they are created: asks the manager, reads profiles."""
+"""Checks a system before it is created: what its components are like, what the host reserves."""
 
 from __future__ import annotations
 
@@ -7,11 +7,14 @@ from typing import TYPE_CHECKING
 
 from rtkit.cli.shared.app import App
 from rtkit.cli.system.present_code import present_code
-from rtkit.errors import NotFound
+from rtkit.deployment.extension import LIMIT
+from rtkit.errors import Impossible, NotFound, RtkitError
 from rtkit.rtc.create import parse_create
 
 if TYPE_CHECKING:
-    from rtkit.deployment.facts import Snapshot
+    from collections.abc import Collection
+
+    from rtkit.deployment.facts import ComponentFacts, Snapshot
     from rtkit.deployment.live import LiveIndex
     from rtkit.deployment.planning.feasibility import Feasibility, Making
     from rtkit.deployment.system import WantedComponent, WantedSystem
@@ -143,3 +146,38 @@ def _ports_of(blueprint: Blueprint) -> tuple[PortProfile, ...]:
         for name, interfaces in blueprint.service_ports.items()
     ]
     return (*data, *service)
+
+
+def check_reserved(app: App, system: WantedSystem, snapshot: Snapshot) -> None:
+    """Check that this host has what components may use together, those of other managers too.
+
+    Raises:
+        Impossible: It has not; tells the numbers.
+    """
+    policies = (component.policy or {} for component in system.components)
+    if not any(key.startswith(LIMIT) for policy in policies for key in policy):
+        return
+    from rtkit.deployment.limits import overbooked, reserved
+    from rtkit.manager.limits.capacity import capacity
+
+    managers = {each.manager for each in (snapshot, *snapshot.others)}
+    elsewhere = _elsewhere(app, managers) if app.finds_managers else {}
+    why = overbooked(reserved(system, snapshot.components, elsewhere), capacity())
+    if why:
+        raise Impossible(why)
+
+
+def _elsewhere(app: App, managers: Collection[str]) -> dict[str, tuple[ComponentFacts, ...]]:
+    """Return the components of the other managers of this host, by manager."""
+    from rtkit.link import running
+    from rtkit.tree.connect import connect
+
+    found = {}
+    for name in running.managers():
+        if name not in managers:
+            try:
+                with connect(name, app.timeout_s) as tree:
+                    found[name] = tree.snapshot().components
+            except RtkitError as error:
+                app.tell(f"what manager {name} has reserved is not known: {error}")
+    return found

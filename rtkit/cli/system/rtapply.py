@@ -7,7 +7,8 @@ from typing import Any
 import click
 
 from rtkit.cli.shared import terminal
-from rtkit.cli.shared.app import App, command
+from rtkit.cli.shared.app import App
+from rtkit.cli.shared.command import command
 from rtkit.cli.system import following, planning, shared, step_times
 from rtkit.cli.system.document import is_saved_plan, parse_document, read_data
 from rtkit.errors import Refused

@@ -5,7 +5,8 @@ from __future__ import annotations
 import click
 
 from rtkit.cli.shared import terminal
-from rtkit.cli.shared.app import App, check_at_most_one, command
+from rtkit.cli.shared.app import App, check_at_most_one
+from rtkit.cli.shared.command import command
 from rtkit.cli.system import shared, static_checks
 from rtkit.cli.system.document import read_document
 from rtkit.errors import Refused, UsageProblem

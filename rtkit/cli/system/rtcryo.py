@@ -6,8 +6,9 @@ from typing import TYPE_CHECKING
 
 import click
 
-from rtkit.cli.shared.app import App, command
+from rtkit.cli.shared.app import App
 from rtkit.cli.shared.atomic import STDOUT, write_output
+from rtkit.cli.shared.command import command
 from rtkit.cli.system import shared
 from rtkit.errors import NotFound
 from rtkit.rtc.names import MANAGER_SUFFIX

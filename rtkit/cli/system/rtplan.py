@@ -7,7 +7,8 @@ from typing import Any
 import click
 
 from rtkit.cli.shared import json_records, terminal
-from rtkit.cli.shared.app import App, command
+from rtkit.cli.shared.app import App
+from rtkit.cli.shared.command import command
 from rtkit.cli.system import planning, shared
 from rtkit.cli.system.document import read_document
 from rtkit.errors import UsageProblem

@@ -6,7 +6,8 @@ from typing import TYPE_CHECKING
 
 import click
 
-from rtkit.cli.shared.app import App, command
+from rtkit.cli.shared.app import App
+from rtkit.cli.shared.command import command
 from rtkit.cli.system import following, shared
 from rtkit.cli.system.document import read_document
 from rtkit.cli.system.preflight import missing
@@ -62,7 +63,7 @@ def main(
     they must run. Only one rtapply, rtresurrect or rtstate works at a manager at a time.
     """
     from rtkit.cli.system.known_types import known_types
-    from rtkit.cli.system.reserving import check_reserved
+    from rtkit.cli.system.preflight import check_reserved
     from rtkit.deployment.creation import creation_plan
     from rtkit.deployment.live import LiveIndex
     from rtkit.deployment.wiring import wiring_plan

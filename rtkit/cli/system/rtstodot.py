@@ -7,7 +7,8 @@ import sys
 import click
 
 from rtkit.cli.shared import terminal
-from rtkit.cli.shared.app import App, WrongArguments, command
+from rtkit.cli.shared.app import App, WrongArguments
+from rtkit.cli.shared.command import command
 from rtkit.cli.system import shared
 from rtkit.errors import UsageProblem
 

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from rtkit.cli.shared.app import App, command
+from rtkit.cli.shared.app import App
+from rtkit.cli.shared.command import command
 from rtkit.cli.system import shared, starting
 from rtkit.cli.system.document import read_document
 from rtkit.errors import InvalidDocument

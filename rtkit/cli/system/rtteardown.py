@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import click
 
-from rtkit.cli.shared.app import App, command
+from rtkit.cli.shared.app import App
+from rtkit.cli.shared.command import command
 from rtkit.cli.system import shared
 from rtkit.cli.system.document import read_document
 
@@ -45,10 +46,10 @@ def main(
     if dry_run:
         shared.show(plan)
         return
-    from rtkit.cli.system import progress, step_times
+    from rtkit.cli.system import starting, step_times
 
     with (
-        progress.telling(app, system, left_now),
+        starting.telling(app, system, left_now),
         step_times.noting(app, system, snapshot) as taken,
     ):
         shared.runner(app, taken=taken).run(plan)

@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from rtkit.cli.shared.app import App, strict_option
+from rtkit.cli.shared.app import App
+from rtkit.cli.shared.command import strict_option
 from rtkit.errors import Malformed, Unreachable, UsageProblem
 
 if TYPE_CHECKING:

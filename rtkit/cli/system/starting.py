@@ -1,8 +1,9 @@
-"""Shared parts of rtstart and rtstop: a plan is shown, drawn or carried out, never undone."""
+"""Shared parts of rtstart, rtstop, rtteardown: plans shown or carried out, never undone."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -10,6 +11,7 @@ from click.core import ParameterSource
 
 from rtkit.cli.shared.app import App
 from rtkit.cli.system import shared
+from rtkit.errors import RtkitError
 
 if TYPE_CHECKING:
     from rtkit.cli.system.document import SystemDocument
@@ -69,11 +71,11 @@ def run(
     if dry_run:
         shared.show(plan)
         return
-    from rtkit.cli.system import progress, step_times
+    from rtkit.cli.system import step_times
 
     shared.runner(app).check(plan.checks)
     with (
-        progress.telling(app, system, active_now),
+        telling(app, system, active_now),
         step_times.noting(app, system, snapshot) as taken,
     ):
         _carry_out(app, plan, taken)
@@ -88,3 +90,34 @@ def _carry_out(app: App, plan: StartPlan, taken: list[tuple[Action, float]]) -> 
     timeout_s = app.timeout_s if is_bounded else None
     with metered(app, app.name.split()[-1]) as show:
         Starter(app.tree, plan, app.say, app.fail, timeout_s, counted(show), taken).run()
+
+
+@contextmanager
+def telling(
+    app: App, system: WantedSystem, tell: Callable[[WantedSystem, LiveIndex], str]
+) -> Iterator[None]:
+    """Add the progress to an error that ends the command; `tell` reads it off the live system.
+
+    Raises:
+        RtkitError: What was raised inside.
+        KeyboardInterrupt: Likewise.
+    """
+    try:
+        yield
+    except RtkitError as error:
+        raise type(error)(f"{error}; {_progress(app, system, tell)}") from error
+    except KeyboardInterrupt as error:
+        more = _progress(app, system, tell)
+        raise KeyboardInterrupt("; ".join(filter(None, (str(error), more)))) from error
+
+
+def _progress(
+    app: App, system: WantedSystem, tell: Callable[[WantedSystem, LiveIndex], str]
+) -> str:
+    from rtkit.deployment.live import LiveIndex
+    from rtkit.tree.grace import uninterrupted
+
+    try:
+        return tell(system, LiveIndex(uninterrupted(lambda: app.tree.remains()), system))
+    except (RtkitError, KeyboardInterrupt) as trouble:
+        return f"how far it got is not known ({str(trouble) or 'interrupted again'})"

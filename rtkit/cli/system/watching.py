@@ -9,8 +9,8 @@ from rtkit.cli.shared import terminal
 from rtkit.cli.shared.app import App
 from rtkit.cli.shared.json_records import line as json_line
 from rtkit.cli.shared.json_records import time_text
-from rtkit.cli.shared.moments import clock
 from rtkit.cli.shared.observers import Observers, write_now
+from rtkit.cli.shared.terminal import clock
 from rtkit.cli.system.following import followed_in
 from rtkit.deployment.delta import TREE
 from rtkit.deployment.facts import IS_SO

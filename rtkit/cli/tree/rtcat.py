@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from rtkit.cli.shared import json_records, terminal
-from rtkit.cli.shared.app import App, check_at_most_one, command
+from rtkit.cli.shared.app import App, check_at_most_one
+from rtkit.cli.shared.command import command
 from rtkit.errors import Malformed, NotFound, Refused
 
 if TYPE_CHECKING:

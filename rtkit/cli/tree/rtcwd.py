@@ -8,7 +8,8 @@ import re
 import click
 
 from rtkit.cli.shared import terminal
-from rtkit.cli.shared.app import App, check_at_most_one, command, working_directory
+from rtkit.cli.shared.app import App, check_at_most_one, working_directory
+from rtkit.cli.shared.command import command
 from rtkit.errors import NotFound, Refused
 
 _PLAIN = re.compile(r"[\w/.:+-]*", re.ASCII)

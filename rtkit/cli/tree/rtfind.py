@@ -8,7 +8,8 @@ from collections.abc import Iterator, Sequence
 import click
 
 from rtkit.cli.shared import json_records, terminal
-from rtkit.cli.shared.app import App, WrongArguments, check_at_most_one, command
+from rtkit.cli.shared.app import App, WrongArguments, check_at_most_one
+from rtkit.cli.shared.command import command
 from rtkit.errors import Malformed, UsageProblem
 from rtkit.tree.resolve import absent, find
 from rtkit.tree.view import NodeKind, TreeNode, once

@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING
 import click
 
 from rtkit.cli.shared import json_records, terminal
-from rtkit.cli.shared.app import App, check_at_most_one, command
+from rtkit.cli.shared.app import App, check_at_most_one
 from rtkit.cli.shared.choice import NumberChoice
+from rtkit.cli.shared.command import command
 from rtkit.cli.shared.watch import MayWatch, WatchedScreen, WatchOption
 from rtkit.cli.tree.service_listing import ServiceListing, service_at
 from rtkit.errors import Malformed, Unreachable
@@ -116,7 +117,7 @@ def main(
 def _watch(app: App, path: Path, look: Callable[[], Iterable[str]], sight: WatchedScreen) -> None:
     """Show again when something has changed."""
     from rtkit.cli.shared.observers import Observers
-    from rtkit.cli.shared.resizing import resizing
+    from rtkit.cli.shared.signals import resizing
     from rtkit.deployment.delta import TREE
     from rtkit.tree.subscription import SubscriptionEnded
 

@@ -5,7 +5,8 @@ from __future__ import annotations
 import click
 
 from rtkit.cli.shared import json_records, terminal
-from rtkit.cli.shared.app import App, WrongArguments, command, working_directory
+from rtkit.cli.shared.app import App, WrongArguments, working_directory
+from rtkit.cli.shared.command import command
 
 
 @command(

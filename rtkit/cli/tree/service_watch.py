@@ -7,8 +7,8 @@ from contextlib import ExitStack
 
 from rtkit.cli.properties.asking import connected
 from rtkit.cli.shared import terminal
-from rtkit.cli.shared.resizing import resizing
-from rtkit.cli.shared.wait import wait_for
+from rtkit.cli.shared.signals import resizing
+from rtkit.cli.shared.stdout_reader import wait_for
 from rtkit.cli.shared.watch import WatchedScreen
 from rtkit.cli.tree.service_listing import ServiceListing
 from rtkit.property.codes import PropertyError

@@ -10,7 +10,7 @@ import pytest
 from fake_manager import FakeManager
 from fake_tree import fake_tree
 
-from rtkit.cli import load
+from rtkit.cli.shared.commands import load
 from rtkit.deployment import actions as act
 from rtkit.rtc.enums import LifeCycleState, Polarity, PortType
 from rtkit.rtc.pattern import ComponentPattern, ContextPattern

@@ -13,9 +13,10 @@ import click
 import pytest
 
 from rtkit import __version__
-from rtkit.cli import COMMANDS, load
 from rtkit.cli.shared import console_process, terminal
-from rtkit.cli.shared.app import App, Main, WrongArguments, command
+from rtkit.cli.shared.app import App, WrongArguments
+from rtkit.cli.shared.command import Main, command
+from rtkit.cli.shared.commands import COMMANDS, load
 from rtkit.errors import (
     InvalidDocument,
     Malformed,
@@ -177,7 +178,7 @@ def test_a_connection_made_here_is_closed_and_one_handed_in_is_not() -> None:
 def test_a_reader_that_leaves_is_no_error(monkeypatch: pytest.MonkeyPatch) -> None:
     script = (
         "import sys\n"
-        "from rtkit.cli.shared.app import command\n"
+        "from rtkit.cli.shared.command import command\n"
         "import click\n"
         "@command('rtmuch')\n"
         "def main(app):\n"
@@ -204,7 +205,7 @@ def test_a_closed_stdout_is_told_by_whoever_writes_to_it(
 ) -> None:
     script = (
         "import sys; sys.stdout.close(); sys.stdout = None\n"
-        "from rtkit.cli.shared.app import command\n"
+        "from rtkit.cli.shared.command import command\n"
         "@command('rtquiet')\n"
         f"def main(app): {body}\n"
         f"sys.argv = ['rtquiet', *{arguments}]\n"
@@ -218,7 +219,7 @@ def test_a_closed_stdout_is_told_by_whoever_writes_to_it(
 def test_a_full_disk_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
     script = (
         "import sys\n"
-        "from rtkit.cli.shared.app import command\n"
+        "from rtkit.cli.shared.command import command\n"
         "@command('rtfull')\n"
         "def main(app): print('x')\n"
         "sys.argv = ['rtfull']\n"

@@ -15,15 +15,14 @@ import pytest
 from fake_manager import FakeManager
 from fake_tree import fake_tree
 
-from rtkit.cli import load
 from rtkit.cli.completion import grammar
 from rtkit.cli.completion.answer import candidates, complete, shown
 from rtkit.cli.completion.argument_types import KINDS
-from rtkit.cli.completion.candidates import Files
-from rtkit.cli.completion.files import named
+from rtkit.cli.completion.candidates import Files, named
 from rtkit.cli.completion.fitting import is_fit
 from rtkit.cli.completion.grammar import ask
 from rtkit.cli.completion.line import quoted, read
+from rtkit.cli.shared.commands import load
 from rtkit.cli.table import TABLE
 from rtkit.component.check import refusal
 from rtkit.rtc.serde import encode

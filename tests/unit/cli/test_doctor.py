@@ -10,8 +10,17 @@ from pathlib import Path
 import jsonrecords
 import pytest
 
-from rtkit.cli.managers.doctor import data_link, folders, installation, live
-from rtkit.cli.managers.doctor.diagnosis import ERROR, NOTE, OK, WARNING, Diagnosis
+from rtkit.cli.managers.doctor import (
+    ERROR,
+    NOTE,
+    OK,
+    WARNING,
+    Diagnosis,
+    data_link,
+    folders,
+    installation,
+    live,
+)
 from rtkit.cli.managers.rtdoctor import main
 from rtkit.deployment.facts import ProcessFacts, Snapshot
 from rtkit.deployment.listing import Listing, ListingRow

@@ -8,8 +8,8 @@ import sys
 
 import pytest
 
-from rtkit.cli import COMMANDS
 from rtkit.cli.help.verbs import WORDS
+from rtkit.cli.shared.commands import COMMANDS
 
 LINES = [
     *(f"{name} {option}" for name in COMMANDS.values() for option in ("-h", "--version")),
@@ -31,10 +31,10 @@ LINES = [
 SCRIPT = """
 import os, sys
 from rtkit import cli
-from rtkit.cli import COMMANDS
+from rtkit.cli.shared.commands import COMMANDS, load
 import rtkit.cli.completion.answer, rtkit.cli.completion.grammar
 for name in COMMANDS.values():
-    cli.load(name)
+    load(name)
 for line in sys.stdin.read().splitlines():
     print(line, flush=True)
     read, write = os.pipe()
@@ -48,7 +48,7 @@ for line in sys.stdin.read().splitlines():
             os.close(1)
             sys.stdout = sys.__stdout__ = None
         name = sys.argv[0]
-        sys.exit(cli.main() if name == "rtkit" else cli.load(name)())
+        sys.exit(cli.main() if name == "rtkit" else load(name)())
     os.close(write)
     with open(read, "rb") as stream:
         told = stream.read()

@@ -8,9 +8,8 @@ from typing import Any
 import pytest
 from make_commands import pages
 
-from rtkit.cli import COMMANDS
-from rtkit.cli.help.statuses import DETAILS, STATUSES
-from rtkit.cli.help.topics import TOPICS, text
+from rtkit.cli.help.topics import DETAILS, STATUSES, TOPICS, text
+from rtkit.cli.shared.commands import COMMANDS
 from rtkit.cli.unified import run as rtkit
 from rtkit.component.options import parse_options
 from rtkit.errors import BUG_EXIT, RtkitError

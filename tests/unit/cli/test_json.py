@@ -12,8 +12,8 @@ import jsonrecords
 import pytest
 from fake_manager import FakeManager
 
-from rtkit.cli import COMMANDS, load
 from rtkit.cli.shared import json_records
+from rtkit.cli.shared.commands import COMMANDS, load
 from rtkit.component import Time, TimedDouble, TimedLong
 from rtkit.component.codec import codec_for
 from rtkit.component.geometry import Point2D, Pose2D, TimedPose2D

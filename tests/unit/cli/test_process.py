@@ -8,7 +8,7 @@ import sys
 
 import pytest
 
-from rtkit.cli import COMMANDS
+from rtkit.cli.shared.commands import COMMANDS
 
 INTERRUPT = "import os, signal, sys; me = os.getpid(); os.kill(me, signal.SIGINT)"
 LOAD = "import sys; sys.argv[0] = {script!r}; import rtkit.cli; "
@@ -16,7 +16,7 @@ COMMAND = """
 import os, signal, sys
 sys.argv[:] = ["/somewhere/rtwait"]
 signal.signal(signal.SIGINT, {before})
-from rtkit.cli.shared.app import command
+from rtkit.cli.shared.command import command
 @command("rtwait")
 def main(app):
     {body}

@@ -10,7 +10,7 @@ from typing import Any
 
 import pytest
 
-from rtkit.cli import load
+from rtkit.cli.shared.commands import load
 
 INDEX = Path(__file__).parent / "reference.txt"
 CASES = Path(__file__).parent / "cases"

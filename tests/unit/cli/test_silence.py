@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 from fake_tree import fake_tree
 
-from rtkit.cli import load
+from rtkit.cli.shared.commands import load
 from rtkit.tree import place
 
 SERVER = "/localhost:9 was not"

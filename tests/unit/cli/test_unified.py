@@ -11,9 +11,9 @@ from fake_manager import FakeManager
 from fake_tree import fake_tree
 
 from rtkit import __version__
-from rtkit.cli import COMMANDS
 from rtkit.cli.completion.functions import SHELLS, script
 from rtkit.cli.help.verbs import SUMMARIES, WORDS
+from rtkit.cli.shared.commands import COMMANDS
 from rtkit.cli.unified import run
 
 

@@ -10,7 +10,7 @@ from fake_tree import fake_tree
 
 from rtkit.cli.properties.rtget import main as rtget
 from rtkit.cli.shared import terminal
-from rtkit.cli.shared.app import Main
+from rtkit.cli.shared.command import Main
 from rtkit.cli.tree.rtls import main as rtls
 from rtkit.deployment import actions as act
 

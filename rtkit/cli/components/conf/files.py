@@ -7,7 +7,7 @@ import sys
 from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING, NamedTuple
 
-from rtkit.cli.components.conf.request import ConfRequest, Sets
+from rtkit.cli.components.conf import ConfRequest, Sets
 from rtkit.cli.components.conf.sets import change, seen, visible
 from rtkit.cli.components.conf.shown import no_set, record_of
 from rtkit.cli.shared import json_records, terminal

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from contextlib import suppress
 from typing import TYPE_CHECKING
 
-from rtkit.cli.components.conf.request import ConfRequest, values_of
+from rtkit.cli.components.conf import ConfRequest, values_of
 from rtkit.cli.components.conf.shown import show_value
 from rtkit.cli.shared import json_records, terminal
 from rtkit.cli.shared.app import App

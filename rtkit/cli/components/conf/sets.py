@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING
 
-from rtkit.cli.components.conf.request import ConfRequest, Sets, values_of
+from rtkit.cli.components.conf import ConfRequest, Sets, values_of
 from rtkit.cli.components.conf.shown import no_parameter, no_set, show_sets, show_value
 from rtkit.cli.shared.app import App
 from rtkit.errors import Malformed, Partial, RtkitError

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING
 
-from rtkit.cli.components.conf.request import ConfRequest, Sets
+from rtkit.cli.components.conf import ConfRequest, Sets
 from rtkit.cli.shared import json_records, terminal
 from rtkit.errors import NotFound
 

@@ -7,7 +7,7 @@ import tempfile
 from collections.abc import Iterator
 from threading import Event, Thread
 
-from rtkit.cli.managers.doctor.diagnosis import ERROR, OK, WARNING, Diagnosis
+from rtkit.cli.managers.doctor import ERROR, OK, WARNING, Diagnosis
 from rtkit.errors import Refused, RtkitError
 from rtkit.link import places
 

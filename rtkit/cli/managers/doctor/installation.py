@@ -7,7 +7,7 @@ import sys
 import time
 from collections.abc import Iterable, Iterator, Mapping
 
-from rtkit.cli.managers.doctor.diagnosis import ERROR, NOTE, OK, WARNING, Diagnosis
+from rtkit.cli.managers.doctor import ERROR, NOTE, OK, WARNING, Diagnosis
 
 _ZENOH = ((1, 10), (2, 0))
 _FEWEST_FILES = 1024

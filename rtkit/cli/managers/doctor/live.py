@@ -8,7 +8,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from threading import Thread
 from typing import TYPE_CHECKING
 
-from rtkit.cli.managers.doctor.diagnosis import ERROR, NOTE, OK, WARNING, Diagnosis
+from rtkit.cli.managers.doctor import ERROR, NOTE, OK, WARNING, Diagnosis
 from rtkit.cli.managers.doctor.folders import state_of
 from rtkit.errors import RtkitError
 from rtkit.link import places

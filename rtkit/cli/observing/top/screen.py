@@ -12,7 +12,7 @@ from contextlib import ExitStack, suppress
 from types import FrameType, TracebackType
 from typing import Any, Self
 
-from rtkit.cli.shared.resizing import ResizeWakeup, resizing
+from rtkit.cli.shared.signals import ResizeWakeup, resizing
 
 _ENTER = "\x1b[?1049h\x1b[?25l\x1b[?7l\x1b[2J"
 _LEAVE = "\x1b[?7h\x1b[?25h\x1b[?1049l"

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import click
 
-from rtkit.cli.shared.app import App, command, strict_option
+from rtkit.cli.shared.app import App
+from rtkit.cli.shared.command import command, strict_option
 from rtkit.cli.system import shared, static_checks
 
 TOOL = "rtprofile check"

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import click
 
-from rtkit.cli.shared.app import App, WrongArguments, command
+from rtkit.cli.shared.app import App, WrongArguments
+from rtkit.cli.shared.command import command
 from rtkit.errors import InvalidDocument, UsageProblem
 from rtkit.profile.forms import FORMS, form_of_name
 

@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING
 import click
 
 from rtkit.cli.shared import json_records, terminal
-from rtkit.cli.shared.app import App, WrongArguments, command
+from rtkit.cli.shared.app import App, WrongArguments
+from rtkit.cli.shared.command import command
 from rtkit.errors import Refused, UsageProblem
 
 if TYPE_CHECKING:

@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING
 
 import click
 
-from rtkit.cli.shared.app import App, check_at_most_one, command
+from rtkit.cli.shared.app import App, check_at_most_one
+from rtkit.cli.shared.command import command
 from rtkit.errors import UsageProblem
 
 if TYPE_CHECKING:

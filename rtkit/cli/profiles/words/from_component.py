@@ -6,7 +6,8 @@ import os
 
 import click
 
-from rtkit.cli.shared.app import App, WrongArguments, command
+from rtkit.cli.shared.app import App, WrongArguments
+from rtkit.cli.shared.command import command
 from rtkit.errors import UsageProblem
 from rtkit.profile.forms import FORMS, form_of_name
 

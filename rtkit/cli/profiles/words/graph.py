@@ -6,7 +6,8 @@ from typing import TYPE_CHECKING
 
 import click
 
-from rtkit.cli.shared.app import App, check_at_most_one, command
+from rtkit.cli.shared.app import App, check_at_most_one
+from rtkit.cli.shared.command import command
 from rtkit.errors import Refused, UsageProblem
 
 if TYPE_CHECKING:

@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from rtkit.cli.shared.app import App, WrongArguments, command
+from rtkit.cli.shared.app import App, WrongArguments
 from rtkit.cli.shared.choice import NumberChoice
+from rtkit.cli.shared.command import command
 from rtkit.errors import Malformed, Refused, UsageProblem
 
 if TYPE_CHECKING:

@@ -6,7 +6,8 @@ from typing import TYPE_CHECKING
 
 import click
 
-from rtkit.cli.shared.app import App, WrongArguments, command, strict_option
+from rtkit.cli.shared.app import App, WrongArguments
+from rtkit.cli.shared.command import command, strict_option
 from rtkit.errors import Malformed
 
 if TYPE_CHECKING:

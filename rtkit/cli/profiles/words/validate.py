@@ -8,7 +8,8 @@ from functools import partial
 import click
 
 from rtkit.cli.shared import terminal
-from rtkit.cli.shared.app import App, command, strict_option
+from rtkit.cli.shared.app import App
+from rtkit.cli.shared.command import command, strict_option
 from rtkit.cli.shared.findings import finding_style
 from rtkit.cli.shared.profile_files import DocumentSource, sources
 from rtkit.errors import InvalidDocument, NotFound, UsageProblem

@@ -1,0 +1,20 @@
+"""Finds commands by their names and verbs, and imports only the one that is asked for."""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING
+
+from rtkit.cli.table import TABLE
+
+if TYPE_CHECKING:
+    from rtkit.cli.shared.command import Main
+
+COMMANDS: dict[str, str] = {name[2:]: name for name in TABLE if " " not in name}
+"""Verb of the unified tool to the name of the command, of its console script and man page."""
+
+
+def load(name: str) -> Main:
+    """Import a command, by its name or its verb, ``rtprofile show`` too, and return it."""
+    made: Main = import_module(TABLE[COMMANDS.get(name, name)][0]).main
+    return made
