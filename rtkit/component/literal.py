@@ -72,15 +72,6 @@ class Literal:
         return self._make(**{**self._fields, _STAMP: now})
 
 
-def value_from_json(cls: type, text: str, now: Time) -> Any:
-    """Return the value of the text, stamped `now` unless the text has a time.
-
-    Raises:
-        Malformed: Not JSON, or no value of the type; names the field.
-    """
-    return Literal(cls, text).at(now)
-
-
 def zero_value(cls: type, now: Time) -> Any:
     """Return the value of `cls` with everything zero or empty, stamped `now`."""
     if cls is bytes:

@@ -4,11 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from rtkit.property import components
 from rtkit.property.codes import PropertyError
 from rtkit.property.functional import FunctionalProperty
 from rtkit.property.lanes import first_only
-from rtkit.property.live_values import LiveValues
+from rtkit.property.live_values import LiveValues, part
 from rtkit.property.messages import DONE, Answer, Payload
 from rtkit.property.naming import RequestTarget
 from rtkit.property.parameters import COMMON, checked_parameters
@@ -28,13 +27,8 @@ def described(function: FunctionalProperty, place: NameEntry) -> Payload:
     element = function.describe()
     if not place.path:
         return write(element)
-    part = element.attributes.get("state") if place.path == ("state",) else None
-    if part is not None:
-        return part
-    found = components.get(element, place.path)
-    if found is None:
-        raise PropertyError("unknown", f"no such property: {place.name}.{place.path[0]}")
-    return write(found)
+    state = element.attributes.get("state") if place.path == ("state",) else None
+    return state if state is not None else write(part(place, element))
 
 
 def start(

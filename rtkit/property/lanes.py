@@ -37,11 +37,10 @@ def lane_of(values: LiveValues, ask: PropertyRequest) -> str | None:
     segments = name.split(".")
     if segments[-1] == "listen":
         return _lane_of_listening(values, segments[:-1], tail)
-    for end in range(len(segments) - 1, 0, -1):
-        node = nodes.get(".".join(segments[:end]))
-        if node is not None:
-            is_called = _is_called(node, is_set=is_set) or values.on_names is not None
-            return node.name if is_called else None
+    part = values.registry.part_of(segments)
+    if part is not None and part.node is not None:
+        is_called = _is_called(part.node, is_set=is_set) or values.on_names is not None
+        return part.name if is_called else None
     if segments[-1] == "properties" and ("values" in tail or "names" in tail):
         return f"{NAMES}{ask.target}"  # it reads values, and may take longer than names do
     is_bulk = segments[-1] == "properties" and (tail or ask.payload is not None)
@@ -59,19 +58,14 @@ def _lane_of_listening(values: LiveValues, whose: list[str], tail: str) -> str |
         is_names = whose[-1:] == ["properties"]
         if is_names and values.registry.is_inner(".".join(whose[:-1])):
             return None
-        return NAMES if values.on_names is not None else _lane_of_part(values, whose)
+        if values.on_names is not None:
+            return NAMES
+        part = values.registry.part_of(whose)
+        return None if part is None or part.node is None or not part.node.reader else part.name
     has_value = node.value is not None and ("initial=0" in tail or "remove" in tail)
     if node.reader is None or has_value or not node.calls_user_code:
         return None
     return node.name
-
-
-def _lane_of_part(values: LiveValues, segments: list[str]) -> str | None:
-    for end in range(len(segments) - 1, 0, -1):
-        node = values.registry.nodes.get(".".join(segments[:end]))
-        if node is not None:
-            return None if node.reader is None else node.name
-    return None
 
 
 def wait_of(ask: PropertyRequest, now: float) -> float:

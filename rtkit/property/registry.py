@@ -145,7 +145,7 @@ class Registry:
             if place is not None:
                 field = segments[-1] if back == 2 else ""
                 return place._replace(extension=segments[-back], field=field)
-        place = self._part(segments)
+        place = self.part_of(segments)
         if place is None:
             while segments[1:] and segments[-1] in EXTENSIONS:
                 segments.pop()
@@ -156,9 +156,9 @@ class Registry:
         node = self.nodes.get(name)
         if node is not None or self.is_inner(name):
             return NameEntry(name, node)
-        return self._part(name.split("."))
+        return self.part_of(name.split("."))
 
-    def _part(self, segments: list[str]) -> NameEntry | None:
+    def part_of(self, segments: list[str]) -> NameEntry | None:
         """Return the part of the property of the longest prefix that is registered."""
         for end in range(len(segments) - 1, 0, -1):
             prefix = ".".join(segments[:end])

@@ -27,9 +27,8 @@ _THREADS = 64
 class ControlGroups:
     """Puts slaves into control groups below `parent`."""
 
-    def __init__(self, parent: str, proc: str = "/proc") -> None:
+    def __init__(self, parent: str) -> None:
         self._parent = parent
-        self._proc = proc
         self._folders: dict[int, str] = {}
 
     def limit(self, pid: int, limits: SlaveLimits) -> None:
@@ -96,7 +95,7 @@ def control_groups(root: str = _ROOT, proc: str = "/proc") -> ControlGroups | No
     try:
         if missing:
             _enable(parent, missing)
-        groups = ControlGroups(parent, proc)
+        groups = ControlGroups(parent)
         groups.tidy()
     except OSError:
         return None

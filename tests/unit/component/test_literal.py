@@ -9,7 +9,7 @@ import pytest
 
 from rtkit.component import Char, Long, Time, TimedLong, timed
 from rtkit.component.geometry import Pose2D, TimedPose2D, TimedVelocity2D, Velocity2D
-from rtkit.component.literal import Literal, value_from_json, zero_value
+from rtkit.component.literal import Literal, zero_value
 from rtkit.errors import Malformed
 
 NOW = Time(100, 5)
@@ -55,7 +55,7 @@ class Everything:
     ],
 )
 def test_values(cls, text, value):
-    read = value_from_json(cls, text, NOW)
+    read = Literal(cls, text).at(NOW)
     if value is None:
         assert (read.mood, read.letter, read.items, read.pair) == (Mood.BAD, "y", [], (0, ""))
     else:
