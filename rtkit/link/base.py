@@ -1,9 +1,11 @@
-"""Interface of a transport; `rtkit.link.zenoh` and `rtkit.link.inproc` implement it."""
+"""Interface of a transport, which `rtkit.link.zenoh` implements, and one without a far side."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Protocol
+
+from rtkit.errors import Unreachable
 
 if TYPE_CHECKING:
     from rtkit.property.exchange import Reply, Request
@@ -44,7 +46,7 @@ class Link(Protocol):
         ...
 
     def listen(self, key: str, on_text: Callable[[str], object]) -> Callable[[], object]:
-        """Subscribe `heard` to the texts of a topic; return the function that ends it.
+        """Subscribe `on_text` to the texts of a topic; return the function that ends it.
 
         It is called on the transport's threads and must only enqueue.
         """
@@ -53,3 +55,29 @@ class Link(Protocol):
     def close(self) -> None:
         """Leave; nothing is served or reachable afterwards."""
         ...
+
+
+class DeadLink(Link):
+    """Link on which nobody answers: no manager runs yet."""
+
+    def send(self, key: str, payload: str | None, timeout_s: float) -> Callable[[], Reply]:
+        """See `Link.send`."""
+        raise Unreachable(f"nobody serves {key}")
+
+    call = send  # type: ignore[assignment]
+
+    def listen(self, key: str, on_text: Callable[[str], object]) -> Callable[[], object]:
+        """See `Link.listen`: no text comes."""
+        return lambda: None
+
+    def serve(self, service_key: str, enqueue: Callable[[Request], object]) -> None:
+        """See `Link.serve`: nobody asks."""
+        return None
+
+    def announce(self, key: str, listened: Callable[[bool], object]) -> Callable[[str], object]:
+        """See `Link.announce`: nobody subscribes."""
+        return lambda text: None
+
+    def close(self) -> None:
+        """See `Link.close`."""
+        return None

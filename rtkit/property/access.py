@@ -172,7 +172,7 @@ def _rule(words: list[str]) -> AccessRule:
     if words[0] not in ("allow", "deny"):
         raise ValueError(f"expected allow, deny or limit, found {words[0][:40]}")
     if len(words) != 5:
-        raise ValueError(f"expected {words[0]} DOOR IDENTITY METHOD TARGET")
+        raise ValueError(f"expected {words[0]} ENDPOINT IDENTITY METHOD TARGET")
     _, endpoint, identity, method, target = words
     if method not in (*METHODS, _ANY):
         raise ValueError(f"expected GET, SET or *, found {method[:40]}")
@@ -183,7 +183,7 @@ def _rule(words: list[str]) -> AccessRule:
 
 def _limit(words: list[str]) -> tuple[str, str, int]:
     if len(words) != 4:
-        raise ValueError("expected limit DOOR WHAT NUMBER")
+        raise ValueError("expected limit ENDPOINT WHAT NUMBER")
     _, endpoint, what, number = words
     if what not in EndpointLimits._fields:
         raise ValueError(f"expected one of {' '.join(EndpointLimits._fields)}, found {what[:40]}")

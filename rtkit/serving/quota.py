@@ -91,7 +91,9 @@ class EndpointQuota:
         if listening >= limits.listeners:
             raise PropertyError("denied", f"more than {limits.listeners} listeners")
         if sum(each.listening for each in self._clients()) >= limits.door_listeners:
-            raise PropertyError("denied", f"more than {limits.door_listeners} listeners at a door")
+            raise PropertyError(
+                "denied", f"more than {limits.door_listeners} listeners at an endpoint"
+            )
 
 
 class SubscribingClient(Requester):

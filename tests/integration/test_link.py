@@ -9,13 +9,13 @@ from collections.abc import Callable, Iterator
 from typing import NamedTuple
 
 import pytest
+from fake_link import InprocLink
 from hypothesis import given
 from hypothesis import strategies as st
 
 from rtkit.errors import Malformed, NotFound, Refused, Unreachable
 from rtkit.link import keys
 from rtkit.link.base import Link
-from rtkit.link.inproc import InprocLink
 from rtkit.link.zenoh import ZenohLink, open_client, open_listener, unix_endpoint
 from rtkit.property.exchange import Reply, Request
 

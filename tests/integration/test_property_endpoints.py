@@ -1,4 +1,4 @@
-"""Every door of a real service answers alike, and none is brought down by who abuses it."""
+"""Every endpoint of a real service answers alike, and none is brought down by who abuses it."""
 
 from __future__ import annotations
 
@@ -51,17 +51,17 @@ def _speed(served: ServedObject) -> object:
         return client.ask("speed").payload
 
 
-DOORS: dict[str, Callable[[ServedObject], Lines | Zenoh | OneLine]] = {
+ENDPOINTS: dict[str, Callable[[ServedObject], Lines | Zenoh | OneLine]] = {
     "unix": lambda served: Lines(lambda: connect_unix(served.socket, BOUND_S)),
     "zenoh": lambda served: Zenoh(),
 } | {each: partial(client_of, scheme=each) for each in KNOWING}
 """Each is a row: what is asked of one is asked of all."""
-THERE = [each for each in DOORS if icekit.IS_THERE or each != "ice"]
+THERE = [each for each in ENDPOINTS if icekit.IS_THERE or each != "ice"]
 
 
-@pytest.fixture(params=params(*DOORS))
+@pytest.fixture(params=params(*ENDPOINTS))
 def endpoint(request: pytest.FixtureRequest, served: ServedObject) -> Iterator[Door]:
-    made = DOORS[request.param](served)
+    made = ENDPOINTS[request.param](served)
     yield made
     made.close()
 
@@ -70,11 +70,11 @@ def test_requests(endpoint: Door) -> None:
     check_answers(endpoint)
 
 
-@pytest.mark.parametrize("wire", params(*DOORS))
+@pytest.mark.parametrize("wire", params(*ENDPOINTS))
 def test_of_code_that_does_anything_only_its_own_request_suffers(place: str, wire: str) -> None:
     thing = Unruly()
     with serve(thing, "robot", **opening(place)) as served:
-        endpoint = DOORS[wire](served)
+        endpoint = ENDPOINTS[wire](served)
         check_only_its_own_request_suffers(endpoint, thing)
         endpoint.close()
 
@@ -95,7 +95,7 @@ def test_ends_of_lines_are_as_they_like(served: ServedObject) -> None:
 
 
 def test_changes_through_one_door_are_heard_at_the_others(served: ServedObject) -> None:
-    endpoints = {name: DOORS[name](served) for name in THERE}
+    endpoints = {name: ENDPOINTS[name](served) for name in THERE}
     try:
         for name, endpoint in endpoints.items():
             with (
@@ -319,7 +319,7 @@ def test_rules_hold_at_every_door(
     monkeypatch.setattr(refusals, "MOST", 1000)
     with _ruled(place) as served:
         for name in THERE:
-            endpoint = DOORS[name](served)
+            endpoint = ENDPOINTS[name](served)
             caplog.clear()
             wrong = [
                 (name, target, answer) for target, payload, code in ROWS
@@ -339,7 +339,7 @@ def test_rules_hold_at_every_door(
 def test_listeners_are_bounded_at_every_door(place: str) -> None:
     with _ruled(place, "limit * door_listeners 2") as served:
         for name in THERE:
-            endpoint = DOORS[name](served)
+            endpoint = ENDPOINTS[name](served)
             with endpoint.listen("count") as first, endpoint.listen("speed") as second:
                 next(first)
                 next(second)
@@ -352,7 +352,7 @@ def test_listeners_are_bounded_at_every_door(place: str) -> None:
 @pytest.mark.parametrize("name", params("unix", *KNOWING))
 def test_who_asks_too_often_is_told(place: str, name: str) -> None:
     with _ruled(place, "limit * rate 20") as served:
-        endpoint = DOORS[name](served)
+        endpoint = ENDPOINTS[name](served)
         answers = [endpoint.ask("speed") for _ in range(200)]
         assert {each.error for each in answers} == {"", "busy"}
         assert "more than 20 requests a second" in {each.payload for each in answers}
@@ -361,9 +361,9 @@ def test_who_asks_too_often_is_told(place: str, name: str) -> None:
 
 def test_one_connection_too_many_is_told(place: str) -> None:
     with _ruled(place, "limit * connections 1") as served:
-        first = DOORS["unix"](served)
+        first = ENDPOINTS["unix"](served)
         assert first.ask("speed").error == ""
-        second = DOORS["unix"](served)
+        second = ENDPOINTS["unix"](served)
         assert second.ask("speed").error == "busy"
         first.close()
         second.close()

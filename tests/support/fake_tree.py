@@ -7,6 +7,7 @@ import math
 from functools import partial
 from threading import RLock
 
+from fake_link import InprocLink
 from fake_manager import FakeManager
 
 from rtkit.deployment.batch import results_to_text
@@ -14,7 +15,6 @@ from rtkit.deployment.delta import TREE
 from rtkit.deployment.metrics import METRICS
 from rtkit.errors import RtkitError, Unreachable
 from rtkit.link import keys
-from rtkit.link.inproc import InprocLink
 from rtkit.manager.core import events as ev
 from rtkit.manager.query_server import ManagerQueryServer
 from rtkit.property.exchange import Reply, Request, failure

@@ -85,7 +85,7 @@ class HttpClient(Closing):
             response, received = self._exchange(method, uri, body, headers)
             if response.status != HTTPStatus.UNAUTHORIZED or not self._is_challenged(response):
                 return _answer(response, received)
-        return Answer("the door does not take the secret of this user", "denied")
+        return Answer("the endpoint does not take the secret of this user", "denied")
 
     def _exchange(
         self, method: str, uri: str, body: bytes | None, headers: dict[str, str]
@@ -167,7 +167,7 @@ class HttpClient(Closing):
                     return
             else:
                 self._exchange("GET", _ROOT, None, {})
-        raise PropertyError("denied", "the door does not take the secret of this user")
+        raise PropertyError("denied", "the endpoint does not take the secret of this user")
 
     def _opened(self, uri: str) -> _Stream | None:
         """Return a stream of events, None if its nonce was too old."""

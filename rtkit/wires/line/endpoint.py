@@ -40,7 +40,7 @@ class LineEndpoint(Acceptor):
         else:
             identity = peer(client)
             if not identity:
-                return "denied this is the door of another user"
+                return "denied this is the endpoint of another user"
         return Connection(self._host, client, self._service, identity, login, self._quota)
 
     def reject(self, why: str) -> bytes:

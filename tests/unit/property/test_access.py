@@ -75,7 +75,7 @@ def test_limits_are_of_a_door_or_of_all() -> None:
 
 @pytest.mark.parametrize(("text", "says"), [
     ("permit * * GET *", "file:1: expected allow, deny or limit, found permit"),
-    ("\n\nallow * * GET", "file:3: expected allow DOOR IDENTITY METHOD TARGET"),
+    ("\n\nallow * * GET", "file:3: expected allow ENDPOINT IDENTITY METHOD TARGET"),
     ("deny ftp * GET *", "expected an endpoint (unix tcp zenoh serial http mqtt ice or *),"),
     ("deny * * get *", "file:1: expected GET, SET or *, found get"),
     ("deny * * GET a/b", "file:1: not a pattern of names: a/b"),
@@ -83,7 +83,7 @@ def test_limits_are_of_a_door_or_of_all() -> None:
     ("limit * speed 3", "found speed"), ("limit * rate fast", "expected a number, found fast"),
     ("limit * rate -1", "expected a number"), ("limit * listeners 0", "listeners is at least 1"),
     ("limit * size 99999999", "size is at most"),
-    ("limit * rate", "expected limit DOOR WHAT NUMBER"),
+    ("limit * rate", "expected limit ENDPOINT WHAT NUMBER"),
     ("deny * * GET *\n" * 1001, "file:1001: more than 1000 rules"),
 ])  # fmt: skip
 def test_what_cannot_be_read_is_told_with_its_line(text: str, says: str) -> None:

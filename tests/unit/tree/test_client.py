@@ -6,9 +6,9 @@ import socket
 from pathlib import Path
 
 import pytest
+from fake_link import InprocLink
 
 from rtkit.errors import Malformed, NotFound, Unreachable
-from rtkit.link.inproc import InprocLink
 from rtkit.property.exchange import Reply
 from rtkit.tree.client import Tree
 from rtkit.tree.connect import connect

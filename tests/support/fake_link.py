@@ -1,4 +1,4 @@
-"""Link inside one process: the fake for fast tests, and for tools that host a manager."""
+"""Link inside one process: the fake for fast tests."""
 
 from __future__ import annotations
 
