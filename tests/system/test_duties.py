@@ -158,3 +158,43 @@ def test_a_dump_that_fails_leaves_nothing_half(shell: Any, strike: str) -> None:
     else:
         assert "the dump cannot be written" in shell.log()
     assert not list((shell.folder / "state").glob("*.new"))
+
+
+PLANTED = """
+from rtkit.manager.core.batches import Batches
+
+take = Batches.take
+
+
+def failing(self, asked):
+    if "Planted" in str(asked.batch.actions):
+        self._jobs["left behind"] = {}["planted"]
+    take(self, asked)
+
+
+Batches.take = failing
+"""
+
+
+def test_a_fault_of_the_core_is_told_and_comes_again_in_its_replay(shell: Any) -> None:
+    folder = shell.folder / "planted"
+    folder.mkdir()
+    (folder / "sitecustomize.py").write_text(PLANTED)
+    usual = shell.environment["PYTHONPATH"]
+    shell.environment["PYTHONPATH"] = f"{folder}{os.pathsep}{usual}"
+    shell.ok("rtmgr start")
+    shell.ok(f"rtmgr -c 'ConsoleIn?instance_name=A&manager_name=s' {MANAGER}")
+    status, _, err = shell.run(f"rtmgr -c 'ConsoleIn?instance_name=Planted' {MANAGER}")
+    assert (status, err) == (
+        1,
+        "rtmgr: fault of the manager (KeyError('planted')); whether it is done is not known\n",
+    )
+    shell.ok(f"rtmgr -c 'ConsoleIn?instance_name=B&manager_name=s' {MANAGER}")
+    (file,) = dumps(shell.folder / "state", "core")
+    shown = shell.ok(f"rtmgr replay {file}")
+    assert "            FAULT: KeyError: 'planted'\n" in shown
+    assert shown.endswith("as in the manager\n")
+    shell.environment["PYTHONPATH"] = usual
+    status, out, _ = shell.run(f"rtmgr replay {file}")
+    assert status == 1
+    assert "BatchRequested: raises nothing, raised KeyError: 'planted'" in out
