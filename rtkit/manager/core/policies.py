@@ -11,7 +11,7 @@ from rtkit.deployment.supervision import RestartPolicy, RestartRule, read_policy
 from rtkit.errors import NotFound, Refused
 from rtkit.manager.core.effects import Procedure, Send
 from rtkit.manager.core.limiting import reserve
-from rtkit.manager.core.naming import remember
+from rtkit.manager.core.registration import remember
 from rtkit.manager.core.state import ManagerState
 from rtkit.rtc.create import parse_create
 

@@ -25,10 +25,9 @@ from rtkit.manager.core.import_check import share_trial
 from rtkit.manager.core.limiting import reserve
 from rtkit.manager.core.modules import forget_found, load, unload
 from rtkit.manager.core.name_reservations import at_rest, claim_name, names_elsewhere
-from rtkit.manager.core.naming import register, remember, unregister
 from rtkit.manager.core.policies import policy_of, set_policy
 from rtkit.manager.core.record_desired import note
-from rtkit.manager.core.registration import late_names
+from rtkit.manager.core.registration import late_names, register, remember, unregister
 from rtkit.manager.core.state import ManagerState, NameReservation, Process
 from rtkit.manager.core.stopping import end_slaves, grace_s, retire
 from rtkit.manager.core.transitions import change_state

@@ -8,9 +8,8 @@ from rtkit.deployment.facts import ComponentFacts, ProcessFacts, RestartStatus, 
 from rtkit.deployment.limits import Capacity, SlaveLimits
 from rtkit.errors import RtkitError
 from rtkit.fast_dataclass import dataclass, field, replace
-from rtkit.manager.core.desired import DesiredComponent, DesiredState
+from rtkit.manager.core.desired import DesiredComponent, DesiredState, RestartRecord
 from rtkit.manager.core.events import OWN_PROCESS
-from rtkit.manager.core.restart_record import RestartRecord
 from rtkit.rtc.profiles import ConnectorProfile, ModuleProfile
 from rtkit.settings.properties import Settings
 

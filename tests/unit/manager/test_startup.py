@@ -6,8 +6,7 @@ import pytest
 from fake_shell import FakeShell, wire
 
 from rtkit.errors import Malformed, NotFound
-from rtkit.manager.core.preconnect import connector
-from rtkit.manager.core.startup import StartUp
+from rtkit.manager.core.startup import StartUp, connector
 from rtkit.rtc.profiles import PortRef
 
 
