@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from rtkit.deployment.creation import NOTHING_LACKS, checks, creation_plan
+from rtkit.deployment.bring_up import bring_up_plans
+from rtkit.deployment.creation import NOTHING_LACKS, checks
 from rtkit.deployment.facts import Snapshot
 from rtkit.deployment.live import LiveIndex
 from rtkit.deployment.runner import PlanRunner, roll_back
 from rtkit.deployment.system import WantedSystem
-from rtkit.deployment.wiring import wiring_plan
 from rtkit.errors import RtkitError
 from rtkit.tree.client import Tree
 
@@ -29,15 +29,18 @@ def resurrect(
         Refused: Something required is missing or failed; what was made is removed again.
         KeyboardInterrupt: Interrupted; what was made is removed again. Its text has what remains.
     """
-    live = LiveIndex(before, system)
-    creation = creation_plan(system, live, may_create=may_create, lacks=lacks)
+
+    def look() -> LiveIndex:
+        live = LiveIndex(tree.snapshot(), system)
+        runner.check(checks(system, live))
+        return live
+
+    plans = bring_up_plans(system, before, look, may_create=may_create, lacks=lacks)
+    creation = next(plans)
     runner.check(creation.checks)
     try:
         runner.run(creation)
-        if not creation.is_done:
-            live = LiveIndex(tree.snapshot(), system)
-            runner.check(checks(system, live))
-        runner.run(wiring_plan(system, live))
+        runner.run(next(plans))
     except RtkitError as error:
         more = roll_back(runner, before, error)
         if not more:

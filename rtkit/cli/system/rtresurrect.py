@@ -64,9 +64,7 @@ def main(
     """
     from rtkit.cli.system.known_types import known_types
     from rtkit.cli.system.preflight import check_reserved
-    from rtkit.deployment.creation import creation_plan
-    from rtkit.deployment.live import LiveIndex
-    from rtkit.deployment.wiring import wiring_plan
+    from rtkit.deployment.bring_up import bring_up_plans
 
     if no_create and (stand_in or transmit):
         raise UsageProblem("--no-create makes no stand-ins")
@@ -93,10 +91,9 @@ def main(
         lacks = {} if no_create else missing(app, system, before)
         with document.naming():
             if dry_run:
-                live = LiveIndex(before, system)
-                creation = creation_plan(system, live, may_create=not no_create, lacks=lacks)
-                shared.show(creation)
-                shared.show(wiring_plan(system, live, creation.made))
+                plans = bring_up_plans(system, before, may_create=not no_create, lacks=lacks)
+                for plan in plans:
+                    shared.show(plan)
             else:
                 _bring_up(app, system, before, lacks, may_create=not no_create)
     if is_followed:

@@ -6,6 +6,7 @@ from fake_tree import fake_tree
 
 from rtkit.deployment import actions as act
 from rtkit.deployment.actions import Result
+from rtkit.deployment.bring_up import bring_up_plans
 from rtkit.deployment.runner import PlanRunner
 from rtkit.deployment.system import WantedComponent, WantedConnector, WantedSystem
 from rtkit.errors import NotFound, Refused
@@ -61,6 +62,13 @@ def test_all_of_it(world, bring_up):
     assert set(world.connectors) == {"w"}
     assert world.components["Sink0"].sets["default"] == {"gain": "2"}
     assert world.components["Sink0"].active_set == "fast"
+
+
+def test_a_dry_run_plans_just_what_is_carried_out(world, bring_up):
+    plans = bring_up_plans(system(), fake_tree(world).snapshot())
+    planned = [type(step.action) for plan in plans for step in plan.steps if step.action]
+    bring_up(system())
+    assert planned == [type(action) for action in world.performed]
 
 
 def test_again_changes_nothing(world, bring_up):
