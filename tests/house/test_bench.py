@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import json
+from pathlib import Path
 
 import pytest
 
-from bench import table3
+from bench import page, table3
 from bench.__main__ import GROUPS, main
 from bench.harness import Missing, Row, table
 
@@ -57,3 +58,31 @@ def test_table_3_has_a_place_for_each_of_its_rows() -> None:
     ]
     assert lines[4].split()[-1] == "21"
     assert lines[5].count("not measured") == 4
+
+
+def test_a_page_gets_the_table_between_its_marks(tmp_path: Path) -> None:
+    file = tmp_path / "performance.md"
+    file.write_text(f"before\n\n{page.BEGIN}old\n{page.END}\nafter\n", encoding="utf-8")
+    rows = [row("a", 3.1, 3.0), row("b", 3.0, None), Missing("c", "no sshd on this machine")]
+    page.write(file, rows, 0.2, "pinned to processors 2-3")
+    text = file.read_text(encoding="utf-8")
+    assert text.startswith(f"before\n\n{page.BEGIN}Measured on ")
+    assert "load average before 0.2; pinned to processors 2-3.\n" in text
+    assert "| a | 3.1 ms | 2 ms | 1.55 x | 3 ms MISSED | a floor |\n" in text
+    assert "| c | - | - | - | - | not measured: no sshd on this machine |\n" in text
+    assert text.endswith(f"{page.END}\nafter\n")
+    page.write(file, rows, 0.2, "again")
+    assert file.read_text(encoding="utf-8").count("Measured on") == 1
+
+
+def test_a_page_without_marks_is_left_alone(tmp_path: Path) -> None:
+    file = tmp_path / "performance.md"
+    file.write_text("nothing\n", encoding="utf-8")
+    with pytest.raises(ValueError, match="there is no place between"):
+        page.write(file, [], 0.0, "")
+    assert file.read_text(encoding="utf-8") == "nothing\n"
+
+
+def test_the_page_of_figures_has_its_place() -> None:
+    text = (Path(__file__).parents[2] / "docs" / "performance.md").read_text(encoding="utf-8")
+    assert text.count(page.BEGIN) == text.count(page.END) == 1
