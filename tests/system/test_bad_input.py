@@ -7,14 +7,13 @@ import os
 import random
 import socket
 import struct
-import time
-from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
 import pytest
 import zenoh
+from waiting import until
 
 from rtkit.container.manager_connection import PROTOCOL
 from rtkit.deployment.actions import ChangeState, Create
@@ -53,13 +52,6 @@ def lives(tree: Tree, pid: int) -> None:
     tree.perform(ChangeState("A", "0", Transition.ACTIVATE))
     tree.perform(ChangeState("A", "0", Transition.DEACTIVATE))
     assert [row.instance for row in tree.listing().rows] == ["A"]
-
-
-def until(is_so: Callable[[], Any], what: str) -> None:
-    deadline = time.monotonic() + BOUND_S
-    while not is_so():
-        assert time.monotonic() < deadline, what
-        time.sleep(0.005)
 
 
 def descriptors(pid: int) -> int:

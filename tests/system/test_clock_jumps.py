@@ -7,7 +7,6 @@ import os
 import signal
 import threading
 import time
-from collections.abc import Callable
 from datetime import datetime
 from pathlib import Path
 from typing import Any
@@ -15,6 +14,7 @@ from typing import Any
 import clockkit
 import pytest
 from clockkit import YEAR_S, WallClock
+from waiting import until
 
 from rtkit.deployment.actions import ChangeState, Connect, Create
 from rtkit.rtc.enums import Transition
@@ -64,15 +64,6 @@ JUMPS_S = {
     "ten years on": 10 * YEAR_S,
     "ten years back": -10 * YEAR_S,
 }
-
-
-def until(is_so: Callable[[], Any], what: str) -> Any:
-    """Wait for something to be so, and return it."""
-    deadline = time.monotonic() + BOUND_S
-    while not (found := is_so()):
-        assert time.monotonic() < deadline, what
-        time.sleep(0.005)
-    return found
 
 
 class Came(tuple[int, int, float]):

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 import pytest
+from waiting import facts_of
 
 from rtkit.deployment import actions as act
 from rtkit.errors import NotFound, Refused
@@ -79,12 +80,6 @@ def compose(tree: Tree, instance: str, members: str, ports: str = "") -> None:
     make(tree, f"{TYPE}?instance_name={instance}{options}")
 
 
-def facts(tree: Tree, instance: str) -> Any:
-    found = tree.snapshot().component(instance)
-    assert found is not None
-    return found
-
-
 def change(tree: Tree, instance: str, transition: Transition) -> None:
     tree.perform(act.ChangeState(instance, "0", transition))
 
@@ -97,7 +92,7 @@ def test_members_work_together_in_the_process_that_they_are_in(
     manager: Any, tree: Tree, notes: Any
 ) -> None:
     compose(tree, "W", "B,A", "B.into,A.out")
-    whole, a = facts(tree, "W"), facts(tree, "A")
+    whole, a = facts_of(tree, "W"), facts_of(tree, "A")
     assert whole.process == "robot"
     assert (whole.composite_type, whole.members) == ("PeriodicECShared", ("B", "A"))
     assert (a.composite, a.state) == ("W", "Inactive")
@@ -105,7 +100,7 @@ def test_members_work_together_in_the_process_that_they_are_in(
     assert [port.name for port in whole.ports] == ["B.into", "A.out"]
     change(tree, "W", Transition.ACTIVATE)
     assert notes.next(4) == ["B W/0 activated", "A W/0 activated", "B executed", "A executed"]
-    assert facts(tree, "A").state == "Active"
+    assert facts_of(tree, "A").state == "Active"
     with pytest.raises(Refused, match="execution context 0 is not running"):
         change(tree, "A", Transition.ACTIVATE)
     shown = manager.ok("rtcat -l /localhost/W.rtc")
@@ -138,7 +133,7 @@ def test_values_go_through_the_ports_that_it_shows(tree: Tree, notes: Any) -> No
     assert notes.next(2) == ["A W/0 deactivated", "B W/0 deactivated"]
     tree.perform(act.Delete("W"))
     assert [wire.connector_id for wire in tree.snapshot().connectors] == ["in", "mid", "end"]
-    assert [c.id for c in facts(tree, "A").contexts if c.is_running] == ["0"]
+    assert [c.id for c in facts_of(tree, "A").contexts if c.is_running] == ["0"]
 
 
 def test_a_port_that_a_composite_shows_is_the_port_of_its_member(manager: Any, tree: Tree) -> None:
@@ -160,25 +155,25 @@ def test_a_port_that_a_composite_shows_is_the_port_of_its_member(manager: Any, t
 
 def test_members_come_and_go(tree: Tree) -> None:
     compose(tree, "W", "")
-    assert facts(tree, "W").process == "manager"
+    assert facts_of(tree, "W").process == "manager"
     tree.perform(act.Delete("W"))
     make(tree, f"{TYPE}?instance_name=W&manager_name=robot")
     edit(tree, "W", members="A,C", exported_ports="C.out")
-    assert facts(tree, "W").members == ("A", "C")
+    assert facts_of(tree, "W").members == ("A", "C")
     edit(tree, "W", members="C")
-    assert facts(tree, "A").composite == ""
+    assert facts_of(tree, "A").composite == ""
     tree.perform(act.Delete("C"))
-    whole = facts(tree, "W")
+    whole = facts_of(tree, "W")
     assert (whole.members, whole.ports) == ((), ())
     assert whole.sets["default"]["members"] == "C"
     edit(tree, "W", members="B", exported_ports="")
-    assert facts(tree, "W").members == ("B",)
+    assert facts_of(tree, "W").members == ("B",)
 
 
 def test_what_cannot_be_is_refused_and_changes_nothing(tree: Tree) -> None:
     make(tree, "Step?instance_name=Far")
     compose(tree, "W", "A")
-    before = facts(tree, "W").sets
+    before = facts_of(tree, "W").sets
     for members, ports, error, why in (
         ("A,Nobody", "", NotFound, "no component named Nobody"),
         ("A,Far", "", NotFound, "no component named Far"),
@@ -187,7 +182,7 @@ def test_what_cannot_be_is_refused_and_changes_nothing(tree: Tree) -> None:
     ):
         with pytest.raises(error, match=why):
             edit(tree, "W", members=members, exported_ports=ports)
-    assert facts(tree, "W").sets == before
+    assert facts_of(tree, "W").sets == before
     for members, place, error, why in (
         ("B,Far", "", Refused, "B is in robot, Far in manager: members of a composite"),
         ("B", "&manager_name=other", Refused, "a composite of it cannot be in other"),
@@ -197,7 +192,7 @@ def test_what_cannot_be_is_refused_and_changes_nothing(tree: Tree) -> None:
         with pytest.raises(error, match=why):
             make(tree, f"{TYPE}?instance_name=V&members={members}{place}")
     assert tree.snapshot().component("V") is None
-    assert facts(tree, "B").contexts[0].is_running
+    assert facts_of(tree, "B").contexts[0].is_running
     with pytest.raises(Refused, match="A is a member of W; take it out of there"):
         tree.perform(act.Detach("W", "0", "A"))
 
@@ -207,11 +202,11 @@ def test_nested_composites_live_and_end_together(tree: Tree, notes: Any) -> None
     compose(tree, "Outer", "Inner,C")
     change(tree, "Outer", Transition.ACTIVATE)
     assert notes.next(6)[:3] == [f"{name} Outer/0 activated" for name in ("A", "B", "C")]
-    assert {facts(tree, n).state for n in ("Outer", "Inner", "A", "B", "C")} == {"Active"}
+    assert {facts_of(tree, n).state for n in ("Outer", "Inner", "A", "B", "C")} == {"Active"}
     tree.perform(act.Delete("Inner"))
     assert notes.next(2) == ["A Outer/0 deactivated", "B Outer/0 deactivated"]
-    assert facts(tree, "Outer").members == ("C",)
-    assert [c.id for c in facts(tree, "A").contexts] == ["0"]
+    assert facts_of(tree, "Outer").members == ("C",)
+    assert [c.id for c in facts_of(tree, "A").contexts] == ["0"]
 
 
 def test_saved_and_brought_up_again(manager: Any, tree: Tree) -> None:

@@ -7,7 +7,6 @@ import os
 import select
 import signal
 import sqlite3
-import time
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -15,6 +14,7 @@ from typing import Any
 import mountkit
 import pytest
 from faultkit import Order, Points
+from waiting import until
 
 MANAGER = "/localhost/manager.mgr"
 ASIDE = "the damaged state store is kept aside: "
@@ -51,14 +51,6 @@ def kill(processes: list[int], number: int = signal.SIGKILL) -> None:
     for pidfd in opened:
         assert select.select([pidfd], [], [], 20.0)[0]
         os.close(pidfd)
-
-
-def until(is_so: Callable[[], bool]) -> None:
-    """Wait until something is so."""
-    deadline = time.monotonic() + 20.0
-    while not is_so():
-        assert time.monotonic() < deadline
-        time.sleep(0.1)
 
 
 def shown(shell: Any) -> tuple[str, str, str]:
@@ -271,7 +263,7 @@ def test_what_cannot_be_recorded_is_refused_and_nothing_runs_worse(shell: Any) -
         status, _, err = shell.run("rtconf /localhost/C.rtc set gain 7")
         assert (status, "done all the same" in err) == (1, True), err
         shell.run_there(f"rm {shell.folder}/state/full")
-        until(lambda: "cannot be recorded" not in shell.ok("rtls -l /localhost"))
+        until(lambda: "cannot be recorded" not in shell.ok("rtls -l /localhost"), "room")
         kill(pids(shell))
         shell.ok("rtmgr start")
         assert shell.ok("rtconf /localhost/C.rtc get gain") == "7\n"

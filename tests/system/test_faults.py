@@ -6,12 +6,11 @@ import os
 import re
 import resource
 import signal
-import time
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import pytest
+from waiting import has_ended, slave_pid, until
 
 from rtkit.deployment.actions import (
     ActivateSet,
@@ -193,28 +192,6 @@ BOUND_S = 60.0
 """Bound on what comes soon; no test waits for it [s]."""
 
 HUGE = {"dataport.buffer.length": "100000"}
-
-
-def until(is_so: Callable[[], Any], what: str) -> Any:
-    """Wait for something to be so, and return it."""
-    deadline = time.monotonic() + BOUND_S
-    while not (found := is_so()):
-        assert time.monotonic() < deadline, what
-        time.sleep(0.005)
-    return found
-
-
-def has_ended(pid: int) -> bool:
-    """Whether a process runs no more."""
-    try:
-        return Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0] in "ZX"
-    except (FileNotFoundError, ProcessLookupError):
-        return True
-
-
-def slave_pid(tree: Tree, name: str) -> int:
-    (pid,) = [process.pid for process in tree.snapshot().processes if process.name == name]
-    return pid
 
 
 def row(tree: Tree, instance: str) -> Any:

@@ -6,11 +6,11 @@ import os
 import re
 import select
 import signal
-import time
 from pathlib import Path
 from typing import Any
 
 import pytest
+from waiting import slave_pid, until
 
 from rtkit.tree.client import Tree
 
@@ -95,11 +95,6 @@ def notes(shell: Any) -> list[str]:
     return file.read_text().splitlines() if file.exists() else []
 
 
-def pid_of(tree: Tree, name: str) -> int:
-    (pid,) = [process.pid for process in tree.snapshot().processes if process.name == name]
-    return pid
-
-
 class End:
     """The end of a process, waited for without polling."""
 
@@ -108,14 +103,6 @@ class End:
 
     def comes(self, timeout_s: float = 30.0) -> bool:
         return bool(select.select([self._pidfd], [], [], timeout_s)[0])
-
-
-def until(is_so: Any, what: str) -> Any:
-    deadline = time.monotonic() + 30.0
-    while not (found := is_so()):
-        assert time.monotonic() < deadline, what
-        time.sleep(0.01)
-    return found
 
 
 def remark(tree: Tree, instance: str) -> str | None:
@@ -141,7 +128,7 @@ def test_a_slave_started_for_one_that_hangs_is_ended_also_where_empty_ones_stay(
 
 def test_a_slave_that_was_there_before_is_marked_and_can_be_ended(hangs: Any, tree: Tree) -> None:
     assert create(hangs, "A", "s").status == 0
-    end = End(pid_of(tree, "s"))
+    end = End(slave_pid(tree, "s"))
     outcome = create(hangs, "H", "s", when="on_initialize")
     assert f"rtexit --force {MANAGER}/s.mgr ends it" in outcome.err
     line = STUCK.format("on_initialize", "<lambda>")
@@ -180,7 +167,7 @@ def test_one_that_hangs_while_active_can_be_ended_with_its_slave(
         assert create(hangs, instance, "s").status == 0
     assert create(hangs, "H", "s", when="on_execute", how=how).status == 0
     assert create(hangs, "Elsewhere", "t").status == 0
-    end = End(pid_of(tree, "s"))
+    end = End(slave_pid(tree, "s"))
     hangs.run("rtact --timeout 1 /localhost/H.rtc")
     outcome = hangs.run("rtexit --timeout 0.5 /localhost/H.rtc")
     line = STUCK.format("on_execute", LINES[how])
@@ -209,7 +196,7 @@ def test_the_request_that_was_given_up_comes_through_when_the_callback_returns(
 
 def test_one_that_hangs_when_it_is_finalised(hangs: Any, tree: Tree) -> None:
     assert create(hangs, "H", "s", when="on_finalize").status == 0
-    end = End(pid_of(tree, "s"))
+    end = End(slave_pid(tree, "s"))
     outcome = hangs.run("rtexit --timeout 1 /localhost/H.rtc")
     assert re.search(STUCK.format("on_finalize", "<lambda>"), outcome.err), outcome.err
     hangs.ok("rtexit --force /localhost/H.rtc")
@@ -239,12 +226,12 @@ def test_the_manager_is_not_ended_for_a_component_of_its_own(
 def test_force_is_no_harm_to_who_ends_by_itself(hangs: Any, tree: Tree) -> None:
     for instance in ("A", "B"):
         assert create(hangs, instance, "s").status == 0
-    pid = pid_of(tree, "s")
+    pid = slave_pid(tree, "s")
     assert create(hangs, "C", "").status == 0
     hangs.ok("rtexit --force /localhost/A.rtc")
     hangs.ok("rtexit --force /localhost/C.rtc")
     assert (remark(tree, "A"), remark(tree, "B"), remark(tree, "C")) == (None, "", None)
-    assert pid_of(tree, "s") == pid
+    assert slave_pid(tree, "s") == pid
     assert notes(hangs) == ["finalised A", "finalised C"]
 
 
@@ -254,7 +241,7 @@ def test_force_is_no_harm_to_who_ends_by_itself(hangs: Any, tree: Tree) -> None:
 def test_a_slave_is_ended_with_all_that_it_holds(hangs: Any, tree: Tree) -> None:
     for instance in ("A", "B"):
         assert create(hangs, instance, "s").status == 0
-    end = End(pid_of(tree, "s"))
+    end = End(slave_pid(tree, "s"))
     hangs.ok(f"rtexit {MANAGER}/s.mgr")
     assert end.comes(0.0)
     assert notes(hangs) == ["finalised B", "finalised A"]
@@ -264,7 +251,7 @@ def test_a_slave_is_ended_with_all_that_it_holds(hangs: Any, tree: Tree) -> None
 
 def test_a_stopped_slave_is_ended_by_force(hangs: Any, tree: Tree) -> None:
     assert create(hangs, "A", "s").status == 0
-    pid = pid_of(tree, "s")
+    pid = slave_pid(tree, "s")
     end = End(pid)
     os.kill(pid, signal.SIGSTOP)
     until(lambda: any(row.trouble for row in tree.listing().rows), "the mark")
@@ -280,7 +267,7 @@ def test_a_term_finalises_all_but_those_that_hang(hangs: Any, tree: Tree) -> Non
         assert create(hangs, instance, "s").status == 0
     assert create(hangs, "H", "s", when="on_execute").status == 0
     hangs.ok("rtact /localhost/H.rtc")
-    pid = pid_of(tree, "s")
+    pid = slave_pid(tree, "s")
     end = End(pid)
     os.kill(pid, signal.SIGTERM)
     assert end.comes()

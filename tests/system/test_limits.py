@@ -5,16 +5,14 @@ from __future__ import annotations
 import os
 import re
 import signal
-import time
-from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
 import pytest
+from waiting import facts_of, until
 
 from rtkit.deployment.actions import ChangeState, Create
-from rtkit.deployment.facts import ComponentFacts
 from rtkit.manager.limits.usage import tree_usage
 from rtkit.resources import resource
 from rtkit.rtc.enums import Transition
@@ -105,19 +103,6 @@ ENDS = {
 }
 
 
-def until(is_so: Callable[[], bool], what: str) -> None:
-    deadline = time.monotonic() + 40.0
-    while not is_so():
-        assert time.monotonic() < deadline, what
-        time.sleep(0.005)
-
-
-def facts(tree: Tree, instance: str) -> ComponentFacts:
-    found = tree.snapshot().component(instance)
-    assert found is not None
-    return found
-
-
 def apply(tree: Tree, *actions: Any) -> None:
     for result in tree.apply(actions):
         result.raise_for_error()
@@ -159,16 +144,16 @@ def test_who_reaches_a_limit_is_ended_with_that_reason_and_the_rest_goes_on(
     alone = cycles(manager)
     limit, reason = ENDS[what]
     name = start(tree, what, limit)
-    until(lambda: bool(facts(tree, name).zombie), "its end")
-    assert re.match(reason, facts(tree, name).zombie), facts(tree, name).zombie
+    until(lambda: bool(facts_of(tree, name).zombie), "its end")
+    assert re.match(reason, facts_of(tree, name).zombie), facts_of(tree, name).zombie
     until(lambda: cycles(manager)[0] >= alone[0] + 100, "a hundred cycles more")
     count, late = (now - before for now, before in zip(cycles(manager), alone, strict=True))
     assert late / count <= alone[1] / alone[0] + 0.5
-    assert f"*{name}.rtc  ({facts(tree, name).zombie})" in manager.ok(
+    assert f"*{name}.rtc  ({facts_of(tree, name).zombie})" in manager.ok(
         f"rtls -l /localhost/{name}.rtc"
     )
     doctor = manager.run("rtdoctor")
-    assert f"slave s_{what} has ended: {facts(tree, name).zombie}" in doctor.out + doctor.err
+    assert f"slave s_{what} has ended: {facts_of(tree, name).zombie}" in doctor.out + doctor.err
     until(lambda: not _named(tree, f"s_{what}"), "the end of all that it started")
 
 
@@ -192,7 +177,7 @@ def test_its_policy_brings_it_back_and_what_was_its_reason_is_told(
         return told is not None and "given up after 1 restarts" in told.zombie
 
     until(is_given_up, "the second end")
-    told = facts(tree, name)
+    told = facts_of(tree, name)
     assert told.restart_status.restarts == 1
     assert told.restart_status.why.startswith("memory limit of 150 MiB reached (")
 
@@ -227,8 +212,10 @@ def test_limits_change_while_a_slave_lives(manager: Any, tree: Tree, modules: No
     assert "memory 1 GiB (slave motor)" in manager.ok("rtcat /localhost/Motor0.rtc")
     manager.ok(f"rtprofile set {profile} Motor0:rtkit.limit.memory=1M")
     manager.run(f"rtapply {profile}")
-    until(lambda: "memory limit of 1 MiB" in facts(tree, "Motor0").zombie, "the end of its slave")
-    assert facts(tree, "Sensor0").state == "Active"
+    until(
+        lambda: "memory limit of 1 MiB" in facts_of(tree, "Motor0").zombie, "the end of its slave"
+    )
+    assert facts_of(tree, "Sensor0").state == "Active"
 
 
 def test_a_plan_that_reserves_more_than_the_host_has_is_refused(manager: Any, tree: Tree) -> None:

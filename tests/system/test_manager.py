@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from waiting import has_ended, until
 
 from rtkit.deployment.actions import ChangeState, Connect, Create, Delete
 from rtkit.errors import Unreachable
@@ -65,23 +66,6 @@ class Thing(Component):
 def ThingInit(manager):
     manager.register_factory(Thing)
 '''
-
-
-def until(is_so: Callable[[], Any], what: str) -> Any:
-    """Wait for something to be so, and return it."""
-    deadline = time.monotonic() + BOUND_S
-    while not (found := is_so()):
-        assert time.monotonic() < deadline, what
-        time.sleep(0.005)
-    return found
-
-
-def has_ended(pid: int) -> bool:
-    """Whether a process runs no more."""
-    try:
-        return Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0] in "ZX"
-    except (FileNotFoundError, ProcessLookupError):
-        return True
 
 
 def thing(instance: str, slave: str = "", option: str = "") -> Create:

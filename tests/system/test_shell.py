@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from waiting import told_pid
 
 MANAGER = "/localhost/manager.mgr"
 PROBE = '''
@@ -47,12 +48,6 @@ def probe(manager: Any) -> Any:
     """A shell with a manager that can make components of type Probe."""
     (manager.modules / "Probe.py").write_text(PROBE)
     return manager
-
-
-def process_of(shell: Any, path: str) -> int:
-    pid = json.loads(shell.ok(f"rtcat --json {path}"))["pid"]
-    assert isinstance(pid, int)
-    return pid
 
 
 def test_a_manager_s_life(shell: Any) -> None:
@@ -110,7 +105,7 @@ def test_components_from_birth_to_death(manager: Any) -> None:
     names = ["Conf.rtc", "SeqIn0.rtc", "SeqOut0.rtc", "manager.mgr/"]
     assert manager.ok("rtls /localhost").split() == names
     assert manager.ok(f"rtls {MANAGER}/s1.mgr") == "SeqIn0.rtc\n"
-    assert process_of(manager, f"{MANAGER}/s1.mgr") != process_of(manager, MANAGER)
+    assert told_pid(manager, f"{MANAGER}/s1.mgr") != told_pid(manager, MANAGER)
 
     manager.ok("rtcon -i wire /localhost/SeqOut0.rtc:Long /localhost/SeqIn0.rtc:Long")
     manager.ok("rtact /localhost/SeqOut0.rtc /localhost/SeqIn0.rtc")
@@ -218,7 +213,7 @@ def test_a_slow_transition_is_waited_for_or_not(probe: Any) -> None:
 
 def test_a_killed_slave_leaves_zombies_with_the_reason(manager: Any) -> None:
     manager.ok(f"rtmgr -c ConsoleOut -c ConsoleOut?manager_name=s1 {MANAGER}")
-    os.kill(process_of(manager, f"{MANAGER}/s1.mgr"), signal.SIGKILL)
+    os.kill(told_pid(manager, f"{MANAGER}/s1.mgr"), signal.SIGKILL)
     while "*" not in manager.ok("rtls /localhost"):
         pass
     line = manager.ok("rtls -l /localhost/ConsoleOut1.rtc")
@@ -234,7 +229,7 @@ def test_a_killed_slave_leaves_zombies_with_the_reason(manager: Any) -> None:
 
 def test_a_stopped_slave_is_marked_and_does_not_hold_up_others(manager: Any) -> None:
     manager.ok(f"rtmgr -c ConsoleOut -c ConsoleOut?manager_name=s1 {MANAGER}")
-    pid = process_of(manager, f"{MANAGER}/s1.mgr")
+    pid = told_pid(manager, f"{MANAGER}/s1.mgr")
     os.kill(pid, signal.SIGSTOP)
     try:
         while "(stopped)" not in manager.ok("rtls -l /localhost"):
@@ -254,7 +249,7 @@ def test_a_stopped_slave_is_marked_and_does_not_hold_up_others(manager: Any) -> 
 def test_a_stopped_manager_is_told_in_time_and_a_wait_for_it_can_be_broken_off(
     manager: Any,
 ) -> None:
-    pid = process_of(manager, MANAGER)
+    pid = told_pid(manager, MANAGER)
     os.kill(pid, signal.SIGSTOP)
     try:
         told = "rtls: manager 'manager' does not answer within 0.3 s\n"

@@ -5,13 +5,12 @@ from __future__ import annotations
 import os
 import re
 import signal
-import time
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import pytest
 from faultkit import Order, Site
+from waiting import until
 
 from rtkit.deployment.actions import Create, Result
 from rtkit.tree.client import Tree
@@ -24,14 +23,6 @@ import sys
 if "rtkit.manager.slaves.zygote" in sys.orig_argv and os.path.exists({flag!r}):
     os._exit(7)
 """
-
-
-def until(is_so: Callable[[], Any], what: str) -> Any:
-    deadline = time.monotonic() + BOUND_S
-    while not (found := is_so()):
-        assert time.monotonic() < deadline, what
-        time.sleep(0.01)
-    return found
 
 
 def create(tree: Tree, slave: str, timeout_s: float = BOUND_S) -> Result:

@@ -5,16 +5,14 @@ from __future__ import annotations
 import os
 import re
 import signal
-import time
-from collections.abc import Callable
 from functools import partial
 from pathlib import Path
 from typing import Any
 
 import jsonrecords
+from waiting import facts_of, until
 
 from rtkit.deployment.actions import ChangeState, Connect, Create, SetParameters
-from rtkit.deployment.facts import ComponentFacts
 from rtkit.resources import resource
 from rtkit.rtc.enums import Transition
 from rtkit.rtc.profiles import ConnectorProfile, PortRef
@@ -48,19 +46,6 @@ def FrailInit(manager):
 '''
 
 
-def until(is_so: Callable[[], bool], what: str) -> None:
-    deadline = time.monotonic() + 30.0
-    while not is_so():
-        assert time.monotonic() < deadline, what
-        time.sleep(0.005)
-
-
-def facts(tree: Tree, instance: str) -> ComponentFacts:
-    found = tree.snapshot().component(instance)
-    assert found is not None
-    return found
-
-
 def all_states(tree: Tree) -> set[str]:
     return {each.state for each in tree.snapshot().components}
 
@@ -71,7 +56,7 @@ def kill(tree: Tree, slave: str) -> None:
 
 
 def has_restarts(tree: Tree, instance: str, count: int) -> bool:
-    told = facts(tree, instance)
+    told = facts_of(tree, instance)
     is_over = not told.zombie and not told.restart_status.returning
     return is_over and told.restart_status.restarts == count
 
@@ -114,7 +99,7 @@ def test_a_killed_slave_is_back_as_it_was(manager: Any, tree: Tree) -> None:
     for count in (1, 2):
         kill(tree, "c")
         until(partial(is_at_work, tree, "C", count), f"restart {count}")
-        told = facts(tree, "C")
+        told = facts_of(tree, "C")
         assert told.sets["default"]["gain"] == "2.5"
         assert [wire.connector_id for wire in tree.snapshot().connectors] == ["wire"]
     assert next(each for each in tree.snapshot().processes if each.name == "s") == other
@@ -147,17 +132,17 @@ def test_error_is_answered_in_place_and_who_fails_always_is_given_up(
     )
     before = next(each.pid for each in tree.snapshot().processes if each.name == "f")
     until(partial(is_at_work, tree, "F", 1), "its second life")
-    told = facts(tree, "F")
+    told = facts_of(tree, "F")
     assert "first life" in told.restart_status.why
     assert next(each.pid for each in tree.snapshot().processes if each.name == "f") == before
     bad = Path(manager.environment["RTKIT_STATE_DIR"]) / "bad"
     bad.touch()
     kill(tree, "f")
-    until(lambda: "given up" in facts(tree, "F").zombie, "the end of patience")
+    until(lambda: "given up" in facts_of(tree, "F").zombie, "the end of patience")
     assert "given up after 5 restarts within 60 s" in manager.ok("rtls -l /localhost")
     bad.unlink()
     apply(tree, Create(f"Frail?instance_name=F&manager_name=f{options}"))
-    assert facts(tree, "F").state == "Inactive"
+    assert facts_of(tree, "F").state == "Inactive"
 
 
 def test_a_profile_says_what_is_made_again(manager: Any, tree: Tree) -> None:
@@ -207,7 +192,7 @@ def test_what_the_manager_says_holds_for_all(manager: Any, tree: Tree) -> None:
     for slave in "st":
         kill(tree, slave)
     until(lambda: has_restarts(tree, "A", 1), "A")
-    assert facts(tree, "B").zombie == "signal 9"
+    assert facts_of(tree, "B").zombie == "signal 9"
 
 
 SICK = '''
@@ -245,10 +230,10 @@ def test_who_is_not_well_is_shown_or_made_again(manager: Any, tree: Tree) -> Non
         ChangeState("A", "0", Transition.ACTIVATE),
     )
     sick.touch()
-    until(lambda: "out carries" in facts(tree, "A").restart_status.degraded, "a low rate")
+    until(lambda: "out carries" in facts_of(tree, "A").restart_status.degraded, "a low rate")
     assert "(degraded: out carries" in manager.ok("rtls -l /localhost/A.rtc")
     sick.unlink()
-    until(lambda: not facts(tree, "A").restart_status.degraded, "the usual rate")
+    until(lambda: not facts_of(tree, "A").restart_status.degraded, "the usual rate")
     stuck = "&hangs=1&rtkit.health.stuck=0.2:restart"
     apply(
         tree,
@@ -257,4 +242,4 @@ def test_who_is_not_well_is_shown_or_made_again(manager: Any, tree: Tree) -> Non
     )
     sick.touch()
     until(partial(is_at_work, tree, "B", 1), "the end of a callback that hangs")
-    assert facts(tree, "B").restart_status.why.startswith("B was stuck in on_execute since ")
+    assert facts_of(tree, "B").restart_status.why.startswith("B was stuck in on_execute since ")
