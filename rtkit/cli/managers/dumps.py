@@ -14,8 +14,8 @@ if TYPE_CHECKING:
     from rtkit.manager.core.dump import Dump
     from rtkit.manager.core.replay import Replay
 
-_MOST_BYTES = 256 << 20
-"""The longest file that is read."""
+_MOST_BYTES = 64 << 20
+"""The longest file that is read; one of 1,000 components has 2 MB."""
 _MOST_SHOWN = 300
 """The longest line of an event or instruction, without -v."""
 
