@@ -122,6 +122,11 @@ def test_a_record_is_whole(scheme: str) -> None:
     assert not wire.extra or wire.extra in extras
 
 
+def test_an_endpoint_that_there_is_none_of_is_refused(place: str) -> None:
+    with pytest.raises(TypeError, match="there is port serial http ice"):
+        serve(subject(), "robot", ftp=1)
+
+
 def test_no_other_room_knows_the_wires_by_name() -> None:
     """What depends on the wire is in its record, so that a new one is its package and a line."""
     schemes = "|".join(each for each in WIRES if each not in ("unix", "zenoh"))
