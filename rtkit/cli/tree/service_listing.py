@@ -7,7 +7,6 @@ from collections.abc import Iterator, Sequence
 from time import monotonic
 from typing import TYPE_CHECKING, cast
 
-from rtkit.cli.properties.asking import record, shown
 from rtkit.cli.shared import terminal
 from rtkit.cli.shared.app import App, working_directory
 
@@ -69,7 +68,7 @@ class ServiceListing:
         Raises:
             PropertyError: As the service answers.
         """
-        from rtkit.cli.properties.asking import connected
+        from rtkit.cli.properties.asking import connected, shown
         from rtkit.tree.properties import asked
 
         typed = self.place.typed
@@ -155,6 +154,7 @@ def _columns(rows: list[tuple[str, ...]]) -> list[str]:
 
 
 def _record(typed: str, row: Value) -> str:
+    from rtkit.cli.properties.asking import record
     from rtkit.property.writing import write
 
     name, _, *value = _row(row)
