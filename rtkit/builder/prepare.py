@@ -31,7 +31,7 @@ from rtkit.builder.types_code import TypesCode
 from rtkit.component.base import Component
 from rtkit.component.contexts import PERIODIC, kind_named
 from rtkit.component.fsm import FsmComponent, State
-from rtkit.component.machine import lineage
+from rtkit.component.state_table import lineage
 from rtkit.errors import Refused
 from rtkit.idl.model import Definitions, InterfaceDeclaration, Named, Path
 from rtkit.profile.rtc_model import (

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
+from rtkit.rtc.connector_properties import canonical
 from rtkit.rtc.data_types import is_same_type
 from rtkit.rtc.enums import PortType
-from rtkit.rtc.interface_types import canonical
 from rtkit.rtc.port_types import WRONG_TYPE, interfaces_fit, shared_interfaces, types_fit
 from rtkit.rtc.profiles import PortProfile
 

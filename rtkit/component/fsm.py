@@ -38,9 +38,9 @@ from typing import Any, ClassVar, TypeVar
 
 from rtkit.component.base import Component
 from rtkit.component.buffer import Sink, Source
-from rtkit.component.machine import StateMachine, StateTransition, Table, lineage
 from rtkit.component.options import PortStatus
 from rtkit.component.port import InPort, Listener, Renew
+from rtkit.component.state_table import StateMachine, StateTransition, Table, lineage
 from rtkit.component.typenames import type_by_name, type_name
 from rtkit.errors import Malformed, NotFound, Refused
 from rtkit.rtc.data_types import is_same_type, scoped_name
@@ -221,7 +221,7 @@ class FsmComponent(Component):
     dropped. One that overrides `on_activated` or `on_execute` calls those of this class.
 
     Attributes:
-        states: The table: state, event, next state (see `rtkit.component.machine`).
+        states: The table: state, event, next state (see `rtkit.component.state_table`).
         events: Data type of each event; ``bytes`` takes any.
         event_port: Name of the port that events arrive at.
         state_classes: Class of each state that has one of its own.

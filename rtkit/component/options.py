@@ -14,7 +14,7 @@ from typing import TypeVar
 from rtkit.component.check import ANY_DATA_TYPE
 from rtkit.errors import Malformed
 from rtkit.fast_dataclass import dataclass
-from rtkit.rtc.interface_types import (
+from rtkit.rtc.connector_properties import (
     DATAFLOW_TYPE,
     DEFAULT_INTERFACE,
     INTERFACE_TYPE,

@@ -24,7 +24,7 @@ _STREAMS = {"stdout": 1, "stderr": 2}
 
 
 def configure(message: Message, loader: Loader) -> None:
-    """Apply the settings that the manager sent (see `rtkit.manager.core.configuring.message`).
+    """Apply what `rtkit.manager.core.manager_properties.message` tells, as the manager sent it.
 
     Raises:
         Refused: A processor is not there.

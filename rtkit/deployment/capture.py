@@ -10,9 +10,9 @@ from rtkit.deployment.facts import ComponentFacts, Snapshot
 from rtkit.fast_dataclass import dataclass
 from rtkit.profile import rts_model as rts
 from rtkit.profile.common import ExtensionProperty
+from rtkit.rtc.connector_properties import DEFAULT_INTERFACE, USUAL_NAMES
 from rtkit.rtc.create import CreateString, parse_create
 from rtkit.rtc.enums import PortType
-from rtkit.rtc.interface_types import DEFAULT_INTERFACE, USUAL_NAMES
 from rtkit.rtc.names import COMPONENT_SUFFIX, LOCAL, MANAGER_SUFFIX
 from rtkit.rtc.profiles import DEFINITION, ConnectorProfile, PortProfile, PortRef
 

@@ -10,8 +10,8 @@ from rtkit.deployment.facts import ComponentFacts
 from rtkit.deployment.live import LiveIndex, absence, context_of
 from rtkit.deployment.system import HIDDEN, WantedComponent, WantedConnector, WantedSystem, address
 from rtkit.fast_dataclass import dataclass
+from rtkit.rtc.connector_properties import differing
 from rtkit.rtc.enums import UNKNOWN_STATE, LifeCycleState
-from rtkit.rtc.interface_types import differing
 from rtkit.rtc.profiles import PortRef
 
 _CONSTRAINTS = "__constraints__"

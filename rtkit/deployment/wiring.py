@@ -10,7 +10,7 @@ from rtkit.deployment.facts import ComponentFacts
 from rtkit.deployment.live import LiveIndex, absence
 from rtkit.deployment.plan import LayeredPlan, PlannedAction, layer
 from rtkit.deployment.system import HIDDEN, WantedComponent, WantedConnector, WantedSystem, address
-from rtkit.rtc.interface_types import differing
+from rtkit.rtc.connector_properties import differing
 from rtkit.rtc.profiles import ConnectorProfile
 
 

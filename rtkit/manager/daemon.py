@@ -24,8 +24,8 @@ from rtkit.link import keys, places
 from rtkit.link.deadline import boot_id
 from rtkit.logs.logs import open_log
 from rtkit.manager.claim import check_silence, remove_stale, take_lock
-from rtkit.manager.core import configuring
 from rtkit.manager.core import events as ev
+from rtkit.manager.core import manager_properties
 from rtkit.manager.core.core import Core
 from rtkit.manager.core.requests import NOBODY
 from rtkit.manager.core.startup import StartUp
@@ -211,7 +211,7 @@ def _assemble(
             "control": places.control_socket(name),
             "data": data,
             "host": host,
-            "load_path": configuring.load_paths(state),
+            "load_path": manager_properties.load_paths(state),
             "zygote": places.zygote_pattern(name),
         },
         dead,
@@ -293,8 +293,8 @@ def _container(
     from rtkit.link.streams import Streams, remove_socket
     from rtkit.modules.loader import Loader
 
-    loader = Loader(configuring.load_paths(state), imports_untried=False)
-    configure(configuring.message(state), loader)
+    loader = Loader(manager_properties.load_paths(state), imports_untried=False)
+    configure(manager_properties.message(state), loader)
     add_log_files(state.settings, state.name)
     own_data = data.replace("%p", str(state.pid))
     stack.callback(remove_socket, own_data)

@@ -19,13 +19,13 @@ from rtkit.fast_dataclass import replace
 from rtkit.link import keys
 from rtkit.link.processes import ProcessWatch
 from rtkit.link.running import managers
-from rtkit.manager.core import configuring, operations
 from rtkit.manager.core import events as ev
+from rtkit.manager.core import manager_properties, operations
 from rtkit.manager.core.requests import PendingRequests
 from rtkit.manager.core.state import ManagerState
 from rtkit.manager.loadable import loadable
 from rtkit.manager.reexec import open_report
-from rtkit.modules.finding import lacking
+from rtkit.modules.creatable import lacking
 from rtkit.modules.search import Search
 from rtkit.property.exchange import NOT_BEGUN, Reply, Request, failure
 from rtkit.rtc.serde import encode
@@ -85,7 +85,7 @@ class ManagerQueryServer:
             request.answer(Reply(self._view(request.name)))
             return None
         if request.payload is None and request.name == "get_loadable_modules":
-            folders = configuring.load_paths(self._state)
+            folders = manager_properties.load_paths(self._state)
             _aside(request, lambda: loadable(folders))
             return None
         if request.payload is None:
@@ -110,7 +110,7 @@ class ManagerQueryServer:
         """Answer what keeps components from being made."""
         settings = self._state.settings
         search = Search(
-            configuring.load_paths(self._state),
+            manager_properties.load_paths(self._state),
             is_absolute_allowed=settings.flag("manager.modules.abs_path_allowed"),
         )
         loaded = tuple(self._state.modules.values())
@@ -134,11 +134,11 @@ class ManagerQueryServer:
         return self._views[name]
 
     def _snapshot(self) -> Snapshot:
-        return replace(self._state.snapshot(), properties=configuring.table(self._state))
+        return replace(self._state.snapshot(), properties=manager_properties.table(self._state))
 
     def _property(self, name: str) -> str:
         read = operations.READ.get(name)
-        value = read(self._state) if read else configuring.lookup(self._state, name)
+        value = read(self._state) if read else manager_properties.lookup(self._state, name)
         if name in operations.DO:
             raise Refused(f"{name} is an operation: set it to its argument")
         if value is None:

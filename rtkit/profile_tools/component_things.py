@@ -15,7 +15,15 @@ from rtkit.profile.rtc_model import (
 )
 from rtkit.profile.rtc_spec import ACTIONS
 from rtkit.profile.words import normal_data_type
-from rtkit.profile_tools.thing import Thing, ThingKey, Things, fields_of, picked, put, told
+from rtkit.profile_tools.compared_things import (
+    Thing,
+    ThingKey,
+    Things,
+    fields_of,
+    picked,
+    put,
+    told,
+)
 
 _PARTS = (
     "basic_info",

@@ -12,7 +12,7 @@ from typing import NamedTuple
 from rtkit.errors import Refused
 from rtkit.profile.rtc_model import RtcProfile
 from rtkit.profile.rts_model import RtsProfile
-from rtkit.profile_tools.thing import ThingKey, Things
+from rtkit.profile_tools.compared_things import ThingKey, Things
 
 ADDED, REMOVED, CHANGED = "added", "removed", "changed"
 _MARKS = {ADDED: "+", REMOVED: "-", CHANGED: "~"}

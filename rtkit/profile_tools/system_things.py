@@ -19,7 +19,7 @@ from rtkit.profile.rts_model import (
 )
 from rtkit.profile.rts_spec import ORDERS
 from rtkit.profile.words import OWN_PREFIX, normal_data_type, property_value, strip_instance
-from rtkit.profile_tools.thing import Thing, ThingKey, Things, fields_of, put, told
+from rtkit.profile_tools.compared_things import Thing, ThingKey, Things, fields_of, put, told
 
 _Names = dict[tuple[str, str], str]
 """Names of components in a comparison, by id and instance name."""

@@ -10,10 +10,10 @@ that serves the endpoints. It is left only while code of users runs (`user_code`
 node, an extension of one of these, or a part of a value. `node.PropertyNode` holds one property:
 what is declared, the value, its text, its listeners. `live_values.LiveValues` reads values, puts
 them in force and has the change sent. `listeners.Listeners` owns who listens, each with a queue of
-its own (`subscription.Listener`); an endpoint empties it as fast as its client takes it. `actions`
-starts functional properties, `extensions` answers what is asked about a property, `bulk` what is
-asked about several, `polling` looks again at what is computed. `Service` only decides which of
-these a request goes to, and whether its caller may.
+its own (`subscription.Listener`); an endpoint empties it as fast as its client takes it.
+`functional_requests` starts functional properties, `extensions` answers what is asked about a
+property, `bulk` what is asked about several, `polling` looks again at what is computed. `Service`
+only decides which of these a request goes to, and whether its caller may.
 
 *A request.* Its target is a name, perhaps with parameters. The caller is looked at first
 (`permit`), before anything tells that a name is there. A GET leads to a payload, a SET to nothing
@@ -56,7 +56,7 @@ from dataclasses import replace
 from fnmatch import fnmatchcase
 from functools import partial
 
-from rtkit.property import actions
+from rtkit.property import functional_requests
 from rtkit.property.codes import PropertyError
 from rtkit.property.extensions import Extensions
 from rtkit.property.fast_path import FastPath
@@ -342,7 +342,7 @@ class Service:
             return self.registry.listed(place.name)
         if node.function is not None:
             checked_parameters((), target, OF_GET)
-            return actions.described(node.function, place)
+            return functional_requests.described(node.function, place)
         given = checked_parameters(node.spec.parameters, target, OF_GET)
         given.pop("timeout", None)
         return self.values.payload_of(place, given)
@@ -357,7 +357,7 @@ class Service:
         if node is None:
             raise PropertyError("read-only", f"cannot be set: {target.name}")
         if node.function is not None:
-            return actions.start(self.values, place, target, ask)
+            return functional_requests.start(self.values, place, target, ask)
         given = checked_parameters(node.spec.parameters, target, COMMON)
         has_echo = flag(given, "echo")
         given.pop("timeout", None)

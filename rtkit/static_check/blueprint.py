@@ -17,8 +17,8 @@ from rtkit.profile.rtc_model import (
     RtcProfile,
 )
 from rtkit.profile.words import property_value
+from rtkit.rtc.connector_properties import canonical
 from rtkit.rtc.enums import ExecutionKind, PortType
-from rtkit.rtc.interface_types import canonical
 from rtkit.rtc.port_types import declared_port_type
 from rtkit.rtc.profiles import PortInterfaceProfile, TypeProfile
 

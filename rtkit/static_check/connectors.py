@@ -11,9 +11,9 @@ from rtkit.errors import Malformed
 from rtkit.profile.rts_model import DataPortConnector
 from rtkit.profile.words import property_value
 from rtkit.report.finding import ERROR, NOTE, WARNING
+from rtkit.rtc.connector_properties import DIRECT, SUBSCRIPTIONS, interface_name
 from rtkit.rtc.data_types import scoped_name
 from rtkit.rtc.enums import PortType
-from rtkit.rtc.interface_types import DIRECT, SUBSCRIPTIONS, interface_name
 from rtkit.rtc.port_types import are_reversed, types_fit
 from rtkit.static_check.blueprint import DATAFLOW, INTERFACE, OFFERS, SUBSCRIPTION, words
 from rtkit.static_check.finding import TOP, ProfileLocation, StaticFinding

@@ -14,7 +14,7 @@ from collections.abc import Callable, Iterator
 from operator import attrgetter
 from typing import Any, NamedTuple
 
-from rtkit.link.folder import Folder
+from rtkit.link.folder_watch import FolderWatch
 
 _FILE = re.compile(r"(.+)\.log(?:\.(\d+))?")
 _CHUNK = 1 << 20
@@ -110,7 +110,7 @@ class Logbook:
         """
         self._folder = folder
         self._wanted = wanted
-        self._subscription = Folder(folder)
+        self._subscription = FolderWatch(folder)
         self._files: dict[str, _File] = {}
         self.unreadable = 0
 

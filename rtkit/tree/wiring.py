@@ -104,7 +104,7 @@ def _lacking(
 
 
 def _is_listed(value: str, listed: str) -> bool:
-    from rtkit.rtc.interface_types import interface_name
+    from rtkit.rtc.connector_properties import interface_name
 
     words = [interface_name(word) for word in listed.split(",")]
     return "any" in words or interface_name(value) in words

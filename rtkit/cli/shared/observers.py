@@ -19,7 +19,7 @@ from rtkit.tree.view import shown_path
 if TYPE_CHECKING:
     from rtkit.deployment.facts import ComponentFacts, Snapshot
     from rtkit.deployment.user_events import UserEvent
-    from rtkit.link.folder import Folder
+    from rtkit.link.folder_watch import FolderWatch
     from rtkit.tree.client import Tree
     from rtkit.tree.scope import Scope
     from rtkit.tree.subscription import Heard, ManagerSubscription
@@ -78,7 +78,7 @@ class Observers(Closing):
         self._trees: dict[str, Tree] = {}
         self._facts: dict[str, Snapshot] = {}
         self._away: list[str] = []
-        self._folder: Folder | None = None
+        self._folder: FolderWatch | None = None
         self._keen_until = 0.0
         self._is_wide = is_wide and app.finds_managers
         self.names: dict[str, str] = {}
@@ -205,11 +205,11 @@ class Observers(Closing):
         self._watch_folder()
 
     def _watch_folder(self) -> None:
-        from rtkit.link.folder import Folder
+        from rtkit.link.folder_watch import FolderWatch
         from rtkit.link.places import make_private, runtime_path
 
         if self._folder is None:
-            self._folder = Folder(make_private(runtime_path()))
+            self._folder = FolderWatch(make_private(runtime_path()))
 
     def _enter(self, name: str) -> bool:
         """Subscribe to a manager; return whether it answers."""

@@ -38,7 +38,7 @@ def main(app: App, files: tuple[str, ...], live: bool) -> int:
     if live:
         if files or app.form:
             raise UsageProblem("--live draws what lives: no file, no form")
-        from rtkit.cli.system.live_picture import live_scene
+        from rtkit.cli.system.live_scene import live_scene
 
         scene = live_scene(app, _TITLE)
     else:

@@ -9,7 +9,8 @@ from rtkit.component.check import refusal
 from rtkit.deployment.creation import is_loaded
 from rtkit.deployment.facts import ComponentFacts, Snapshot
 from rtkit.deployment.live import LiveIndex, absence, mismatch, states_of
-from rtkit.deployment.planning import manner
+from rtkit.deployment.planning import component_settings
+from rtkit.deployment.planning.component_settings import ComponentSetting
 from rtkit.deployment.planning.feasibility import (
     NOTHING_KNOWN,
     Feasibility,
@@ -17,7 +18,6 @@ from rtkit.deployment.planning.feasibility import (
     is_place_open,
     place_name,
 )
-from rtkit.deployment.planning.manner import ComponentSetting
 from rtkit.deployment.planning.model import (
     ABSENT,
     ACTIVE,
@@ -207,18 +207,18 @@ class ModelBuilder:
     ) -> tuple[list[ComponentSetting], list[str]]:
         """Return what a component is beside its parameters, and why it is created again."""
         was = self._before.get(component.instance)
-        found = list(manner.settings(component, None if wrong else facts, was))
+        found = list(component_settings.settings(component, None if wrong else facts, was))
         is_named = None if facts is None else self.live.is_named(component)
         had_name = was is None or bool(was.zombie) or component.name in was.names
         if is_named is False or not had_name:
-            found.append(manner.name(component, is_named))
+            found.append(component_settings.name(component, is_named))
         reasons = self._reasons(component, facts)
         if facts is not None and not self.is_back:
             if self.replaces and not wrong:
                 reasons += self._stale.reasons(facts)
             self._notes += () if reasons else self._stale.notes(facts, component.path)
         if self.replaces and (reasons or self._reasons(component, was)):
-            found.append(manner.making(component, facts, reasons))
+            found.append(component_settings.making(component, facts, reasons))
         elif reasons:
             told = f"{component.path} cannot be changed in place: {'; '.join(reasons)}"
             self._trouble(component, f"{told}; --replace makes it again")
@@ -233,7 +233,7 @@ class ModelBuilder:
         if facts is None or facts.zombie:
             return []
         wrong = mismatch(component, facts)
-        return [wrong] if wrong else list(manner.reasons(component, facts))
+        return [wrong] if wrong else list(component_settings.reasons(component, facts))
 
     def _prune(self) -> None:
         """Have live, unwanted components end; those of attached processes end by themselves."""
@@ -251,7 +251,7 @@ class ModelBuilder:
 
     def _note(self, facts: ComponentFacts, *, is_alive: bool = True) -> None:
         """Take in the configuration of a component that is to go: a way back restores it."""
-        for each in manner.kept(facts):
+        for each in component_settings.kept(facts):
             key = key_of(facts.instance, each.parameter)
             self._keys.setdefault(key, each.key)
             if is_alive and each.live is not None:
@@ -319,7 +319,7 @@ class ModelBuilder:
         was = self._before.get(component.instance)
         declared = self.feasibility.parameters.get(component.instance)
         values = Values(component, facts, was, declared)
-        missing = [*values.missing, *manner.unlike(component, facts)]
+        missing = [*values.missing, *component_settings.unlike(component, facts)]
         self._notes += missing
         for why in values.misfits:
             self._trouble(component, why)

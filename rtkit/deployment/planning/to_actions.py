@@ -12,8 +12,8 @@ from rtkit.deployment.extension import policy_in
 from rtkit.deployment.facts import ComponentFacts
 from rtkit.deployment.live import LiveIndex, context_of
 from rtkit.deployment.plan import Layer, PlannedAction
+from rtkit.deployment.planning.component_settings import ACTIVE_SET, NAME, NAMELESS, POLICY, RATE
 from rtkit.deployment.planning.feasibility import create_text
-from rtkit.deployment.planning.manner import ACTIVE_SET, NAME, NAMELESS, POLICY, RATE
 from rtkit.deployment.planning.model import Model, is_inproc, owner_of
 from rtkit.deployment.planning.operators import Operator
 from rtkit.deployment.system import WantedSystem

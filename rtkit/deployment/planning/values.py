@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping
 
 from rtkit.component.constraint_check import Declared, misfit, misfit_of
 from rtkit.deployment.facts import ComponentFacts
-from rtkit.deployment.planning.manner import ACTIVE_SET, DEFAULT, ComponentSetting
+from rtkit.deployment.planning.component_settings import ACTIVE_SET, DEFAULT, ComponentSetting
 from rtkit.deployment.planning.model import UNKNOWN, ParameterVariable
 from rtkit.deployment.system import HIDDEN, WantedComponent
 

@@ -16,7 +16,7 @@ from rtkit.deployment.delta import TREE
 from rtkit.deployment.message import Message
 from rtkit.deployment.metrics import METRICS
 from rtkit.errors import Malformed, Refused, RtkitError, Unreachable
-from rtkit.manager.core import adoption, configuring, modules, report_intake
+from rtkit.manager.core import adoption, manager_properties, modules, report_intake
 from rtkit.manager.core import events as ev
 from rtkit.manager.core.batches import STOPPING, Batches
 from rtkit.manager.core.change_feed import ChangeFeed
@@ -249,8 +249,10 @@ class Core:
 
     def _configure(self, process: Process, *, is_found: bool = False) -> None:
         """Send properties to a process; a new one has the defaults, one that was found any."""
-        if configuring.is_needed(self.state) or (is_found and process.is_slave):
-            self._out.append(ev.SendToContainer(process.key, configuring.message(self.state)))
+        if manager_properties.is_needed(self.state) or (is_found and process.is_slave):
+            self._out.append(
+                ev.SendToContainer(process.key, manager_properties.message(self.state))
+            )
 
     def _found(self, event: ev.SlaveFound) -> None:
         """Believe a process about what it holds; what contradicts the living, it is to drop."""

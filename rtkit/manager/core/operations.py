@@ -12,7 +12,7 @@ from rtkit.deployment.actions import Result
 from rtkit.deployment.extension import FOLLOW
 from rtkit.deployment.facts import ComponentFacts
 from rtkit.errors import Malformed, NotFound, Refused
-from rtkit.manager.core import configuring, follows
+from rtkit.manager.core import follows, manager_properties
 from rtkit.manager.core.effects import AcquireSlave, Procedure, Spawn
 from rtkit.manager.core.procedures import procedure_for
 from rtkit.manager.core.state import ManagerState
@@ -86,12 +86,12 @@ def _component_record(facts: ComponentFacts) -> str:
 
 
 def _profile(state: ManagerState) -> str:
-    table = configuring.table(state)
+    table = manager_properties.table(state)
     return lines({key: table[key] for key in table if key in _PROFILE or key.startswith("os.")})
 
 
 def _configuration(state: ManagerState) -> str:
-    return lines(configuring.table(state))
+    return lines(manager_properties.table(state))
 
 
 def _masters(state: ManagerState) -> str:
@@ -111,7 +111,7 @@ READ: Mapping[str, Callable[[ManagerState], str]] = {
     "get_component_profiles": _component_profiles,
     "get_profile": _profile,
     "get_configuration": _configuration,
-    "is_master": lambda state: configuring.lookup(state, "manager.is_master") or "",
+    "is_master": lambda state: manager_properties.lookup(state, "manager.is_master") or "",
     "get_master_managers": _masters,
     "get_slave_managers": _slaves,
 }
@@ -197,7 +197,7 @@ DO: Mapping[str, Callable[[ManagerState, str], Procedure]] = {
     "create_component": _create,
     "delete_component": _delete,
     "get_components_by_name": _by_name,
-    "set_configuration": configuring.change,
+    "set_configuration": manager_properties.change,
     "fork": _fork,
     "add_master_manager": lambda state, name: _add(state.masters, name),
     "remove_master_manager": lambda state, name: _remove(state.masters, name),

@@ -10,8 +10,8 @@ from rtkit.deployment.shown_ports import OwnEnds
 from rtkit.errors import Malformed, NotFound, Refused, RtkitError, Unreachable
 from rtkit.manager.core.effects import Call, Procedure, Send, WaitUntil
 from rtkit.manager.core.state import ManagerState, Opening, Process
+from rtkit.rtc.connector_properties import DIRECT, differing
 from rtkit.rtc.enums import PortType
-from rtkit.rtc.interface_types import DIRECT, differing
 from rtkit.rtc.port_types import WRONG_TYPE, are_reversed, provides
 from rtkit.rtc.profiles import ConnectorProfile, PortProfile
 from rtkit.rtc.serde import encode

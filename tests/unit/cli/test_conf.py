@@ -13,7 +13,7 @@ import pytest
 from fake_manager import FakeManager
 
 from rtkit.deployment import actions as act
-from rtkit.manager.core.configuring import table as table_of
+from rtkit.manager.core.manager_properties import table as table_of
 
 Run = Callable[[str], Any]
 STD = "/localhost/Std0.rtc"

@@ -14,7 +14,7 @@ from rtkit.component.options import (
     remarks,
 )
 from rtkit.errors import Malformed
-from rtkit.rtc.interface_types import differing
+from rtkit.rtc.connector_properties import differing
 
 IN = "dataport.inport.buffer."
 

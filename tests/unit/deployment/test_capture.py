@@ -7,8 +7,8 @@ from rtkit.deployment.live import LiveIndex
 from rtkit.deployment.plan import merged
 from rtkit.deployment.wiring import wiring_plan
 from rtkit.profile.words import property_value
+from rtkit.rtc.connector_properties import INTERFACE_TYPE
 from rtkit.rtc.enums import PortType
-from rtkit.rtc.interface_types import INTERFACE_TYPE
 from rtkit.rtc.profiles import ConnectorProfile, PortRef
 
 DAY = "2025-01-01T00:00:00"

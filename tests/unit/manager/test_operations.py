@@ -7,8 +7,8 @@ from fake_shell import OWN, FakeShell, facts
 
 from rtkit.deployment.actions import ChangeState, Create
 from rtkit.errors import NotFound, Refused
-from rtkit.manager.core import configuring, operations
 from rtkit.manager.core import events as ev
+from rtkit.manager.core import manager_properties, operations
 from rtkit.manager.query_server import ManagerQueryServer
 from rtkit.property.exchange import Reply, Request
 from rtkit.rtc.enums import Transition
@@ -201,21 +201,21 @@ def test_a_change_that_the_manager_itself_cannot_make_is_taken_back(client, shel
 @pytest.mark.parametrize("key", ["manager.pid", "openrtm.version", "net.endpoints", "no.such"])
 def test_what_cannot_be_changed(client, shell, key):
     shell.state.properties["manager.pid"] = "100"
-    before = configuring.table(shell.state)
+    before = manager_properties.table(shell.state)
     with pytest.raises((Refused, NotFound)):
         client.set(key, "1")
-    assert configuring.table(shell.state) == before
+    assert manager_properties.table(shell.state) == before
 
 
 def test_load_paths_are_meant_from_the_folder_of_the_start():
     shell = FakeShell()
     shell.state.folder, shell.state.base_paths = "/home/me", ("/samples",)
-    assert configuring.load_paths(shell.state) == ["/home/me", "/samples"]
+    assert manager_properties.load_paths(shell.state) == ["/home/me", "/samples"]
     shell.state.settings = Settings(
         {"manager.modules.load_path": "./a, /b, ../c", "manager.modules.Python.load_paths": "/b,d"}
     )
     paths = ["/home/me/a", "/b", "/home/c", "/home/me/d", "/samples"]
-    assert configuring.load_paths(shell.state) == paths
+    assert manager_properties.load_paths(shell.state) == paths
 
 
 # what they do to components

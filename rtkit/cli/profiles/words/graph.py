@@ -62,7 +62,7 @@ def _live(app: App, files: tuple[str, ...], title: str | None, *, is_dot: bool) 
         UsageProblem: A file is named, too.
         Unreachable: The manager does not answer.
     """
-    from rtkit.cli.system.live_picture import live_scene
+    from rtkit.cli.system.live_scene import live_scene
 
     if files:
         raise UsageProblem("--live draws what lives: no file")

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rtkit.component.machine import StateMachine, lineage
+from rtkit.component.state_table import StateMachine, lineage
 from rtkit.errors import Malformed, NotFound
 
 OVEN = {

@@ -13,7 +13,7 @@ _EVENT = struct.Struct("iIII")
 _ROOM = 65_536
 
 
-class Folder:
+class FolderWatch:
     """Watch on one folder: reports files that are made, written, moved or removed in it."""
 
     def __init__(self, path: str) -> None:

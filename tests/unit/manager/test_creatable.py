@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from rtkit.errors import Malformed
-from rtkit.modules.finding import lacking
+from rtkit.modules.creatable import lacking
 from rtkit.modules.search import Search
 from rtkit.rtc.profiles import ModuleProfile, TypeProfile
 
