@@ -1,6 +1,6 @@
 """Drives one execution context by a thread, only while the context has work.
 
-A periodic one is driven at absolute deadlines, another one when it has reason to tick. A context
+A periodic one is driven at absolute deadlines, an event-driven one when an event arrives. A context
 whose components are all at rest costs no thread at all.
 """
 

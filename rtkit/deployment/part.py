@@ -1,4 +1,4 @@
-"""Partial snapshots: cut out of a snapshot what concerns a few components."""
+"""Takes from a snapshot the facts about a few components."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
 """Tests values against constraints. Values and literals are text; numbers compare as numbers.
 
-A test that no value of the parameter's kind could ever meet or miss says nothing: a bound that
+A test that is always true, or always false, for this kind of parameter is ignored: a bound that
 is no number, a word where numbers are wanted (authors write notes there). A test that says nothing
 is left out of the constraint around it.
 """

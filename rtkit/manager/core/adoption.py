@@ -1,7 +1,7 @@
 """Adopts slaves of an earlier manager, and attached processes: their reports enter the state.
 
 They are believed about facts: components with names and origin, connector ends. A connector is
-known again when both its ends are; one whose other end nobody holds any more is cut.
+known again when both its ends are; one that has lost an end is removed.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Copies of a core at rest, from which another core goes on alike.
+"""Copies of a core at rest, from which another core continues in the same state.
 
 While a procedure is under way there is no copy: it is a generator, whose place nobody can write
 down. So a checkpoint is taken only between events, when the core is idle.

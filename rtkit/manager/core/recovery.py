@@ -1,7 +1,7 @@
 """Recovers the desired state: creates what is missing and repairs what differs.
 
-With places fixed the cheapest plan is the difference itself, in the order of its kinds; so nothing
-is searched for. What fails is reported, and the rest is done all the same.
+Components do not move here, so the cheapest plan is the differences, sorted by kind: there
+is nothing to search for. What fails is reported, and the rest is done all the same.
 """
 
 from __future__ import annotations

@@ -1,8 +1,8 @@
 """Converts events and the state of a core to JSON values and back; names each record's class.
 
-Unlike `rtkit.rtc.serde` it needs no expected type: what JSON lacks travels as a table with one key
-that begins with ``~``. Only the classes that events and state consist of are ever made, and each
-field is checked against its annotation: a file is data of a stranger.
+Unlike `rtkit.rtc.serde` it needs no expected type: types that JSON lacks are written as an object
+with one key that begins with ``~``. Only the classes that events and state consist of are ever
+made, and each field is checked against its annotation: files are not trusted.
 """
 
 from __future__ import annotations

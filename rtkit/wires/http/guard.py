@@ -1,7 +1,7 @@
 """Guard of the HTTP endpoint: admits clients that know the secret, and no page of another site.
 
 A page that somebody visits can have a browser send requests to this host. So the requested host
-name must be one of this host's own (a name that was rebound to it is another), and the origin that
+name must be one of this host's own (this stops DNS rebinding), and the origin that
 a browser reports must be the endpoint itself.
 """
 
