@@ -18,6 +18,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 import pytest
+from forked import Commands
 from hypothesis import HealthCheck, settings
 
 from rtkit.cli.table import TABLE
@@ -35,6 +36,8 @@ ROOT = Path(__file__).parents[1]
 RUN_ID = "RTKIT_TEST_RUN"
 _STOP_S = 30.0
 SHARED_MEMORY = Path("/dev/shm")
+_INTERPRETED = {"LD_PRELOAD", "PYTHONHOME", "PYTHONSTARTUP", "RTKIT_FAULT"}
+"""Variables that count when an interpreter begins, or rtkit is imported."""
 _SETTINGS = (
     "COLUMNS",
     "FORCE_COLOR",
@@ -71,12 +74,14 @@ class Shell:
     Attributes:
         folder: A short folder of this test alone; `modules` below it is a load path.
         prefix: What commands, and so the manager, are run by, ``nsenter …``.
+        commands: Runs commands as forks, where a test needs no interpreter of its own for each.
         environment: What commands, and so the manager, are started with.
     """
 
     def __init__(self, folder: Path, run_id: str) -> None:
         self.folder = folder
         self.prefix: list[str] = []
+        self.commands: Commands | None = None
         self._opened: list[subprocess.Popen[str]] = []
         self.modules = folder / "modules"
         self.modules.mkdir()
@@ -103,6 +108,11 @@ class Shell:
 
     def run(self, line: str, text: str = "", timeout_s: float = 30.0) -> Outcome:
         """Run a command to its end."""
+        is_plain = not self.prefix and not _INTERPRETED & self.environment.keys()
+        if self.commands is not None and is_plain:
+            place = {"environment": self.environment, "folder": str(self.folder)}
+            told = self.commands.run(shlex.split(line), text, **place)
+            return Outcome(told["status"], told["out"], told["err"])
         done = subprocess.run(
             self.command(line),
             input=text,
@@ -186,10 +196,23 @@ def opened_shell() -> Iterator[Shell]:
         shutil.rmtree(folder)
 
 
+@pytest.fixture(scope="session")
+def commands(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Commands]:
+    """What runs commands as forks of one process, which spares each its imports."""
+    commands = Commands({**os.environ, "PYTHONPATH": str(ROOT)}, tmp_path_factory.getbasetemp())
+    yield commands
+    commands.close()
+
+
 @pytest.fixture
-def shell() -> Iterator[Shell]:
-    """A shell without a manager; whatever it starts must be gone at the end."""
+def shell(request: pytest.FixtureRequest) -> Iterator[Shell]:
+    """A shell without a manager; whatever it starts must be gone at the end.
+
+    Its commands are forks in modules of tests that say ``RUNS_FORKS``.
+    """
     with opened_shell() as shell:
+        if getattr(request.module, "RUNS_FORKS", False):
+            shell.commands = request.getfixturevalue("commands")
         yield shell
 
 

@@ -13,6 +13,8 @@ from rtkit.rtc.enums import Transition
 from rtkit.rtc.profiles import ConnectorProfile, PortRef
 from rtkit.tree.client import Tree
 
+RUNS_FORKS = True
+
 STEP = """
 import os
 from rtkit.component import Component, InPort, OutPort, TimedLong

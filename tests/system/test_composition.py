@@ -6,6 +6,8 @@ from typing import Any
 
 import pytest
 
+RUNS_FORKS = True
+
 MANAGER = "/localhost/manager.mgr"
 WHOLE = "/localhost/Whole.rtc"
 

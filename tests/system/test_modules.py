@@ -9,6 +9,8 @@ from typing import Any
 
 import pytest
 
+RUNS_FORKS = True
+
 MANAGER = "/localhost/manager.mgr"
 MODULE = '''
 from pathlib import Path

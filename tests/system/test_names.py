@@ -13,6 +13,8 @@ import pytest
 
 from rtkit.cli.completion.functions import script as functions
 
+RUNS_FORKS = True
+
 MANAGER = "/localhost/manager.mgr"
 SECOND = "/localhost/manager.mgr/s1.mgr"
 

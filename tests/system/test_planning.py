@@ -11,6 +11,8 @@ from typing import Any
 
 from rtkit.resources import resource
 
+RUNS_FORKS = True
+
 FILE = resource("profiles", "systems", "sensor-controller-motor.xml")
 
 

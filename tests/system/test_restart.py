@@ -12,6 +12,8 @@ from typing import Any
 import pytest
 from waiting import told_pid, until
 
+RUNS_FORKS = True
+
 MANAGER = "/localhost/manager.mgr"
 COUNTER = '''
 from rtkit.component import Component, OutPort, Time, TimedLong

@@ -12,6 +12,8 @@ from rtkit.deployment.actions import SetParameters
 from rtkit.errors import Malformed
 from rtkit.tree.connect import connect
 
+RUNS_FORKS = True
+
 MANAGER = "/localhost/manager.mgr"
 SAMPLE = "/localhost/ConfigSample0.rtc"
 

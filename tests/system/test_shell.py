@@ -13,6 +13,8 @@ from typing import Any
 import pytest
 from waiting import told_pid
 
+RUNS_FORKS = True
+
 MANAGER = "/localhost/manager.mgr"
 PROBE = '''
 import time
@@ -269,6 +271,7 @@ def test_a_stopped_manager_is_told_in_time_and_a_wait_for_it_can_be_broken_off(
         )
         command = manager.command("rtls --timeout 600")
         command[2] = script
+        manager.commands = None
         manager.command = lambda _: command
         assert manager.run("rtls") == (-signal.SIGINT, "", "rtls: interrupted\n")
     finally:
@@ -301,6 +304,7 @@ def test_arguments_that_are_no_text(manager: Any) -> None:
 
 def test_a_listing_loads_nothing_that_it_does_not_need(manager: Any) -> None:
     heavy = ("asyncio", "dataclasses", "logging", "lxml", "rich", "shutil", "socket", "subprocess")
+    manager.commands = None  # what a fork has loaded, its parent had
     command = manager.command("rtls -l /localhost")
     loaded = f"print([name for name in {heavy} if name in sys.modules], file=sys.stderr)"
     command[2] = command[2].replace("sys.exit(main())", f"main(sys.argv[1:]); {loaded}")

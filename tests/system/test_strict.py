@@ -7,6 +7,8 @@ from typing import Any
 
 import pytest
 
+RUNS_FORKS = True
+
 MANAGER = "/localhost/manager.mgr"
 ODD = """from rtkit.component import Component
 
