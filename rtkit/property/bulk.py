@@ -26,6 +26,9 @@ from rtkit.property.writing import as_item, write
 Permit = Callable[[Requester, str, str], None]
 """Refuses a request of a caller, by method and name, that the rules of an endpoint deny."""
 
+_Change = tuple[PropertyNode, Content, Content | None]
+"""Property, the value that is wanted, and the one before, None of what cannot be read."""
+
 
 class Bulk:
     """Requests about several properties of one service.
@@ -153,7 +156,7 @@ class Bulk:
             PropertyError: ``unknown``, ``bad-value``, ``denied``, ``read-only``; as a writer does.
         """
         prefix = f"{place.name}." if place.name else ""
-        wanted: dict[str, tuple[PropertyNode, Content]] = {}
+        wanted: dict[str, _Change] = {}
         for pair in _group(read(payload)):
             name, value = _pair(pair)
             node = self._registry.find(prefix + name).node
@@ -165,22 +168,22 @@ class Bulk:
                 raise PropertyError("bad-value", f"an action cannot be taken back: {node.name}")
             self._permit(caller, "SET", node.name)
             self._values.check_writable(node, node.name)
+            # Read before it is checked: a first value may tell of which type all others are.
+            old = self._values.value_of(node) if "r" in node.spec.access else None
             try:
-                wanted[node.name] = (node, node.spec.admit(check(node.spec.type, value)))
+                wanted[node.name] = (node, node.spec.admit(check(node.spec.type, value)), old)
             except PropertyError as error:
                 raise PropertyError(error.code, f"{node.name}: {error}") from None
         self._apply_all(wanted)
 
-    def _apply_all(self, wanted: dict[str, tuple[PropertyNode, Content]]) -> None:
-        values = self._values
+    def _apply_all(self, wanted: dict[str, _Change]) -> None:
         before: list[tuple[PropertyNode, Content]] = []
-        for node, value in wanted.values():
-            old = values.value_of(node) if "r" in node.spec.access else None
+        for node, value, old in wanted.values():
             try:
-                values.apply(node, value)
+                self._values.apply(node, value)
             except PropertyError as error:
                 for earlier, known in reversed(before):
-                    values.apply(earlier, known)
+                    self._values.apply(earlier, known)
                 raise PropertyError(error.code, f"{node.name}: {error}") from error
             if old is not None:
                 before.append((node, old))

@@ -55,6 +55,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from fnmatch import fnmatchcase
 from functools import partial
+from typing import Any
 
 from rtkit.property import functional_requests
 from rtkit.property.codes import PropertyError
@@ -256,17 +257,21 @@ class Service:
 
     def _answer(self, ask: PropertyRequest) -> None:
         try:
-            try:
-                answer = self._perform(ask)
-            except Unfolded:
-                self.values.names_now()
-                answer = self._perform(ask)
+            answer = self._done(self._perform, ask)
         except PropertyError as error:
             answer = Answer(str(error), error.code)
         except Exception as error:
             answer = failed(error)
         if answer is not None:
             ask.answer(answer)
+
+    def _done(self, work: Callable[..., Answer | None], *asked: Any) -> Answer | None:
+        """Do what was asked, once more if a member turned out to hold something else than known."""
+        try:
+            return work(*asked)
+        except Unfolded:
+            self.values.names_now()
+            return work(*asked)
 
     def _perform(self, ask: PropertyRequest) -> Answer | None:
         node = self._nodes.get(ask.target)
@@ -295,7 +300,8 @@ class Service:
         if answer is None:
             return None
         try:
-            outcome = self._set(target, ask._replace(answer=answer))
+            # In here, so that a repetition that came meanwhile waits for the answer that counts.
+            outcome = self._done(self._set, target, ask._replace(answer=answer))
         except Exception as error:
             outcome = failed(error)
         if outcome is not None:

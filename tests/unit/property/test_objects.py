@@ -377,6 +377,26 @@ def test_the_type_of_a_getter_is_known_from_its_first_value() -> None:
     assert service.get("next.meta.type") == "number"
 
 
+def test_a_first_set_with_an_id_sets() -> None:
+    holding = Holding()
+    service = served(holding)
+    for _ in range(2):
+        assert service.set("next?id=1&echo", "3") == "1.5"
+    assert holding.calls.count("set 3") == 1
+
+
+def test_all_or_none_holds_where_a_type_is_learnt_meanwhile() -> None:
+    class Pair(Holding):
+        level: int = 1
+
+    holding = Pair()
+    service = served(holding)
+    assert refused(service, "properties", "((level 2) (next red))") == "bad-value"
+    assert holding.level == 1
+    service.set("properties", "((level 2) (next 3))")
+    assert (holding.level, holding.calls[-2]) == (2, "set 3")
+
+
 class Strict:
     """What annotations say of the inside of values."""
 
