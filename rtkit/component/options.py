@@ -18,6 +18,8 @@ from rtkit.rtc.connector_properties import (
     DATAFLOW_TYPE,
     DEFAULT_INTERFACE,
     INTERFACE_TYPE,
+    PUSH_INTERVAL,
+    PUSH_RATES,
     SUBSCRIPTION_TYPE,
     SUBSCRIPTIONS,
     USUAL_DATAFLOW,
@@ -89,7 +91,7 @@ class ConnectorOptions:
         interface: ``zenoh``, ``direct`` or another; old names of the default are ``zenoh``.
         dataflow: ``push``, ``pull`` or another.
         subscription: ``flush``, ``new`` or ``periodic``; unknown ones count as ``new``.
-        push_rate: Of subscription ``periodic`` [Hz].
+        push_rate: Of subscription ``periodic`` [Hz]; may be stated as an interval [s].
         is_big_endian: The order of bytes between processes, and for ports that read bytes.
         outport: The buffer on the side of the out port.
         inport: The buffer on the side of the in port.
@@ -129,9 +131,8 @@ _KEYS = (
     SUBSCRIPTION_TYPE,
     "dataport.publisher.push_policy",
     "dataport.publisher.skip_count",
-    "dataport.publisher.push_rate",
-    "dataport.push_rate",
-    "dataport.push_interval",
+    *PUSH_RATES,
+    PUSH_INTERVAL,
     *(f"dataport.{side}buffer.{tail}" for side in ("", "outport.", "inport.") for tail in _BUFFER),
     _ENDIAN,
     "dataport.fan_in",
@@ -210,13 +211,17 @@ def _word(properties: Mapping[str, str], key: str, default: str) -> str:
 
 
 def _push_rate(properties: Mapping[str, str]) -> float:
-    for key in ("dataport.publisher.push_rate", "dataport.push_rate"):
+    """Return the rate [Hz]: as it is stated, else that of the interval, else the usual one."""
+    rates = []
+    for key in (*PUSH_RATES, PUSH_INTERVAL):
         if properties.get(key, "").strip():
-            rate = _number(properties, key, DEFAULT_PUSH_RATE)
-            if rate <= 0:
-                raise _bad(properties, key, "a positive number of Hz")
-            return rate
-    return DEFAULT_PUSH_RATE
+            number = _number(properties, key, 0.0)
+            unit = "s" if key == PUSH_INTERVAL else "Hz"
+            rate = 1.0 / number if key == PUSH_INTERVAL and number else number
+            if not 0 < rate < math.inf:
+                raise _bad(properties, key, f"a positive number of {unit}")
+            rates.append(rate)
+    return rates[0] if rates else DEFAULT_PUSH_RATE
 
 
 def _buffer(properties: Mapping[str, str], side: str, least: int) -> BufferOptions:

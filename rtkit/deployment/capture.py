@@ -10,13 +10,16 @@ from rtkit.deployment.facts import ComponentFacts, Snapshot
 from rtkit.fast_dataclass import dataclass
 from rtkit.profile import rts_model as rts
 from rtkit.profile.common import ExtensionProperty
-from rtkit.rtc.connector_properties import DEFAULT_INTERFACE, USUAL_NAMES
+from rtkit.rtc.connector_properties import (
+    DEFAULT_INTERFACE,
+    PUSH_INTERVAL,
+    USUAL_NAMES,
+    finite,
+)
 from rtkit.rtc.create import CreateString, parse_create
 from rtkit.rtc.enums import PortType
 from rtkit.rtc.names import COMPONENT_SUFFIX, LOCAL, MANAGER_SUFFIX
 from rtkit.rtc.profiles import DEFINITION, ConnectorProfile, PortProfile, PortRef
-
-_PUSH_INTERVAL = "dataport.push_interval"
 
 
 @dataclass(frozen=True, slots=True)
@@ -232,7 +235,9 @@ def _data_connector(
     wire: ConnectorProfile, components: Mapping[str, ComponentFacts]
 ) -> rts.DataPortConnector:
     properties = lasting(wire.properties)
-    interval = properties.pop(_PUSH_INTERVAL, "")
+    interval = finite(properties.get(PUSH_INTERVAL, ""))
+    if interval:
+        del properties[PUSH_INTERVAL]  # what is no interval stays the property that it is
     data_type, interface, flow, subscription = (properties.get(k, "") for k in DATA_ATTRIBUTES)
     source, target = (_target(end, components) for end in wire.ports)
     return rts.DataPortConnector(
@@ -242,7 +247,7 @@ def _data_connector(
         interface_type=USUAL_NAMES.get(interface, interface) or USUAL_NAMES[DEFAULT_INTERFACE],
         dataflow_type=flow or "push",
         subscription_type=subscription or None,
-        push_interval=float(interval) if interval else None,
+        push_interval=interval or None,
         source=source,
         target=target,
         visible=True,

@@ -43,6 +43,7 @@ from rtkit.profile.rts_model import (
     TargetPort,
 )
 from rtkit.profile.words import strip_instance
+from rtkit.rtc.connector_properties import PUSH_INTERVAL
 from rtkit.rtc.create import CreateString, parse_create
 from rtkit.rtc.enums import Polarity, PortType
 from rtkit.rtc.pattern import ComponentPattern
@@ -390,7 +391,8 @@ def _ref(end: TargetPort) -> PortRef:
 def _data(wire: DataPortConnector) -> tuple[ConnectorProfile, bool]:
     told = (wire.data_type, wire.interface_type, wire.dataflow_type, wire.subscription_type)
     stated = dict(zip(DATA_ATTRIBUTES, told, strict=True))
-    stated["dataport.push_interval"] = f"{wire.push_interval:g}" if wire.push_interval else ""
+    if wire.push_interval:
+        stated[PUSH_INTERVAL] = repr(wire.push_interval).removesuffix(".0")
     merged = {key: value for key, value in stated.items() if value}
     merged.update(lasting(properties_of(wire.properties)))
     ends = (_ref(wire.source), _ref(wire.target))

@@ -1,7 +1,8 @@
-"""Properties of connectors that have defaults and aliases, and which of them mean the same."""
+"""Properties of connectors: their defaults and aliases, and which values mean the same."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 
 INTERFACE_TYPE = "dataport.interface_type"
@@ -19,11 +20,29 @@ PORT_TYPE = "port.port_type"
 
 SUBSCRIPTIONS = ("flush", "new", "periodic")
 
+PUSH_RATES = ("dataport.publisher.push_rate", "dataport.push_rate")
+"""Of these [Hz] the first that is stated counts, else `PUSH_INTERVAL` [s]."""
+PUSH_INTERVAL = "dataport.push_interval"
+_NUMBERS = frozenset(
+    (
+        *PUSH_RATES,
+        PUSH_INTERVAL,
+        "dataport.publisher.skip_count",
+        *(
+            f"dataport.{side}buffer.{tail}"
+            for side in ("", "outport.", "inport.")
+            for tail in ("length", "write.timeout", "read.timeout")
+        ),
+    )
+)
+
 _ALIASES = {
     INTERFACE_TYPE: {"corba_cdr": "zenoh", "data_service": "zenoh", "shared_memory": "shm"},
     # Writers of OpenRTM 2: one that waits until the value is delivered, and one that does not.
     SUBSCRIPTION_TYPE: {"block": "flush", "nonblock": "new"},
 }
+# Of subscriptions what is usual differs from port to port.
+_USUAL = {INTERFACE_TYPE: DEFAULT_INTERFACE, DATAFLOW_TYPE: USUAL_DATAFLOW, SUBSCRIPTION_TYPE: ""}
 
 
 def interface_name(text: str) -> str:
@@ -37,24 +56,33 @@ def canonical(key: str, text: str) -> str:
     return _ALIASES.get(key, {}).get(word, word)
 
 
+def finite(text: str) -> float | None:
+    """Return a number, None of what is none, or is not finite."""
+    try:
+        value = float(text)
+    except ValueError:
+        return None
+    return value if math.isfinite(value) else None
+
+
 def differing(wanted: Mapping[str, str], present: Mapping[str, str]) -> list[str]:
     """Return the keys of `wanted` whose value means another one in `present`.
 
-    Interface and subscription types go by any of their names; what is left out is what is usual.
+    Numbers compare as numbers. Interface, data flow and subscription types go by any of their
+    names; what is left out is what is usual.
     """
     return sorted(
         key
         for key, value in wanted.items()
-        if present.get(key) != value and not _is_alias(key, value, present.get(key, ""))
+        if present.get(key) != value and not _means_same(key, value, present.get(key, ""))
     )
 
 
-def _is_alias(key: str, one: str, other: str) -> bool:
-    if key == INTERFACE_TYPE:
-        one, other = one or DEFAULT_INTERFACE, other or DEFAULT_INTERFACE
-        return interface_name(one) == interface_name(other)
+def _means_same(key: str, one: str, other: str) -> bool:
     if key == PORT_TYPE:
         return not other
-    if key == SUBSCRIPTION_TYPE:
-        return canonical(key, one) == canonical(key, other)
-    return key == DATAFLOW_TYPE and (one or USUAL_DATAFLOW) == (other or USUAL_DATAFLOW)
+    if key in _NUMBERS:
+        number = finite(one)
+        return number is not None and number == finite(other)
+    usual = _USUAL.get(key)
+    return usual is not None and canonical(key, one or usual) == canonical(key, other or usual)

@@ -8,10 +8,11 @@ from itertools import product
 from rtkit.component.check import ANY_DATA_TYPE
 from rtkit.component.options import parse_options, remarks
 from rtkit.errors import Malformed
+from rtkit.profile.common import ExtensionProperty
 from rtkit.profile.rts_model import DataPortConnector
 from rtkit.profile.words import property_value
 from rtkit.report.finding import ERROR, NOTE, WARNING
-from rtkit.rtc.connector_properties import DIRECT, SUBSCRIPTIONS, interface_name
+from rtkit.rtc.connector_properties import DIRECT, PUSH_INTERVAL, SUBSCRIPTIONS, interface_name
 from rtkit.rtc.data_types import scoped_name
 from rtkit.rtc.enums import PortType
 from rtkit.rtc.port_types import are_reversed, types_fit
@@ -45,7 +46,10 @@ def connector_findings(view: View) -> Iterator[StaticFinding]:
 
 def _properties(connector: DataPortConnector, place: ProfileLocation) -> Iterator[StaticFinding]:
     """Yield properties that are not known, and values that are refused when it is made."""
-    for each in connector.properties:
+    stated_all = list(connector.properties)
+    if connector.push_interval and property_value(stated_all, PUSH_INTERVAL) is None:
+        stated_all.append(ExtensionProperty(PUSH_INTERVAL, f"{connector.push_interval:g}"))
+    for each in stated_all:
         stated = {each.name: each.value or ""}
         odd = [text for text in remarks(stated) if text.startswith("unknown connector property")]
         severity = WARNING
@@ -55,7 +59,7 @@ def _properties(connector: DataPortConnector, place: ProfileLocation) -> Iterato
             odd, severity = [str(error)], ERROR
         found = property_place(place, connector.properties, each.name)
         for text in odd:
-            where = place if found is None else found[0]
+            where = place.at("push_interval") if found is None else found[0]
             told = f"connector {connector.connector_id}: {text}"
             yield StaticFinding(severity, "connector-property", told, where, each.value or "", "")
 

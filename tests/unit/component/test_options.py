@@ -107,6 +107,19 @@ def test_push_rate(key):
     assert parse_options({key: "12.5"}).push_rate == 12.5
 
 
+@pytest.mark.parametrize(
+    ("told", "rate"),
+    [
+        ({"dataport.push_interval": "0.5"}, 2.0),
+        ({"dataport.push_interval": " "}, 1000.0),
+        ({"dataport.push_interval": "0.5", "dataport.push_rate": "30"}, 30.0),
+        ({"dataport.push_rate": "30", "dataport.publisher.push_rate": "40"}, 40.0),
+    ],
+)
+def test_a_push_interval_counts_where_no_rate_is_stated(told, rate):
+    assert parse_options(told).push_rate == rate
+
+
 def test_what_is_unknown_passes():
     options = parse_options(
         {
@@ -136,6 +149,10 @@ def test_what_is_unknown_passes():
         ("dataport.publisher.push_policy", "some"),
         ("dataport.publisher.push_rate", "0"),
         ("dataport.push_rate", "fast"),
+        ("dataport.push_interval", "fast"),
+        ("dataport.push_interval", "0"),
+        ("dataport.push_interval", "-1"),
+        ("dataport.push_interval", "nan"),
         ("dataport.publisher.skip_count", "-1"),
         ("dataport.publisher.skip_count", "1.5"),
     ],
@@ -157,6 +174,28 @@ def test_what_differs_but_by_name():
     assert differing(usual, {}) == []
     assert differing({"dataport.dataflow_type": "pull"}, {}) == ["dataport.dataflow_type"]
     assert differing({}, kept) == []
+
+
+@pytest.mark.parametrize(
+    ("key", "one", "other"),
+    [
+        ("dataport.push_interval", "0.5", "0.50"),
+        ("dataport.publisher.push_rate", "10", "1e1"),
+        ("dataport.push_rate", "10", "10.0"),
+        ("dataport.outport.buffer.length", "8", "+8"),
+        ("dataport.buffer.read.timeout", "1", "1.0"),
+        ("dataport.dataflow_type", "Push", ""),
+    ],
+)
+def test_numbers_compare_as_numbers_and_words_as_words(key, one, other):
+    assert differing({key: one}, {key: other}) == differing({key: other}, {key: one}) == []
+
+
+def test_other_numbers_and_what_is_none_differ():
+    key = "dataport.push_interval"
+    for one, other in (("0.5", "0.51"), ("fast", "slow"), ("nan", "NaN"), ("0", ""), ("1", "x")):
+        assert differing({key: one}, {key: other}) == [key]
+    assert differing({"my.version": "1.10"}, {"my.version": "1.1"}) == ["my.version"]
 
 
 def test_a_service_connector_need_not_state_its_port_type():

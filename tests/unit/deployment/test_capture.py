@@ -6,6 +6,7 @@ from rtkit.deployment.creation import creation_plan
 from rtkit.deployment.live import LiveIndex
 from rtkit.deployment.plan import merged
 from rtkit.deployment.wiring import wiring_plan
+from rtkit.fast_dataclass import replace
 from rtkit.profile.words import property_value
 from rtkit.rtc.connector_properties import INTERFACE_TYPE
 from rtkit.rtc.enums import PortType
@@ -105,6 +106,17 @@ def test_the_module_of_a_type_is_saved(world, make):
     world.perform(act.Create("Late"))
     (component,) = save(world, takes_all=True).components
     assert property_value(component.properties, "rtkit.module") == "/m/sink.py:init"
+
+
+@pytest.mark.parametrize("told", ["fast", "nan", "0"])
+def test_what_is_no_interval_is_saved_as_the_property_that_it_is(make, world, told):
+    bring_up(make, world, make.pair())
+    ends = (PortRef("Source0", "out"), PortRef("Sink0", "in"))
+    odd = ConnectorProfile("v", "v", ends, {"dataport.push_interval": told})
+    made = capture(replace(world.snapshot(), connectors=(odd,)), SystemHeading(DAY))
+    (wire,) = made.data_port_connectors
+    assert wire.push_interval is None
+    assert property_value(wire.properties, "dataport.push_interval") == told
 
 
 def test_references_to_objects_are_not_saved(make, world):

@@ -8,6 +8,7 @@ import pytest
 from lxml import etree
 
 from rtkit.deployment.limits import Capacity
+from rtkit.fast_dataclass import replace
 from rtkit.profile.common import ExtensionProperty
 from rtkit.profile.rts_model import ComponentInstance, DataPortConnector, RtsProfile, TargetPort
 from rtkit.profile.xmlnames import NAMESPACES
@@ -704,6 +705,22 @@ def test_a_document_that_is_no_system_is_told_of(check: Any, profile_of: Any) ->
     assert not checked.is_valid
     assert [f.rule for f in checked.findings] == ["wrong-root"]
     assert checked.what == ""
+
+
+def test_an_interval_that_makes_no_sense_is_an_error() -> None:
+    ends = [TargetPort("RTC:M:c:A:1", "A0", each) for each in ("out", "in")]
+    wire = DataPortConnector("w", "w", "TimedLong", "corba_cdr", "push", *ends, push_interval=-1.0)
+    stated = (ExtensionProperty("dataport.push_interval", "0.5"),)
+    catalogue, _ = stocked([], [])
+    for each, told in (
+        (wire, ["connector w: dataport.push_interval=-1: not a positive number of s"]),
+        (replace(wire, push_interval=0.5), []),
+        (replace(wire, properties=stated), []),
+    ):
+        profile = RtsProfile("R:m:s:1", "0.2", "", "", data_port_connectors=(each,))
+        found = [f for f in findings(profile, catalogue) if f.rule == "connector-property"]
+        assert [f.text for f in found] == told
+        assert all(f.severity == ERROR for f in found)
 
 
 PLACES = [
