@@ -70,11 +70,15 @@ def _lane_of_listening(values: LiveValues, whose: list[str], tail: str) -> str |
 
 def wait_of(ask: PropertyRequest, now: float) -> float:
     """Return the time-out of the requester of a request [s], 0 if that is not known."""
-    _, is_told, tail = ask.target.partition("timeout=")
-    number = lone_number(tail.partition("&")[0]) if is_told else None
-    told = math.inf if number is None or number != number else float(number)
-    wait = min(told, ask.until - now)
+    wait = min(timeout_in(ask.target), ask.until - now)
     return 0.0 if wait == math.inf else max(wait, 1e-3)
+
+
+def timeout_in(target: str) -> float:
+    """Return the time-out that is stated in a target [s], infinity if there is none."""
+    _, is_told, tail = target.partition("timeout=")
+    number = lone_number(tail.partition("&")[0]) if is_told else None
+    return math.inf if number is None or number != number else float(number)
 
 
 def first_only(answer: Callable[[Answer], object]) -> Callable[[Answer], None]:

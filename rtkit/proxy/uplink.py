@@ -14,6 +14,7 @@ from time import monotonic
 from rtkit.errors import RtkitError
 from rtkit.property.codes import PropertyError
 from rtkit.property.exchange import NOT_BEGUN
+from rtkit.property.lanes import first_only
 from rtkit.property.messages import Answer, Payload
 from rtkit.serving.event_loop import PropertyEventLoop
 from rtkit.wires.provider_connection import Answering, ConnectionMaker, ProviderConnection
@@ -26,6 +27,8 @@ _MOST_WAITING = 1 << 16
 
 Placed = Callable[[ProviderConnection | PropertyError], None]
 Judging = Callable[[ProviderConnection, Callable[[str], None]], None]
+_GRACE_S = 0.1
+"""How much later than the owner a proxy gives up: the owner knows better why [s]."""
 
 
 class Uplink:
@@ -72,7 +75,10 @@ class Uplink:
     def ask(
         self, target: str, payload: Payload | None, id: str, answer: Answering, until: float = inf
     ) -> None:
-        """GET, or SET, and pass on the outcome."""
+        """GET, or SET, and pass on the outcome: at `until` [s, monotonic] at the latest.
+
+        That holds on every wire, whatever its own bounds; a little more is for the owner's answer.
+        """
         if not self._is_up:
             answer(Answer(self.why, "no-service"))
             return
@@ -88,7 +94,20 @@ class Uplink:
             self._waiting -= 1
             answer(reply)
 
-        self._connections[0].ask(target, payload, id, answered, until)
+        left_s = until - monotonic() + _GRACE_S
+        waiting = answered if until == inf else self._bounded(answered, left_s)
+        self._connections[0].ask(target, payload, id, waiting, until)
+
+    def _bounded(self, answer: Answering, wait_s: float) -> Answering:
+        """Return what passes on a reply that comes in time; else the requester is told by then."""
+        first = first_only(answer)
+        in_time = self._host.user_code.refuse_after(wait_s, first)
+
+        def answered(reply: Answer) -> None:
+            in_time()
+            first(reply)
+
+        return answered
 
     def place(self, name: str, placed: Placed) -> None:
         """Give a connection on which a property can be listened to, now or later."""

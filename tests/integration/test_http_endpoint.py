@@ -9,6 +9,7 @@ import re
 import shutil
 import socket
 import subprocess
+import threading
 import time
 from collections.abc import Callable, Iterator
 
@@ -20,7 +21,7 @@ from rtkit.errors import Unreachable
 from rtkit.link import places, secret
 from rtkit.property.service import Service
 from rtkit.wires.http import connection, digest
-from rtkit.wires.http.client import connect_http
+from rtkit.wires.http.client import HttpClient, connect_http
 from rtkit.wires.line.client import connect_unix
 from rtkit.wires.serve import ServedObject, serve
 
@@ -494,3 +495,35 @@ def test_the_secret_and_the_door_fit(place: str) -> None:
     with pytest.raises(Unreachable, match="no secret"):
         connect_http("http://localhost:1", 1.0)
     assert places.state_dir().startswith(place)
+
+
+@pytest.mark.parametrize("trickle", [b"", b"HTTP/1.1 200 OK\r\n"])
+@pytest.mark.parametrize(
+    ("target", "payload", "until_s"),
+    [("x", None, 0.3), ("x?timeout=0.3", None, 60.0), ("x?timeout=0.3", "1", 60.0)],
+)
+def test_a_silent_server_is_given_up_in_time(
+    trickle: bytes, target: str, payload: str | None, until_s: float
+) -> None:
+    """All of a request ends in time, also where something comes again and again."""
+    ended = threading.Event()
+
+    def talk(end: socket.socket) -> None:
+        with end, contextlib.suppress(OSError):
+            end.sendall(trickle)
+            while trickle and not ended.wait(0.05):
+                end.sendall(b"x-more: 1\r\n")
+            ended.wait(BOUND_S)
+
+    with socket.create_server(("127.0.0.1", 0)) as listener:
+        serving = threading.Thread(target=lambda: talk(listener.accept()[0]))
+        serving.start()
+        port = listener.getsockname()[1]
+        with HttpClient("127.0.0.1", port, secret.Secret("me", "it"), BOUND_S) as client:
+            begin = time.monotonic()
+            with pytest.raises(Unreachable, match=r"no answer within 0\.3 s"):
+                client.ask(target, payload, begin + until_s)
+            assert time.monotonic() - begin < 1.5
+            assert client.ask(target, payload, begin).error == "timeout"
+        ended.set()
+        serving.join()

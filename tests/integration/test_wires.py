@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import re
+import threading
 import tomllib
 from collections.abc import Iterator
 from contextlib import ExitStack
 from pathlib import Path
+from time import monotonic
 
 import pytest
 from conformance import ROWS, Door, check_answers, check_events, check_once, subject
@@ -87,6 +89,30 @@ def test_a_request_that_is_repeated_with_its_id_acts_once(
     through_proxies: Door, place: str
 ) -> None:
     check_once(f"{place}/far.sock")
+
+
+def test_a_silent_owner_is_given_up_in_time(
+    through_proxies: Door, served: ServedObject, service: Service
+) -> None:
+    """What a requester states bounds its request on each wire, whatever the bounds of the wire."""
+    stands, goes_on = threading.Event(), threading.Event()
+
+    def stand() -> None:
+        stands.set()
+        goes_on.wait()
+
+    stops = threading.Thread(target=served.owned, args=(stand,))
+    assert not through_proxies.ask("count").error
+    stops.start()
+    assert stands.wait(BOUND_S)
+    try:
+        for target, payload in (("count?timeout=0.5", None), ("count?timeout=0.5", "8")):
+            begin = monotonic()
+            assert through_proxies.ask(target, payload).error == "timeout"
+            assert monotonic() - begin < 3.0
+    finally:
+        goes_on.set()
+        stops.join()
 
 
 def test_requests_of_a_client(of_client: Door) -> None:

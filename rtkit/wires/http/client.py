@@ -13,6 +13,7 @@ from collections import deque
 from collections.abc import Iterator
 from http import HTTPStatus
 from time import monotonic
+from typing import Any
 from urllib.parse import quote
 
 from rtkit.closing import Closing
@@ -20,6 +21,8 @@ from rtkit.errors import Malformed, Unreachable
 from rtkit.link.deadline import deadline_at
 from rtkit.link.secret import Secret
 from rtkit.property.codes import PropertyError
+from rtkit.property.exchange import NOT_BEGUN
+from rtkit.property.lanes import timeout_in
 from rtkit.property.line import read_event
 from rtkit.property.messages import Answer, Payload, PropertyEvent
 from rtkit.property.naming import parse_target
@@ -37,6 +40,50 @@ _LONGEST_HEAD = 1 << 16
 _PIECE = 1 << 16
 
 
+class _BoundedSocket(socket.socket):
+    """Socket whose reads end at one moment, all together; another one bounds each by itself."""
+
+    until = math.inf
+
+    def recv_into(self, *args: Any) -> int:
+        """Receive what is there, or comes in time."""
+        left_s = self.until - monotonic()
+        if left_s <= 0:
+            raise TimeoutError
+        self.settimeout(left_s)
+        return super().recv_into(*args)
+
+
+class _BoundedConnection(http.client.HTTPConnection):
+    """Connection on which everything until the next bound ends at one moment."""
+
+    sock: _BoundedSocket | None
+    bound_s = math.inf
+    _until = math.inf
+
+    def bound(self, until: float) -> None:
+        """Have all that is done from now on end at a moment, by the monotonic clock [s]."""
+        self.bound_s, self._until = until - monotonic(), until
+
+    def connect(self) -> None:
+        """Connect in the time that is left."""
+        left_s = self._until - monotonic()
+        if left_s <= 0:
+            raise TimeoutError
+        end = socket.create_connection((self.host, self.port), left_s)
+        end.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+        self.sock = _BoundedSocket(end.family, end.type, end.proto, end.detach())
+
+    def send(self, data: Any) -> None:
+        """Send, and connect before if there is no connection."""
+        if self.sock is None:
+            self.connect()
+        assert self.sock is not None
+        self.sock.until = self._until
+        self.sock.settimeout(max(1e-3, self._until - monotonic()))
+        super().send(data)
+
+
 class HttpClient(Closing):
     """Client of the services behind an HTTP endpoint.
 
@@ -52,7 +99,7 @@ class HttpClient(Closing):
         self._service = service
         self._timeout_s = timeout_s
         self._where = (host, port)
-        self._http = http.client.HTTPConnection(host, port, timeout=timeout_s)
+        self._http = _BoundedConnection(host, port)
         self._nonce = ""
         self._times = 0
         self._own = os.urandom(8).hex()
@@ -60,14 +107,19 @@ class HttpClient(Closing):
         self._events: deque[PropertyEvent] = deque()
 
     def ask(self, target: str, payload: Payload | None = None, until: float = math.inf) -> Answer:
-        """GET, or SET, and wait for the reply.
+        """GET, or SET, and wait for the reply: to `until`, by the monotonic clock here [s].
 
-        A SET that has not begun at `until`, by the monotonic clock here [s], or within the
-        time-out, never does.
+        The time-out, and ``timeout=`` in the target, may end it sooner. They bound all of it, the
+        login, too. A SET that has not begun by then never does.
 
         Raises:
             Unreachable: No reply in time, or nobody listens there.
         """
+        begin = monotonic()
+        until = min(until, begin + min(self._timeout_s, timeout_in(target)))
+        if until <= begin:
+            return Answer(NOT_BEGUN, "timeout")
+        self._http.bound(until)
         try:
             uri = _ROOT if target == SERVICES and not self._service else self._uri(target)
         except PropertyError as error:
@@ -78,7 +130,7 @@ class HttpClient(Closing):
             method, body = "PUT", payload if isinstance(payload, bytes) else _encoded(payload)
             kind = "application/octet-stream" if is_bytes else "text/plain; charset=utf-8"
             headers["Content-Type"] = kind
-            headers[DEADLINE] = deadline_at(min(until, monotonic() + self._timeout_s))
+            headers[DEADLINE] = deadline_at(until)
             if not self._nonce:
                 self._exchange("GET", _ROOT, None, {})  # only to be told what to prove
         for _ in range(3):
@@ -101,7 +153,7 @@ class HttpClient(Closing):
             received = response.read()
         except TimeoutError:
             self._http.close()
-            raise Unreachable(f"no answer within {self._timeout_s:g} s") from None
+            raise Unreachable(f"no answer within {self._http.bound_s:.3g} s") from None
         except (OSError, http.client.HTTPException) as error:
             self._http.close()
             raise Unreachable(self._gone(error)) from error
@@ -166,6 +218,7 @@ class HttpClient(Closing):
                     self._streams.append(stream)
                     return
             else:
+                self._http.bound(monotonic() + self._timeout_s)
                 self._exchange("GET", _ROOT, None, {})
         raise PropertyError("denied", "the endpoint does not take the secret of this user")
 
