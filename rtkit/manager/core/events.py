@@ -220,10 +220,13 @@ class SlaveOverLimit:
 class CallbackStuck:
     """A callback of a component exceeds its deadline; or, with no text, it goes on again.
 
-    `instance` may also be one that is being made, or a module that is being imported.
+    `instance` may also be one that is being made, or a module that is being imported. Each is
+    reported twice: at once, as users are to see it however long its process takes to tell more, and
+    again with the line where it stands, so that the reason of a restart names it.
 
     Attributes:
-        is_all: No more is to come: its line is known, or cannot be had.
+        is_all: No more is to come: its line is known, or cannot be had. Health is judged then, as
+            to end the process is to lose the line; after the first report it waits, not for long.
     """
 
     key: int

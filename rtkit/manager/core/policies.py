@@ -31,6 +31,8 @@ def policy_of(state: ManagerState, create: str) -> RestartPolicy:
     default = restart_of(DEFAULT, state.settings.text(DEFAULT))
     of_slave = f"{DEFAULT}.{made.place or state.name}"
     default = restart_of(of_slave, state.settings.text(of_slave), default)
+    # A rule that says restart is the component's own word, which counts more than that of its slave
+    # or manager; without it the rule could do nothing. Its own ``rtkit.restart`` counts most.
     if any(rule.reaction is Reaction.RESTART for rule in rules) and default is RestartRule.NEVER:
         default = RestartRule.ON_FAILURE
     return read_policy(made.options, default)

@@ -1,4 +1,8 @@
-"""Writes desired state to the store on a thread of its own: a slow disk delays nobody else."""
+"""Writes desired state to the store on a thread of its own: a slow disk delays nobody else.
+
+It never tries again: what was not stored it reports, and `rtkit.manager.core.durable_replies` keeps
+the rows, retries, and holds back the replies that wait for them.
+"""
 
 from __future__ import annotations
 

@@ -7,9 +7,10 @@ from endings import come_back, do, in_error, make, pass_time
 from fake_shell import FakeShell, facts, wire
 
 from rtkit.deployment import actions as act
-from rtkit.deployment.supervision import HEALTHY_S
+from rtkit.deployment.supervision import HEALTHY_S, RestartRule
 from rtkit.errors import Refused
 from rtkit.manager.core import events as ev
+from rtkit.manager.core.policies import policy_of
 from rtkit.manager.core.stopping import HANGING_S
 from rtkit.rtc.enums import LifeCycleState, Transition
 
@@ -376,6 +377,18 @@ def test_what_slave_and_manager_say_holds_for_who_says_nothing() -> None:
         shell.end(key)
     come_back(shell)
     assert [bool(each.zombie) for each in shell.state.components.values()] == [True, True, False]
+
+
+def test_a_rule_that_says_restart_counts_as_a_word_of_the_component() -> None:
+    state = FakeShell().state
+    state.settings.change("manager.restart.s", "never")
+    for own, meant in (
+        ("", RestartRule.NEVER),
+        ("&rtkit.health.stuck=0.2:log", RestartRule.NEVER),
+        ("&rtkit.health.stuck=0.2:restart", RestartRule.ON_FAILURE),
+        ("&rtkit.health.stuck=0.2:restart&rtkit.restart=never", RestartRule.NEVER),
+    ):
+        assert policy_of(state, f"Thing?manager_name=s{own}").restart is meant
 
 
 def tell_figures(shell: FakeShell, written: int) -> None:
