@@ -8,6 +8,8 @@ from typing import Protocol
 
 from rtkit.property.messages import Answer, Payload, PropertyEvent
 
+_GRACE_S = 0.1
+
 
 class PropertyClient(Protocol):
     """A connection to the owner of properties."""
@@ -35,6 +37,18 @@ class BoundedClient(PropertyClient, Protocol):
     def ask(self, target: str, payload: Payload | None = None, until: float = math.inf) -> Answer:
         """GET, or SET that has begun at `until`, by the monotonic clock [s], or never does."""
         ...
+
+
+def bound_in(target: str, timeout_s: float) -> float:
+    """Return how long a request is waited for [s]: as its target states, and not above a bound.
+
+    A little more than is stated, as the service answers at that moment, and knows better why.
+    """
+    if "timeout=" not in target:
+        return timeout_s
+    from rtkit.property.lanes import timeout_in
+
+    return min(timeout_s, max(0.0, timeout_in(target)) + _GRACE_S)
 
 
 class Inbox:

@@ -15,9 +15,10 @@ from conformance import ROWS, Door, check_answers, check_events, check_once, sub
 from mosquittokit import PASSWORD
 from property_endpoints import BOUND_S, Lines, WirePlaces, client_at, params
 
-from rtkit.errors import RtkitError
+from rtkit.errors import RtkitError, Unreachable
 from rtkit.property.service import Service
 from rtkit.proxy.bridge import bridge
+from rtkit.wires.blocking_connection import failure
 from rtkit.wires.line.client import connect_unix
 from rtkit.wires.serve import ServedObject, serve
 from rtkit.wires.table import WIRES, wire_of
@@ -91,10 +92,16 @@ def test_a_request_that_is_repeated_with_its_id_acts_once(
     check_once(f"{place}/far.sock")
 
 
-def test_a_silent_owner_is_given_up_in_time(
-    through_proxies: Door, served: ServedObject, service: Service
-) -> None:
+def test_a_silent_owner_is_given_up_in_time(through_proxies: Door, served: ServedObject) -> None:
     """What a requester states bounds its request on each wire, whatever the bounds of the wire."""
+    check_silence(through_proxies, served)
+
+
+def test_a_client_gives_up_a_silent_service_in_time(of_client: Door, served: ServedObject) -> None:
+    check_silence(of_client, served)
+
+
+def check_silence(endpoint: Door, served: ServedObject) -> None:
     stands, goes_on = threading.Event(), threading.Event()
 
     def stand() -> None:
@@ -102,17 +109,23 @@ def test_a_silent_owner_is_given_up_in_time(
         goes_on.wait()
 
     stops = threading.Thread(target=served.owned, args=(stand,))
-    assert not through_proxies.ask("count").error
+    assert endpoint.ask("count").payload == "7"
     stops.start()
     assert stands.wait(BOUND_S)
     try:
-        for target, payload in (("count?timeout=0.5", None), ("count?timeout=0.5", "8")):
+        for target, payload in (("count?timeout=0.5", None), ("count?timeout=0.5", "7")):
             begin = monotonic()
-            assert through_proxies.ask(target, payload).error == "timeout"
+            try:
+                answer = endpoint.ask(target, payload)
+            except Unreachable as error:
+                answer = failure(error)
+            assert answer.error == "timeout"
             assert monotonic() - begin < 3.0
     finally:
         goes_on.set()
         stops.join()
+    for _ in range(2):
+        assert endpoint.ask("name").payload == '"rover"'  # not what was given up
 
 
 def test_requests_of_a_client(of_client: Door) -> None:

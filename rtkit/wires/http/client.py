@@ -22,11 +22,11 @@ from rtkit.link.deadline import deadline_at
 from rtkit.link.secret import Secret
 from rtkit.property.codes import PropertyError
 from rtkit.property.exchange import NOT_BEGUN
-from rtkit.property.lanes import timeout_in
 from rtkit.property.line import read_event
 from rtkit.property.messages import Answer, Payload, PropertyEvent
 from rtkit.property.naming import parse_target
 from rtkit.wires.http import digest
+from rtkit.wires.property_client import bound_in
 from rtkit.wires.wire import SERVICES
 
 DEADLINE = "rtkit-deadline"
@@ -116,7 +116,7 @@ class HttpClient(Closing):
             Unreachable: No reply in time, or nobody listens there.
         """
         begin = monotonic()
-        until = min(until, begin + min(self._timeout_s, timeout_in(target)))
+        until = min(until, begin + bound_in(target, self._timeout_s))
         if until <= begin:
             return Answer(NOT_BEGUN, "timeout")
         self._http.bound(until)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import threading
-from queue import SimpleQueue
+from queue import Empty, SimpleQueue
 from typing import Any
 
 from rtkit.closing import Closing
@@ -13,7 +13,7 @@ from rtkit.property.messages import Answer, Payload, PropertyEvent
 from rtkit.wires.ice import protocol
 from rtkit.wires.ice.address import IceAddress, read_address
 from rtkit.wires.ice.session import IceSession, Outcome
-from rtkit.wires.property_client import Inbox
+from rtkit.wires.property_client import Inbox, bound_in
 
 _MOST_EVENTS = 10_000
 """Events that nobody has taken, above which the endpoint is to send no more."""
@@ -37,6 +37,7 @@ class IceClient(Closing):
         self._arrived = threading.Condition()
         self._held: list[Any] = []
         self._why = ""
+        self._timeout_s = timeout_s
         self._session = IceSession(address, secret, timeout_s, request_s=timeout_s, went=self._went)
 
     def ask(self, target: str, payload: Payload | None = None) -> Answer:
@@ -46,8 +47,12 @@ class IceClient(Closing):
             Unreachable: No reply in time, or the connection has ended.
         """
         outcomes: SimpleQueue[Outcome] = SimpleQueue()
+        bound_s = bound_in(target, self._timeout_s)
         self._session.ask(target, payload, outcomes.put)
-        return _answer(outcomes.get())
+        try:
+            return _answer(outcomes.get(timeout=bound_s if bound_s < self._timeout_s else None))
+        except Empty:
+            raise Unreachable(f"no answer within {bound_s:g} s") from None
 
     def listen(self, target: str) -> None:
         """Begin to listen to ``P`` or ``P?queue=…``.

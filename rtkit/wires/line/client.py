@@ -13,7 +13,7 @@ from rtkit.errors import Unreachable
 from rtkit.link import unix
 from rtkit.property.line import Replies, write_request
 from rtkit.property.messages import DONE, Answer, Payload, PropertyEvent
-from rtkit.wires.property_client import Inbox
+from rtkit.wires.property_client import Inbox, bound_in
 
 if TYPE_CHECKING:
     pass
@@ -45,29 +45,34 @@ class LineClient(Closing):
         self._replies = Replies()
         self._inbox = Inbox()
         self._gets: dict[str, bytes] = {}
+        self._given_up = 0
 
     def ask(self, target: str, payload: Payload | None = None) -> Answer:
-        """GET, or SET, and wait for the reply.
+        """GET, or SET, and wait for the reply: as long as ``timeout=`` says, and a little more.
 
         Raises:
             Unreachable: No reply in time, or the connection has ended.
         """
+        bound_s = bound_in(target, self._timeout_s)
         if payload is None:
             request = self._gets.get(target) or self._get(target)
         else:
             request = write_request(target, payload)
         self._send(request)
-        if self._replies.is_idle:
+        if self._replies.is_idle and not self._given_up and bound_s == self._timeout_s:
             quick = self._quick()
             if quick is not None:
                 return quick
-        deadline = monotonic() + self._timeout_s
+        deadline = monotonic() + bound_s
         while True:
             received = self._receive(deadline)
             if received is None:
-                raise Unreachable(f"no answer within {self._timeout_s:g} s")
+                self._given_up += 1
+                raise Unreachable(f"no answer within {bound_s:g} s")
             if isinstance(received, PropertyEvent):
                 self._inbox.put(received)
+            elif self._given_up:
+                self._given_up -= 1  # replies come in the order of requests: an earlier one's
             else:
                 return received[1]
 
@@ -97,6 +102,7 @@ class LineClient(Closing):
                 self._inbox.put(received)
                 self._drain()
                 return self._inbox.take()
+            self._given_up -= 1  # nobody waits for this reply any more
 
     def _drain(self) -> None:
         """Take what has arrived: of a property of which the latest is wanted, older ones go."""
@@ -113,6 +119,8 @@ class LineClient(Closing):
         while (received := self._replies.next()) is not None:
             if isinstance(received, PropertyEvent):
                 self._inbox.put(received)
+            else:
+                self._given_up -= 1
 
     def listen(self, target: str) -> None:
         """Begin to listen to ``P`` or ``P?queue=…``.

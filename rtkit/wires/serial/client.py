@@ -27,7 +27,7 @@ from rtkit.property.codes import PASSING, PropertyError
 from rtkit.property.exchange import NOT_BEGUN
 from rtkit.property.line import Replies, write_request
 from rtkit.property.messages import Answer, Mark, Payload, PropertyEvent
-from rtkit.wires.property_client import Inbox
+from rtkit.wires.property_client import Inbox, bound_in
 from rtkit.wires.serial.address import (
     HELLO_TARGET,
     KNOWS_DEADLINES,
@@ -159,7 +159,8 @@ class SerialClient(Closing):
         if monotonic() > until:
             return Answer(NOT_BEGUN, "timeout")
         data = self._encoded(write_request(target, payload, id))
-        deadline = min(until, monotonic() + self._timeout_s + self._duration_s(data))
+        bound_s = bound_in(target, self._timeout_s)
+        deadline = min(until, monotonic() + bound_s + self._duration_s(data))
         if payload is not None and self._has_deadlines:
             data = self._encoded(write_request(with_deadline(target, deadline), payload, id))
         return self._exchange(data, id, deadline, may_repeat=bool(id) or payload is None)
