@@ -60,7 +60,11 @@ class Inbox:
         self._names_of_latest: set[str] = set()
 
     def expect(self, name: str, parameters: str) -> None:
-        """Note how a property is listened to: without a queue only its latest event is kept."""
+        """Note how a property is listened to: without a queue only its latest event is kept.
+
+        Events come under the name without its service.
+        """
+        name = name.rpartition("/")[2]
         is_latest = not any(each.startswith(("queue=", "mode=")) for each in parameters.split("&"))
         (self._names_of_latest.add if is_latest else self._names_of_latest.discard)(name)
 

@@ -132,6 +132,23 @@ def test_a_slow_listener_sees_the_latest_value(endpoint: Door, served: ServedObj
         assert len(taken) <= 3, "what is older than the latest was not kept for it"
 
 
+def test_a_listener_that_takes_nothing_keeps_the_latest_value(
+    endpoint: Door, served: ServedObject
+) -> None:
+    with (
+        endpoint.listen("count") as slow,
+        endpoint.listen("count?queue=100&initial=0") as all_of_them,
+    ):
+        assert next(slow).payload == "7"
+        for value in range(1000, 1050):  # each is sent to both, before there is another
+            served.owned(lambda value=value: served.service.update("count", value))  # type: ignore[misc]
+            assert next(all_of_them).payload == str(value)
+        taken = [next(slow).payload]
+        while taken[-1] != "1049":
+            taken.append(next(slow).payload)
+        assert len(taken) <= 3, "what is older than the latest was not kept for it"
+
+
 def test_who_does_not_know_the_secret_learns_nothing(served: ServedObject) -> None:
     with socket.create_connection(("127.0.0.1", served.port or 0), BOUND_S) as end:
         end.sendall(b"GET speed\nSET speed 1\n")

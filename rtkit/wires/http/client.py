@@ -9,7 +9,6 @@ import re
 import select
 import socket
 from base64 import b64decode
-from collections import deque
 from collections.abc import Iterator
 from http import HTTPStatus
 from time import monotonic
@@ -26,7 +25,7 @@ from rtkit.property.line import read_event
 from rtkit.property.messages import Answer, Payload, PropertyEvent
 from rtkit.property.naming import parse_target
 from rtkit.wires.http import digest
-from rtkit.wires.property_client import bound_in
+from rtkit.wires.property_client import Inbox, bound_in
 from rtkit.wires.wire import SERVICES
 
 DEADLINE = "rtkit-deadline"
@@ -38,6 +37,8 @@ _FREE = "/?&=()!*'$,;:@~%+"
 _ROOT = "/ps"
 _LONGEST_HEAD = 1 << 16
 _PIECE = 1 << 16
+_MOST_PIECES = 64
+"""Pieces of a stream that are taken at once, before an event is returned."""
 
 
 class _BoundedSocket(socket.socket):
@@ -104,7 +105,8 @@ class HttpClient(Closing):
         self._times = 0
         self._own = os.urandom(8).hex()
         self._streams: list[_Stream] = []
-        self._events: deque[PropertyEvent] = deque()
+        self._inbox = Inbox()
+        self._why: Unreachable | None = None
 
     def ask(self, target: str, payload: Payload | None = None, until: float = math.inf) -> Answer:
         """GET, or SET, and wait for the reply: to `until`, by the monotonic clock here [s].
@@ -211,6 +213,8 @@ class HttpClient(Closing):
             Unreachable: Nobody listens there.
         """
         uri = self._uri(target)
+        name, _, tail = target.partition("?")
+        self._inbox.expect(name, tail)
         for _ in range(3):
             if self._nonce:
                 stream = self._opened(uri)
@@ -259,18 +263,26 @@ class HttpClient(Closing):
     def event(self, timeout_s: float | None = None) -> PropertyEvent | None:
         """Return the next event, None if none came in time; without a bound it waits for ever.
 
+        Without a queue only the latest event is kept, however slowly they are taken.
+
         Raises:
             Unreachable: A connection has ended.
         """
         deadline = None if timeout_s is None else monotonic() + timeout_s
-        while not self._events:
+        pieces = _MOST_PIECES
+        while pieces and self._receive(0.0):
+            pieces -= 1
+        while not len(self._inbox):
+            if self._why is not None:
+                raise self._why
             left = SILENT_S if deadline is None else max(0.0, deadline - monotonic())
             self._receive(min(left, SILENT_S))
-            if not self._events and deadline is not None and monotonic() >= deadline:
-                return None
-        return self._events.popleft()
+            if not len(self._inbox) and deadline is not None and monotonic() >= deadline:
+                break
+        return self._inbox.take()
 
-    def _receive(self, wait_s: float) -> None:
+    def _receive(self, wait_s: float) -> bool:
+        """Take what comes in time; return whether anything did."""
         poll = select.poll()
         by_number = {each.end.fileno(): each for each in self._streams}
         for number in by_number:
@@ -284,13 +296,15 @@ class HttpClient(Closing):
             if number in ready:
                 stream.receive()
             elif now - stream.heard_at > SILENT_S:
-                raise Unreachable("the connection has ended: nothing was heard of it")
-            self._events.extend(stream.events())
+                self._why = Unreachable("the connection has ended: nothing was heard of it")
+            for event in stream.events():
+                self._inbox.put(event)
             if stream.has_ended:
                 self._streams.remove(stream)
                 stream.end.close()
                 if not stream.was_last:
-                    raise Unreachable("the connection has ended")
+                    self._why = Unreachable("the connection has ended")
+        return bool(ready)
 
     def close(self) -> None:
         """End all connections."""

@@ -63,7 +63,7 @@ class IceClient(Closing):
         """
         path, _, tail = target.partition("?")
         with self._arrived:
-            self._inbox.expect(path.rpartition("/")[2], tail)
+            self._inbox.expect(path, tail)
         outcomes: SimpleQueue[Outcome] = SimpleQueue()
         self._session.listen(target, self._take, outcomes.put)
         _answer(outcomes.get()).value()
