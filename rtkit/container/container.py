@@ -409,7 +409,7 @@ class ComponentContainer:
         ]
         return {
             "components": components,
-            "wires": [encode(wire) for wire in self._links.wires],
+            "wires": [encode(connector) for connector in self._links.wires],
             "asked": self._asked.told(self._components),
         }
 

@@ -54,7 +54,7 @@ class DataConnectors:
     def wires(self) -> Iterator[ConnectorProfile]:
         """The connectors that are open, or being opened, here."""
         yield from (held.wire for held in self._held.values())
-        yield from (wire for wire, _ in self._services.ends)
+        yield from (connector for connector, _ in self._services.ends)
 
     def cut(self, connector_id: str) -> None:
         """Close whatever this process holds of a connector."""
@@ -71,61 +71,61 @@ class DataConnectors:
         """Close every connector at a component's own ports, those too that are being opened."""
         own = {id(port) for name, port in component.ports.items() if name == port.name}
         ends = [(held.wire, held.ports) for held in self._held.values()]
-        for wire, ports in (*ends, *self._services.ends):
+        for connector, ports in (*ends, *self._services.ends):
             if any(id(port) in own for port in ports):
-                self.cut(wire.connector_id)
+                self.cut(connector.connector_id)
 
     def _link(self, message: Message) -> None:
-        wire = decode(ConnectorProfile, message["connector"])
-        if isinstance(self._port(wire, 0), ServicePort):
-            self._services.join(wire)
+        connector = decode(ConnectorProfile, message["connector"])
+        if isinstance(self._port(connector, 0), ServicePort):
+            self._services.join(connector)
             return
-        out, into = self._out_port(wire), self._in_port(wire)
-        self._wires.join(wire, out, into)
-        self._held[wire.connector_id] = _Held(wire, (out, into))
+        out, into = self._out_port(connector), self._in_port(connector)
+        self._wires.join(connector, out, into)
+        self._held[connector.connector_id] = _Held(connector, (out, into))
 
     def _sink(self, message: Message) -> str:
-        wire = decode(ConnectorProfile, message["connector"])
-        port = self._in_port(wire)
-        endpoint = self._wires.receive(wire, port)
-        self._held[wire.connector_id] = _Held(wire, (port,))
+        connector = decode(ConnectorProfile, message["connector"])
+        port = self._in_port(connector)
+        endpoint = self._wires.receive(connector, port)
+        self._held[connector.connector_id] = _Held(connector, (port,))
         return endpoint
 
     def _serve(self, message: Message) -> str:
-        wire = decode(ConnectorProfile, message["connector"])
-        port = self._out_port(wire)
-        endpoint = self._wires.serve(wire, port)
-        self._held[wire.connector_id] = _Held(wire, (port,))
+        connector = decode(ConnectorProfile, message["connector"])
+        port = self._out_port(connector)
+        endpoint = self._wires.serve(connector, port)
+        self._held[connector.connector_id] = _Held(connector, (port,))
         return endpoint
 
     def _source(self, message: Message) -> object:
-        wire = decode(ConnectorProfile, message["connector"])
-        port = self._out_port(wire)
-        held = self._opening(wire, port)
+        connector = decode(ConnectorProfile, message["connector"])
+        port = self._out_port(connector)
+        held = self._opening(connector, port)
         self._reach(
             message,
             held,
             self._wires.find_receiver,
-            lambda outlet: self._wires.send(wire, port, outlet),
+            lambda outlet: self._wires.send(connector, port, outlet),
         )
         return LATER
 
     def _fetch(self, message: Message) -> object:
-        wire = decode(ConnectorProfile, message["connector"])
-        port = self._in_port(wire)
-        held = self._opening(wire, port)
+        connector = decode(ConnectorProfile, message["connector"])
+        port = self._in_port(connector)
+        held = self._opening(connector, port)
         self._reach(
             message,
             held,
             self._wires.find_source,
-            lambda fetcher: self._wires.fetch(wire, port, fetcher),
+            lambda fetcher: self._wires.fetch(connector, port, fetcher),
         )
         return LATER
 
-    def _opening(self, wire: ConnectorProfile, port: InPort[Any] | OutPort[Any]) -> _Held:
-        if wire.connector_id in self._held:
-            raise Refused(f"connection {wire.connector_id} is open, or being opened, here")
-        held = self._held[wire.connector_id] = _Held(wire, (port,))
+    def _opening(self, connector: ConnectorProfile, port: InPort[Any] | OutPort[Any]) -> _Held:
+        if connector.connector_id in self._held:
+            raise Refused(f"connection {connector.connector_id} is open, or being opened, here")
+        held = self._held[connector.connector_id] = _Held(connector, (port,))
         return held
 
     def _reach(
@@ -179,20 +179,20 @@ class DataConnectors:
         if self._held.get(held.wire.connector_id) is held:
             del self._held[held.wire.connector_id]
 
-    def _out_port(self, wire: ConnectorProfile) -> OutPort[Any]:
-        port = self._port(wire, 0)
+    def _out_port(self, connector: ConnectorProfile) -> OutPort[Any]:
+        port = self._port(connector, 0)
         if not isinstance(port, OutPort):
             raise Refused(WRONG_TYPE)
         return port
 
-    def _in_port(self, wire: ConnectorProfile) -> InPort[Any]:
-        port = self._port(wire, 1)
+    def _in_port(self, connector: ConnectorProfile) -> InPort[Any]:
+        port = self._port(connector, 1)
         if not isinstance(port, InPort):
             raise Refused(WRONG_TYPE)
         return port
 
-    def _port(self, wire: ConnectorProfile, index: int) -> object:
-        end = wire.ports[index]
+    def _port(self, connector: ConnectorProfile, index: int) -> object:
+        end = connector.ports[index]
         port = self._host.component(end.instance).ports.get(end.port)
         if port is None:
             raise NotFound(f"Port not found: {end}")

@@ -52,101 +52,101 @@ class PortWiring:
         streams.report = lambda text: _log().warning("%s", text)
         self._ends: dict[str, list[_End]] = {}
 
-    def join(self, wire: ConnectorProfile, out: OutPort[Any], into: InPort[Any]) -> None:
+    def join(self, connector: ConnectorProfile, out: OutPort[Any], into: InPort[Any]) -> None:
         """Connect two ports of this process; values that nobody can change are handed over."""
-        options = parse_options(wire.properties)
+        options = parse_options(connector.properties)
         change = passage(
-            out.data_type, into.data_type_for(wire), is_big_endian=options.is_big_endian
+            out.data_type, into.data_type_for(connector), is_big_endian=options.is_big_endian
         )
         if options.dataflow == "pull":
-            source = out.open_pull(wire)
-            with _undone(lambda: out.detach(wire.connector_id)):
-                into.open_pull(wire, _changed(source, change))
+            source = out.open_pull(connector)
+            with _undone(lambda: out.detach(connector.connector_id)):
+                into.open_pull(connector, _changed(source, change))
             return
-        id = wire.connector_id
+        id = connector.connector_id
         if _is_wrapped(options):
-            sink = _present_sink(into, wire)
+            sink = _present_sink(into, connector)
             with _undone(lambda: into.close(id)):
-                self._attach(wire, out, _changing(sink, change, id), options)
+                self._attach(connector, out, _changing(sink, change, id), options)
             return
-        sink = into.open(wire, lambda sink: out.replace(id, _changing(sink, change, id)))
+        sink = into.open(connector, lambda sink: out.replace(id, _changing(sink, change, id)))
         with _undone(lambda: into.close(id)):
             out.attach(id, _changing(sink, change, id))
         into.renew(id)
 
-    def receive(self, wire: ConnectorProfile, into: InPort[Any]) -> str:
+    def receive(self, connector: ConnectorProfile, into: InPort[Any]) -> str:
         """Open the receiving end of a stream and return its endpoint."""
-        sink = _present_sink(into, wire)
-        decode = codec_for(into.data_type_for(wire)).decode
+        sink = _present_sink(into, connector)
+        decode = codec_for(into.data_type_for(connector)).decode
 
-        deliver = _changing(sink, decode, wire.connector_id)
-        with _undone(lambda: into.close(wire.connector_id)):
-            endpoint, inlet = self._streams.receive(self._key(wire), deliver)
-        self.keep(wire, inlet)
+        deliver = _changing(sink, decode, connector.connector_id)
+        with _undone(lambda: into.close(connector.connector_id)):
+            endpoint, inlet = self._streams.receive(self._key(connector), deliver)
+        self.keep(connector, inlet)
         return endpoint
 
-    def serve(self, wire: ConnectorProfile, out: OutPort[Any]) -> str:
+    def serve(self, connector: ConnectorProfile, out: OutPort[Any]) -> str:
         """Open the end of a pull connector that is asked, and return its endpoint."""
-        options = parse_options(wire.properties)
+        options = parse_options(connector.properties)
         encode = encoder_for(out.data_type, is_big_endian=options.is_big_endian)
-        next_value = _changed(out.open_pull(wire), encode)
-        with _undone(lambda: out.detach(wire.connector_id)):
-            endpoint, inlet = self._streams.answer(self._key(wire), next_value)
-        self.keep(wire, inlet)
+        next_value = _changed(out.open_pull(connector), encode)
+        with _undone(lambda: out.detach(connector.connector_id)):
+            endpoint, inlet = self._streams.answer(self._key(connector), next_value)
+        self.keep(connector, inlet)
         return endpoint
 
-    def find_receiver(self, wire: ConnectorProfile, endpoint: str) -> Outlet:
+    def find_receiver(self, connector: ConnectorProfile, endpoint: str) -> Outlet:
         """Reach for the receiving end; on a thread of its own, because it may be stopped."""
-        options = parse_options(wire.properties)
+        options = parse_options(connector.properties)
         policies = (options.inport.full_policy, options.outport.full_policy)
         return self._streams.send(
             endpoint,
-            self._key(wire),
+            self._key(connector),
             MATCH_S,
             is_blocking=FullPolicy.BLOCK in policies,
-            is_numbered=wire.properties.get(NUMBERED, "").upper() == "YES",
+            is_numbered=connector.properties.get(NUMBERED, "").upper() == "YES",
         )
 
-    def send(self, wire: ConnectorProfile, out: OutPort[Any], outlet: Outlet) -> None:
+    def send(self, connector: ConnectorProfile, out: OutPort[Any], outlet: Outlet) -> None:
         """Have a port send to the receiving end that was found."""
-        options = parse_options(wire.properties)
+        options = parse_options(connector.properties)
         encode = encoder_for(out.data_type, is_big_endian=options.is_big_endian)
         put = outlet.put
 
         def write(value: Any) -> PortStatus | None:
             return None if put(encode(value)) else PortStatus.CONNECTION_LOST
 
-        self._attach(wire, out, write, options, is_encoding=True)
-        self.keep(wire, outlet)
+        self._attach(connector, out, write, options, is_encoding=True)
+        self.keep(connector, outlet)
 
-    def find_source(self, wire: ConnectorProfile, endpoint: str) -> Fetcher:
+    def find_source(self, connector: ConnectorProfile, endpoint: str) -> Fetcher:
         """Reach for the end of a pull connector that is asked; on a thread of its own."""
-        return self._streams.ask(endpoint, self._key(wire), MATCH_S)
+        return self._streams.ask(endpoint, self._key(connector), MATCH_S)
 
-    def fetch(self, wire: ConnectorProfile, into: InPort[Any], fetcher: Fetcher) -> None:
+    def fetch(self, connector: ConnectorProfile, into: InPort[Any], fetcher: Fetcher) -> None:
         """Have a port ask the end that was found."""
-        options = parse_options(wire.properties)
-        decode = codec_for(into.data_type_for(wire)).decode
+        options = parse_options(connector.properties)
+        decode = codec_for(into.data_type_for(connector)).decode
         bound_s = options.inport.read_timeout + options.outport.read_timeout
 
         def fetch() -> bytes | None:
             with waiting(bound_s):
                 return fetcher.fetch(bound_s)
 
-        into.open_pull(wire, _changed(fetch, decode))
-        self.keep(wire, fetcher)
+        into.open_pull(connector, _changed(fetch, decode))
+        self.keep(connector, fetcher)
 
     def serve_calls(
-        self, wire: ConnectorProfile, end: int, reply_to: Callable[[bytes], bytes]
+        self, connector: ConnectorProfile, end: int, reply_to: Callable[[bytes], bytes]
     ) -> str:
         """Open the end of a service connector that is called, and return its endpoint."""
-        endpoint, called = self._streams.serve(f"{self._key(wire)}/{end}", reply_to)
-        self.keep(wire, called)
+        endpoint, called = self._streams.serve(f"{self._key(connector)}/{end}", reply_to)
+        self.keep(connector, called)
         return endpoint
 
-    def find_provider(self, wire: ConnectorProfile, end: int, endpoint: str) -> CallerEnd:
+    def find_provider(self, connector: ConnectorProfile, end: int, endpoint: str) -> CallerEnd:
         """Reach for the end of a service connector that is called; on a thread of its own."""
-        return self._streams.caller(endpoint, f"{self._key(wire)}/{end}", MATCH_S)
+        return self._streams.caller(endpoint, f"{self._key(connector)}/{end}", MATCH_S)
 
     def flush(self, timeout_s: float) -> bool:
         """Wait until all that was sent has arrived; False when that is not known in time."""
@@ -181,7 +181,7 @@ class PortWiring:
 
     def _attach(
         self,
-        wire: ConnectorProfile,
+        connector: ConnectorProfile,
         out: OutPort[Any],
         sink: Sink[Any],
         options: ConnectorOptions,
@@ -189,21 +189,21 @@ class PortWiring:
         is_encoding: bool = False,
     ) -> None:
         if options.subscription == "periodic":
-            publisher = _Publisher(wire.connector_id, sink, options)
+            publisher = _Publisher(connector.connector_id, sink, options)
             with _undone(publisher.close):
-                out.attach(wire.connector_id, publisher.write)
-            self.keep(wire, publisher)
+                out.attach(connector.connector_id, publisher.write)
+            self.keep(connector, publisher)
         elif _is_wrapped(options):
-            out.attach(wire.connector_id, _every(sink, options.skip_count + 1))
+            out.attach(connector.connector_id, _every(sink, options.skip_count + 1))
         else:
-            out.attach(wire.connector_id, sink, is_encoding=is_encoding)
+            out.attach(connector.connector_id, sink, is_encoding=is_encoding)
 
-    def keep(self, wire: ConnectorProfile, end: _End) -> None:
+    def keep(self, connector: ConnectorProfile, end: _End) -> None:
         """Have an end closed when its connector is cut."""
-        self._ends.setdefault(wire.connector_id, []).append(end)
+        self._ends.setdefault(connector.connector_id, []).append(end)
 
-    def _key(self, wire: ConnectorProfile) -> str:
-        return keys.data(self._host, wire.connector_id)
+    def _key(self, connector: ConnectorProfile) -> str:
+        return keys.data(self._host, connector.connector_id)
 
 
 @contextmanager
@@ -253,15 +253,15 @@ def _changed(source: Source[Any], change: Callable[[Any], Any] | None) -> Source
     return take
 
 
-def _present_sink(into: InPort[Any], wire: ConnectorProfile) -> Sink[Any]:
+def _present_sink(into: InPort[Any], connector: ConnectorProfile) -> Sink[Any]:
     """Open a connector; return what gives a value to the sink that the port names at present."""
     sinks: list[Sink[Any]] = []
 
     def renew(sink: Sink[Any]) -> None:
         sinks[:] = [sink]
 
-    renew(into.open(wire, renew))
-    into.renew(wire.connector_id)
+    renew(into.open(connector, renew))
+    into.renew(connector.connector_id)
     return lambda value: sinks[0](value)
 
 

@@ -56,20 +56,20 @@ class ServiceConnectors:
         """The connectors that are open, or being opened, and their ports in this process."""
         return list(self._open.values())
 
-    def join(self, wire: ConnectorProfile) -> None:
+    def join(self, connector: ConnectorProfile) -> None:
         """Connect two service ports of this process: each calls what the other provides."""
-        one, other = (self._port(wire, end) for end in (0, 1))
+        one, other = (self._port(connector, end) for end in (0, 1))
         try:
             for end, port, peer in ((0, one, other), (1, other, one)):
-                caller, provider = wire.ports[end], wire.ports[1 - end]
+                caller, provider = connector.ports[end], connector.ports[1 - end]
                 label = f"{caller}: {provider}"
                 passage = CallRouting(
                     caller.instance, provider.instance, label, self._crossings, run_aside
                 )
                 targets = {s.interface.name: Direct(s, passage) for s in peer.served}
-                self._attach(wire, port, targets)
+                self._attach(connector, port, targets)
         except RtkitError:
-            self.cut(wire.connector_id)
+            self.cut(connector.connector_id)
             raise
 
     def cut(self, connector_id: str) -> None:
@@ -80,52 +80,54 @@ class ServiceConnectors:
 
     def _offer(self, message: Message) -> str:
         """Be called over a connector; answer with the endpoint to call at."""
-        wire, end = decode(ConnectorProfile, message["connector"]), int(message["end"])
-        port = self._port(wire, end)
+        connector, end = decode(ConnectorProfile, message["connector"]), int(message["end"])
+        port = self._port(connector, end)
         served = port.served
-        self._attach(wire, port, {})
-        return self._wires.serve_calls(wire, end, lambda request: _reply(request, served))
+        self._attach(connector, port, {})
+        return self._wires.serve_calls(connector, end, lambda request: _reply(request, served))
 
     def _consult(self, message: Message) -> object:
         """Call over a connector what is offered at an endpoint, which is found on a thread."""
-        wire, end = decode(ConnectorProfile, message["connector"]), int(message["end"])
-        self._attach(wire, self._port(wire, end), {})
+        connector, end = decode(ConnectorProfile, message["connector"]), int(message["end"])
+        self._attach(connector, self._port(connector, end), {})
         endpoint = message["endpoint"]
 
         def run() -> None:
             try:
-                caller = self._wires.find_provider(wire, 1 - end, endpoint)
+                caller = self._wires.find_provider(connector, 1 - end, endpoint)
             except Exception as failure:
                 error = failure  # the name of an except clause is gone when this is called
                 self._host.post(lambda: self._not_found(message, endpoint, error))
             else:
-                self._host.post(lambda: self._found(message, wire, end, caller))
+                self._host.post(lambda: self._found(message, connector, end, caller))
 
         start_thread(run, f"open {endpoint}")
         return LATER
 
     def _keep(self, message: Message) -> None:
         """Note a connector over which nothing is called: no interface of it is known."""
-        wire = decode(ConnectorProfile, message["connector"])
-        self._attach(wire, self._port(wire, int(message["end"])), {})
+        connector = decode(ConnectorProfile, message["connector"])
+        self._attach(connector, self._port(connector, int(message["end"])), {})
 
-    def _found(self, message: Message, wire: ConnectorProfile, end: int, caller: CallerEnd) -> None:
+    def _found(
+        self, message: Message, connector: ConnectorProfile, end: int, caller: CallerEnd
+    ) -> None:
         try:
-            if wire.connector_id not in self._open:
-                raise Refused(f"connection {wire.connector_id} was removed while it was made")
-            port, peer = self._port(wire, end), str(wire.ports[1 - end])
+            if connector.connector_id not in self._open:
+                raise Refused(f"connection {connector.connector_id} was removed while it was made")
+            port, peer = self._port(connector, end), str(connector.ports[1 - end])
             needed = [i for i in port.interfaces if i.polarity is Polarity.REQUIRED]
-            label = f"{wire.ports[end]}: {peer}"
+            label = f"{connector.ports[end]}: {peer}"
             targets = {
                 each.type_name: Remote(each.type_name, label, _patient(caller), time.monotonic_ns)
                 for each in needed
             }
-            self._attach(wire, port, targets)
+            self._attach(connector, port, targets)
         except RtkitError as error:
             caller.close()
             self._host.refuse(message, error)
         else:
-            self._wires.keep(wire, caller)
+            self._wires.keep(connector, caller)
             self._host.answer(message, "")
 
     def _not_found(self, message: Message, endpoint: str, error: Exception) -> None:
@@ -135,13 +137,13 @@ class ServiceConnectors:
         self._host.refuse(message, error)
 
     def _attach(
-        self, wire: ConnectorProfile, port: ServicePort, targets: Mapping[str, CallTarget]
+        self, connector: ConnectorProfile, port: ServicePort, targets: Mapping[str, CallTarget]
     ) -> None:
-        port.attach(wire, targets)
-        self._open.setdefault(wire.connector_id, (wire, []))[1].append(port)
+        port.attach(connector, targets)
+        self._open.setdefault(connector.connector_id, (connector, []))[1].append(port)
 
-    def _port(self, wire: ConnectorProfile, end: int) -> ServicePort:
-        ref = wire.ports[end]
+    def _port(self, connector: ConnectorProfile, end: int) -> ServicePort:
+        ref = connector.ports[end]
         port = self._host.component(ref.instance).ports.get(ref.port)
         if port is None:
             raise NotFound(f"Port not found: {ref}")

@@ -47,9 +47,9 @@ class Slave:
         self._log = log
         self._connection: ManagerConnection
         self._stacks: int
-        wires = PortWiring(settings["host"], Streams(settings["data"]))
+        connectors = PortWiring(settings["host"], Streams(settings["data"]))
         self._container = ComponentContainer(
-            self._send, wires, ComponentFactory(Loader(list(settings["load_path"])))
+            self._send, connectors, ComponentFactory(Loader(list(settings["load_path"])))
         )
 
     def live(self, key: int, name: str) -> None:

@@ -56,10 +56,10 @@ def capture(
     own = _own(snapshot)
     chosen = _chosen(snapshot, own, takes_all, tuple(hosts))
     names = {c.instance: c for c in chosen}
-    wires = [w for w in snapshot.connectors if all(end.instance in names for end in w.ports)]
-    wires.sort(key=lambda wire: (wire.ports, wire.connector_id))
-    data = [wire for wire in wires if _is_data(wire, names)]
-    service = [wire for wire in wires if not _is_data(wire, names)]
+    connectors = [w for w in snapshot.connectors if all(end.instance in names for end in w.ports)]
+    connectors.sort(key=lambda connector: (connector.ports, connector.connector_id))
+    data = [connector for connector in connectors if _is_data(connector, names)]
+    service = [connector for connector in connectors if not _is_data(connector, names)]
     return rts.RtsProfile(
         id=heading.id,
         version=rts.RTS_VERSION,
@@ -67,8 +67,10 @@ def capture(
         update_date=heading.date,
         abstract=heading.abstract,
         components=tuple(_component(c, own[c.instance]) for c in chosen),
-        data_port_connectors=tuple(_data_connector(wire, names) for wire in data),
-        service_port_connectors=tuple(_service_connector(wire, names) for wire in service),
+        data_port_connectors=tuple(_data_connector(connector, names) for connector in data),
+        service_port_connectors=tuple(
+            _service_connector(connector, names) for connector in service
+        ),
     )
 
 
@@ -83,7 +85,7 @@ def _own(snapshot: Snapshot) -> dict[str, Snapshot]:
 def _chosen(
     snapshot: Snapshot, own: Mapping[str, Snapshot], takes_all: bool, hosts: tuple[str, ...]
 ) -> tuple[ComponentFacts, ...]:
-    wired = {end.instance for wire in snapshot.connectors for end in wire.ports}
+    wired = {end.instance for connector in snapshot.connectors for end in connector.ports}
     wired = _with_composites(snapshot, wired)
     guests = {
         (each.manager, process.name)
@@ -121,8 +123,8 @@ def _names(component: ComponentFacts, snapshot: Snapshot) -> tuple[str, ...]:
     return component.names or (below,)
 
 
-def _is_data(wire: ConnectorProfile, components: Mapping[str, ComponentFacts]) -> bool:
-    port = components[wire.ports[0].instance].port(wire.ports[0].port)
+def _is_data(connector: ConnectorProfile, components: Mapping[str, ComponentFacts]) -> bool:
+    port = components[connector.ports[0].instance].port(connector.ports[0].port)
     return port is None or port.port_type is not PortType.SERVICE
 
 
@@ -232,17 +234,17 @@ def _module(facts: ComponentFacts, snapshot: Snapshot) -> str:
 
 
 def _data_connector(
-    wire: ConnectorProfile, components: Mapping[str, ComponentFacts]
+    connector: ConnectorProfile, components: Mapping[str, ComponentFacts]
 ) -> rts.DataPortConnector:
-    properties = lasting(wire.properties)
+    properties = lasting(connector.properties)
     interval = finite(properties.get(PUSH_INTERVAL, ""))
     if interval:
         del properties[PUSH_INTERVAL]  # what is no interval stays the property that it is
     data_type, interface, flow, subscription = (properties.get(k, "") for k in DATA_ATTRIBUTES)
-    source, target = (_target(end, components) for end in wire.ports)
+    source, target = (_target(end, components) for end in connector.ports)
     return rts.DataPortConnector(
-        connector_id=wire.connector_id,
-        name=wire.name,
+        connector_id=connector.connector_id,
+        name=connector.name,
         data_type=data_type,
         interface_type=USUAL_NAMES.get(interface, interface) or USUAL_NAMES[DEFAULT_INTERFACE],
         dataflow_type=flow or "push",
@@ -256,16 +258,16 @@ def _data_connector(
 
 
 def _service_connector(
-    wire: ConnectorProfile, components: Mapping[str, ComponentFacts]
+    connector: ConnectorProfile, components: Mapping[str, ComponentFacts]
 ) -> rts.ServicePortConnector:
-    source, target = (_target(end, components) for end in wire.ports)
+    source, target = (_target(end, components) for end in connector.ports)
     return rts.ServicePortConnector(
-        connector_id=wire.connector_id,
-        name=wire.name,
+        connector_id=connector.connector_id,
+        name=connector.name,
         source=source,
         target=target,
         visible=True,
-        properties=_properties(lasting(wire.properties)),
+        properties=_properties(lasting(connector.properties)),
     )
 
 

@@ -60,8 +60,8 @@ def deviations(
             namesake = live.at(component.instance)
             found = "" if namesake is None else namesake.type.id
             yield _of("component", component, why, "", component.id, found)
-    for wire in system.connectors:
-        yield from _wire(wire, system, live)
+    for connector in system.connectors:
+        yield from _wire(connector, system, live)
     for component in system.components:
         facts = live.at(component.instance)
         if facts is not None and facts.trouble:
@@ -117,9 +117,13 @@ def surplus(system: WantedSystem, live: LiveIndex) -> Iterator[Deviation]:
     Nothing of it is required not to be there.
     """
     names = {component.instance for component in system.components}
-    wires = [wire.profile for wire in system.connectors]
-    wanted = {wire.connector_id for wire in wires}
-    told = {frozenset(wire.ports) for wire in wires if live.wire(wire.connector_id) is None}
+    connectors = [connector.profile for connector in system.connectors]
+    wanted = {connector.connector_id for connector in connectors}
+    told = {
+        frozenset(connector.ports)
+        for connector in connectors
+        if live.wire(connector.connector_id) is None
+    }
     for facts in live.snapshot.components:
         if facts.instance not in names:
             path = _path(facts)
@@ -129,12 +133,12 @@ def surplus(system: WantedSystem, live: LiveIndex) -> Iterator[Deviation]:
         living = _living(component, live)
         if living is not None:
             yield from _unnamed(component, living)
-    for wire in live.snapshot.connectors:
-        is_told = wire.connector_id in wanted or frozenset(wire.ports) in told
-        if not is_told and any(end.instance in names for end in wire.ports):
-            path = " ".join(_port_path(live, end) for end in wire.ports)
-            text = f"Connection {wire.connector_id} is not in the profile"
-            yield Deviation("connection", path, text, False, found=wire.connector_id)
+    for connector in live.snapshot.connectors:
+        is_told = connector.connector_id in wanted or frozenset(connector.ports) in told
+        if not is_told and any(end.instance in names for end in connector.ports):
+            path = " ".join(_port_path(live, end) for end in connector.ports)
+            text = f"Connection {connector.connector_id} is not in the profile"
+            yield Deviation("connection", path, text, False, found=connector.connector_id)
 
 
 def _unnamed(component: WantedComponent, facts: ComponentFacts) -> Iterator[Deviation]:
@@ -164,10 +168,10 @@ def check_lines(system: WantedSystem, state: str) -> Iterator[str]:
             f'Check for {word}component "{component.id}", "{component.instance}"'
             f" at path {component.path}{mark}"
         )
-    for wire in system.connectors:
-        source, target = (address(system, end) for end in wire.profile.ports)
-        mark = " (Required)" if wire.is_required else ""
-        id = wire.profile.connector_id
+    for connector in system.connectors:
+        source, target = (address(system, end) for end in connector.profile.ports)
+        mark = " (Required)" if connector.is_required else ""
+        id = connector.profile.connector_id
         yield f"Check for connection from {source} to {target} with ID {id}{mark}"
     for component in system.components:
         if component.active_set:
@@ -214,19 +218,21 @@ def _living(component: WantedComponent, live: LiveIndex) -> ComponentFacts | Non
 
 
 def _wire(wanted: WantedConnector, system: WantedSystem, live: LiveIndex) -> Iterator[Deviation]:
-    wire = wanted.profile
-    source, target = (address(system, end) for end in wire.ports)
+    connector = wanted.profile
+    source, target = (address(system, end) for end in connector.ports)
     path = f"{source} {target}"
-    known = live.wire(wire.connector_id)
-    if known is None or set(known.ports) != set(wire.ports):
+    known = live.wire(connector.connector_id)
+    if known is None or set(known.ports) != set(connector.ports):
         text = f"No connection between {source} and {target}"
-        ids = ", ".join(other.connector_id for other in live.wires_between(wire.ports))
+        ids = ", ".join(other.connector_id for other in live.wires_between(connector.ports))
         if ids:
-            text += f" with ID {wire.connector_id} (there is {ids})"
-        yield Deviation("connection", path, text, wanted.is_required, "", wire.connector_id, ids)
+            text += f" with ID {connector.connector_id} (there is {ids})"
+        yield Deviation(
+            "connection", path, text, wanted.is_required, "", connector.connector_id, ids
+        )
         return
     for key in DATA_ATTRIBUTES:
-        expected, found = wire.properties.get(key, ""), known.properties.get(key, "")
+        expected, found = connector.properties.get(key, ""), known.properties.get(key, "")
         if expected and differing({key: expected.lower()}, {key: found.lower()}):
             text = (
                 f"Property {key} of connection from {source} to {target} is incorrect."

@@ -102,8 +102,8 @@ def checks(
     """Yield what must hold before connections are made; `pending` are components to be made."""
     yield from component_checks(system, live, pending, unmakable)
     seen = set()
-    for wire in system.connectors:
-        for end in wire.profile.ports if wire.is_required else ():
+    for connector in system.connectors:
+        for end in connector.profile.ports if connector.is_required else ():
             if end in seen:
                 continue
             seen.add(end)
@@ -116,7 +116,7 @@ def checks(
                 failure = f"Required port not found: {end.port} (on {component.path})"
             text = f'Check for required port "{end.port}" on component at path {component.path}'
             yield Check(text, failure)
-        why = parting(system, live, wire.profile) if wire.is_required else ""
+        why = parting(system, live, connector.profile) if connector.is_required else ""
         if why:
             yield Check(f"Check that {why.partition(': ')[0]} can be connected", why)
 

@@ -98,7 +98,9 @@ def listing_of(snapshot: Snapshot) -> Listing:
 
 def connected_ports(snapshot: Snapshot) -> Counter[tuple[str, str]]:
     """Count the connections of each (instance, port), also under the names that composites show."""
-    counts = Counter((end.instance, end.port) for wire in snapshot.connectors for end in wire.ports)
+    counts = Counter(
+        (end.instance, end.port) for connector in snapshot.connectors for end in connector.ports
+    )
     composites = [facts for facts in snapshot.components if facts.members]
     if not composites:
         return counts

@@ -30,7 +30,7 @@ class LiveIndex:
         self._takes_namesakes = takes_namesakes
         self.snapshot = snapshot
         self._instances = {c.instance: c for c in snapshot.components}
-        self._connectors = {wire.connector_id: wire for wire in snapshot.connectors}
+        self._connectors = {connector.connector_id: connector for connector in snapshot.connectors}
         self._managers = {each.manager: each for each in (snapshot, *snapshot.others)}
         self._lives: dict[str, str] = {}
         self._belongs: dict[str, str] = {}
@@ -74,13 +74,13 @@ class LiveIndex:
         """Return each manager's facts about itself, by its name; the first one first."""
         return self._managers
 
-    def parted(self, wire: ConnectorProfile) -> str:
+    def parted(self, connector: ConnectorProfile) -> str:
         """Return why a connector cannot be, as its ends are in two managers; empty if not so."""
         if not self.snapshot.others:
             return ""
         from rtkit.deployment.multi_manager import parted
 
-        return parted(wire, {**self._lives, **self._belongs}, self.snapshot.manager)
+        return parted(connector, {**self._lives, **self._belongs}, self.snapshot.manager)
 
     def wire(self, connector_id: str) -> ConnectorProfile | None:
         """Return the connection of that id, or None."""
@@ -88,7 +88,11 @@ class LiveIndex:
 
     def wires_between(self, ends: tuple[PortRef, ...]) -> list[ConnectorProfile]:
         """Return the connections that join just these ports."""
-        return [wire for wire in self._connectors.values() if set(wire.ports) == set(ends)]
+        return [
+            connector
+            for connector in self._connectors.values()
+            if set(connector.ports) == set(ends)
+        ]
 
     def _locate(self, wanted: WantedComponent) -> ComponentFacts | None:
         belongs = self._belongs.get(wanted.instance, "")

@@ -44,22 +44,22 @@ def joined(snapshots: Sequence[Snapshot], homes: Homes) -> Snapshot:
     if not others:
         return first
     bearers: dict[str, str] = {}
-    wires: dict[str, str] = {}
+    connectors: dict[str, str] = {}
     for each in snapshots:
         for facts in each.components:
             is_home = homes.get(facts.instance) == each.manager
             if is_home or facts.instance not in bearers:
                 bearers[facts.instance] = each.manager
     for each in snapshots:
-        for wire in _whole(each, bearers):
-            is_home = all(homes.get(end.instance) == each.manager for end in wire.ports)
-            if is_home or wire.connector_id not in wires:
-                wires[wire.connector_id] = each.manager
-    parts = [_part(each, bearers, wires) for each in snapshots]
+        for connector in _whole(each, bearers):
+            is_home = all(homes.get(end.instance) == each.manager for end in connector.ports)
+            if is_home or connector.connector_id not in connectors:
+                connectors[connector.connector_id] = each.manager
+    parts = [_part(each, bearers, connectors) for each in snapshots]
     shown = [parts[0], *map(_shown_below, parts[1:])]
     told = {each.name: getattr(first, each.name) for each in fields(first)}
     told["components"] = tuple(facts for each in shown for facts in each.components)
-    told["connectors"] = tuple(wire for each in shown for wire in each.connectors)
+    told["connectors"] = tuple(connector for each in shown for connector in each.connectors)
     told["systems"] = tuple(system for each in snapshots for system in each.systems)
     return JointSnapshot(**told, others=tuple(shown[1:]))
 
@@ -70,16 +70,18 @@ def _part(each: Snapshot, bearers: Homes, wires: Mapping[str, str]) -> Snapshot:
         each,
         components=tuple(c for c in each.components if bearers[c.instance] == each.manager),
         connectors=tuple(
-            wire for wire in _whole(each, bearers) if wires[wire.connector_id] == each.manager
+            connector
+            for connector in _whole(each, bearers)
+            if wires[connector.connector_id] == each.manager
         ),
     )
 
 
 def _whole(each: Snapshot, bearers: Homes) -> Iterator[ConnectorProfile]:
     """Yield the connectors of which both ends count."""
-    for wire in each.connectors:
-        if all(bearers.get(end.instance) == each.manager for end in wire.ports):
-            yield wire
+    for connector in each.connectors:
+        if all(bearers.get(end.instance) == each.manager for end in connector.ports):
+            yield connector
 
 
 def _shown_below(each: Snapshot) -> Snapshot:
@@ -140,9 +142,11 @@ def manager_for(action: Action, homes: Homes, wires: Iterable[ConnectorProfile],
         case act.Connect():
             return _one_of(action.connector, homes, usual)
         case act.Disconnect():
-            known = (wire for wire in wires if wire.connector_id == action.connector_id)
-            wire = next(known, None)
-            return usual if wire is None else homes.get(wire.ports[0].instance, usual)
+            known = (
+                connector for connector in wires if connector.connector_id == action.connector_id
+            )
+            connector = next(known, None)
+            return usual if connector is None else homes.get(connector.ports[0].instance, usual)
         case act.Attach() | act.Detach():
             return homes.get(action.owner, usual)
         case act.Unregister():
@@ -164,19 +168,21 @@ def sent(action: Action, manager: str) -> Action:
     return action
 
 
-def parted(wire: ConnectorProfile, homes: Homes, usual: str) -> str:
+def parted(connector: ConnectorProfile, homes: Homes, usual: str) -> str:
     """Return why a connector cannot be, as its ends are in two managers; empty when they are not.
 
     Reported as what is wrong with the second end.
     """
-    one, other = (homes.get(end.instance, usual) for end in (wire.ports[0], wire.ports[-1]))
+    one, other = (
+        homes.get(end.instance, usual) for end in (connector.ports[0], connector.ports[-1])
+    )
     if one == other:
         return ""
     return f"its components are in two managers ({one} and {other}); a connection joins two of one"
 
 
-def _one_of(wire: ConnectorProfile, homes: Homes, usual: str) -> str:
-    why = parted(wire, homes, usual)
+def _one_of(connector: ConnectorProfile, homes: Homes, usual: str) -> str:
+    why = parted(connector, homes, usual)
     if why:
-        raise Refused(f"connection {wire.connector_id}: {why}")
-    return homes.get(wire.ports[0].instance, usual)
+        raise Refused(f"connection {connector.connector_id}: {why}")
+    return homes.get(connector.ports[0].instance, usual)

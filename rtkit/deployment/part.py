@@ -19,20 +19,20 @@ def part_of(snapshot: Snapshot, instances: Iterable[str]) -> Snapshot:
     chosen = [facts for facts in snapshot.components if facts.instance in wanted]
     own = OwnEnds.of(snapshot)
     shown = {end for facts in chosen if facts.members for end in own.ends(facts).values()}
-    wires = tuple(
-        wire
-        for wire in snapshot.connectors
-        if any(end.instance in wanted or end in shown for end in wire.ports)
+    connectors = tuple(
+        connector
+        for connector in snapshot.connectors
+        if any(end.instance in wanted or end in shown for end in connector.ports)
     )
     inner = {member for facts in chosen if facts.members for member in own.inner(facts.instance)}
-    near = {end.instance for wire in wires for end in wire.ports} | inner
+    near = {end.instance for connector in connectors for end in connector.ports} | inner
     near.update(facts.composite for facts in chosen)
     components = tuple(
         facts if facts.instance in wanted else _outline(facts, facts.instance in inner)
         for facts in snapshot.components
         if facts.instance in wanted or facts.instance in near
     )
-    return replace(snapshot, components=components, connectors=wires)
+    return replace(snapshot, components=components, connectors=connectors)
 
 
 def _outline(facts: ComponentFacts, is_inner: bool) -> ComponentFacts:

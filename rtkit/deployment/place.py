@@ -114,16 +114,16 @@ def check_paths(profile: RtsProfile) -> None:
         InvalidDocument: Names connector, component and both paths.
     """
     paths = {each.instance_name: _bare(each.path_uri) for each in profile.components}
-    wires: list[DataPortConnector | ServicePortConnector] = [*profile.data_port_connectors]
-    wires += profile.service_port_connectors
-    for wire in wires:
-        for end in (wire.source, wire.target):
+    connectors: list[DataPortConnector | ServicePortConnector] = [*profile.data_port_connectors]
+    connectors += profile.service_port_connectors
+    for connector in connectors:
+        for end in (connector.source, connector.target):
             told = property_value(end.properties, PATH_ID)
             own = paths.get(end.instance_name, "")
             if told and _bare(told) != own:
                 raise InvalidDocument(
-                    f"connector {wire.connector_id}: {PATH_ID} of {end.instance_name} is {told},"
-                    f" but its path is {own}"
+                    f"connector {connector.connector_id}: {PATH_ID} of {end.instance_name}"
+                    f" is {told}, but its path is {own}"
                 )
 
 

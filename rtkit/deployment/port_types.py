@@ -23,16 +23,16 @@ def settle_types(
     """Return the components with the types of stand-ins' ports settled, and notes on changes."""
     settled = dict(components)
     notes: list[str] = []
-    wires = [wire.profile for wire in connectors if wire.is_data]
+    wires = [connector.profile for connector in connectors if connector.is_data]
     for instance, component in components.items():
         if component.pattern is None:
             continue
         carried: dict[str, list[str]] = {}
-        for wire in wires:
-            types = [wire.properties.get(_TYPE, "")]
-            ends = (components[end.instance].port(end.port) for end in wire.ports)
+        for connector in wires:
+            types = [connector.properties.get(_TYPE, "")]
+            ends = (components[end.instance].port(end.port) for end in connector.ports)
             types += [port.data_type for port in ends if port is not None]
-            for end in wire.ports:
+            for end in connector.ports:
                 if end.instance == instance:
                     carried.setdefault(end.port, []).append(next(filter(None, types), ""))
         ports = tuple(_settle(port, carried.get(port.name, [])) for port in component.ports)

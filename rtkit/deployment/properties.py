@@ -176,7 +176,7 @@ def _ports(
     for port in facts.ports:
         path = f"ports.{segment_of(port.name)}"
         here = own.get(port.name) or PortRef(facts.instance, port.name)
-        ends = [wire.ports for wire in wires if here in wire.ports]
+        ends = [connector.ports for connector in wires if here in connector.ports]
         others = [str(end) for both in ends for end in both if end != here]
         shown += [
             Shown(f"{path}.direction", Word(_DIRECTIONS[port.port_type]), _read_only("word")),
@@ -202,7 +202,7 @@ def of_manager(snapshot: Snapshot, settings: Mapping[str, str]) -> list[Shown]:
         _list("components", [facts.instance for facts in snapshot.components]),
         _list("slaves", slaves),
         _list("modules", [module.path for module in snapshot.modules]),
-        _list("connectors", [wire.connector_id for wire in snapshot.connectors]),
+        _list("connectors", [connector.connector_id for connector in snapshot.connectors]),
     ]
     for key, text in settings.items():
         path = ".".join(map(segment_of, key.split(".")))

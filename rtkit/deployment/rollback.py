@@ -48,14 +48,14 @@ def _is_new(instance: str, before: Snapshot, now: Snapshot) -> bool:
 def _connectors(
     tried: Iterable[Action], before: Snapshot, now: Snapshot, made: set[str]
 ) -> Iterator[Trace]:
-    known = {wire.connector_id for wire in before.connectors}
-    wires = {wire.connector_id: wire for wire in now.connectors}
+    known = {connector.connector_id for connector in before.connectors}
+    connectors = {connector.connector_id: connector for connector in now.connectors}
     for action in tried:
         if isinstance(action, act.Connect):
             id = action.connector.connector_id
-            is_left = id in wires and id not in known
+            is_left = id in connectors and id not in known
             # Deleting a component takes its connections along.
-            if is_left and not made & {end.instance for end in wires[id].ports}:
+            if is_left and not made & {end.instance for end in connectors[id].ports}:
                 yield Trace(f"connection {id}", act.Disconnect(id))
 
 

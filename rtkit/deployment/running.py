@@ -57,7 +57,7 @@ def teardown_plan(
     Where the components end, that something is gone already is just what is wanted.
     """
     ends = reversed(system.components) if ends_components else ()
-    removals = [_removal(wire, system, live) for wire in system.connectors]
+    removals = [_removal(connector, system, live) for connector in system.connectors]
     if ends_components:
         removals = [replace(step, blocked="", holds=step.action is None) for step in removals]
     return LayeredPlan(
@@ -81,7 +81,7 @@ def active_now(system: WantedSystem, live: LiveIndex) -> str:
 
 def left_now(system: WantedSystem, live: LiveIndex) -> str:
     """Report what of a system is still there, for a user whose teardown broke off."""
-    ids = [wire.profile.connector_id for wire in system.connectors]
+    ids = [connector.profile.connector_id for connector in system.connectors]
     left = [f"connection {id}" for id in ids if live.wire(id) is not None]
     left += [c.path for c in system.components if live.entry(c.instance) is not None]
     return f"left now: {', '.join(left) or 'none'}"
@@ -125,14 +125,16 @@ def _turn(
 
 
 def _removal(wanted: WantedConnector, system: WantedSystem, live: LiveIndex) -> PlannedAction:
-    wire = wanted.profile
-    source, target = (address(system, end) for end in wire.ports)
-    text = f"Disconnect {source} from {target} with ID {wire.connector_id}"
-    blocked = missing_end(system, live, wire, ())
-    known = live.wire(wire.connector_id)
-    if not blocked and (known is None or set(known.ports) != set(wire.ports)):
-        blocked = f"No connection from {source} with ID {wire.connector_id}"
-    return PlannedAction(text, None if blocked else Disconnect(wire.connector_id), blocked=blocked)
+    connector = wanted.profile
+    source, target = (address(system, end) for end in connector.ports)
+    text = f"Disconnect {source} from {target} with ID {connector.connector_id}"
+    blocked = missing_end(system, live, connector, ())
+    known = live.wire(connector.connector_id)
+    if not blocked and (known is None or set(known.ports) != set(connector.ports)):
+        blocked = f"No connection from {source} with ID {connector.connector_id}"
+    return PlannedAction(
+        text, None if blocked else Disconnect(connector.connector_id), blocked=blocked
+    )
 
 
 def _end(component: WantedComponent, live: LiveIndex) -> PlannedAction:

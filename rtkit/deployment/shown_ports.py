@@ -25,13 +25,13 @@ def own_end(
 
 
 def own_wire(
-    wire: ConnectorProfile,
+    connector: ConnectorProfile,
     members: Callable[[str], Sequence[str]],
     has_port: Callable[[PortRef], bool],
 ) -> ConnectorProfile:
     """Return a connector that joins ports by their own names."""
-    ends = tuple(own_end(end, members, has_port) for end in wire.ports)
-    return wire if ends == wire.ports else replace(wire, ports=ends)
+    ends = tuple(own_end(end, members, has_port) for end in connector.ports)
+    return connector if ends == connector.ports else replace(connector, ports=ends)
 
 
 class OwnEnds:
@@ -49,9 +49,9 @@ class OwnEnds:
         """Return a port by its own name."""
         return own_end(end, self._members, self._has_port)
 
-    def wire(self, wire: ConnectorProfile) -> ConnectorProfile:
+    def wire(self, connector: ConnectorProfile) -> ConnectorProfile:
         """Return a connector that joins ports by their own names."""
-        return own_wire(wire, self._members, self._has_port)
+        return own_wire(connector, self._members, self._has_port)
 
     def ends(self, facts: ComponentFacts) -> dict[str, PortRef]:
         """Return the ports of a component by their own names."""
@@ -62,7 +62,7 @@ class OwnEnds:
     ) -> list[ConnectorProfile]:
         """Return those connectors that have an end at a port of a component."""
         ends = set(self.ends(facts).values())
-        return [wire for wire in wires if not ends.isdisjoint(wire.ports)]
+        return [connector for connector in wires if not ends.isdisjoint(connector.ports)]
 
     def inner(self, instance: str) -> set[str]:
         """Return the members of a component, and theirs."""

@@ -43,19 +43,19 @@ class Stated(NamedTuple):
 def stated(profile: RtsProfile) -> Stated:
     """Return what a profile states."""
     connectors = {
-        wire.connector_id: StatedConnector(
-            wire.name,
+        connector.connector_id: StatedConnector(
+            connector.name,
             (
-                wire.data_type,
-                wire.interface_type,
-                wire.dataflow_type,
-                wire.subscription_type,
-                f"{wire.push_interval or 0:g}",
+                connector.data_type,
+                connector.interface_type,
+                connector.dataflow_type,
+                connector.subscription_type,
+                f"{connector.push_interval or 0:g}",
             ),
-            _end(wire.source),
-            _end(wire.target),
+            _end(connector.source),
+            _end(connector.target),
         )
-        for wire in profile.data_port_connectors
+        for connector in profile.data_port_connectors
     }
     for service in profile.service_port_connectors:
         connectors[service.connector_id] = StatedConnector(

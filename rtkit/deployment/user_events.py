@@ -80,9 +80,9 @@ def user_events(before: Snapshot, delta: Delta) -> Iterator[UserEvent]:
     """Yield the events between the facts `before` and a delta; what goes comes first."""
     known = {facts.instance: facts for facts in before.components}
     places = {**known, **{facts.instance: facts for facts in delta.components}}
-    wires = {wire.connector_id: wire for wire in before.connectors}
+    connectors = {connector.connector_id: connector for connector in before.connectors}
     for connector_id in delta.cut:
-        yield from _wired(wires.get(connector_id), places, "PORT_DISCONNECT")
+        yield from _wired(connectors.get(connector_id), places, "PORT_DISCONNECT")
     for instance in delta.gone:
         old = known.get(instance)
         if old is not None:
@@ -91,9 +91,9 @@ def user_events(before: Snapshot, delta: Delta) -> Iterator[UserEvent]:
     for facts in delta.components:
         old = known.get(facts.instance)
         yield from _appeared(facts) if old is None else _component(old, facts)
-    for wire in delta.connectors:
-        if wire.connector_id not in wires:
-            yield from _wired(wire, places, "PORT_CONNECT")
+    for connector in delta.connectors:
+        if connector.connector_id not in connectors:
+            yield from _wired(connector, places, "PORT_CONNECT")
     yield from _systems(before, delta)
 
 
@@ -238,12 +238,12 @@ def _ports(old: ComponentFacts, new: ComponentFacts) -> Iterator[UserEvent]:
 
 
 def _wired(
-    wire: ConnectorProfile | None, places: Mapping[str, ComponentFacts], event: str
+    connector: ConnectorProfile | None, places: Mapping[str, ComponentFacts], event: str
 ) -> Iterator[UserEvent]:
-    if wire is None:
+    if connector is None:
         return
-    for end in wire.ports:
-        others = " ".join(f"{each.instance}:{each.port}" for each in wire.ports if each != end)
+    for end in connector.ports:
+        others = " ".join(f"{each.instance}:{each.port}" for each in connector.ports if each != end)
         facts = places.get(end.instance)
         if facts is not None:
             yield _of(PORT_EVENT, facts, end.port, event, others)

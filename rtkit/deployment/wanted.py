@@ -110,7 +110,9 @@ def wanted(
         *map(_data, profile.data_port_connectors),
         *map(_service, profile.service_port_connectors),
     ]
-    connectors = [_turned(_own(wire, components), components, is_data) for wire, is_data in wires]
+    connectors = [
+        _turned(_own(connector, components), components, is_data) for connector, is_data in wires
+    ]
     settled, type_notes = settle_types(components, connectors)
     return WantedSystem(tuple(settled.values()), tuple(connectors), (*notes, *type_notes))
 
@@ -388,25 +390,32 @@ def _ref(end: TargetPort) -> PortRef:
     return PortRef(end.instance_name, strip_instance(end.port_name, end.instance_name))
 
 
-def _data(wire: DataPortConnector) -> tuple[ConnectorProfile, bool]:
-    told = (wire.data_type, wire.interface_type, wire.dataflow_type, wire.subscription_type)
+def _data(connector: DataPortConnector) -> tuple[ConnectorProfile, bool]:
+    told = (
+        connector.data_type,
+        connector.interface_type,
+        connector.dataflow_type,
+        connector.subscription_type,
+    )
     stated = dict(zip(DATA_ATTRIBUTES, told, strict=True))
-    if wire.push_interval:
-        stated[PUSH_INTERVAL] = repr(wire.push_interval).removesuffix(".0")
+    if connector.push_interval:
+        stated[PUSH_INTERVAL] = repr(connector.push_interval).removesuffix(".0")
     merged = {key: value for key, value in stated.items() if value}
-    merged.update(lasting(properties_of(wire.properties)))
-    ends = (_ref(wire.source), _ref(wire.target))
-    return ConnectorProfile(wire.connector_id, wire.name, ends, merged), True
+    merged.update(lasting(properties_of(connector.properties)))
+    ends = (_ref(connector.source), _ref(connector.target))
+    return ConnectorProfile(connector.connector_id, connector.name, ends, merged), True
 
 
-def _service(wire: ServicePortConnector) -> tuple[ConnectorProfile, bool]:
+def _service(connector: ServicePortConnector) -> tuple[ConnectorProfile, bool]:
     merged = {"port.port_type": PortType.SERVICE.value}
-    merged.update(lasting(properties_of(wire.properties)))
-    ends = (_ref(wire.source), _ref(wire.target))
-    return ConnectorProfile(wire.connector_id, wire.name, ends, merged), False
+    merged.update(lasting(properties_of(connector.properties)))
+    ends = (_ref(connector.source), _ref(connector.target))
+    return ConnectorProfile(connector.connector_id, connector.name, ends, merged), False
 
 
-def _own(wire: ConnectorProfile, components: Mapping[str, WantedComponent]) -> ConnectorProfile:
+def _own(
+    connector: ConnectorProfile, components: Mapping[str, WantedComponent]
+) -> ConnectorProfile:
     """Have a connector join a member's port where the profile names it as its composite does."""
 
     def members(instance: str) -> Sequence[str]:
@@ -423,18 +432,18 @@ def _own(wire: ConnectorProfile, components: Mapping[str, WantedComponent]) -> C
         component = components.get(end.instance)
         return component is not None and component.port(end.port) is not None
 
-    return own_wire(wire, members, has_port)
+    return own_wire(connector, members, has_port)
 
 
 def _turned(
-    wire: ConnectorProfile, components: Mapping[str, WantedComponent], is_data: bool
+    connector: ConnectorProfile, components: Mapping[str, WantedComponent], is_data: bool
 ) -> WantedConnector:
     """Put the out port first, whatever the profile does."""
     kinds = []
-    for end in wire.ports:
+    for end in connector.ports:
         port = components[end.instance].port(end.port)
         kinds.append(port.port_type if port is not None else None)
     if is_data and are_reversed(kinds):
-        wire = replace(wire, ports=wire.ports[::-1])
-    is_required = all(components[end.instance].is_required for end in wire.ports)
-    return WantedConnector(wire, is_data, is_required)
+        connector = replace(connector, ports=connector.ports[::-1])
+    is_required = all(components[end.instance].is_required for end in connector.ports)
+    return WantedConnector(connector, is_data, is_required)

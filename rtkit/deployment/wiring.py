@@ -18,15 +18,19 @@ def wiring_plan(
     system: WantedSystem, live: LiveIndex, pending: Collection[str] = ()
 ) -> LayeredPlan:
     """Return what makes living components the wanted system; `pending` are those to be made."""
-    data = [wire for wire in system.connectors if wire.is_data]
-    service = [wire for wire in system.connectors if not wire.is_data]
+    data = [connector for connector in system.connectors if connector.is_data]
+    service = [connector for connector in system.connectors if not connector.is_data]
     settings = [s for c in system.components for s in _parameters(c, live, pending)]
     settings += [s for c in system.components for s in _supervision(c, live, pending)]
     active = [s for c in system.components for s in _active_set(c, live, pending)]
     return LayeredPlan(
         layers=(
-            *layer("connect", (_connection(wire, system, live, pending) for wire in data)),
-            *layer("connect", (_connection(wire, system, live, pending) for wire in service)),
+            *layer(
+                "connect", (_connection(connector, system, live, pending) for connector in data)
+            ),
+            *layer(
+                "connect", (_connection(connector, system, live, pending) for connector in service)
+            ),
             *layer("configure", settings),
             *layer("activate sets", active),
         )
@@ -34,10 +38,10 @@ def wiring_plan(
 
 
 def missing_end(
-    system: WantedSystem, live: LiveIndex, wire: ConnectorProfile, pending: Collection[str]
+    system: WantedSystem, live: LiveIndex, connector: ConnectorProfile, pending: Collection[str]
 ) -> str:
     """Return which end of a connection is not there; empty when both are."""
-    for word, end in zip(("Source", "Destination"), wire.ports, strict=True):
+    for word, end in zip(("Source", "Destination"), connector.ports, strict=True):
         if end.instance in pending:
             continue
         component = system.component(end.instance)
@@ -51,32 +55,32 @@ def missing_end(
     return ""
 
 
-def parting(system: WantedSystem, live: LiveIndex, wire: ConnectorProfile) -> str:
+def parting(system: WantedSystem, live: LiveIndex, connector: ConnectorProfile) -> str:
     """Return why a connection cannot be, as its ends are in two managers; empty if not so."""
-    why = live.parted(wire)
-    return f"{' to '.join(address(system, end) for end in wire.ports)}: {why}" if why else ""
+    why = live.parted(connector)
+    return f"{' to '.join(address(system, end) for end in connector.ports)}: {why}" if why else ""
 
 
-def is_same_wire(known: ConnectorProfile | None, wire: ConnectorProfile) -> bool:
+def is_same_wire(known: ConnectorProfile | None, connector: ConnectorProfile) -> bool:
     """Return whether a connection exists just as wanted."""
-    if known is None or set(known.ports) != set(wire.ports):
+    if known is None or set(known.ports) != set(connector.ports):
         return False
-    return not differing(wire.properties, known.properties)
+    return not differing(connector.properties, known.properties)
 
 
 def _connection(
     wanted: WantedConnector, system: WantedSystem, live: LiveIndex, pending: Collection[str]
 ) -> PlannedAction:
-    wire = wanted.profile
-    source, target = (address(system, end) for end in wire.ports)
+    connector = wanted.profile
+    source, target = (address(system, end) for end in connector.ports)
     text = (
-        f"Connect {source} to {target} with ID {wire.connector_id}"
-        f" and properties {dict(wire.properties)}"
+        f"Connect {source} to {target} with ID {connector.connector_id}"
+        f" and properties {dict(connector.properties)}"
     )
-    blocked = missing_end(system, live, wire, pending) or parting(system, live, wire)
-    is_free = not {end.instance for end in wire.ports} & set(pending)
-    holds = not blocked and is_free and is_same_wire(live.wire(wire.connector_id), wire)
-    action = None if blocked or holds else Connect(wire)
+    blocked = missing_end(system, live, connector, pending) or parting(system, live, connector)
+    is_free = not {end.instance for end in connector.ports} & set(pending)
+    holds = not blocked and is_free and is_same_wire(live.wire(connector.connector_id), connector)
+    action = None if blocked or holds else Connect(connector)
     return PlannedAction(text, action, wanted.is_required, blocked, holds, f"{source} to {target}")
 
 

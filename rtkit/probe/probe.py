@@ -97,7 +97,7 @@ class Probe(Closing):
             Refused: A connection is not possible, or failed; names the port as typed.
         """
         own = {port.name: port for port in self._ports}
-        wires: list[ConnectorProfile] = []
+        connectors: list[ConnectorProfile] = []
         typed = [""]
         for stream in self._streams:
             port = own[stream.name].profile
@@ -106,11 +106,11 @@ class Probe(Closing):
             )
             for end in stream.ends:
                 given = {NUMBERED: "YES", **properties}
-                wires.append(make_connector(mine, end, str(uuid4()), "", given))
+                connectors.append(make_connector(mine, end, str(uuid4()), "", given))
                 typed.append(f"{end.path.typed}: ")
         self._attached.changed = self._look
         activate = ChangeState(self.component.instance, "0", Transition.ACTIVATE)
-        actions: list[Action] = [activate, *(Connect(wire) for wire in wires)]
+        actions: list[Action] = [activate, *(Connect(connector) for connector in connectors)]
         for where, result in zip(typed, self._tree.apply(actions), strict=False):
             if not result.ok:
                 raise from_kind(result.kind, f"{where}{result.why}")

@@ -36,11 +36,11 @@ def system_scene(profile: RtsProfile) -> s.Scene:
         for place, (key, _) in enumerate(ports):
             ends.setdefault(key, s.WireEnd(index, place))
         boxes.append(_box(component, [port for _, port in ports], len(hosts) > 1))
-    wires = [
+    connectors = [
         *(_wire(each, _DATA, ends) for each in profile.data_port_connectors),
         *(_wire(each, _SERVICE, ends) for each in profile.service_port_connectors),
     ]
-    drawn = tuple(wire for wire in wires if wire is not None)
+    drawn = tuple(connector for connector in connectors if connector is not None)
     return with_sides(s.Scene(tuple(boxes), drawn, tuple(_frames(profile))))
 
 

@@ -169,8 +169,8 @@ class ByPath:
 
         _, (first, second) = find_ends(self, [_port(one), _port(other)])
         given = {key.replace("__", "."): _value(each, key) for key, each in properties.items()}
-        wire = make_connector(first, second, connector_id or str(uuid4()), "", given)
-        return self.perform(Connect(wire))
+        connector = make_connector(first, second, connector_id or str(uuid4()), "", given)
+        return self.perform(Connect(connector))
 
     def disconnect(self: _Calls, one: str, other: str = "") -> int:
         """Remove the connections of a port, or those between two; return how many there were.
@@ -184,10 +184,10 @@ class ByPath:
 
         paths = [_port(path) for path in (one, other) if path != ""]
         snapshot, (first, *others) = find_ends(self, paths)
-        wires = between(snapshot.connectors, first.ref, [end.ref for end in others])
-        for result in self.apply([Disconnect(wire.connector_id) for wire in wires]):
+        connectors = between(snapshot.connectors, first.ref, [end.ref for end in others])
+        for result in self.apply([Disconnect(connector.connector_id) for connector in connectors]):
             result.raise_for_error()
-        return len(wires)
+        return len(connectors)
 
     def configure(self: _Calls, path: str, set_id: str = "", **values: Value) -> None:
         """Change parameters of a configuration set (by default the active one), all or none.

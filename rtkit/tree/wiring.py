@@ -138,9 +138,10 @@ def between(
 ) -> list[ConnectorProfile]:
     """Return the connections of port `one`, where `others` are given only those with one."""
     return [
-        wire
-        for wire in wires
-        if one in wire.ports and (not others or any(other in wire.ports for other in others))
+        connector
+        for connector in wires
+        if one in connector.ports
+        and (not others or any(other in connector.ports for other in others))
     ]
 
 

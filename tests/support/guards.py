@@ -109,7 +109,7 @@ GUARDS = (
     Guard(
         "system/test_faults.py::test_a_killed_slave_costs_nobody_else_a_message",
         "rtkit/manager/core/core.py",
-        """                self._cut(wire)
+        """                self._cut(connector)
             if (process.is_wanted or process.verdict) and not process.is_guest:
                 self.state.drop_connectors(instance)
 """,
@@ -241,7 +241,7 @@ GUARDS = (
     Guard(
         "laws/test_deployment_planning.py",
         "rtkit/deployment/planning/operators.py",
-        """            *(f"con:{wire}" for wire in model.wires_of[name]),
+        """            *(f"con:{connector}" for connector in model.wires_of[name]),
             *(f"cfg:{key}" for key in model.keys_of[name]),
 """,
         "",
@@ -255,7 +255,7 @@ GUARDS = (
     Guard(
         "system/test_campaign.py::test_every_kind_of_fault",
         "rtkit/manager/core/recovery.py",
-        "        if wire.connector_id not in state.connectors\n",
-        "        if wire.connector_id not in {*state.connectors, 'Cell3-Cell4'}\n",
+        "        if connector.connector_id not in state.connectors\n",
+        "        if connector.connector_id not in {*state.connectors, 'Cell3-Cell4'}\n",
     ),
 )

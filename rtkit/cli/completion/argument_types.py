@@ -116,8 +116,8 @@ def _connected_to(asked: CursorMeaning, live: CompletionSource) -> Found:
         return ()
     ends = {
         (end["instance"], end["port"])
-        for wire in instances_of(live.snapshot["connectors"], *first)
-        for end in wire["ports"]
+        for connector in instances_of(live.snapshot["connectors"], *first)
+        for end in connector["ports"]
         if end["instance"] != first[0]
     }
     names = {instance for instance, _ in ends}
@@ -142,15 +142,16 @@ def _connected(asked: CursorMeaning, live: CompletionSource) -> Found:
 
 def _connectors(asked: CursorMeaning, live: CompletionSource) -> Found:
     ends = [_end(each, live) for each in asked.arguments[:1]]
-    wires = live.snapshot["connectors"]
+    connectors = live.snapshot["connectors"]
     for end in filter(None, ends):
-        wires = instances_of(wires, *end)
+        connectors = instances_of(connectors, *end)
     return [
         Candidate(
-            wire["connector_id"], " ".join(f"{p['instance']}.{p['port']}" for p in wire["ports"])
+            connector["connector_id"],
+            " ".join(f"{p['instance']}.{p['port']}" for p in connector["ports"]),
         )
-        for wire in wires
-        if wire["connector_id"].startswith(asked.typed)
+        for connector in connectors
+        if connector["connector_id"].startswith(asked.typed)
     ]
 
 

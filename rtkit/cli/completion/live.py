@@ -94,10 +94,10 @@ def _whole(facts: Plain) -> Plain:
 def instances_of(wires: Sequence[Plain], instance: str, port: str | None) -> list[Plain]:
     """Return those connectors that end at a component, or at one port of it."""
     return [
-        wire
-        for wire in wires
+        connector
+        for connector in wires
         if any(
             end["instance"] == instance and (port is None or end["port"] == port)
-            for end in wire["ports"]
+            for end in connector["ports"]
         )
     ]

@@ -72,12 +72,12 @@ def main(
     snapshot, (first, *others) = find_ends(app.tree, ports)
     if no_duplicates and connector_id:
         snapshot = app.tree.snapshot()  # the id may be in use at quite other ports
-    wires = []
+    connectors = []
     for other, each_id in zip(others, _ids(connector_id, len(others)), strict=True):
-        wires.append(make_connector(first, other, each_id, name, given))
+        connectors.append(make_connector(first, other, each_id, name, given))
         if no_duplicates:
             _check_new(snapshot, first, other, each_id, name)
-    _make(app, wires, {wire.connector_id for wire in snapshot.connectors})
+    _make(app, connectors, {connector.connector_id for connector in snapshot.connectors})
 
 
 def _properties(app: App, texts: Sequence[str]) -> dict[str, str]:
@@ -121,23 +121,27 @@ def _check_new(
             "An identical connection already exists between"
             f" {one.path.typed} and {other.path.typed}"
         )
-    for wire in snapshot.connectors:
-        if wire.connector_id == connector_id:
+    for connector in snapshot.connectors:
+        if connector.connector_id == connector_id:
             raise Refused(f"A connection with ID {connector_id} already exists")
-        if name and wire.name == name and (one.ref in wire.ports or other.ref in wire.ports):
+        if (
+            name
+            and connector.name == name
+            and (one.ref in connector.ports or other.ref in connector.ports)
+        ):
             raise Refused(f"A connection with name {name} already exists at these ports")
 
 
 def _make(app: App, wires: Sequence[ConnectorProfile], present: set[str]) -> None:
     from rtkit.deployment.actions import Connect, Disconnect
 
-    results = app.tree.apply([Connect(wire) for wire in wires])
+    results = app.tree.apply([Connect(connector) for connector in wires])
     last = results[-1]
     if last.ok:
-        for wire in wires:
-            app.tell(f"{wire.ports[0]} -> {wire.ports[1]}: {wire.connector_id}")
+        for connector in wires:
+            app.tell(f"{connector.ports[0]} -> {connector.ports[1]}: {connector.connector_id}")
         return
-    made = [wire.connector_id for wire in wires[: len(results) - 1]]
+    made = [connector.connector_id for connector in wires[: len(results) - 1]]
     undo = [Disconnect(each) for each in made if each not in present]
     if undo:
         app.tree.apply(undo, is_ordered=False)

@@ -39,14 +39,16 @@ def main(app: App, paths: tuple[str, ...], connector_id: str) -> None:
     found = [app.path(each) for each in paths]
     if len(found) > 1:
         _check_ports(found)
-    wires = _connections(app.tree, found)
+    connectors = _connections(app.tree, found)
     if connector_id:
-        wires = [wire for wire in wires if wire.connector_id == connector_id]
-        if not wires:
+        connectors = [
+            connector for connector in connectors if connector.connector_id == connector_id
+        ]
+        if not connectors:
             raise NotFound(f"No connection from {paths[0]} with ID {connector_id}")
-    elif len(found) > 1 and not wires:
+    elif len(found) > 1 and not connectors:
         raise NotFound("No connection found involving the specified ports.")
-    _remove(app, wires)
+    _remove(app, connectors)
 
 
 def _check_ports(paths: Sequence[Path]) -> None:
@@ -75,8 +77,8 @@ def _remove(app: App, wires: Sequence[ConnectorProfile]) -> None:
         return
     results = app.tree.apply([Disconnect(w.connector_id) for w in wires], is_ordered=False)
     failures = [
-        (wire.connector_id, from_kind(result.kind, f"{result.why}: {wire.connector_id}"))
-        for wire, result in zip(wires, results, strict=True)
+        (connector.connector_id, from_kind(result.kind, f"{result.why}: {connector.connector_id}"))
+        for connector, result in zip(wires, results, strict=True)
         # Somebody else removed it in the meantime: the request is fulfilled.
         if not result.ok and result.kind != NotFound.kind
     ]

@@ -100,7 +100,7 @@ def _ports(
 
     A living component of the same type shows them, else an RTC profile of the type says them.
     """
-    ends = {end.instance for wire in system.connectors for end in wire.profile.ports}
+    ends = {end.instance for connector in system.connectors for end in connector.profile.ports}
     alive = {c.type.id: c.ports for c in live.snapshot.components if not c.zombie}
     found = {}
     for component in pending:

@@ -125,10 +125,10 @@ def wanted_system(
     for note in system.notes:
         app.tell(note)
     app.warn(_odd_keys(document.profile))
-    for wire in system.connectors:
-        if wire.is_data:
-            found = _odd(wire.profile)
-            app.warn(f"connector {wire.profile.connector_id}: {text}" for text in found)
+    for connector in system.connectors:
+        if connector.is_data:
+            found = _odd(connector.profile)
+            app.warn(f"connector {connector.profile.connector_id}: {text}" for text in found)
     return system
 
 
@@ -146,15 +146,15 @@ def _unknown_options(options: Mapping[str, str]) -> Iterable[str]:
     return unknown_options(options)
 
 
-def _odd(wire: ConnectorProfile) -> list[str]:
+def _odd(connector: ConnectorProfile) -> list[str]:
     """Return the unknown or senseless properties of a connector."""
     from rtkit.component.options import parse_options, remarks
 
     try:
-        parse_options(wire.properties)
+        parse_options(connector.properties)
     except Malformed as error:
         return [str(error)]
-    return remarks(wire.properties)
+    return remarks(connector.properties)
 
 
 def snapshot(app: App) -> Snapshot:

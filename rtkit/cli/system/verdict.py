@@ -80,8 +80,8 @@ def _checked(source: str, system: WantedSystem, found: Sequence[Deviation]) -> I
     from rtkit.deployment.system import address
 
     things = {component.path: "component" for component in system.components}
-    for wire in system.connectors:
-        ends = (address(system, end) for end in wire.profile.ports)
+    for connector in system.connectors:
+        ends = (address(system, end) for end in connector.profile.ports)
         things[" ".join(ends)] = "connection"
     for name, what in things.items():
         own = (each for each in found if each.path == name)

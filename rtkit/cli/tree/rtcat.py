@@ -116,11 +116,11 @@ def _component_record(snapshot: Snapshot, facts: ComponentFacts) -> dict[str, An
     from rtkit.deployment.shown_ports import OwnEnds
     from rtkit.rtc.serde import encode
 
-    wires = OwnEnds.of(snapshot).wires(facts, snapshot.connectors)
+    connectors = OwnEnds.of(snapshot).wires(facts, snapshot.connectors)
     return {
         "state": facts.state,
         **encode(facts),
-        "connectors": [encode(wire) for wire in wires],
+        "connectors": [encode(connector) for connector in connectors],
     }
 
 
@@ -130,5 +130,5 @@ def _port_record(snapshot: Snapshot, facts: ComponentFacts, port: PortProfile) -
     from rtkit.rtc.serde import encode
 
     end = OwnEnds.of(snapshot).end(PortRef(facts.instance, port.name))
-    wires = [encode(wire) for wire in snapshot.connectors if end in wire.ports]
-    return {**encode(port), "connectors": wires}
+    connectors = [encode(connector) for connector in snapshot.connectors if end in connector.ports]
+    return {**encode(port), "connectors": connectors}

@@ -214,8 +214,11 @@ def subjects(kind: str, system: WantedSystem, snapshot: Snapshot) -> set[str]:
         case "load" | "unload":
             return set(_modules(system, snapshot))
         case "connect" | "disconnect":
-            wires = [*(wire.profile for wire in system.connectors), *snapshot.connectors]
-            return {wire.connector_id for wire in wires}
+            connectors = [
+                *(connector.profile for connector in system.connectors),
+                *snapshot.connectors,
+            ]
+            return {connector.connector_id for connector in connectors}
     components: list[WantedComponent | ComponentFacts] = [*system.components, *snapshot.components]
     names = {each.instance for each in components}
     if kind == "configure":

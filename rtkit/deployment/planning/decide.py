@@ -99,8 +99,8 @@ class _Deciding:
 
     def _all_pairs(self) -> Iterator[Pair]:
         model, assignments = self._model, self._assignments
-        for name, wire in model.wires.items():
-            one, other = wire.ends[0], wire.ends[-1]
+        for name, connector in model.wires.items():
+            one, other = connector.ends[0], connector.ends[-1]
             yield Pair(one, other, lambda a, b, name=name: assignments.wire(name, (a, b)))  # type: ignore[misc]
         for unit in model.units.values():
             lives = model.now(f"cmp:{unit.name}") != ABSENT

@@ -66,7 +66,12 @@ def _is_possible(model: Model, wishes: Sequence[Wished]) -> bool:
 def _near(model: Model, units: Collection[str]) -> set[str]:
     return {
         *units,
-        *(end for name in units for wire in model.wires_of[name] for end in model.wires[wire].ends),
+        *(
+            end
+            for name in units
+            for connector in model.wires_of[name]
+            for end in model.wires[connector].ends
+        ),
     }
 
 
@@ -109,10 +114,10 @@ def _reasons(model: Model, wishes: Sequence[Wished]) -> Iterator[str]:
     for variable, _ in wishes:
         kind, _, name = variable.partition(":")
         if kind == "con":
-            wire = model.wires[name]
-            if wire.why_not and not asked.allows(variable, NO):
-                yield wire.why_not
-            for end in dict.fromkeys(wire.ends):
+            connector = model.wires[name]
+            if connector.why_not and not asked.allows(variable, NO):
+                yield connector.why_not
+            for end in dict.fromkeys(connector.ends):
                 yield from _unit_reasons(asked, end)
         elif kind == "mod":
             manager, _, module = name.partition("/")

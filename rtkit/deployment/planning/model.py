@@ -158,8 +158,8 @@ class Model:
     def wires_of(self) -> dict[str, list[str]]:
         """The connections of each component, by its name."""
         found: dict[str, list[str]] = {name: [] for name in self.units}
-        for name, wire in self.wires.items():
-            for end in dict.fromkeys(wire.ends):
+        for name, connector in self.wires.items():
+            for end in dict.fromkeys(connector.ends):
                 found[end].append(name)
         return found
 

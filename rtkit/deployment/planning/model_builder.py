@@ -105,7 +105,7 @@ class ModelBuilder:
         self._began = self.began or self.live.snapshot
         # What was otherwise before is to be so again, and what was not there is to go again.
         self.replaces = self.replaces or self.is_back
-        self._joined = {wire.connector_id: wire for wire in self._began.connectors}
+        self._joined = {connector.connector_id: connector for connector in self._began.connectors}
         self._before = {facts.instance: facts for facts in self._began.components}
         self._units: dict[str, ComponentVariable] = {}
         self._wires: dict[str, ConnectionVariable] = {}
@@ -131,8 +131,8 @@ class ModelBuilder:
             self._live[f"mgr:{name}"] = UP if told.pid else DOWN
         for component in self.system.components:
             self._component(component)
-        for wire in self.system.connectors:
-            self._connector(wire)
+        for connector in self.system.connectors:
+            self._connector(connector)
         if self.prunes:
             self._prune()
         self._surplus([*self.live.snapshot.connectors, *self._began.connectors])
@@ -364,20 +364,20 @@ class ModelBuilder:
     # connections
 
     def _connector(self, wanted: WantedConnector) -> None:
-        wire, live = wanted.profile, self.live
-        id = wire.connector_id
-        if any(end.instance not in self._units for end in wire.ports):
+        connector, live = wanted.profile, self.live
+        id = connector.connector_id
+        if any(end.instance not in self._units for end in connector.ports):
             return  # that an end is left out is reported already
         known = live.wire(id)
-        names = [end.instance for end in wire.ports]
+        names = [end.instance for end in connector.ports]
         pending = [each for each in names if live.at(each) is None or each in self._replaced]
-        why = missing_end(self.system, live, wire, pending) or self._refused(wanted, pending)
-        why = parting(self.system, live, wire) or why
+        why = missing_end(self.system, live, connector, pending) or self._refused(wanted, pending)
+        why = parting(self.system, live, connector) or why
         if why and not wanted.is_required and known is None:
             self._notes.append(why)
             return
-        ends = tuple(end.instance for end in wire.ports)
-        self._wires[id] = ConnectionVariable(ends, why, self._wire_text(id, wire.ports))
+        ends = tuple(end.instance for end in connector.ports)
+        self._wires[id] = ConnectionVariable(ends, why, self._wire_text(id, connector.ports))
         if self.absent.isdisjoint(ends):
             self._desired[f"con:{id}"] = YES
         for other in filter(None, (known, self._joined.get(id))):
@@ -386,7 +386,7 @@ class ModelBuilder:
                 if end.instance not in self._units and not self._is_gone(end.instance):
                     self._bystander(end.instance)
         if known is not None:
-            self._live[f"con:{id}"] = YES if is_same_wire(known, wire) else OTHER
+            self._live[f"con:{id}"] = YES if is_same_wire(known, connector) else OTHER
 
     def _wire_text(self, id: str, ports: tuple[PortRef, ...]) -> str:
         return f"{' to '.join(map(str, ports))} ({id})"
@@ -418,9 +418,9 @@ class ModelBuilder:
 
     def _surplus(self, wires: Iterable[ConnectorProfile]) -> None:
         """Take in connections of wanted components that nobody names: who moves keeps them."""
-        for wire in wires:
-            id = wire.connector_id
-            names = [end.instance for end in wire.ports]
+        for connector in wires:
+            id = connector.connector_id
+            names = [end.instance for end in connector.ports]
             if id in self._wires or not any(name in self._units for name in names):
                 continue
             if any(name not in self._units and self._is_gone(name) for name in names):
@@ -428,7 +428,9 @@ class ModelBuilder:
             for name in names:
                 if name not in self._units:
                     self._bystander(name)
-            self._wires[id] = ConnectionVariable(tuple(names), "", self._wire_text(id, wire.ports))
+            self._wires[id] = ConnectionVariable(
+                tuple(names), "", self._wire_text(id, connector.ports)
+            )
             is_kept = not self.prunes or any(self._units[name].why_not for name in names)
             if self.absent.isdisjoint(names):
                 self._desired[f"con:{id}"] = YES if is_kept else NO

@@ -123,7 +123,7 @@ class Operators:
         needs = [
             _there(name),
             Requirement(f"act:{name}", (INACTIVE, ERROR)),
-            *(Requirement(f"con:{wire}", (NO,)) for wire in model.wires_of[name]),
+            *(Requirement(f"con:{connector}", (NO,)) for connector in model.wires_of[name]),
             *(Requirement(f"cmp:{whole}", (ABSENT,)) for whole in model.wholes_of[name]),
         ]
         changes = [(f"cmp:{name}", ABSENT), (f"act:{name}", INACTIVE)]
@@ -161,7 +161,7 @@ class Operators:
         model = self._model
         needs = [_there(name), Requirement(f"act:{name}", (INACTIVE,))]
         heeds = (
-            *(f"con:{wire}" for wire in model.wires_of[name]),
+            *(f"con:{connector}" for connector in model.wires_of[name]),
             *(f"cfg:{key}" for key in model.keys_of[name]),
             *(f"cmp:{whole}" for whole in model.wholes_of[name]),
         )
@@ -216,9 +216,9 @@ class Operators:
             yield from (self.deactivate(name), self.reset(name))
         for key in (each for each in model.keys if not model.keys[each].is_fixed):
             yield from (self.configure(key, value) for value in self._values(key))
-        for name, wire in model.wires.items():
+        for name, connector in model.wires.items():
             yield self.disconnect(name)
-            if not wire.why_not:
+            if not connector.why_not:
                 yield self.connect(name)
 
     def _told(self, name: str) -> str:

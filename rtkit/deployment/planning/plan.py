@@ -58,11 +58,11 @@ class DeploymentPlan:
             model.now(f"cmp:{name}") != ABSENT and ("delete", name) not in ended
             for name in model.units
         )
-        wires = sum(
+        connectors = sum(
             model.now(f"con:{name}") != NO and ("disconnect", name) not in ended
             for name in model.wires
         )
-        return managers, units, wires
+        return managers, units, connectors
 
 
 def make_plan(model: Model, ranks: Mapping[str, int] = NO_RANKS) -> DeploymentPlan:

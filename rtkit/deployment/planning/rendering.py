@@ -36,8 +36,8 @@ def lines(plan: DeploymentPlan, costs: Costs = USUAL) -> Iterator[str]:
         if any(len(layer) > 1 for layer in plan.layers):
             yield f"at once: {'; '.join(_ranges([n + 1 for n in each]) for each in plan.layers)}"
         yield from _sources(plan, costs)
-    managers, units, wires = plan.kept
-    kept = [(managers, "manager"), (units, "component"), (wires, "connection")]
+    managers, units, connectors = plan.kept
+    kept = [(managers, "manager"), (units, "component"), (connectors, "connection")]
     yield f"kept: {', '.join(counted(*each) for each in kept if each[0]) or 'nothing'}"
 
 
@@ -59,7 +59,7 @@ def changes(plan: DeploymentPlan) -> Iterator[str]:
 def as_plain(plan: DeploymentPlan, costs: Costs = USUAL) -> dict[str, Any]:
     """Return a plan as plain data for JSON; steps are numbered from 1."""
     layer_of = {n: number for number, layer in enumerate(plan.layers, 1) for n in layer}
-    managers, units, wires = plan.kept
+    managers, units, connectors = plan.kept
     return {
         "cost": round(plan.cost, 6),
         "optimal": plan.gap == 0,
@@ -79,7 +79,7 @@ def as_plain(plan: DeploymentPlan, costs: Costs = USUAL) -> dict[str, Any]:
             }
             for n, (move, change) in enumerate(zip(plan.moves, changes(plan), strict=True))
         ],
-        "kept": {"managers": managers, "components": units, "connections": wires},
+        "kept": {"managers": managers, "components": units, "connections": connectors},
     }
 
 

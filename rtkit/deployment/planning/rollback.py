@@ -31,8 +31,8 @@ class Rollback:
         self._before = before
         self._was = survey(before)
         self._joined = {
-            wire.connector_id: tuple(end.instance for end in wire.ports)
-            for wire in before.connectors
+            connector.connector_id: tuple(end.instance for end in connector.ports)
+            for connector in before.connectors
         }
         self._failures: Counter[str] = Counter()
 
@@ -81,8 +81,8 @@ class Rollback:
         for name in units:
             yield from (f"cmp:{name}", f"act:{name}")
             yield from (f"cfg:{key}" for key in model.keys_of[name])
-            wires = (f"con:{wire}" for wire in model.wires_of[name])
-            yield from (v for v in wires if failures > 1 or model.desired.get(v) == YES)
+            connectors = (f"con:{connector}" for connector in model.wires_of[name])
+            yield from (v for v in connectors if failures > 1 or model.desired.get(v) == YES)
 
 
 def _units_of(model: Model, variable: str) -> Iterator[str]:
@@ -103,7 +103,7 @@ def _units_of(model: Model, variable: str) -> Iterator[str]:
 
 def _beside(model: Model, name: str) -> Iterator[str]:
     """Yield the components that one is connected with, composed of, or part of."""
-    yield from (end for wire in model.wires_of[name] for end in model.wires[wire].ends)
+    yield from (end for connector in model.wires_of[name] for end in model.wires[connector].ends)
     yield from model.wholes_of[name]
     yield from (each for each in model.units[name].members if each in model.units)
 

@@ -163,8 +163,8 @@ def changes(was: Model, now: Model) -> Iterator[str]:
 
 
 def _told(title: str, name: str, was: Model, now: Model) -> str:
-    wire = (now.wires.get(name) or was.wires.get(name)) if title == "connection" else None
-    return f"{title} {wire.text or name if wire is not None else name}"
+    connector = (now.wires.get(name) or was.wires.get(name)) if title == "connection" else None
+    return f"{title} {connector.text or name if connector is not None else name}"
 
 
 def _knows(model: Model, variable: str) -> bool:

@@ -145,9 +145,9 @@ class _Emitting:
     def _disconnections(self) -> Iterator[Operator]:
         model = self._model
         ended = set(self._ended)
-        for name, wire in model.wires.items():
+        for name, connector in model.wires.items():
             now = model.now(f"con:{name}")
-            is_broken = not ended.isdisjoint(wire.ends) or not model.allows(f"con:{name}", now)
+            is_broken = not ended.isdisjoint(connector.ends) or not model.allows(f"con:{name}", now)
             if now != NO and is_broken:
                 yield self._moves.disconnect(name)
 

@@ -37,7 +37,9 @@ class ActionBuilder:
         self._system = system
         self._before = before
         self._wanted = {component.instance: component for component in system.components}
-        self._wires = {wire.connector_id: wire for wire in before.snapshot.connectors}
+        self._wires = {
+            connector.connector_id: connector for connector in before.snapshot.connectors
+        }
         self._wires.update((w.profile.connector_id, w.profile) for w in system.connectors)
 
     def layers(
@@ -106,8 +108,8 @@ class ActionBuilder:
             return act.Attach(*parts) if move.kind == "connect" else act.Detach(*parts)
         if move.kind == "disconnect":
             return act.Disconnect(move.subject)
-        wire: ConnectorProfile = self._wires[move.subject]
-        return act.Connect(wire)
+        connector: ConnectorProfile = self._wires[move.subject]
+        return act.Connect(connector)
 
     def _configure(self, move: Operator, live: LiveIndex) -> Iterator[Action]:
         name = owner_of(move.subject)

@@ -73,8 +73,8 @@ def take(state: ManagerState, process: Process, holding: Holding) -> list[Messag
     if process.is_guest:
         for instance in state.held_by(process.key):
             state.update(instance, names=free_names(state, instance))
-    for wire in holding.wires:
-        _take_end(state, process, wire)
+    for connector in holding.wires:
+        _take_end(state, process, connector)
     return undo
 
 
@@ -93,8 +93,8 @@ def take_unsaid(state: ManagerState, process: Process, holding: Holding) -> None
     take(state, process, holding)
     for instance in state.held_by(process.key):
         state.update(instance, trouble=state.trouble_of(instance, process))
-    for (_, key), wire in list(state.loose.items()):
-        _take_end(state, state.processes[key], wire)
+    for (_, key), connector in list(state.loose.items()):
+        _take_end(state, state.processes[key], connector)
 
 
 def take_missed(state: ManagerState, process: Process, holding: Holding) -> None:
@@ -117,12 +117,12 @@ def take_missed(state: ManagerState, process: Process, holding: Holding) -> None
 
 def unsaid_wires(state: ManagerState, process: Process, holding: Holding) -> list[ConnectorProfile]:
     """Return the connectors that a slave was taken to hold ends of, and does not."""
-    said = {wire.connector_id for wire in holding.wires}
+    said = {connector.connector_id for connector in holding.wires}
     return [
-        wire
+        connector
         for instance in state.held_by(process.key)
-        for wire in state.connectors_of(instance)
-        if wire.connector_id not in said
+        for connector in state.connectors_of(instance)
+        if connector.connector_id not in said
     ]
 
 
@@ -149,23 +149,25 @@ def _take_component(state: ManagerState, process: Process, facts: ComponentFacts
     return True
 
 
-def _take_end(state: ManagerState, process: Process, wire: ConnectorProfile) -> None:
+def _take_end(state: ManagerState, process: Process, connector: ConnectorProfile) -> None:
     """Note that a process holds an end of a connector, which is whole once all report so."""
-    connector_id = wire.connector_id
+    connector_id = connector.connector_id
     known = state.connectors.get(connector_id)
-    if known is not None and set(known.ports) == set(wire.ports):
+    if known is not None and set(known.ports) == set(connector.ports):
         return
-    state.loose[connector_id, process.key] = wire
-    ends = [state.components.get(end.instance) for end in wire.ports]
+    state.loose[connector_id, process.key] = connector
+    ends = [state.components.get(end.instance) for end in connector.ports]
     is_alive = all(
         facts is not None and not facts.zombie and facts.port(end.port) is not None
-        for facts, end in zip(ends, wire.ports, strict=True)
+        for facts, end in zip(ends, connector.ports, strict=True)
     )
-    containers = {state.containers.get(end.instance) for end in wire.ports}
-    said = {key for (id, key), other in state.loose.items() if (id, other) == (connector_id, wire)}
+    containers = {state.containers.get(end.instance) for end in connector.ports}
+    said = {
+        key for (id, key), other in state.loose.items() if (id, other) == (connector_id, connector)
+    }
     silent = {process.key for process in state.processes.values() if process.silence}
     if known is None and is_alive and containers <= said | silent:
-        state.connectors[connector_id] = wire
+        state.connectors[connector_id] = connector
         for key in said & containers:
             del state.loose[connector_id, key]
 

@@ -206,10 +206,10 @@ class Core:
             facts = report_intake.take(self.state, process, message["facts"])
             self._limiting.heard(facts)
             self._supervisor.heard(facts, self._now)
-            for wire in self.state.connectors_of(facts.instance):
-                ends = [end for end in wire.ports if end.instance == facts.instance]
+            for connector in self.state.connectors_of(facts.instance):
+                ends = [end for end in connector.ports if end.instance == facts.instance]
                 if any(facts.port(end.port) is None for end in ends):
-                    self._cut(wire)
+                    self._cut(connector)
         elif "metrics" in message:
             self._survey.hear(process, message["metrics"])
         elif "loaded" in message:
@@ -223,8 +223,8 @@ class Core:
         if not isinstance(instance, str):
             return
         if self.state.containers.get(instance) == process.key:
-            for wire in self.state.connectors_of(instance):
-                self._cut(wire)
+            for connector in self.state.connectors_of(instance):
+                self._cut(connector)
             self.state.forget(instance)
         if instance not in self.state.ending and not self._is_stopping:
             self.state.kept.forget(instance)
@@ -275,8 +275,8 @@ class Core:
         for message in adoption.take(self.state, process, holding):
             self._out.append(ev.SendToContainer(process.key, message))
         adoption.believe(self.state, process, holding)
-        for wire in adoption.unsaid_wires(self.state, process, holding) if was_silent else ():
-            self._cut(wire)
+        for connector in adoption.unsaid_wires(self.state, process, holding) if was_silent else ():
+            self._cut(connector)
         if process.is_guest:
             welcome = {"welcome": self.state.held_by(process.key)}
             self._out.append(ev.SendToContainer(process.key, welcome))
@@ -320,8 +320,8 @@ class Core:
     def _release_slave(self, process: Process) -> None:
         lost = []
         for instance in self.state.held_by(process.key):
-            for wire in self.state.connectors_of(instance):
-                self._cut(wire)
+            for connector in self.state.connectors_of(instance):
+                self._cut(connector)
             if (process.is_wanted or process.verdict) and not process.is_guest:
                 self.state.drop_connectors(instance)
                 self.state.update(instance, zombie=process.reason, trouble="")
@@ -332,13 +332,13 @@ class Core:
         if not self._is_stopping:
             self._supervisor.lost(lost, process.reason, self._now)
 
-    def _cut(self, wire: ConnectorProfile) -> None:
+    def _cut(self, connector: ConnectorProfile) -> None:
         """Drop a connector and take it off the ends that live."""
-        del self.state.connectors[wire.connector_id]
-        ends = {self.state.containers.get(end.instance) for end in wire.ports}
+        del self.state.connectors[connector.connector_id]
+        ends = {self.state.containers.get(end.instance) for end in connector.ports}
         for process in list(self.state.processes.values()):
             if process.key in ends and process.is_ready:
-                message = {"op": "unlink", "connector_id": wire.connector_id}
+                message = {"op": "unlink", "connector_id": connector.connector_id}
                 self._out.append(ev.SendToContainer(process.key, message))
 
     def _halted(self, key: int, is_halted: bool) -> None:

@@ -69,8 +69,8 @@ def _finalise(
             yield Call(process, {"op": "delete", "instance": instance}, timeout_s, is_lasting=True)
     # Only now: if the manager is killed on the way, the component is there with its connectors or
     # not at all, for the next one cuts ends that lead nowhere.
-    for wire in state.connectors_of(instance):
-        yield from cut(state, wire)
+    for connector in state.connectors_of(instance):
+        yield from cut(state, connector)
 
 
 def _end_container(

@@ -273,8 +273,8 @@ class DesiredState:
         self.drop(COMPONENT, instance)
         self.drop(ZOMBIE, instance)
         self.drop(WATCHED, instance)
-        for connector_id, wire in list(self.wires.items()):
-            if any(end.instance == instance for end in wire.ports):
+        for connector_id, connector in list(self.wires.items()):
+            if any(end.instance == instance for end in connector.ports):
                 self.drop(WIRE, connector_id)
         # Few drive others: looking into each would make many components cost their square.
         drivers = [(owner, item) for owner, item in self.components.items() if item.attached]
@@ -300,9 +300,9 @@ class DesiredState:
         """Note under which names a component is to be found."""
         self.change(instance, names=names)
 
-    def wire(self, wire: ConnectorProfile) -> None:
+    def wire(self, connector: ConnectorProfile) -> None:
         """Add a connector to the desired state."""
-        self.put(WIRE, wire.connector_id, wire)
+        self.put(WIRE, connector.connector_id, connector)
 
     def begin(self, what: str) -> None:
         """Note that something of the manager's own start was done."""

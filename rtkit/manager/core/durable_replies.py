@@ -190,8 +190,8 @@ def _opposite(state: ManagerState, action: Action, result: Result) -> Action | N
     match action:
         case act.Create() if not is_stored(COMPONENT, result.value):
             return act.Delete(result.value)
-        case act.Connect(wire) if not is_stored(WIRE, wire.connector_id):
-            return act.Disconnect(wire.connector_id)
+        case act.Connect(connector) if not is_stored(WIRE, connector.connector_id):
+            return act.Disconnect(connector.connector_id)
         case act.Load(path) if not any(is_stored(MODULE, row) for row in _rows(state, path)):
             return act.Unload(path)
     return None

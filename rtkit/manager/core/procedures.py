@@ -192,13 +192,13 @@ def _enter(
 def _lacking(state: ManagerState, instance: str) -> str:
     """Report what depended on a component that has died, and is not restarted with a new one."""
     kept = state.kept
-    wires = [
+    connectors = [
         connector_id
-        for connector_id, wire in kept.wires.items()
-        if any(end.instance == instance for end in wire.ports)
+        for connector_id, connector in kept.wires.items()
+        if any(end.instance == instance for end in connector.ports)
     ]
     desired = kept.components.get(instance)
-    lost = [f"connections {', '.join(wires)}"] if wires else []
+    lost = [f"connections {', '.join(connectors)}"] if connectors else []
     if desired is not None and (desired.sets or desired.active_set):
         lost.append("values that were set")
     if not lost:
@@ -359,8 +359,8 @@ def _unmake(
     """
     process = state.processes.get(claim.key)
     if state.components.get(instance) is not before:
-        for wire in state.connectors_of(instance):
-            yield from cut(state, wire)
+        for connector in state.connectors_of(instance):
+            yield from cut(state, connector)
         state.forget(instance)
     if process is not None and process.is_ready:
         yield Send(process, {"op": "delete", "instance": instance})

@@ -23,8 +23,8 @@ def note(kept: DesiredState, action: Action) -> None:
     match action:
         case act.Load(path, init):
             kept.put(MODULE, module_row(path, init), init)
-        case act.Connect(wire):
-            kept.wire(wire)
+        case act.Connect(connector):
+            kept.wire(connector)
         case act.Disconnect(connector_id):
             kept.drop(WIRE, connector_id)
         case act.ActivateSet(instance, set_id):

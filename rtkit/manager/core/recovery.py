@@ -96,18 +96,18 @@ class _Bonds(NamedTuple):
 
 
 def _bonds(state: ManagerState) -> _Bonds:
-    wires: dict[str, list[ConnectorProfile]] = {}
-    for wire in state.kept.wires.values():
-        if wire.connector_id not in state.connectors:
-            for end in wire.ports:
-                wires.setdefault(end.instance, []).append(wire)
+    connectors: dict[str, list[ConnectorProfile]] = {}
+    for connector in state.kept.wires.values():
+        if connector.connector_id not in state.connectors:
+            for end in connector.ports:
+                connectors.setdefault(end.instance, []).append(connector)
     shares = [
         (owner, context, participant)
         for owner, desired in state.kept.components.items()
         for context, participants in desired.attached.items()
         for participant in participants
     ]
-    return _Bonds(wires, shares)
+    return _Bonds(connectors, shares)
 
 
 def revive(state: ManagerState, instances: Collection[str], failed: Failed) -> Steps:
@@ -138,8 +138,8 @@ def _groups(state: ManagerState, instances: Collection[str], bonds: _Bonds) -> l
 def _bound(state: ManagerState, missing: Iterable[str], bonds: _Bonds) -> Iterable[tuple[str, ...]]:
     """Yield instances that are connected, share a context, or make a composite."""
     for instance in missing:
-        for wire in bonds.wires.get(instance, ()):
-            yield tuple(end.instance for end in wire.ports)
+        for connector in bonds.wires.get(instance, ()):
+            yield tuple(end.instance for end in connector.ports)
         desired = state.kept.components[instance]
         if _is_composite(desired):
             members = parse_create(desired.create).options["members"].split(",")
@@ -200,18 +200,22 @@ def _connects(
     state: ManagerState, instances: Iterable[str], bonds: _Bonds, failed: Failed
 ) -> Iterable[Procedure]:
     """Yield what makes the connectors of components that are missing, if both ends answer."""
-    wires = {wire.connector_id: wire for each in instances for wire in bonds.wires.get(each, ())}
+    connectors = {
+        connector.connector_id: connector
+        for each in instances
+        for connector in bonds.wires.get(each, ())
+    }
     return [
-        _connect(state, wire, failed)
-        for wire in wires.values()
-        if wire.connector_id not in state.connectors
-        and wire.connector_id in state.kept.wires
-        and all(_answers(state, end.instance) for end in wire.ports)
+        _connect(state, connector, failed)
+        for connector in connectors.values()
+        if connector.connector_id not in state.connectors
+        and connector.connector_id in state.kept.wires
+        and all(_answers(state, end.instance) for end in connector.ports)
     ]
 
 
-def _connect(state: ManagerState, wire: ConnectorProfile, failed: Failed) -> Procedure:
-    yield from _try(state, act.Connect(wire), f"connect {wire.connector_id}", failed)
+def _connect(state: ManagerState, connector: ConnectorProfile, failed: Failed) -> Procedure:
+    yield from _try(state, act.Connect(connector), f"connect {connector.connector_id}", failed)
     return Result()
 
 
@@ -239,9 +243,9 @@ def _adopt(state: ManagerState) -> None:
     for instance, desired in kept.components.items():
         if read_rules(parse_create(desired.create).options):
             state.ruled.add(instance)
-    for wire in state.connectors.values():
-        if all(end.instance in kept.components for end in wire.ports):
-            kept.wire(wire)
+    for connector in state.connectors.values():
+        if all(end.instance in kept.components for end in connector.ports):
+            kept.wire(connector)
 
 
 def _is_composite(desired: DesiredComponent) -> bool:

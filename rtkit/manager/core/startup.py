@@ -171,7 +171,7 @@ def connector(state: ManagerState, text: str) -> ConnectorProfile | None:
     ends = (one_ref, other_ref)
     if are_reversed((one.port_type, its.port_type)):
         ends = (other_ref, one_ref)
-    if any(set(wire.ports) == set(ends) for wire in state.connectors.values()):
+    if any(set(connector.ports) == set(ends) for connector in state.connectors.values()):
         return None
     given = {key if key.startswith(_OWN) else f"dataport.{key}": v for key, v in options.items()}
     if one.port_type is PortType.SERVICE:

@@ -265,7 +265,9 @@ class ManagerState:
 
     def connectors_of(self, instance: str) -> list[ConnectorProfile]:
         """Return the connectors that have an end at a component."""
-        return [wire for wire in self.connectors.values() if _has_end(wire, instance)]
+        return [
+            connector for connector in self.connectors.values() if _has_end(connector, instance)
+        ]
 
     def name_owner(self, name: str) -> str:
         """Return who is, or is to be, registered under a full name; empty for nobody."""
@@ -294,14 +296,14 @@ class ManagerState:
 
     def drop_connectors(self, instance: str) -> None:
         """Drop the connectors of a component; those that are being made will not be kept."""
-        for wire in self.connectors_of(instance):
-            del self.connectors[wire.connector_id]
+        for connector in self.connectors_of(instance):
+            del self.connectors[connector.connector_id]
         for opening in self.openings.values():
             opening.is_broken |= _has_end(opening.wire, instance)
 
     def drop_loose(self, key: int) -> None:
         """Drop the connector ends of a found slave whose other ends are not known."""
-        self.loose = {end: wire for end, wire in self.loose.items() if end[1] != key}
+        self.loose = {end: connector for end, connector in self.loose.items() if end[1] != key}
 
     def drop_if_empty(self, key: int) -> None:
         """Drop a lost process of which no component is shown any more."""
@@ -362,13 +364,13 @@ class ManagerState:
         names = [name for facts in self.components.values() for name in facts.names]
         names += self.names
         assert len(names) == len(set(names)), f"a name is used twice: {names}"
-        for connector_id, wire in self.connectors.items():
-            assert wire.connector_id == connector_id, wire
-            for end in wire.ports:
+        for connector_id, connector in self.connectors.items():
+            assert connector.connector_id == connector_id, connector
+            for end in connector.ports:
                 facts = self.components[end.instance]
-                assert not facts.zombie, f"zombie is connected: {wire}"
-                assert facts.port(end.port) is not None, f"no such port: {wire}"
+                assert not facts.zombie, f"zombie is connected: {connector}"
+                assert facts.port(end.port) is not None, f"no such port: {connector}"
 
 
-def _has_end(wire: ConnectorProfile, instance: str) -> bool:
-    return any(end.instance == instance for end in wire.ports)
+def _has_end(connector: ConnectorProfile, instance: str) -> bool:
+    return any(end.instance == instance for end in connector.ports)

@@ -35,31 +35,31 @@ def living(state: ManagerState, instance: str) -> Process:
     return process
 
 
-def connect(state: ManagerState, wire: ConnectorProfile) -> Procedure:
+def connect(state: ManagerState, connector: ConnectorProfile) -> Procedure:
     """Make a connector; one that exists between the same ports is what was asked for."""
-    connector_id = wire.connector_id
+    connector_id = connector.connector_id
     while connector_id in state.openings:
         why = f"connection {connector_id} is just being made"
         yield WaitUntil(lambda: connector_id not in state.openings, why)
     known = state.connectors.get(connector_id)
     own = OwnEnds(state.components)
     if known is not None:
-        return _same(known, own.wire(wire))
+        return _same(known, own.wire(connector))
     if not connector_id or any(ord(c) < 32 for c in connector_id):
         raise Malformed(f"connector id is empty or has control characters: {connector_id!r}")
-    ports = _ports(state, wire)
-    text = refusal(ports, wire.properties)
+    ports = _ports(state, connector)
+    text = refusal(ports, connector.properties)
     if text or are_reversed([port.port_type for port in ports]):
         raise Refused(text or WRONG_TYPE)
-    wire = own.wire(wire)
-    ends = [living(state, end.instance) for end in wire.ports]
-    opening = state.openings[connector_id] = Opening(wire)
+    connector = own.wire(connector)
+    ends = [living(state, end.instance) for end in connector.ports]
+    opening = state.openings[connector_id] = Opening(connector)
     try:
         yield from _cut_loose(state, connector_id)
         if ports[0].port_type is PortType.SERVICE:
-            yield from _open_services(ends, ports, wire)
+            yield from _open_services(ends, ports, connector)
         else:
-            yield from _open(ends, wire)
+            yield from _open(ends, connector)
         if opening.is_broken:
             raise Refused(f"an end of connection {connector_id} ended while it was made")
     except RtkitError:
@@ -67,25 +67,27 @@ def connect(state: ManagerState, wire: ConnectorProfile) -> Procedure:
         raise
     finally:
         del state.openings[connector_id]
-    state.connectors[connector_id] = wire
+    state.connectors[connector_id] = connector
     return Result(value=connector_id)
 
 
-def _same(known: ConnectorProfile, wire: ConnectorProfile) -> Result:
-    if set(known.ports) != set(wire.ports):
+def _same(known: ConnectorProfile, connector: ConnectorProfile) -> Result:
+    if set(known.ports) != set(connector.ports):
         ends = " and ".join(map(str, known.ports))
-        raise Refused(f"connector id {wire.connector_id} is in use between {ends}")
-    changed = differing(wire.properties, known.properties)
+        raise Refused(f"connector id {connector.connector_id} is in use between {ends}")
+    changed = differing(connector.properties, known.properties)
     if changed:
-        raise Refused(f"connection {wire.connector_id} exists with another {', '.join(changed)}")
-    return Result(value=wire.connector_id)
+        raise Refused(
+            f"connection {connector.connector_id} exists with another {', '.join(changed)}"
+        )
+    return Result(value=connector.connector_id)
 
 
-def _ports(state: ManagerState, wire: ConnectorProfile) -> list[PortProfile]:
-    if len(wire.ports) != 2:
-        raise Malformed(f"a connection joins two ports, not {len(wire.ports)}")
+def _ports(state: ManagerState, connector: ConnectorProfile) -> list[PortProfile]:
+    if len(connector.ports) != 2:
+        raise Malformed(f"a connection joins two ports, not {len(connector.ports)}")
     ports = []
-    for end in wire.ports:
+    for end in connector.ports:
         living(state, end.instance)
         port = state.components[end.instance].port(end.port)
         if port is None:
@@ -94,16 +96,16 @@ def _ports(state: ManagerState, wire: ConnectorProfile) -> list[PortProfile]:
     return ports
 
 
-def _open(ends: list[Process], wire: ConnectorProfile) -> Procedure:
+def _open(ends: list[Process], connector: ConnectorProfile) -> Procedure:
     """Open both ends: first the one that listens, which is the one that takes no initiative."""
     out, into = ends
-    plain = encode(wire)
+    plain = encode(connector)
     if out is into:
         yield Call(out, {"op": "link", "connector": plain})
         return Result()
-    options = parse_options(wire.properties)
+    options = parse_options(connector.properties)
     if options.interface == DIRECT:
-        places = f"{wire.ports[0]} is in {out.name}, {wire.ports[1]} in {into.name}"
+        places = f"{connector.ports[0]} is in {out.name}, {connector.ports[1]} in {into.name}"
         raise Refused(f"interface type direct joins ports of one process: {places}")
     if options.dataflow == "pull":
         first, opens, second, joins = out, "serve", into, "fetch"
@@ -115,10 +117,10 @@ def _open(ends: list[Process], wire: ConnectorProfile) -> Procedure:
 
 
 def _open_services(
-    ends: list[Process], ports: list[PortProfile], wire: ConnectorProfile
+    ends: list[Process], ports: list[PortProfile], connector: ConnectorProfile
 ) -> Procedure:
     """Open each direction in which one port provides what the other needs, the provider first."""
-    plain = encode(wire)
+    plain = encode(connector)
     if ends[0] is ends[1]:
         yield Call(ends[0], {"op": "link", "connector": plain})
         return Result()
@@ -152,14 +154,14 @@ def _abandon(ends: list[Process], connector_id: str) -> Procedure:
 
 def disconnect(state: ManagerState, action: act.Disconnect) -> Procedure:
     """Remove a connector."""
-    wire = state.connectors.get(action.connector_id)
-    if wire is None:
+    connector = state.connectors.get(action.connector_id)
+    if connector is None:
         raise NotFound(f"no connection with id {action.connector_id}")
-    yield from unwire(state, wire)
+    yield from unwire(state, connector)
     return Result()
 
 
-def unwire(state: ManagerState, wire: ConnectorProfile, timeout_s: float = 0.0) -> Procedure:
+def unwire(state: ManagerState, connector: ConnectorProfile, timeout_s: float = 0.0) -> Procedure:
     """Take a connector off both ends, the sending one first; a dead end is no obstacle.
 
     A time-out of 0 means that of the batch [s].
@@ -167,10 +169,10 @@ def unwire(state: ManagerState, wire: ConnectorProfile, timeout_s: float = 0.0) 
     Raises:
         Unreachable: An end that lives did not answer; it obeys when it can.
     """
-    state.connectors.pop(wire.connector_id, None)
-    message = {"op": "unlink", "connector_id": wire.connector_id}
+    state.connectors.pop(connector.connector_id, None)
+    message = {"op": "unlink", "connector_id": connector.connector_id}
     late: Unreachable | None = None
-    ends = [state.process_of(end.instance) for end in wire.ports]
+    ends = [state.process_of(end.instance) for end in connector.ports]
     for process in _distinct([each for each in ends if each is not None and each.is_ready]):
         if not process.is_ready:
             continue  # it ended while the other end was waited for
@@ -186,11 +188,11 @@ def unwire(state: ManagerState, wire: ConnectorProfile, timeout_s: float = 0.0) 
     return Result()
 
 
-def cut(state: ManagerState, wire: ConnectorProfile) -> Procedure:
+def cut(state: ManagerState, connector: ConnectorProfile) -> Procedure:
     """Take a connector off its ends without waiting for them."""
-    state.connectors.pop(wire.connector_id, None)
-    ends = [state.process_of(end.instance) for end in wire.ports]
-    yield from _abandon([each for each in ends if each is not None], wire.connector_id)
+    state.connectors.pop(connector.connector_id, None)
+    ends = [state.process_of(end.instance) for end in connector.ports]
+    yield from _abandon([each for each in ends if each is not None], connector.connector_id)
     return Result()
 
 

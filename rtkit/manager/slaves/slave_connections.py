@@ -129,10 +129,12 @@ class SlaveConnections:
             return None
         self._find_former_zygotes()
         self._found[pid] = channel
-        components, wires = first.get("components"), first.get("wires")
+        components, connectors = first.get("components"), first.get("wires")
         is_guest = first.get("guest") is True
         asked = first.get("asked")
-        self._handle(ev.SlaveFound(pid, first["found"], components, wires, is_guest, asked=asked))
+        self._handle(
+            ev.SlaveFound(pid, first["found"], components, connectors, is_guest, asked=asked)
+        )
         is_refused = self._found.pop(pid, None) is not None
         return None if is_refused else next(k for k, c in self._channels.items() if c is channel)
 

@@ -130,14 +130,14 @@ def port_lines(
         lines += _interface_lines(interface)
     unresolved = 0
     own = OwnEnds.of(snapshot).end(PortRef(facts.instance, port.name))
-    for wire in snapshot.connectors:
-        others = [end for end in wire.ports if end != own]
-        if len(others) == len(wire.ports):
+    for connector in snapshot.connectors:
+        others = [end for end in connector.ports if end != own]
+        if len(others) == len(connector.ports):
             continue
         paths = [path for end in others if (path := port_path(snapshot, end.instance, end.port))]
         if paths or not others:
             lines += _connection_lines(
-                wire, paths or [port_path(snapshot, facts.instance, port.name)], level
+                connector, paths or [port_path(snapshot, facts.instance, port.name)], level
             )
         else:
             unresolved += 1
@@ -155,15 +155,17 @@ def _interface_lines(interface: PortInterfaceProfile) -> list[str]:
     return ["  Interface:", *terminal.pairs(rows, "    ")]
 
 
-def _connection_lines(wire: ConnectorProfile, paths: list[str], level: int) -> list[str]:
+def _connection_lines(connector: ConnectorProfile, paths: list[str], level: int) -> list[str]:
     mark = "-" if level > 1 else "+"
     head = f" {mark}Connected to  "
     first, *others = [_bold(path) for path in paths]
     lines = [head + first, *(" " * len(head) + other for other in others)]
     if level < 2:
         return lines
-    shown = {k: v for k, v in wire.properties.items() if not k.endswith(_REFERENCES)}
-    return lines + terminal.pairs([("Name", wire.name), ("ID", wire.connector_id), *_sorted(shown)])
+    shown = {k: v for k, v in connector.properties.items() if not k.endswith(_REFERENCES)}
+    return lines + terminal.pairs(
+        [("Name", connector.name), ("ID", connector.connector_id), *_sorted(shown)]
+    )
 
 
 def component_path(snapshot: Snapshot, facts: ComponentFacts) -> str:
