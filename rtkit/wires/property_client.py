@@ -58,14 +58,17 @@ class Inbox:
         self._events: deque[PropertyEvent] = deque()
         self._latest: dict[str, PropertyEvent] = {}
         self._names_of_latest: set[str] = set()
+        self._paths: dict[str, str] = {}
 
     def expect(self, name: str, parameters: str) -> None:
         """Note how a property is listened to: without a queue only its latest event is kept.
 
-        Events come under the name without its service.
+        Events come under the name without its service: of two services that have it, all are kept.
         """
-        name = name.rpartition("/")[2]
-        is_latest = not any(each.startswith(("queue=", "mode=")) for each in parameters.split("&"))
+        path, name = name, name.rpartition("/")[2]
+        is_alone = self._paths.setdefault(name, path) == path
+        has_queue = any(each.startswith(("queue=", "mode=")) for each in parameters.split("&"))
+        is_latest = is_alone and not has_queue
         (self._names_of_latest.add if is_latest else self._names_of_latest.discard)(name)
 
     def put(self, event: PropertyEvent) -> None:
