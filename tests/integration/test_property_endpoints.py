@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import re
 import socket
 import threading
@@ -174,6 +175,7 @@ def test_the_name_is_taken_while_it_runs_and_free_when_it_was_killed(served: Ser
         assert client.ask("properties").payload == "()"
 
 
+@pytest.mark.parametrize("wire", params("unix", *KNOWING))
 @pytest.mark.parametrize(
     "rubbish",
     [
@@ -188,16 +190,34 @@ def test_the_name_is_taken_while_it_runs_and_free_when_it_was_killed(served: Ser
         b"SET any {5}\n12",
     ],
 )
-def test_rubbish_harms_nobody_else(served: ServedObject, rubbish: bytes) -> None:
-    with socket.socket(socket.AF_UNIX) as end:
-        end.settimeout(BOUND_S)
-        end.connect(served.socket)
+def test_rubbish_harms_nobody_else(served: ServedObject, rubbish: bytes, wire: str) -> None:
+    with _connected(served, wire) as end:
         # It may hang up on rubbish that is not taken to its end.
         sender = threading.Thread(target=_send, args=(end, rubbish))
         sender.start()
         assert _speed(served) == "0.25"
-        end.shutdown(socket.SHUT_RDWR)
+        with contextlib.suppress(OSError):  # it has hung up
+            end.shutdown(socket.SHUT_RDWR)
         sender.join(BOUND_S)
+        assert not sender.is_alive()
+    assert _asked_anew(served, wire) == "0.25"
+
+
+def _asked_anew(served: ServedObject, wire: str) -> object:
+    with contextlib.closing(ENDPOINTS[wire](served)) as endpoint:
+        return endpoint.ask("speed").value()
+
+
+def _connected(served: ServedObject, wire: str) -> socket.socket:
+    """Connect to the socket of an endpoint without a word."""
+    address = served.socket if wire == "unix" else served.addresses[wire]
+    port = re.search(r":(\d+)", address)
+    if port is not None:
+        return socket.create_connection(("127.0.0.1", int(port[1])), BOUND_S)
+    end = socket.socket(socket.AF_UNIX)
+    end.settimeout(BOUND_S)
+    end.connect(address)
+    return end
 
 
 def _send(end: socket.socket, data: bytes) -> None:
@@ -376,14 +396,16 @@ def test_who_asks_too_often_is_told(place: str, name: str) -> None:
         endpoint.close()
 
 
-def test_one_connection_too_many_is_told(place: str) -> None:
+@pytest.mark.parametrize("wire", params("unix", *KNOWING))
+def test_one_connection_too_many_is_told(place: str, wire: str) -> None:
     with _ruled(place, "limit * connections 1") as served:
-        first = ENDPOINTS["unix"](served)
+        first = ENDPOINTS[wire](served)
         assert first.ask("speed").error == ""
-        second = ENDPOINTS["unix"](served)
-        assert second.ask("speed").error == "busy"
+        with pytest.raises(PropertyError) as refused:
+            _asked_anew(served, wire)
+        assert refused.value.code == "busy"
+        assert first.ask("speed").error == ""
         first.close()
-        second.close()
 
 
 def _ruled(place: str, rules: str = RULES) -> ServedObject:
