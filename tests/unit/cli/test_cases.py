@@ -3,6 +3,7 @@
 In ``cases/*.txt``: ``$`` a command line, or several with ``&&`` between, then what stdout shows
 (``␠`` is a blank at the end of a line), ``!`` a line of stderr, ``?`` the exit status where it is
 not 0, ``=`` the connections left. ``@`` in the first lines names what a file's world needs more.
+``⟨WIRES⟩`` stands for the schemes of all wires, ``⟨WIRES:⟩`` for them with colons.
 """
 
 from __future__ import annotations
@@ -17,6 +18,7 @@ from fake_manager import FakeManager
 
 from rtkit.deployment.actions import Connect
 from rtkit.rtc.profiles import ConnectorProfile, PortRef
+from rtkit.wires import table
 
 FOLDER = Path(__file__).parent / "cases"
 WIRES = {"a": ("Std0", "Std0"), "b": ("Std0", "Input0"), "c": ("Output0", "Input0")}
@@ -50,7 +52,9 @@ class Case(NamedTuple):
 def read_cases(file: Path) -> list[Case]:
     cases: list[Case] = []
     needs = ""
-    for text in file.read_text(encoding="utf-8").splitlines():
+    whole = file.read_text(encoding="utf-8").replace("⟨WIRES⟩", " ".join(table.WIRES))
+    whole = whole.replace("⟨WIRES:⟩", " ".join(f"{each}:" for each in table.WIRES))
+    for text in whole.splitlines():
         mark, rest = text[:2], text[2:]
         if mark == "# ":
             continue

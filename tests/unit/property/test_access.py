@@ -76,7 +76,7 @@ def test_limits_are_of_a_door_or_of_all() -> None:
 @pytest.mark.parametrize(("text", "says"), [
     ("permit * * GET *", "file:1: expected allow, deny or limit, found permit"),
     ("\n\nallow * * GET", "file:3: expected allow ENDPOINT IDENTITY METHOD TARGET"),
-    ("deny ftp * GET *", "expected an endpoint (unix tcp zenoh serial http mqtt ice or *),"),
+    ("deny ftp * GET *", f"expected an endpoint ({' '.join(WIRES)} or *),"),
     ("deny * * get *", "file:1: expected GET, SET or *, found get"),
     ("deny * * GET a/b", "file:1: not a pattern of names: a/b"),
     ("deny * * GET " + "x" * 256, "not a pattern of names"),
