@@ -1,14 +1,14 @@
 #!/usr/bin/env node
 // Client of live properties in node, without any package: lists, gets, sets and listens.
-//
-//   node client.js unix:PATH|tcp:HOST:PORT list | get NAME | set NAME VALUE | listen NAME [COUNT]
-//
 // Over TCP it proves that it knows the secret of the user, the file door.secret of rtkit.
 "use strict";
 const crypto = require("node:crypto");
 const fs = require("node:fs");
 const net = require("node:net");
 const path = require("node:path");
+
+const USAGE = `usage: node client.js ADDRESS list | get NAME | set NAME VALUE | listen NAME [COUNT]
+ADDRESS is unix:PATH or tcp:HOST:PORT`;
 
 class Client {
   constructor(socket) {
@@ -73,7 +73,9 @@ class Client {
   }
 }
 
-async function main([address, word, name, given]) {
+async function main([address, word, ...more]) {
+  const [name, given] = more;
+  if (!(more.length >= { list: 0, get: 1, set: 2, listen: 1 }[word])) throw Error(USAGE);
   const client = await Client.open(address);
   if (word === "list") console.log(`${await client.ask("GET properties")}`);
   else if (word === "get") console.log(`${await client.ask(`GET ${name}`)}`);

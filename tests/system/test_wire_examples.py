@@ -6,7 +6,9 @@ import hmac
 import json
 import os
 import re
+import shutil
 import socket
+import subprocess
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
@@ -103,6 +105,18 @@ def test_the_login_over_tcp(robot: ServedObject) -> None:
         nonce = stream.readline().decode().removeprefix("= ").strip()
         proof = hmac.new(password.encode(), nonce.encode(), "sha256").hexdigest()
         replay(stream, text.replace("NONCE", nonce), {"PROOF": proof, "USER": user})
+
+
+@pytest.mark.skipif(shutil.which("node") is None, reason="there is no node")
+@pytest.mark.parametrize("words", [[], ["unix:x"], ["unix:x", "set", "speed"], ["unix:x", "put"]])
+def test_the_client_in_node_tells_its_usage(words: list[str]) -> None:
+    client = ROOT / "examples" / "wires" / "client.js"
+    done = subprocess.run(
+        ["node", client, *words], capture_output=True, text=True, timeout=BOUND_S, check=False
+    )
+    assert (done.returncode, done.stdout) == (1, "")
+    assert done.stderr.startswith("usage: node client.js ADDRESS list | get NAME")
+    assert f" in {len(client.read_text().splitlines())} lines " in PAGE.read_text()
 
 
 def test_http(robot: ServedObject) -> None:
