@@ -163,14 +163,20 @@ class PropertyConnections:
         return self._services
 
     def _endpoint(self) -> PropertyClient:
+        return self._connected_to(self._side(), self._at)
+
+    def _side(self) -> ClientSide:
         from rtkit.wires.table import endpoint_side_of
 
-        return self._connected_to(endpoint_side_of(self._at), self._at)
+        return endpoint_side_of(self._at)
 
     def _connected_to(self, side: ClientSide, address: str) -> PropertyClient:
         if address not in self._ends:
-            self._ends[address] = side.connect(address, self._timeout_s)
+            self._ends[address] = self._connect(side, address)
         return self._ends[address]
+
+    def _connect(self, side: ClientSide, address: str) -> PropertyClient:
+        return side.connect(address, self._timeout_s)
 
     def _behind(
         self, side: ClientSide, address: str, path: str, typed: str
@@ -184,7 +190,16 @@ class PropertyConnections:
         place = parse(path, "/", services, os.uname().nodename)
         if not place.service:
             raise PropertyError("no-service", f"there is {' '.join(services) or 'none'}")
-        return place._replace(typed=typed), OfService(end, place.service)
+        return place._replace(typed=typed), self._service_at(side, address, place.service)
+
+    def _service_at(self, side: ClientSide, address: str, service: str) -> PropertyClient:
+        """Return a connection for one service alone: names of events do not tell their service."""
+        key = f"{address} {service}"
+        if key not in self._ends:
+            is_first = not any(each.startswith(f"{address} ") for each in self._ends)
+            connect = self._connected_to if is_first else self._connect
+            self._ends[key] = OfService(connect(side, address), service)
+        return self._ends[key]
 
     def _end(self, place: PropertyTarget) -> PropertyClient:
         if not place.service:
@@ -197,7 +212,7 @@ class PropertyConnections:
 
     def _connected(self, service: str) -> PropertyClient:
         if self._at:
-            return OfService(self._endpoint(), service)
+            return self._service_at(self._side(), self._at, service)
         from rtkit.link.places import service_socket
         from rtkit.wires.line.client import connect_unix
 

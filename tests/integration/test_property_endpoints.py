@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import re
+import select
 import socket
 import threading
 import time
@@ -31,6 +32,8 @@ from rtkit.link import places, secret
 from rtkit.property.codes import PropertyError
 from rtkit.property.service import Service
 from rtkit.serving import refusals
+from rtkit.tree.properties import PropertyConnections
+from rtkit.tree.property_subscription import PropertySubscription
 from rtkit.wires.line import connection, login
 from rtkit.wires.line.client import LineClient, connect_unix
 from rtkit.wires.serve import ServedObject, serve
@@ -279,6 +282,27 @@ def test_a_service_that_ends_is_told_to_who_listens(place: str) -> None:
         client.event(BOUND_S)
     with pytest.raises(RtkitError):
         connect_unix(served.socket, BOUND_S)
+
+
+@pytest.mark.parametrize("scheme", ["tcp", "http"])
+def test_events_behind_one_endpoint_are_told_as_they_were_typed(
+    served: ServedObject, scheme: str
+) -> None:
+    place = served.addresses[scheme]
+    begin = f"{place}/robot" if scheme == "tcp" else place
+    typed = [f"{begin}/speed", f"{begin}/count"]
+    with (
+        contextlib.closing(PropertyConnections("/", "", BOUND_S)) as connections,
+        PropertySubscription(connections, typed, "") as subscription,
+    ):
+        heard = set()
+        while heard != set(typed):
+            assert select.select([subscription], [], [], BOUND_S)[0]
+            while (event := subscription.take()) is not None:
+                heard.add(event[0])
+        assert heard == set(typed)
+        readers = [each for each in threading.enumerate() if "_receive" in each.name]
+        assert len(readers) == 1
 
 
 def test_actions_run_beside_everything_else(place: str) -> None:

@@ -300,6 +300,8 @@ class HttpClient(Closing):
             for event in stream.events():
                 self._inbox.put(event)
             if stream.has_ended:
+                if stream not in self._streams:
+                    raise Unreachable("the connection was closed")  # by another thread
                 self._streams.remove(stream)
                 stream.end.close()
                 if not stream.was_last:
