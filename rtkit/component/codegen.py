@@ -3,7 +3,8 @@
 Scalars that follow each other become one run, packed by one call of the struct module. A number
 is aligned to its size, counted from the end of the header. At the start of a message the position
 is known; after something of variable length it is not, so such a run has one struct for each of
-the eight positions.
+the eight positions. Arrays are written out, but for long ones of things of variable length, which
+are loops: code of arrays in arrays would grow with the product of their lengths.
 """
 
 from __future__ import annotations
@@ -119,6 +120,11 @@ class _Encoder(_Source):
     def write(self, layout: Layout, value: str) -> None:
         if isinstance(layout, StructLayout):
             self.write_struct(layout, value)
+        elif isinstance(layout, ArrayLayout) and _is_loop(layout):
+            self.take_items(value)
+            self.add(f"if len({value}) != {len(layout.items)}: raise ValueError('wrong length')")
+            self.settle()
+            self.write_each(layout.items[0], value)
         elif isinstance(layout, ArrayLayout):
             names = [self.name() for _ in layout.items]
             self.take_items(value)
@@ -195,6 +201,9 @@ class _Encoder(_Source):
             self.append(data)
             self.depth -= 1
             return
+        self.write_each(item, value)
+
+    def write_each(self, item: Layout, value: str) -> None:
         name = self.name()
         self.add(f"for {name} in {value}:")
         self.depth += 1
@@ -213,14 +222,17 @@ class _Encoder(_Source):
         self.add(f"at += len({data})")
 
     def flush(self) -> None:
-        if not self.codes:
-            return
+        if self.codes:
+            self.settle()
+
+    def settle(self) -> None:
+        """Emit what waits, if anything: from here on ``at`` is the position."""
         if self.is_fixed:
             packed, size = self.fixed()
             self.add(f"parts = [{packed}]")
             self.add(f"at = {size}")
             self.is_fixed = False
-        else:
+        elif self.codes:
             self.add(f"run = {self.run()}[at & 7]")
             self.add(f"parts.append(run.pack({', '.join(self.names)}))")
             self.add("at += run.size")
@@ -255,6 +267,9 @@ class _Decoder(_Source):
                 return f"{made}({', '.join(value for _, value in values)})"
             made = self.name(layout.cls, "make")
             return f"{made}({', '.join(f'{field}={value}' for field, value in values)})"
+        if isinstance(layout, ArrayLayout) and _is_loop(layout):
+            self.settle()
+            return f"tuple({self.read_each(layout.items[0], str(len(layout.items)))})"
         if isinstance(layout, ArrayLayout):
             return f"({''.join(self.read(item) + ', ' for item in layout.items)})"
         if isinstance(layout, ItemsLayout):
@@ -299,9 +314,13 @@ class _Decoder(_Source):
         if isinstance(item, (NumberLayout, BoolLayout, CharLayout, EnumLayout)):
             return self.read_scalars(layout, item)
         count = self.count()
-        result = self.name()
         self.scope["_fits"] = _fits
         self.add(f"_fits(data, at, {count}, {_least(item)})")
+        result = self.read_each(item, count)
+        return result if layout.make is list else f"tuple({result})"
+
+    def read_each(self, item: Layout, count: str) -> str:
+        result = self.name()
         self.add(f"{result} = []")
         self.add(f"for _ in range({count}):")
         self.depth += 1
@@ -309,7 +328,7 @@ class _Decoder(_Source):
         self.flush()
         self.add(f"{result}.append({value})")
         self.depth -= 1
-        return result if layout.make is list else f"tuple({result})"
+        return result
 
     def read_scalars(self, layout: ItemsLayout, item: Layout) -> str:
         code, expression = self.scalar(item, "item")
@@ -335,21 +354,39 @@ class _Decoder(_Source):
         return name
 
     def flush(self) -> None:
-        if not self.codes:
-            return
+        if self.codes:
+            self.settle()
+
+    def settle(self) -> None:
+        """Emit what waits, if anything: from here on ``at`` is the position."""
         names = ", ".join(self.names)
         if self.is_fixed:
             fixed = _padded(self.codes, self.order, _HEADER)
-            name = self.name(fixed, "run")
-            self.add(f"{names}, = {name}.unpack_from(data, {_HEADER})")
+            if names:
+                name = self.name(fixed, "run")
+                self.add(f"{names}, = {name}.unpack_from(data, {_HEADER})")
             self.add(f"at = {_HEADER + fixed.size}")
             self.is_fixed = False
-        else:
+        elif self.codes:
             self.add(f"run = {self.run()}[at & 7]")
             self.add(f"{names}, = run.unpack_from(data, at)")
             self.add("at += run.size")
         self.codes = ""
         self.names = []
+
+
+def _is_loop(layout: ArrayLayout) -> bool:
+    first, *others = layout.items
+    return len(others) > 2 and all(each is first for each in others) and _is_variable(first)
+
+
+def _is_variable(layout: Layout) -> bool:
+    """Return whether values of it differ in length."""
+    if isinstance(layout, StructLayout):
+        return any(_is_variable(item) for _, item in layout.fields)
+    if isinstance(layout, ArrayLayout):
+        return any(map(_is_variable, {id(item): item for item in layout.items}.values()))
+    return isinstance(layout, (ItemsLayout, TextLayout, OctetsLayout))
 
 
 def _is_plain_record(layout: StructLayout) -> bool:
@@ -390,6 +427,8 @@ def _least(layout: Layout) -> int:
     if isinstance(layout, StructLayout):
         return sum(_least(item) for _, item in layout.fields)
     if isinstance(layout, ArrayLayout):
+        if _is_loop(layout):
+            return len(layout.items) * _least(layout.items[0]) or 1
         return sum(_least(item) for item in layout.items) or 1
     if isinstance(layout, NumberLayout):
         return _size(layout.code)

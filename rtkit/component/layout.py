@@ -181,7 +181,9 @@ def _read(hint: Any, where: str, outer: tuple[type, ...]) -> Layout:
     if isinstance(hint, type) and issubclass(hint, Enum):
         return _enumeration(hint, where)
     if isinstance(hint, type) and is_dataclass(hint):
-        return _struct(hint, outer)
+        if hint not in _layouts:
+            _layouts[hint] = _struct(hint, outer)
+        return _layouts[hint]
     reason = "is optional, which CDR has no form for" if origin is Union else f"has type {hint}"
     raise Malformed(f"{where} cannot be carried: it {reason}")
 
@@ -204,7 +206,8 @@ def _collection(
     origin: Any, args: tuple[Any, ...], where: str, outer: tuple[type, ...]
 ) -> ItemsLayout | ArrayLayout:
     if origin is tuple and args and args[-1] is not Ellipsis:
-        items = tuple(_read(arg, where, outer) for arg in args)
+        first = _read(args[0], where, outer)
+        items = tuple(first if arg == args[0] else _read(arg, where, outer) for arg in args)
         return ArrayLayout(items, f"array of {len(items)}")
     if not args:
         raise Malformed(f"{where} cannot be carried: it does not say what it is a sequence of")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import struct
-from dataclasses import dataclass, field, is_dataclass, make_dataclass
+from dataclasses import dataclass, field, is_dataclass, make_dataclass, replace
 from enum import Enum, IntEnum
 from typing import Annotated, Optional
 
@@ -22,6 +22,7 @@ from rtkit.component import (
     TimedLong,
     ULong,
     actuators,
+    codegen,
     extended,
     geometry,
     images,
@@ -30,7 +31,7 @@ from rtkit.component import (
     timed,
     types,
 )
-from rtkit.component.codec import BYTES, codec_for
+from rtkit.component.codec import BYTES, codec_for, encoder_for
 from rtkit.component.layout import (
     ArrayLayout,
     BoolLayout,
@@ -387,3 +388,47 @@ def test_annotations_of_pycdr2_are_understood():
     )
     assert codec_for(cls).encode(cls(1, 0.5))[4:] == struct.pack("<If", 1, 0.5)
     assert ULong is not Float
+
+
+@dataclass(frozen=True, slots=True)
+class Named:
+    number: float
+    names: list[str]
+
+
+@dataclass(frozen=True, slots=True)
+class Rack:
+    is_on: bool
+    each: tuple[Named, Named, Named, Named]
+    last: Annotated[int, "int8"]
+
+
+@dataclass(frozen=True, slots=True)
+class Hall:
+    racks: tuple[Rack, Rack, Rack, Rack]
+    doors: tuple[tuple[Rack, Rack, Rack, Rack], ...]
+
+
+@pytest.mark.parametrize("is_big_endian", [False, True])
+def test_arrays_of_what_differs_in_length(is_big_endian: bool) -> None:
+    def rack(n: int) -> Rack:
+        each = [Named(n / 3, [str(k) * k for k in range(n + m)]) for m in range(4)]
+        return Rack(n % 2 == 0, (each[0], each[1], each[2], each[3]), n)
+
+    racks = rack(0), rack(1), rack(2), rack(3)
+    hall = Hall(racks, (racks, racks))
+    data = encoder_for(Hall, is_big_endian=is_big_endian)(hall)
+    assert codec_for(Hall).decode(data) == hall
+    with pytest.raises(Malformed):
+        codec_for(Hall).decode(data[:-9])
+    with pytest.raises(Malformed, match="racks"):
+        codec_for(Hall).encode(replace(hall, racks=racks[:3]))
+
+
+def test_code_of_arrays_in_arrays_does_not_grow_with_their_product() -> None:
+    inner: type = Named
+    for depth in range(5):
+        inner = make_dataclass(f"Depth{depth}", [("each", tuple[(inner,) * 12])], slots=True)
+    for coder in (codegen._Encoder("<"), codegen._Decoder("<")):
+        coder.compile(layout_of(inner))
+        assert len(coder.lines) < 60
