@@ -90,6 +90,19 @@ def test_who_is_taken_for_its_own_and_what_is_left_of_who_is_killed(side: Side) 
     assert side.told(SlaveEnded) == SlaveEnded(KEY, "signal 9")
 
 
+def test_who_is_wanted_between_two_zygotes_is_born_of_the_next_one(side: Side) -> None:
+    slave_supervisor = side.slave_supervisor
+    (zygote,) = slave_supervisor.processes
+    os.kill(zygote, signal.SIGKILL)
+    while slave_supervisor.receive() is not None:
+        assert select.select([slave_supervisor], [], [], 30.0)[0], "the end of the zygote"
+    slave_supervisor.on_zygote_exit()
+    slave_supervisor.fork(KEY, "s")
+    slave_supervisor.restart()
+    first = side.greeting()
+    assert slave_supervisor.expects(KEY, first["pid"], first["of"])
+
+
 def test_a_stranger_with_the_pid_of_a_guest_that_left_is_let_be(side: Side) -> None:
     slave_supervisor = side.slave_supervisor
     with subprocess.Popen(["sleep", "60"]) as stranger:

@@ -101,7 +101,8 @@ class SlaveSupervisor:
     def fork(self, key: int, name: str) -> ev.Event | None:
         """Ask for a slave; return why it cannot be, if that is known now.
 
-        When the zygote is just ending, `on_zygote_exit` reports that it failed.
+        When the zygote is just ending, `on_zygote_exit` reports that it failed; when it has ended,
+        the next one is asked.
         """
         try:
             for descriptor in os.pipe():  # as many as a slave will cost
@@ -109,11 +110,15 @@ class SlaveSupervisor:
         except OSError as error:
             return ev.SlaveFailed(key, f"the manager has no descriptors left: {error.strerror}")
         self._asked[key] = name
+        if self.start_at is None:
+            self._ask(key, name)
+        return None
+
+    def _ask(self, key: int, name: str) -> None:
         try:
             self._server.send({"key": key, "name": name})
         except OSError as error:
             _log.warning("cannot ask for slave %s: %s", name, error)
-        return None
 
     def expects(self, key: object, pid: object, manager: object) -> bool:
         """Return whether a connecting slave with this key and pid was requested here."""
@@ -244,9 +249,11 @@ class SlaveSupervisor:
         return [*barred, *(ev.SlaveFailed(key, why) for key in failed)]
 
     def restart(self) -> None:
-        """Start another zygote."""
+        """Start another zygote, and ask it for the slaves that were wanted since the last one."""
         self._server.start()
         self._zygotes.add(self._server.pid)
+        for key, name in self._asked.items():
+            self._ask(key, name)
 
     def reap(self) -> Iterator[ev.Event]:
         """Yield what happened to slaves that have become children of the manager itself."""
