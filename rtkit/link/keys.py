@@ -78,9 +78,12 @@ def to_target(name: str, *, is_extension: bool) -> str:
     return f"{rest.replace('/', '.')}.{head}" if rest else head
 
 
-def introduction() -> str:
-    """Return the key of a manager's identity, for clients that know only its address."""
-    return f"rtw/{realm()}"
+def introduction(of_realm: str = "") -> str:
+    """Return the key of a manager's identity, for clients that know only its address.
+
+    `of_realm` is this one by default, ``*`` for any.
+    """
+    return f"rtw/{of_realm or realm()}"
 
 
 def property_key(service_key: str, name: str) -> str:

@@ -9,10 +9,9 @@ from __future__ import annotations
 import json
 import resource
 import socket
-import threading
 import time
 from collections.abc import Callable
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import zenoh
 
@@ -23,7 +22,7 @@ from rtkit.link.zenoh import open_client, open_listener
 
 LOOPBACK = "127.0.0.1"
 _ROUTE_S = 5.0
-_AGAIN_S = 0.01
+_AGAIN_S = 0.005
 _INTRODUCE_S = 1.0
 """How long who connects has to prove that he knows the secret [s]."""
 _MOST = 500
@@ -69,7 +68,7 @@ def open_endpoint(port: int, inner_endpoint: str, secret_file: str) -> zenoh.Ses
     }
     session = open_listener(f"tcp/{LOOPBACK}:{port}", more=more)
     try:
-        _await_route(session)
+        ask_identity(session, _ROUTE_S)
     except Unreachable:
         session.close()  # type: ignore[no-untyped-call]
         raise
@@ -111,18 +110,33 @@ def log_in(port: int, secret: Secret, timeout_s: float) -> zenoh.Session:
 def ask_identity(session: zenoh.Session, timeout_s: float) -> Identity:
     """Return the identity of the manager behind an endpoint.
 
+    An endpoint that has just been opened may not know of its manager yet: it is asked again.
+
     Raises:
-        Unreachable: None answers.
+        Unreachable: None answers, or only one of another realm.
     """
+    deadline = time.monotonic() + timeout_s
+    while (left_s := deadline - time.monotonic()) > 0:
+        key, text = _introduction(session, left_s)
+        if key == keys.introduction():
+            return _identity(text)
+        if key:
+            break
+        time.sleep(_AGAIN_S)
+    raise Unreachable("no manager of this realm answers there")
+
+
+def _introduction(session: zenoh.Session, timeout_s: float) -> tuple[str, str]:
+    """Return key and text of what the manager behind an endpoint says of itself, "" for none."""
     for reply in session.get(
-        keys.introduction(),
+        keys.introduction("*"),
         timeout=timeout_s,
         handler=zenoh.handlers.FifoChannel(4),
         consolidation=zenoh.ConsolidationMode.NONE,
     ):
         if reply.ok is not None:
-            return _identity(reply.ok.payload.to_string())
-    raise Unreachable("no manager of this realm answers there")
+            return str(reply.ok.key_expr), reply.ok.payload.to_string()
+    return "", ""
 
 
 def _identity(text: str) -> Identity:
@@ -131,31 +145,3 @@ def _identity(text: str) -> Identity:
     except (ValueError, TypeError) as error:
         raise Malformed(f"not who a manager is: {text[:80]!r}") from error
     return Identity(str(host), str(manager), str(id))
-
-
-def _await_route(session: zenoh.Session) -> None:
-    """Wait until a query at the endpoint reaches the manager behind it."""
-    deadline = time.monotonic() + _ROUTE_S
-    querier = session.declare_querier(keys.introduction())
-    matched = threading.Event()
-
-    def changed(status: zenoh.MatchingStatus) -> None:
-        if status.matching:
-            matched.set()
-
-    listener = querier.declare_matching_listener(changed)
-    status: Any = querier.matching_status  # the stubs of zenoh 1.10 say bool, wrongly
-    if not status.matching:
-        matched.wait(_ROUTE_S)
-    listener.undeclare()  # type: ignore[no-untyped-call]
-    querier.undeclare()  # type: ignore[no-untyped-call]
-    while True:
-        try:
-            ask_identity(session, _ROUTE_S)
-        except Unreachable:
-            # It knows of the manager, but its tables are not computed; no event follows.
-            if time.monotonic() > deadline:
-                raise
-            time.sleep(_AGAIN_S)
-        else:
-            return

@@ -57,6 +57,20 @@ os._exit(0)
 """
 
 
+EARLY = """
+import os, threading
+from rtkit.link import places, tcp_endpoint
+from rtkit.link.zenoh import open_client, open_listener, unix_endpoint
+
+inner = unix_endpoint(places.manager_socket("m"))
+manager, client = open_listener(inner), open_client(inner, 20.0)
+identity = tcp_endpoint.Identity("h", "m", "manager")
+threading.Timer(0.3, tcp_endpoint.introduce, (manager, identity)).start()
+print(tcp_endpoint.ask_identity(client, 20.0) == identity, flush=True)
+os._exit(0)
+"""
+
+
 @pytest.fixture
 def folder() -> Iterator[Path]:
     """A folder with a path short enough for sockets."""
@@ -69,15 +83,19 @@ def folder() -> Iterator[Path]:
 
 @pytest.mark.parametrize("company", ["alone", "company"])
 def test_a_manager_with_a_door_ends_in_silence(folder: Path, company: str) -> None:
-    assert run(folder, ROUNDS, company) == (0, "done\n", "")
+    assert run(folder, SCRIPT, str(ROUNDS), company) == (0, "done\n", "")
 
 
 def test_who_connects_and_says_nothing_shuts_no_door(folder: Path) -> None:
-    assert run(folder, 1, "silence") == (0, "done\n", "")
+    assert run(folder, SCRIPT, "1", "silence") == (0, "done\n", "")
 
 
-def run(folder: Path, rounds: int, company: str) -> tuple[int, str, str]:
-    """Open doors and close them; return status, output and errors of the process that does."""
+def test_who_asks_before_the_manager_can_be_reached_there_is_answered_then(folder: Path) -> None:
+    assert run(folder, EARLY) == (0, "True\n", "")
+
+
+def run(folder: Path, script: str, *arguments: str) -> tuple[int, str, str]:
+    """Return status, output and errors of a process that runs a script."""
     environment = {
         **os.environ,
         "PYTHONPATH": os.pathsep.join(sys.path),
@@ -85,7 +103,7 @@ def run(folder: Path, rounds: int, company: str) -> tuple[int, str, str]:
         "RTKIT_STATE_DIR": str(folder / "state"),
     }
     done = subprocess.run(
-        [sys.executable, "-c", SCRIPT, str(rounds), company],
+        [sys.executable, "-c", script, *arguments],
         capture_output=True,
         text=True,
         env=environment,
