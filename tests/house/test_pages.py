@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from itertools import pairwise
 from pathlib import Path
 
 import pytest
@@ -23,6 +24,24 @@ def test_each_example_is_tried_or_says_why_not(page: Path) -> None:
     text = page.read_text(encoding="utf-8")
     written = len(blocks(page)) - text.count("<!-- rows are run -->\n|")
     assert f"\n{text}".count("\n```") == 2 * written, "a fence without its end"
+
+
+@pytest.mark.parametrize("page", pages(), ids=lambda page: str(page.relative_to(ROOT)))
+def test_no_example_trusts_that_something_has_happened_by_now(page: Path) -> None:
+    """Who wrote a value, or killed a process, waits for what others make of it."""
+    script = [
+        line
+        for block in blocks(page)
+        if not block.is_marked and block.language == "sh"
+        for line in block.text.splitlines()
+    ]
+    hasty = [
+        line
+        for before, line in pairwise(["", *script])
+        if line.startswith("sleep ")
+        or (re.match(r"rtvlog --no-follow .*\|", line) and not before.startswith("until rtvlog"))
+    ]
+    assert hasty == []
 
 
 def test_the_readme_is_short() -> None:
