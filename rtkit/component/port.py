@@ -21,6 +21,8 @@ from rtkit.rtc.profiles import DEFINITION, ConnectorProfile, PortProfile
 T = TypeVar("T")
 P = TypeVar("P", bound="Port")
 _UNLIMITED = -1
+_MOST_LEFT = 64
+"""How many closed connectors an in port keeps the unread values of."""
 _OK = PortStatus.OK  # looking a member up in its enumeration would be a tenth of a write
 Renew = Callable[[Sink[T]], object]
 """Receives the sink to use from now on."""
@@ -135,7 +137,7 @@ class InPort(DataPort[T]):
     ) -> None:
         super().__init__(data_type, name, properties, doc=doc)
         self._buffers: tuple[Buffer[T], ...] = ()
-        self._left: Buffer[T] | None = None
+        self._left: tuple[Buffer[T], ...] = ()
         self._policies: dict[str, tuple[Buffer[T], EmptyPolicy]] = {}
         self._waits = False
         self._reads_back = True
@@ -245,7 +247,7 @@ class InPort(DataPort[T]):
     def close(self, connector_id: str) -> None:
         """Close a connector; wake its waiting reader or writer.
 
-        What had arrived by the last connector that was closed can still be read.
+        What had arrived by the last ones that were closed can still be read.
         """
         with self._lock:
             self._dismiss(connector_id)
@@ -254,8 +256,8 @@ class InPort(DataPort[T]):
             if closed is not None:
                 buffer = closed[0]
                 buffer.close()
-                if not isinstance(buffer, Pulled) and len(buffer):
-                    self._left = buffer
+                if not isinstance(buffer, Pulled):
+                    self._left = (*self._left, buffer)
             self._refresh()
 
     def _add(self, connector_id: str, buffer: Buffer[T], policy: EmptyPolicy) -> None:
@@ -266,11 +268,8 @@ class InPort(DataPort[T]):
 
     def _refresh(self) -> None:
         policies = [policy for _, policy in self._policies.values()]
-        left = self._left
-        if left is not None and not len(left):
-            left = self._left = None
-        buffers = (buffer for buffer, _ in self._policies.values())
-        self._buffers = (*buffers,) if left is None else (left, *buffers)
+        self._left = tuple(filter(len, self._left))[-_MOST_LEFT:]
+        self._buffers = (*self._left, *(buffer for buffer, _ in self._policies.values()))
         self._waits = EmptyPolicy.BLOCK in policies
         self._reads_back = not policies or EmptyPolicy.READBACK in policies
 

@@ -192,6 +192,16 @@ def test_after_closing_nothing_arrives(out, into):
     into.close("c0")
 
 
+def test_what_brief_connectors_brought_before_the_port_was_read_is_read(out, into):
+    for number in range(3):
+        join(out, into, at=f"c{number}")
+        out.write(long(number))
+        out.detach(f"c{number}")
+        into.close(f"c{number}")
+    assert [value.data for value in into.read_all()] == [0, 1, 2]
+    assert not into.is_new()
+
+
 def test_pull_fetches_when_read(out, into):
     profile = connector(
         dataport__outport__buffer__length="2",
