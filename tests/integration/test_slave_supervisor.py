@@ -103,6 +103,16 @@ def test_who_is_wanted_between_two_zygotes_is_born_of_the_next_one(side: Side) -
     assert slave_supervisor.expects(KEY, first["pid"], first["of"])
 
 
+def test_its_own_zygote_that_warms_up_is_no_slave_that_has_not_reported(
+    side: Side, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (zygote,) = side.slave_supervisor.processes
+    Path(side.data.replace("%p.data", f"{zygote}.beats")).touch()
+    monkeypatch.setattr("rtkit.manager.predecessor.unreported.is_slave", lambda *_: True)
+    side.slave_supervisor.look_for_absent()
+    assert side.slave_supervisor.is_complete
+
+
 def test_a_stranger_with_the_pid_of_a_guest_that_left_is_let_be(side: Side) -> None:
     slave_supervisor = side.slave_supervisor
     with subprocess.Popen(["sleep", "60"]) as stranger:

@@ -172,7 +172,8 @@ class SlaveSupervisor:
 
     def look_for_absent(self) -> None:
         """Find the slaves of earlier managers that no zygote reported."""
-        self._unreported.look({*self._keys, *self.former_zygotes.missing})
+        # Its own zygote has heartbeats as a slave has, while it warms up.
+        self._unreported.look({*self.processes, *self.former_zygotes.missing})
 
     @property
     def is_complete(self) -> bool:
