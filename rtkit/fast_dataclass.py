@@ -13,10 +13,11 @@ from __future__ import annotations
 
 import operator
 from collections.abc import Callable, Mapping
+from functools import partial
 from types import SimpleNamespace
-from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
+from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, TypeVar, dataclass_transform
 
-__all__ = ["MISSING", "dataclass", "field", "fields", "is_record", "replace"]
+__all__ = ["MISSING", "Record", "dataclass", "field", "fields", "is_record", "replace"]
 
 T = TypeVar("T")
 _COMPILED_AFTER = 50
@@ -84,20 +85,32 @@ def _dataclass(
 ) -> Callable[[type], type]:
     if not slots:
         raise TypeError("without slots there is the standard dataclass")
-    return lambda cls: _made(cls, frozen=frozen, order=order, eq=eq)
+
+    def decorate(cls: type) -> type:
+        namespace = {**vars(cls), "__qualname__": cls.__qualname__}
+        return _made(type(cls), cls.__bases__, namespace, frozen=frozen, order=order, eq=eq)
+
+    return decorate
 
 
-def _made(cls: type, *, frozen: bool, order: bool, eq: bool) -> type:
+def _made(
+    make: Callable[[str, tuple[type, ...], dict[str, Any]], type],
+    bases: tuple[type, ...],
+    namespace: dict[str, Any],
+    *,
+    frozen: bool = True,
+    order: bool = False,
+    eq: bool = True,
+) -> type:
     columns: dict[str, _Field] = {}
-    for base in reversed(cls.__mro__[1:]):
+    for base in reversed([each for parent in bases for each in parent.__mro__]):
         columns |= vars(base).get("__record_fields__", {})
-    inherited = set(columns)
-    namespace = dict(vars(cls))
+    inherited, title = set(columns), namespace["__qualname__"].rpartition(".")[2]
     for name, hint in namespace.get("__annotations__", {}).items():
         default = namespace.pop(name, _MISSING)
         told = default if isinstance(default, _Field) else _Field(default)
         columns[name] = told._replace(name=name, type=hint)
-    _check_order(cls, columns)
+    _check_order(title, columns)
     for name in ("__dict__", "__weakref__"):
         namespace.pop(name, None)
     namespace["__slots__"] = tuple(name for name in columns if name not in inherited)
@@ -106,8 +119,7 @@ def _made(cls: type, *, frozen: bool, order: bool, eq: bool) -> type:
     namespace["__repr__"] = namespace.get("__repr__", _repr)
     if eq:
         namespace.update(_comparing(columns, frozen, order) | _own(namespace))
-    made = type(cls)(cls.__name__, cls.__bases__, namespace)
-    made.__qualname__ = cls.__qualname__
+    made = make(title, bases, namespace)
     if frozen:
         _freeze(made, columns)
     params = SimpleNamespace(init=True, repr=True, eq=eq, order=order, frozen=frozen)
@@ -127,11 +139,11 @@ def _own(namespace: Mapping[str, Any]) -> dict[str, Any]:
     return {name: namespace[name] for name in ("__eq__", "__hash__") if namespace.get(name)}
 
 
-def _check_order(cls: type, columns: Mapping[str, _Field]) -> None:
+def _check_order(title: str, columns: Mapping[str, _Field]) -> None:
     has_default = False
     for name, column in columns.items():
         if column.is_required and has_default:
-            raise TypeError(f"{cls.__name__}: {name} without a default behind one that has one")
+            raise TypeError(f"{title}: {name} without a default behind one that has one")
         has_default = has_default or not column.is_required
 
 
@@ -300,3 +312,16 @@ if TYPE_CHECKING:
     from dataclasses import MISSING, dataclass, field, fields, replace
 else:
     MISSING, dataclass, field, fields, replace = _MISSING, _dataclass, _field, _fields, _replace
+
+
+@dataclass_transform(frozen_default=True, field_specifiers=(field,))
+class _RecordType(type):
+    def __new__(cls, _name: str, bases: tuple[type, ...], namespace: dict[str, Any]) -> Any:
+        return _made(partial(type.__new__, cls), bases, namespace)
+
+
+class Record(metaclass=_RecordType):
+    """Base of records: what derives from it is a frozen dataclass with slots, as it stands."""
+
+    if TYPE_CHECKING:
+        __dataclass_fields__: ClassVar[dict[str, Any]]

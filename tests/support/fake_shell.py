@@ -161,7 +161,7 @@ class FakeShell:
         if self.ring is not None:
             self.ring.record(event, self.now)
         instructions = self.core.handle(event, self.now)
-        self.state.validate()
+        check_facts(self.state)
         self.wake_at = None
         for instruction in instructions:
             self._carry_out(instruction)
@@ -326,3 +326,33 @@ class FakeShell:
     def killed(self) -> list[int]:
         """Return the keys of the slaves that got KILL."""
         return [key for key, number in self.signals if number == signal.SIGKILL]
+
+
+def check_facts(state: ManagerState) -> None:
+    """Check that the facts do not contradict each other.
+
+    Raises:
+        AssertionError: They do; names the fact.
+    """
+    own = state.processes[OWN]
+    assert own.state == "up", own
+    assert state.components.keys() == state.containers.keys(), "component without holder"
+    for key, process in state.processes.items():
+        assert process.key == key, process
+        assert process.is_alive or state.held_by(key), f"empty lost process: {process}"
+    for instance, facts in state.components.items():
+        container = state.process_of(instance)
+        assert facts.instance == instance, facts
+        assert container is not None, f"no process holds {instance}"
+        assert bool(facts.zombie) is not container.is_alive, f"{instance} in {container}"
+    for _, key in state.loose:
+        assert state.processes[key].is_alive, "a lost process holds an end"
+    names = [name for facts in state.components.values() for name in facts.names]
+    names += state.names
+    assert len(names) == len(set(names)), f"a name is used twice: {names}"
+    for connector_id, connector in state.connectors.items():
+        assert connector.connector_id == connector_id, connector
+        for end in connector.ports:
+            facts = state.components[end.instance]
+            assert not facts.zombie, f"zombie is connected: {connector}"
+            assert facts.port(end.port) is not None, f"no such port: {connector}"

@@ -172,3 +172,30 @@ def test_a_default_as_a_signature_shows_it_is_made_anew() -> None:
     shown = inspect.signature(pen).parameters["marks"].default
     for _ in range(COMPILED_AFTER + 2):
         assert pen(1, shown).marks == pen(1, marks=shown).marks == {}
+
+
+def test_what_derives_from_a_record_is_a_frozen_dataclass_with_slots() -> None:
+    class Shape(fast_dataclass.Record):
+        """A shape."""
+
+    class Circle(Shape):
+        """A round one."""
+
+        radius: int
+        tags: tuple[str, ...] = ()
+
+    @dataclasses.dataclass(frozen=True, slots=True)
+    class Plain:
+        radius: int
+        tags: tuple[str, ...] = ()
+
+    one = Circle(2)
+    assert one == Circle(2, ()) != Circle(3)
+    assert hash(one) == hash(Circle(2))
+    assert fast_dataclass.replace(one, radius=3) == Circle(3)
+    assert inspect.signature(Circle).parameters.keys() == inspect.signature(Plain).parameters.keys()
+    assert Circle.__match_args__ == Plain.__match_args__
+    assert not hasattr(one, "__dict__")
+    assert Shape.__subclasses__() == [Circle]
+    with pytest.raises(dataclasses.FrozenInstanceError):
+        one.radius = 4  # type: ignore[misc]

@@ -56,8 +56,7 @@ core at rest, so that `replay` comes to the same state, in another process too (
 nothing here may hang on anything but state, events, the time and the capacity of the host, nor on
 the order of a set of texts.
 
-*Invariants*, which `state.ManagerState.validate` checks after each step of the laws: each component
-has one process; it is a zombie exactly when that process is lost; a connector joins two components
-that live and have such ports; no full name is used twice; a lost process is forgotten with its
-last component.
+*Invariants*, which the laws check after each step: each component has one process; it is a zombie
+exactly when that process is lost; a connector joins two components that live and have such ports;
+no full name is used twice; a lost process is forgotten with its last component.
 """

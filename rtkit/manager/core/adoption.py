@@ -14,7 +14,7 @@ from rtkit.deployment.facts import ComponentFacts
 from rtkit.deployment.message import Message
 from rtkit.errors import Malformed
 from rtkit.fast_dataclass import replace
-from rtkit.manager.core import record_desired
+from rtkit.manager.core.desired import Asked, desired_by, note, requests_from
 from rtkit.manager.core.effects import Procedure, Send, Sleep
 from rtkit.manager.core.limiting import note_limits
 from rtkit.manager.core.registration import free_names
@@ -42,7 +42,7 @@ class Holding(NamedTuple):
 
     components: list[ComponentFacts]
     wires: list[ConnectorProfile]
-    asked: record_desired.Asked = MappingProxyType({})
+    asked: Asked = MappingProxyType({})
 
 
 def read(name: str, components: object, wires: object, asked: object = None) -> Holding:
@@ -57,7 +57,7 @@ def read(name: str, components: object, wires: object, asked: object = None) -> 
     for facts in held:
         check_instance_name(facts.instance)
     ends = [decode(ConnectorProfile, each) for each in wires]
-    return Holding(held, ends, record_desired.read(asked))
+    return Holding(held, ends, requests_from(asked))
 
 
 def take(state: ManagerState, process: Process, holding: Holding) -> list[Message]:
@@ -83,9 +83,9 @@ def believe(state: ManagerState, process: Process, holding: Holding) -> None:
     for instance, actions in holding.asked.items():
         if state.containers.get(instance) == process.key:
             for action in actions:
-                record_desired.note(state.kept, action)
-            state.kept.named(instance, state.components[instance].names)
-            state.since_made[instance] = record_desired.desired(instance, actions)
+                note(state.kept, action)
+            state.kept.change(instance, names=state.components[instance].names)
+            state.since_made[instance] = desired_by(instance, actions)
 
 
 def take_unsaid(state: ManagerState, process: Process, holding: Holding) -> None:

@@ -14,7 +14,6 @@ from rtkit.errors import Refused, Unreachable
 from rtkit.fast_dataclass import replace
 from rtkit.manager.core import events as ev
 from rtkit.manager.core import operations
-from rtkit.manager.core.desired import ANSWERED
 from rtkit.manager.core.durable_replies import DurableReplies, unkept
 from rtkit.manager.core.effects import AcquireSlave, Procedure
 from rtkit.manager.core.procedures import procedure_for, slaves_of
@@ -195,8 +194,8 @@ class Batches:
         text, kept = results_to_text(results), self._state.kept
         if job.batch.id and kept.has_changed:  # in the same commit
             for old in list(kept.answered)[: 1 - REMEMBERED]:
-                kept.drop(ANSWERED, old)
-            kept.put(ANSWERED, job.batch.id, text)
+                kept.drop("answered", old)
+            kept.put("answered", job.batch.id, text)
 
         before = list(results)  # those that are taken back are changed in their place
 
@@ -216,4 +215,4 @@ class Batches:
             del self._answered[old]
             self._forget(old)
         if kept.answered.get(id, text) != text:
-            kept.drop(ANSWERED, id)
+            kept.drop("answered", id)

@@ -124,7 +124,7 @@ class Core:
             case ev.RecoveryRequested(request):
                 self._restore(request)
             case ev.StartStepDone(step):
-                self.state.kept.begin(step)
+                self.state.kept.put("begun", step, "done")
             case ev.RowsStored(number, why, is_lost):
                 self._keeping.kept(number, why, is_lost=is_lost)
             case ev.StopRequested(is_urgent, is_kept):
@@ -180,7 +180,7 @@ class Core:
                 process.state, process.reason = "lost", facts.zombie
                 adoption.take_missed(state, process, adoption.Holding([facts], []))
             else:
-                state.kept.found(facts.instance)
+                state.kept.drop("zombie", facts.instance)
 
     def _restore(self, request: int) -> None:
         self._announcer.release()

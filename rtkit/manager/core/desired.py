@@ -1,58 +1,33 @@
 """Desired state: everything that was acknowledged, as rows for the store.
 
 Facts are reports of processes; desired state is what users asked for. A component that died is no
-fact any more and is still desired; a component that a user ended is neither.
+fact any more and is still desired; a component that a user ended is neither. What a process was
+asked last is desired, recorded or not; what is desired and was not asked since a component was made
+is still to be done.
 """
 
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Iterable, Mapping
-from typing import Any
+from collections.abc import Iterable, Mapping
+from typing import Any, NamedTuple
 
+from rtkit.deployment import actions as act
+from rtkit.deployment.actions import Action
 from rtkit.deployment.facts import ComponentFacts, Followed, RestartStatus
 from rtkit.deployment.supervision import Ledger
 from rtkit.errors import Malformed
-from rtkit.fast_dataclass import dataclass, field, replace
+from rtkit.fast_dataclass import Record, field, replace
 from rtkit.manager.core.events import Row
-from rtkit.rtc.enums import LifeCycleState
+from rtkit.rtc.enums import LifeCycleState, Transition
 from rtkit.rtc.profiles import ConnectorProfile
 from rtkit.rtc.serde import decode, encode
 
-COMPONENT, WIRE, MODULE, SETTING, BEGUN, ZOMBIE, WATCHED, BOOT, ANSWERED, FOLLOWED, REACHED = (
-    "component",
-    "wire",
-    "module",
-    "setting",
-    "begun",
-    "zombie",
-    "watched",
-    "boot",
-    "answered",
-    "followed",
-    "reached",
-)
-"""The kinds of rows."""
-_TABLES: Mapping[str, str] = {
-    COMPONENT: "components",
-    WIRE: "wires",
-    MODULE: "modules",
-    SETTING: "settings",
-    BEGUN: "begun",
-    ZOMBIE: "zombies",
-    WATCHED: "watched",
-    BOOT: "boot",
-    ANSWERED: "answered",
-    FOLLOWED: "followed",
-    REACHED: "reached",
-}
-"""The attributes that hold them."""
-_URGENT = (ZOMBIE, WATCHED)
-"""Those of ends, which are kept though something that answers them is under way."""
+_URGENT = ("zombie", "watched")
+"""Kinds of rows on ends, which are kept though something that answers them is under way."""
 
 
-@dataclass(frozen=True, slots=True)
-class DesiredComponent:
+class DesiredComponent(Record):
     """Component that shall exist.
 
     Attributes:
@@ -78,8 +53,7 @@ class DesiredComponent:
     events: Mapping[str, str] = field(default_factory=dict)
 
 
-@dataclass(frozen=True, slots=True)
-class RestartRecord:
+class RestartRecord(Record):
     """Record of the restarts of a component, past and pending.
 
     Attributes:
@@ -134,6 +108,28 @@ class RestartRecord:
         )
 
 
+class _Kind(NamedTuple):
+    """A kind of rows: the attribute that holds them, and what each is."""
+
+    table: str
+    row: type
+
+
+_KINDS: Mapping[str, _Kind] = {
+    "component": _Kind("components", DesiredComponent),
+    "wire": _Kind("wires", ConnectorProfile),
+    "module": _Kind("modules", str),
+    "setting": _Kind("settings", str),
+    "begun": _Kind("begun", str),
+    "zombie": _Kind("zombies", ComponentFacts),
+    "watched": _Kind("watched", RestartRecord),
+    "boot": _Kind("boot", str),
+    "answered": _Kind("answered", str),
+    "followed": _Kind("followed", str),
+    "reached": _Kind("reached", Followed),
+}
+
+
 class DesiredState:
     """All desired rows, in their order of arrival, and which of them are not stored yet.
 
@@ -186,8 +182,8 @@ class DesiredState:
         changed = {key: None for key in self._changed if key[0] in _URGENT or not is_urgent}
         for key in changed:
             del self._changed[key]
-        if self.boot and not self.is_stored(BOOT, "id"):
-            changed[BOOT, "id"] = None
+        if self.boot and not self.is_stored("boot", "id"):
+            changed["boot", "id"] = None
         return tuple((kind, name, self._text(kind, name)) for kind, name in changed)
 
     def is_kept(self, rows: Iterable[Row]) -> None:
@@ -201,7 +197,7 @@ class DesiredState:
 
     def keep_all(self) -> None:
         """Have all rows kept again, since nothing is on the disk any more."""
-        self._changed.update({(kind, name): None for kind in _TABLES for name in self._table(kind)})
+        self._changed.update({(kind, name): None for kind in _KINDS for name in self._table(kind)})
 
     def read(self, rows: Iterable[Row]) -> list[str]:
         """Take in what was stored; return what cannot be read, one line each."""
@@ -209,7 +205,7 @@ class DesiredState:
         for kind, name, text in rows:
             self._stored.add((kind, name))
             try:
-                self._table(kind)[name] = _READ[kind](json.loads(text or ""))
+                self._table(kind)[name] = decode(_KINDS[kind].row, json.loads(text or ""))
             except (ValueError, LookupError, TypeError) as error:
                 bad.append(f"{kind} {name}: {error}")
         return bad
@@ -219,24 +215,22 @@ class DesiredState:
         before = self.boot.get("id", boot)
         self.boot["id"] = boot
         if before != boot:
-            self._changed[BOOT, "id"] = None
+            self._changed["boot", "id"] = None
         return before == boot
 
     def clear(self) -> None:
         """Clear the desired state."""
-        for kind in _TABLES:
+        for kind in _KINDS:
             for name in list(self._table(kind)):
                 self.drop(kind, name)
 
     def _table(self, kind: str) -> dict[str, Any]:
-        table: dict[str, Any] = getattr(self, _TABLES[kind])
+        table: dict[str, Any] = getattr(self, _KINDS[kind].table)
         return table
 
     def _text(self, kind: str, name: str) -> str | None:
         value = self._table(kind).get(name)
-        if value is None:
-            return None
-        return json.dumps(value if isinstance(value, str) else encode(value), separators=(",", ":"))
+        return None if value is None else json.dumps(encode(value), separators=(",", ":"))
 
     def put(self, kind: str, name: str, value: object) -> None:
         """Put a row under its name."""
@@ -254,28 +248,29 @@ class DesiredState:
 
     def made(self, instance: str, create: str, names: tuple[str, ...], pattern: object) -> None:
         """Record a component that was made; a restarted one keeps its desired state."""
-        self.drop(ZOMBIE, instance)
+        self.drop("zombie", instance)
         if instance in self.revived and instance in self.components:
             return
         self.forget(instance)
         text = "" if pattern is None else json.dumps(encode(pattern), separators=(",", ":"))
-        self.put(COMPONENT, instance, DesiredComponent(create, names, text))
+        self.put("component", instance, DesiredComponent(create, names, text))
 
     def adopt(self, facts: ComponentFacts, asked: DesiredComponent | None = None) -> None:
         """Record as desired what lives and is known from nothing else but user requests to it."""
         if asked is None:
             active = tuple(c.id for c in facts.contexts if c.state is LifeCycleState.ACTIVE)
             asked = DesiredComponent("", (), "", facts.sets, facts.active_set, active)
-        self.put(COMPONENT, facts.instance, replace(asked, create=facts.create, names=facts.names))
+        asked = replace(asked, create=facts.create, names=facts.names)
+        self.put("component", facts.instance, asked)
 
     def forget(self, instance: str) -> None:
         """Remove a component from the desired state, and what depends on it."""
-        self.drop(COMPONENT, instance)
-        self.drop(ZOMBIE, instance)
-        self.drop(WATCHED, instance)
+        self.drop("component", instance)
+        self.drop("zombie", instance)
+        self.drop("watched", instance)
         for connector_id, connector in list(self.wires.items()):
             if any(end.instance == instance for end in connector.ports):
-                self.drop(WIRE, connector_id)
+                self.drop("wire", connector_id)
         # Few drive others: looking into each would make many components cost their square.
         drivers = [(owner, item) for owner, item in self.components.items() if item.attached]
         for owner, item in drivers:
@@ -286,58 +281,18 @@ class DesiredState:
     def lost(self, facts: ComponentFacts) -> None:
         """Note that a component has died, and that its user is to see it."""
         if facts.instance in self.components:
-            self.put(ZOMBIE, facts.instance, facts)
-
-    def found(self, instance: str) -> None:
-        """Note that a component lives that was taken for dead."""
-        self.drop(ZOMBIE, instance)
+            self.put("zombie", facts.instance, facts)
 
     def watch(self, instance: str, **changes: Any) -> None:
         """Note what was done about the ends of a component."""
-        self.put(WATCHED, instance, replace(self.watched.get(instance, RestartRecord()), **changes))
-
-    def named(self, instance: str, names: tuple[str, ...]) -> None:
-        """Note under which names a component is to be found."""
-        self.change(instance, names=names)
-
-    def wire(self, connector: ConnectorProfile) -> None:
-        """Add a connector to the desired state."""
-        self.put(WIRE, connector.connector_id, connector)
-
-    def begin(self, what: str) -> None:
-        """Note that something of the manager's own start was done."""
-        self.put(BEGUN, what, "done")
-
-    def set(self, key: str, value: str) -> None:
-        """Note a property of the manager that was changed."""
-        self.put(SETTING, key, value)
+        before = self.watched.get(instance, RestartRecord())
+        self.put("watched", instance, replace(before, **changes))
 
     def change(self, instance: str, **changes: Any) -> None:
         """Change a desired component; one that is not desired stays so."""
         item = self.components.get(instance)
         if item is not None:
-            self.put(COMPONENT, instance, replace(item, **changes))
-
-
-def _word(data: object) -> str:
-    if not isinstance(data, str):
-        raise Malformed(f"no text: {data!r}")
-    return data
-
-
-_READ: Mapping[str, Callable[[Any], object]] = {
-    COMPONENT: lambda data: decode(DesiredComponent, data),
-    WIRE: lambda data: decode(ConnectorProfile, data),
-    ZOMBIE: lambda data: decode(ComponentFacts, data),
-    WATCHED: lambda data: decode(RestartRecord, data),
-    MODULE: _word,
-    SETTING: _word,
-    BEGUN: _word,
-    BOOT: _word,
-    ANSWERED: _word,
-    FOLLOWED: _word,
-    REACHED: lambda data: decode(Followed, data),
-}
+            self.put("component", instance, replace(item, **changes))
 
 
 def module_row(path: str, init: str) -> str:
@@ -348,3 +303,110 @@ def module_row(path: str, init: str) -> str:
 def module_path(row: str, init: str) -> str:
     """Return the path in such a name."""
     return row.removesuffix(f":{init}") if init else row
+
+
+# changes that follow from actions, done here or told by a process (decision 41)
+
+
+def note(kept: DesiredState, action: Action) -> None:
+    """Record an action that was done, but for those on whole components, which say more."""
+    match action:
+        case act.Load(path, init):
+            kept.put("module", module_row(path, init), init)
+        case act.Connect(connector):
+            kept.put("wire", connector.connector_id, connector)
+        case act.Disconnect(connector_id):
+            kept.drop("wire", connector_id)
+        case act.ActivateSet(instance, set_id):
+            kept.change(instance, active_set=set_id)
+        case act.SetStructure(instance, states):
+            kept.change(instance, states=states)
+        case act.SetEventProfiles(instance, events):
+            kept.change(instance, events=events)
+        case act.Attach(owner) | act.Detach(owner):
+            _attach(kept, kept.components.get(owner, _NONE), action)
+        case act.SetParameters(instance) | act.ChangeState(instance) | act.SetRate(instance):
+            _set(kept, kept.components.get(instance, _NONE), action)
+
+
+_NONE = DesiredComponent("")
+
+
+def _set(
+    kept: DesiredState,
+    entry: DesiredComponent,
+    action: act.SetParameters | act.ChangeState | act.SetRate,
+) -> None:
+    match action:
+        case act.SetParameters(instance, set_id, values):
+            changed = {**entry.sets.get(set_id, {}), **values}
+            kept.change(instance, sets={**entry.sets, set_id: changed})
+        case act.SetRate(instance, context, rate):
+            kept.change(instance, rates={**entry.rates, context: rate})
+        case act.ChangeState(instance, context, Transition.ACTIVATE):
+            kept.change(instance, active=tuple(dict.fromkeys((*entry.active, context))))
+        case act.ChangeState(instance, context):
+            kept.change(instance, active=tuple(each for each in entry.active if each != context))
+
+
+def _attach(kept: DesiredState, entry: DesiredComponent, action: act.Attach | act.Detach) -> None:
+    driven = dict.fromkeys(entry.attached.get(action.context, ()))
+    if isinstance(action, act.Attach):
+        driven[action.participant] = None
+    else:
+        driven.pop(action.participant, None)
+    kept.change(action.owner, attached={**entry.attached, action.context: tuple(driven)})
+
+
+# what users asked of components since their creation, as their process reports it
+
+Asked = Mapping[str, tuple[Action, ...]]
+"""Actions by component."""
+
+_ACTIONS: Mapping[object, type[Action]] = {
+    "set": act.SetParameters,
+    "activate_set": act.ActivateSet,
+    "change_state": act.ChangeState,
+    "set_rate": act.SetRate,
+    "set_structure": act.SetStructure,
+    "set_events": act.SetEventProfiles,
+    "attach": act.Attach,
+    "detach": act.Detach,
+}
+
+
+def requests_from(told: object) -> Asked:
+    """Return the actions that a process reports; none where it reports nothing.
+
+    Raises:
+        Malformed: They cannot be read.
+    """
+    if told is None:
+        return {}
+    if not isinstance(told, Mapping):
+        raise Malformed("what was asked of components is no table")
+    return {str(instance): _actions(str(instance), each) for instance, each in told.items()}
+
+
+def _actions(instance: str, told: object) -> tuple[Action, ...]:
+    if not isinstance(told, list):
+        raise Malformed(f"what was asked of {instance} is no list")
+    return tuple(_action(instance, message) for message in told)
+
+
+def _action(instance: str, message: object) -> Action:
+    if not isinstance(message, Mapping) or message.get("op") not in _ACTIONS:
+        raise Malformed(f"unknown request of {instance}")
+    cls = _ACTIONS[message["op"]]
+    whose = "owner" if issubclass(cls, (act.Attach, act.Detach)) else "instance"
+    rest = {name: value for name, value in message.items() if name != "op"}
+    return decode(cls, {**rest, whose: instance})
+
+
+def desired_by(instance: str, actions: Iterable[Action]) -> DesiredComponent:
+    """Return what these actions come to, of a component of which nothing else is known."""
+    kept = DesiredState()
+    kept.components[instance] = DesiredComponent("")
+    for action in actions:
+        note(kept, action)
+    return kept.components[instance]

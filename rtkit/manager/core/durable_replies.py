@@ -13,7 +13,7 @@ from typing import NamedTuple
 from rtkit.deployment import actions as act
 from rtkit.deployment.actions import Action, Result
 from rtkit.errors import Refused, RtkitError
-from rtkit.manager.core.desired import COMPONENT, MODULE, WIRE, module_path
+from rtkit.manager.core.desired import module_path
 from rtkit.manager.core.effects import Procedure
 from rtkit.manager.core.events import Instruction, Row, StoreRows, WakeAt
 from rtkit.manager.core.procedures import procedure_for
@@ -188,11 +188,11 @@ def _opposite(state: ManagerState, action: Action, result: Result) -> Action | N
     """Return what takes back something that was made just now; None for what stays."""
     is_stored = state.kept.is_stored
     match action:
-        case act.Create() if not is_stored(COMPONENT, result.value):
+        case act.Create() if not is_stored("component", result.value):
             return act.Delete(result.value)
-        case act.Connect(connector) if not is_stored(WIRE, connector.connector_id):
+        case act.Connect(connector) if not is_stored("wire", connector.connector_id):
             return act.Disconnect(connector.connector_id)
-        case act.Load(path) if not any(is_stored(MODULE, row) for row in _rows(state, path)):
+        case act.Load(path) if not any(is_stored("module", row) for row in _rows(state, path)):
             return act.Unload(path)
     return None
 

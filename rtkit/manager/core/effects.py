@@ -11,12 +11,19 @@ from typing import Any
 
 from rtkit.deployment.actions import Result
 from rtkit.deployment.message import Message
-from rtkit.fast_dataclass import dataclass
+from rtkit.fast_dataclass import Record
 from rtkit.manager.core.state import Process
 
 
-@dataclass(frozen=True, slots=True)
-class AcquireSlave:
+class Effect(Record):
+    """Request of a procedure."""
+
+
+class Wait(Effect):
+    """Request after which the procedure waits."""
+
+
+class AcquireSlave(Wait):
     """Wait for the slave of that name, started if it does not live; receives a `Process`.
 
     One for the trial of a module is always started, and has no name that anybody could ask for.
@@ -26,8 +33,7 @@ class AcquireSlave:
     trial_of: str = ""
 
 
-@dataclass(frozen=True, slots=True)
-class Call:
+class Call(Wait):
     """Send a message to a container and wait for the value that it answers.
 
     Attributes:
@@ -42,64 +48,54 @@ class Call:
     is_lasting: bool = False
 
 
-@dataclass(frozen=True, slots=True)
-class WaitForEnds:
+class WaitForEnds(Wait):
     """Wait until each of these slaves has ended, at most `timeout_s` [s]."""
 
     slaves: tuple[Process, ...]
     timeout_s: float
 
 
-@dataclass(frozen=True, slots=True)
-class Sleep:
+class Sleep(Wait):
     """Wait for `time_s` [s]."""
 
     time_s: float
 
 
-@dataclass(frozen=True, slots=True)
-class WaitUntil:
+class WaitUntil(Wait):
     """Wait for a condition that other procedures bring about; `why` describes what is missing."""
 
     is_so: Callable[[], bool]
     why: str
 
 
-@dataclass(frozen=True, slots=True)
-class Send:
+class Send(Effect):
     """Send a message to a container that needs no answer; goes on at once."""
 
     process: Process
     message: Message
 
 
-@dataclass(frozen=True, slots=True)
-class SendSignal:
+class SendSignal(Effect):
     """Send a signal to a slave; goes on at once."""
 
     process: Process
     number: int
 
 
-@dataclass(frozen=True, slots=True)
-class Spawn:
+class Spawn(Effect):
     """Begin a procedure whose outcome nobody waits for: cleaning up must not delay an answer."""
 
     procedure: Procedure
 
 
-@dataclass(frozen=True, slots=True)
-class ReadClock:
+class ReadClock(Effect):
     """Ask for the time; receives monotonic seconds."""
 
 
-@dataclass(frozen=True, slots=True)
-class Gather:
+class Gather(Wait):
     """Do these procedures side by side and wait until each has ended; receives their results."""
 
     procedures: tuple[Procedure, ...]
 
 
-Wait = AcquireSlave | Call | WaitForEnds | Sleep | WaitUntil | Gather
-Effect = Wait | Send | SendSignal | Spawn | ReadClock
 Procedure = Generator[Effect, Any, Result]

@@ -12,7 +12,7 @@ from rtkit.deployment.batch import Batch
 from rtkit.deployment.facts import Followed
 from rtkit.deployment.limits import SlaveLimits
 from rtkit.deployment.message import Message
-from rtkit.fast_dataclass import dataclass
+from rtkit.fast_dataclass import Record
 from rtkit.property.exchange import Reply
 
 Row = tuple[str, str, str | None]
@@ -22,8 +22,15 @@ OWN_PROCESS = 0
 """Key of the manager's own process."""
 
 
-@dataclass(frozen=True, slots=True)
-class BatchRequested:
+class Event(Record):
+    """Something that has happened to a manager."""
+
+
+class Instruction(Record):
+    """Something that the loop is to do."""
+
+
+class BatchRequested(Event):
     """A client wants actions performed.
 
     Attributes:
@@ -35,15 +42,13 @@ class BatchRequested:
     until: float = math.inf
 
 
-@dataclass(frozen=True, slots=True)
-class SnapshotRequested:
+class SnapshotRequested(Event):
     """A client that subscribes to deltas requests the snapshot they begin with."""
 
     request: int
 
 
-@dataclass(frozen=True, slots=True)
-class ListenersChanged:
+class ListenersChanged(Event):
     """A topic has its first subscriber now, or lost its last."""
 
     line: str
@@ -51,8 +56,7 @@ class ListenersChanged:
     who: str = "clients"
 
 
-@dataclass(frozen=True, slots=True)
-class FollowAsked:
+class FollowAsked(Event):
     """A client wants a system followed, with all that is needed for it; or, without, no more."""
 
     system: str
@@ -60,16 +64,14 @@ class FollowAsked:
     request: int
 
 
-@dataclass(frozen=True, slots=True)
-class FollowSaid:
+class FollowSaid(Event):
     """A follower reports the outcome of its system, and waits until that is stored."""
 
     told: Followed
     request: int
 
 
-@dataclass(frozen=True, slots=True)
-class OperationRequested:
+class OperationRequested(Event):
     """A client wants an operation done (see `rtkit.manager.core.operations`)."""
 
     name: str
@@ -77,8 +79,7 @@ class OperationRequested:
     request: int
 
 
-@dataclass(frozen=True, slots=True)
-class StopRequested:
+class StopRequested(Event):
     """A client or a signal wants the manager to end; if it is urgent, without any grace.
 
     Desired state is kept only where it is not a user who wants that.
@@ -88,8 +89,7 @@ class StopRequested:
     is_kept: bool = False
 
 
-@dataclass(frozen=True, slots=True)
-class StoreRead:
+class StoreRead(Event):
     """The store of an earlier manager was read, before any process has reported.
 
     Attributes:
@@ -103,22 +103,19 @@ class StoreRead:
     remark: str = ""
 
 
-@dataclass(frozen=True, slots=True)
-class RecoveryRequested:
+class RecoveryRequested(Event):
     """All live processes have reported: what is desired and missing is to be created."""
 
     request: int
 
 
-@dataclass(frozen=True, slots=True)
-class StartStepDone:
+class StartStepDone(Event):
     """A step of the manager's own start is done, and is not to be done again by the next one."""
 
     step: str
 
 
-@dataclass(frozen=True, slots=True)
-class RowsStored:
+class RowsStored(Event):
     """Rows are on the disk, or could not be written for a reason.
 
     Attributes:
@@ -130,38 +127,33 @@ class RowsStored:
     is_lost: bool = False
 
 
-@dataclass(frozen=True, slots=True)
-class SlaveForked:
+class SlaveForked(Event):
     """The zygote made the process of a slave."""
 
     key: int
     pid: int
 
 
-@dataclass(frozen=True, slots=True)
-class SlaveFailed:
+class SlaveFailed(Event):
     """The zygote could not make the process of a slave."""
 
     key: int
     reason: str
 
 
-@dataclass(frozen=True, slots=True)
-class SpawnDisabled:
+class SpawnDisabled(Event):
     """No slave can be made at present, for this reason; or, with none, they can again."""
 
     why: str
 
 
-@dataclass(frozen=True, slots=True)
-class SlaveReady:
+class SlaveReady(Event):
     """A slave has connected: it can hold components."""
 
     key: int
 
 
-@dataclass(frozen=True, slots=True)
-class SlaveFound:
+class SlaveFound(Event):
     """A slave of an earlier manager, or an attached process, reported its components.
 
     With a `silence`, ``stopped`` or ``does not answer``, this is from its checkpoint.
@@ -177,8 +169,7 @@ class SlaveFound:
     asked: object = None
 
 
-@dataclass(frozen=True, slots=True)
-class SlaveExitedUnseen:
+class SlaveExitedUnseen(Event):
     """A slave ended while no manager ran; its components are known from its checkpoint.
 
     If nobody has seen how, all that ran with it was ended at once.
@@ -191,8 +182,7 @@ class SlaveExitedUnseen:
     is_seen: bool = True
 
 
-@dataclass(frozen=True, slots=True)
-class SlaveEnded:
+class SlaveEnded(Event):
     """The kernel reported the end of a slave; `last` is its exit diagnostics, in one line."""
 
     key: int
@@ -200,24 +190,21 @@ class SlaveEnded:
     last: str = ""
 
 
-@dataclass(frozen=True, slots=True)
-class SlaveStopped:
+class SlaveStopped(Event):
     """The kernel reported that a slave was stopped (``SIGSTOP``) or goes on."""
 
     key: int
     is_halted: bool
 
 
-@dataclass(frozen=True, slots=True)
-class SlaveOverLimit:
+class SlaveOverLimit(Event):
     """A slave has reached a limit that it was given by `LimitSlave`; `why` names the limit."""
 
     key: int
     why: str
 
 
-@dataclass(frozen=True, slots=True)
-class CallbackStuck:
+class CallbackStuck(Event):
     """A callback of a component exceeds its deadline; or, with no text, it goes on again.
 
     `instance` may also be one that is being made, or a module that is being imported. Each is
@@ -235,64 +222,31 @@ class CallbackStuck:
     is_all: bool = False
 
 
-@dataclass(frozen=True, slots=True)
-class ProcessInspected:
+class ProcessInspected(Event):
     """`InspectProcess` is complete; its findings came by `CallbackStuck`."""
 
     key: int
 
 
-@dataclass(frozen=True, slots=True)
-class ContainerReported:
+class ContainerReported(Event):
     """The container of a process answered, or reported a fact."""
 
     key: int
     message: Message
 
 
-@dataclass(frozen=True, slots=True)
-class TimerExpired:
+class TimerExpired(Event):
     """The moment that `WakeAt` asked for has come."""
 
 
-Event = (
-    BatchRequested
-    | SnapshotRequested
-    | ListenersChanged
-    | FollowAsked
-    | FollowSaid
-    | OperationRequested
-    | StopRequested
-    | StoreRead
-    | RecoveryRequested
-    | StartStepDone
-    | RowsStored
-    | SlaveForked
-    | SlaveFailed
-    | SpawnDisabled
-    | SlaveReady
-    | SlaveFound
-    | SlaveExitedUnseen
-    | SlaveEnded
-    | SlaveStopped
-    | SlaveOverLimit
-    | CallbackStuck
-    | ProcessInspected
-    | ContainerReported
-    | TimerExpired
-)
-
-
-@dataclass(frozen=True, slots=True)
-class SpawnSlave:
+class SpawnSlave(Instruction):
     """Have the zygote fork a slave."""
 
     key: int
     name: str
 
 
-@dataclass(frozen=True, slots=True)
-class AdoptSlave:
+class AdoptSlave(Instruction):
     """Take a process that was found as one of ours, under this key."""
 
     key: int
@@ -300,24 +254,21 @@ class AdoptSlave:
     is_guest: bool = False
 
 
-@dataclass(frozen=True, slots=True)
-class SendToContainer:
+class SendToContainer(Instruction):
     """Send a message to the container of a process."""
 
     key: int
     message: Message
 
 
-@dataclass(frozen=True, slots=True)
-class SignalSlave:
+class SignalSlave(Instruction):
     """Send a signal to a slave."""
 
     key: int
     signal: int
 
 
-@dataclass(frozen=True, slots=True)
-class LimitSlave:
+class LimitSlave(Instruction):
     """Have a slave and all below it use no more than that; without limits, as much as it likes."""
 
     key: int
@@ -325,8 +276,7 @@ class LimitSlave:
     limits: SlaveLimits
 
 
-@dataclass(frozen=True, slots=True)
-class InspectProcess:
+class InspectProcess(Instruction):
     """Report what has been under way in a process for longer than `age_s` [s].
 
     `ProcessInspected` ends the report.
@@ -336,58 +286,36 @@ class InspectProcess:
     age_s: float
 
 
-@dataclass(frozen=True, slots=True)
-class StoreRows:
+class StoreRows(Instruction):
     """Write rows into the store, in one go; `RowsStored` reports when they are on the disk."""
 
     number: int
     rows: Sequence[Row]
 
 
-@dataclass(frozen=True, slots=True)
-class RemoveStore:
+class RemoveStore(Instruction):
     """Remove the store at the end: nothing is desired any more."""
 
 
-@dataclass(frozen=True, slots=True)
-class AnswerClient:
+class AnswerClient(Instruction):
     """Answer a request."""
 
     request: int
     reply: Reply
 
 
-@dataclass(frozen=True, slots=True)
-class Publish:
+class Publish(Instruction):
     """Publish a message on a topic; `message` lacks only the time."""
 
     line: str
     message: Message
 
 
-@dataclass(frozen=True, slots=True)
-class WakeAt:
+class WakeAt(Instruction):
     """Send a `TimerExpired` at this monotonic time [s]."""
 
     time_s: float
 
 
-@dataclass(frozen=True, slots=True)
-class ExitDaemon:
+class ExitDaemon(Instruction):
     """Nothing is left to be ended: close the endpoints and end the process."""
-
-
-Instruction = (
-    SpawnSlave
-    | AdoptSlave
-    | SendToContainer
-    | SignalSlave
-    | LimitSlave
-    | InspectProcess
-    | StoreRows
-    | RemoveStore
-    | AnswerClient
-    | Publish
-    | WakeAt
-    | ExitDaemon
-)

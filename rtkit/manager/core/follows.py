@@ -9,7 +9,7 @@ from rtkit.deployment import actions as act
 from rtkit.deployment.actions import Result
 from rtkit.deployment.facts import Followed
 from rtkit.errors import NotFound, Refused, RtkitError
-from rtkit.manager.core.desired import FOLLOWED, REACHED, DesiredState
+from rtkit.manager.core.desired import DesiredState
 from rtkit.manager.core.durable_replies import DurableReplies, unkept
 from rtkit.manager.core.events import AnswerClient, FollowAsked, FollowSaid, Instruction
 from rtkit.manager.core.state import ManagerState
@@ -51,8 +51,8 @@ class Follows:
         if asked.text is None:
             if known is None:
                 raise NotFound(f"manager {self._state.name!r} does not follow {name}")
-            kept.drop(FOLLOWED, name)
-            kept.drop(REACHED, name)
+            kept.drop("followed", name)
+            kept.drop("reached", name)
             return f"{name} is followed no more"
         if known is not None and not kept.reached[name].is_over:
             if _about(known) == _about(asked.text):
@@ -61,14 +61,14 @@ class Follows:
                 f"manager {self._state.name!r} follows {name} as another profile tells it"
                 f" ({_about(known)[0]}); rtstate --unfollow {name} ends that"
             )
-        kept.put(FOLLOWED, name, asked.text)
-        kept.put(REACHED, name, Followed(name))
+        kept.put("followed", name, asked.text)
+        kept.put("reached", name, Followed(name))
         return f"{name} is followed"
 
     def say(self, said: FollowSaid) -> None:
         """Take in what became of a system, if it is still followed."""
         if said.told.system in self._state.kept.followed:
-            self._state.kept.put(REACHED, said.told.system, said.told)
+            self._state.kept.put("reached", said.told.system, said.told)
         self._answer_when_kept(said.request, "")
 
     def _answer_when_kept(self, request: int, text: str) -> None:

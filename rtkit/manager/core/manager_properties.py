@@ -81,7 +81,7 @@ def change(state: ManagerState, argument: str) -> Procedure:
         for process in list(state.processes.values()):
             if process.is_slave and process.is_ready:
                 yield Send(process, told)
-    state.kept.set(key, value)
+    state.kept.put("setting", key, value)
     return Result(value=lookup(state, key) or "")
 
 

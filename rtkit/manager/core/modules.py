@@ -11,7 +11,7 @@ from rtkit.deployment.actions import Result
 from rtkit.deployment.message import Message
 from rtkit.errors import NotFound, Refused
 from rtkit.fast_dataclass import replace
-from rtkit.manager.core.desired import MODULE, module_row
+from rtkit.manager.core.desired import module_row
 from rtkit.manager.core.effects import Call, Procedure, Send
 from rtkit.manager.core.events import OWN_PROCESS
 from rtkit.manager.core.import_check import read, try_module
@@ -99,7 +99,7 @@ def unload(state: ManagerState, action: act.Unload) -> Procedure:
         del state.modules[key]
         for path in (module.path, module.file, *module.aliases):
             for row in (path, module_row(path, module.init)):
-                state.kept.drop(MODULE, row)
+                state.kept.drop("module", row)
     for process in list(state.processes.values()):
         if process.is_slave and process.is_ready:
             yield Send(process, message)

@@ -18,6 +18,7 @@ from rtkit.deployment.message import Message
 from rtkit.errors import Malformed, Refused, RtkitError, Unreachable
 from rtkit.fast_dataclass import replace
 from rtkit.manager.core.deletion import delete, end_slave
+from rtkit.manager.core.desired import note
 from rtkit.manager.core.effects import AcquireSlave, Call, Effect, Procedure, Send, Spawn
 from rtkit.manager.core.events import OWN_PROCESS
 from rtkit.manager.core.import_check import share_trial
@@ -26,7 +27,6 @@ from rtkit.manager.core.manager_properties import config_files, inherited
 from rtkit.manager.core.modules import forget_found, load, unload
 from rtkit.manager.core.name_reservations import at_rest, claim_name, names_elsewhere
 from rtkit.manager.core.policies import policy_of, set_policy
-from rtkit.manager.core.record_desired import note
 from rtkit.manager.core.registration import late_names, register, remember, unregister
 from rtkit.manager.core.state import ManagerState, NameReservation, Process
 from rtkit.manager.core.stopping import end_slaves, grace_s, retire

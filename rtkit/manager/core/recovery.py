@@ -237,7 +237,7 @@ def _adopt(state: ManagerState) -> None:
         process = state.process_of(instance)
         if facts.zombie or process is None or process.is_guest:
             continue
-        kept.found(instance)
+        kept.drop("zombie", instance)
         if instance not in kept.components and facts.create and not facts.is_stand_in:
             kept.adopt(facts, state.since_made.get(instance))
     for instance, desired in kept.components.items():
@@ -245,7 +245,7 @@ def _adopt(state: ManagerState) -> None:
             state.ruled.add(instance)
     for connector in state.connectors.values():
         if all(end.instance in kept.components for end in connector.ports):
-            kept.wire(connector)
+            kept.put("wire", connector.connector_id, connector)
 
 
 def _is_composite(desired: DesiredComponent) -> bool:

@@ -117,7 +117,7 @@ def unregister(state: ManagerState, action: act.Unregister) -> Procedure:
         return Result()
     left = tuple(each for each in facts.names if each != name)
     state.update(facts.instance, names=left)
-    state.kept.named(facts.instance, left)
+    state.kept.change(facts.instance, names=left)
     process = state.process_of(facts.instance)
     if facts.zombie and not left and facts.instance not in state.ending:
         state.forget(facts.instance)
@@ -142,7 +142,7 @@ def register(state: ManagerState, action: act.Register) -> Procedure:
     check_free(state, (action.name,), action.instance)
     names = (*facts.names, action.name)
     state.update(action.instance, names=names)
-    state.kept.named(action.instance, names)
+    state.kept.change(action.instance, names=names)
     process = state.process_of(action.instance)
     if process is not None and process.is_ready:
         yield Send(process, remember(state, action.instance))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Any, NamedTuple, get_args
+from typing import Any, NamedTuple
 
 from rtkit.deployment.limits import Capacity
 from rtkit.errors import Malformed, Refused, RtkitError
@@ -11,8 +11,6 @@ from rtkit.manager.core import checkpoint
 from rtkit.manager.core.event_ring import CORE, Fault, Item, Recording
 from rtkit.manager.core.events import Event, Instruction
 from rtkit.manager.core.tagged import to_plain
-
-_EVENTS = get_args(Event)
 
 
 class ReplayedEvent(NamedTuple):
@@ -68,7 +66,7 @@ class Replay:
             if isinstance(item, Fault):
                 yield ReplayedEvent(at, item)
                 continue
-            if not isinstance(item, _EVENTS):
+            if not isinstance(item, Event):
                 raise Malformed(f"neither an event nor a fault: {type(item).__name__}")
             self._capacities = list(_capacities(items, index + 1))
             yield self._step(at, item, _fault_behind(items, index + 1))

@@ -342,35 +342,6 @@ class ManagerState:
             names=self.names,
         )
 
-    def validate(self) -> None:
-        """Check that the facts do not contradict each other.
-
-        Raises:
-            AssertionError: They do; names the fact.
-        """
-        own = self.processes[OWN_PROCESS]
-        assert own.state == "up", own
-        assert self.components.keys() == self.containers.keys(), "component without holder"
-        for key, process in self.processes.items():
-            assert process.key == key, process
-            assert process.is_alive or self.held_by(key), f"empty lost process: {process}"
-        for instance, facts in self.components.items():
-            container = self.process_of(instance)
-            assert facts.instance == instance, facts
-            assert container is not None, f"no process holds {instance}"
-            assert bool(facts.zombie) is not container.is_alive, f"{instance} in {container}"
-        for _, key in self.loose:
-            assert self.processes[key].is_alive, "a lost process holds an end"
-        names = [name for facts in self.components.values() for name in facts.names]
-        names += self.names
-        assert len(names) == len(set(names)), f"a name is used twice: {names}"
-        for connector_id, connector in self.connectors.items():
-            assert connector.connector_id == connector_id, connector
-            for end in connector.ports:
-                facts = self.components[end.instance]
-                assert not facts.zombie, f"zombie is connected: {connector}"
-                assert facts.port(end.port) is not None, f"no such port: {connector}"
-
 
 def _has_end(connector: ConnectorProfile, instance: str) -> bool:
     return any(end.instance == instance for end in connector.ports)

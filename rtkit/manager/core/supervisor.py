@@ -18,12 +18,11 @@ from rtkit.deployment.supervision import WINDOW_S, RestartPolicy, RestartRule, a
 from rtkit.errors import Refused, RtkitError, Unreachable
 from rtkit.fast_dataclass import replace
 from rtkit.manager.core.deletion import FORCE_S, remedy
-from rtkit.manager.core.desired import WATCHED
+from rtkit.manager.core.desired import note
 from rtkit.manager.core.effects import Call, Procedure, ReadClock, Sleep
 from rtkit.manager.core.effects import Effect as Yielded
 from rtkit.manager.core.policies import policy_of
 from rtkit.manager.core.procedures import procedure_for
-from rtkit.manager.core.record_desired import note
 from rtkit.manager.core.recovery import Failed, lives, revive
 from rtkit.manager.core.state import ManagerState
 from rtkit.manager.core.stopping import HANGING_S, end_slaves
@@ -67,7 +66,7 @@ class Supervisor:
         self._early = []
         for instance, watched in list(kept.watched.items()):
             if not is_same_boot:
-                kept.put(WATCHED, instance, watched.record)
+                kept.put("watched", instance, watched.record)
             elif watched.pending:
                 self._state.returning.add(instance)
 
@@ -80,7 +79,7 @@ class Supervisor:
         waiting: dict[str, list[str]] = {}
         for instance, watched in list(kept.watched.items()):
             if instance not in kept.components:
-                kept.drop(WATCHED, instance)
+                kept.drop("watched", instance)
             elif not watched.pending or instance in ended:
                 continue
             elif lives(state, instance):
@@ -166,7 +165,7 @@ class Supervisor:
 
     def _make_at_once(self, instance: str) -> Generator[Yielded, Any, None]:
         state, failures = self._state, list[RtkitError]()
-        state.kept.put(WATCHED, instance, state.watched(instance).record)
+        state.kept.put("watched", instance, state.watched(instance).record)
         state.returning.discard(instance)
         yield from revive(state, [instance], lambda _what, error: failures.append(error))
         if failures:

@@ -29,7 +29,7 @@ from rtkit.rtc.serde import hint_of
 from rtkit.settings.properties import Settings
 
 _ROOTS = (
-    *get_args(Event),
+    *Event.__subclasses__(),
     *(ManagerState, DesiredState, Settings, Snapshot, Sample, HealthRule, Capacity, Fault),
 )
 _OBJECTS = (DesiredState, Settings)

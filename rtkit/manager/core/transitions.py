@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from rtkit.deployment import actions as act
 from rtkit.deployment.actions import Result
-from rtkit.manager.core.desired import WATCHED
 from rtkit.manager.core.effects import Call, Procedure
 from rtkit.manager.core.state import ManagerState
 from rtkit.manager.core.wiring import living
@@ -49,7 +48,7 @@ def _forgive(state: ManagerState, action: act.ChangeState) -> None:
     if watched is None:
         return
     if action.transition is Transition.RESET:
-        state.kept.put(WATCHED, action.instance, watched.record)
+        state.kept.put("watched", action.instance, watched.record)
     elif action.transition is Transition.ACTIVATE:
         state.kept.watch(action.instance, rested="", halted="")
     state.report_restart_status(action.instance)

@@ -8,8 +8,7 @@ import pytest
 
 from rtkit.container.user_requests import UserRequests
 from rtkit.errors import Malformed
-from rtkit.manager.core import record_desired
-from rtkit.manager.core.desired import DesiredComponent
+from rtkit.manager.core.desired import DesiredComponent, desired_by, requests_from
 
 
 def asked(*messages: dict[str, Any]) -> UserRequests:
@@ -20,7 +19,7 @@ def asked(*messages: dict[str, Any]) -> UserRequests:
 
 
 def desired(noted: UserRequests) -> DesiredComponent:
-    return record_desired.desired("A", record_desired.read(noted.told(["A"]))["A"])
+    return desired_by("A", requests_from(noted.told(["A"]))["A"])
 
 
 def test_the_last_request_of_each_kind_counts_and_values_add_up() -> None:
@@ -82,8 +81,8 @@ def test_what_ended_was_asked_nothing() -> None:
 )
 def test_what_cannot_be_read_is_refused(told: object) -> None:
     with pytest.raises(Malformed):
-        record_desired.read(told)
+        requests_from(told)
 
 
 def test_who_tells_nothing_was_asked_nothing_known() -> None:
-    assert record_desired.read(None) == {}
+    assert requests_from(None) == {}

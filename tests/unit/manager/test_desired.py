@@ -8,8 +8,7 @@ from fake_shell import wire
 from rtkit.deployment import actions as act
 from rtkit.deployment.actions import Action
 from rtkit.deployment.facts import ComponentFacts
-from rtkit.manager.core.desired import DesiredState
-from rtkit.manager.core.record_desired import note
+from rtkit.manager.core.desired import DesiredState, note
 from rtkit.rtc.enums import Transition
 from rtkit.rtc.pattern import ComponentPattern
 from rtkit.rtc.profiles import TypeProfile
@@ -65,8 +64,8 @@ def test_all_kinds_are_read_again_in_their_order() -> None:
     kept.made("C", "stand-in?instance_name=C", ("localhost/C.rtc",), pattern)
     for action in (act.Load("m", "i"), act.Connect(wire("w")), act.Connect(wire("v", "B.out"))):
         note(kept, action)
-    kept.set("logger.log_level", "DEBUG")
-    kept.begin("manager.components.precreate: A")
+    kept.put("setting", "logger.log_level", "DEBUG")
+    kept.put("begun", "manager.components.precreate: A", "done")
     kept.lost(ComponentFacts("B", TypeProfile("Thing"), "s", zombie="signal 9"))
     other = read(kept)
     for table in ("components", "wires", "modules", "settings", "begun", "zombies"):
