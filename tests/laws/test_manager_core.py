@@ -33,8 +33,8 @@ from rtkit.deployment import actions as act
 from rtkit.deployment.limits import NO_LIMITS, limits_in
 from rtkit.errors import Malformed, NotFound, Refused
 from rtkit.manager.core import events as ev
+from rtkit.manager.core.deletion import FINALISE_S, TERM_S
 from rtkit.manager.core.dump import Dump, to_lines
-from rtkit.manager.core.stopping import FINALISE_S, TERM_S
 from rtkit.rtc.create import parse_create
 from rtkit.rtc.enums import Transition
 

@@ -18,7 +18,7 @@ from rtkit.errors import NotFound, RtkitError
 from rtkit.manager.core import events as ev
 from rtkit.manager.core.core import Core
 from rtkit.manager.core.event_ring import EventRing
-from rtkit.manager.core.import_check import TRIAL
+from rtkit.manager.core.modules import TRIAL
 from rtkit.manager.core.requests import PendingRequests
 from rtkit.manager.core.state import ManagerState, Process
 from rtkit.property.exchange import Reply

@@ -12,7 +12,7 @@ from typing import Any
 
 import pytest
 
-from rtkit.manager.core.stopping import FINALISE_S
+from rtkit.manager.core.deletion import FINALISE_S
 from rtkit.tree.client import Tree
 from rtkit.tree.connect import connect
 

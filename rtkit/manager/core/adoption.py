@@ -1,11 +1,14 @@
-"""Adopts slaves of an earlier manager, and attached processes: their reports enter the state.
+"""Folds reports of processes into the manager's state: of a component, or of all that one holds.
 
-They are believed about facts: components with names and origin, connector ends. A connector is
-known again when both its ends are; one that has lost an end is removed.
+A slave runs code of others: nothing that it sends is trusted to have the right shape. Slaves of an
+earlier manager, and attached processes, are believed about facts: components with names and origin,
+connector ends. A connector is known again when both its ends are; one that has lost an end is
+removed.
 """
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from types import MappingProxyType
 from typing import NamedTuple
 
@@ -102,16 +105,7 @@ def take_missed(state: ManagerState, process: Process, holding: Holding) -> None
     for facts in holding.components:
         if facts.instance in state.components or facts.instance in state.claims:
             continue
-        names = tuple(dict.fromkeys(n for n in facts.names if not state.name_owner(n)))
-        state.components[facts.instance] = replace(
-            facts,
-            names=names,
-            process=process.name,
-            trouble="",
-            zombie=process.reason,
-            restart_status=state.restart_status_of(facts.instance),
-        )
-        state.containers[facts.instance] = process.key
+        _enter(state, process, facts, (n for n in facts.names if not state.name_owner(n)))
     state.drop_if_empty(process.key)
 
 
@@ -135,16 +129,7 @@ def _take_component(state: ManagerState, process: Process, facts: ComponentFacts
     if known is not None and container is not process:
         state.forget(facts.instance)
     names = (n for n in facts.names if state.name_owner(n) in ("", facts.instance))
-    kept = replace(
-        facts,
-        names=tuple(dict.fromkeys(names)),
-        process=process.name,
-        trouble="",
-        zombie="",
-        restart_status=state.restart_status_of(facts.instance),
-    )
-    state.components[facts.instance] = kept
-    state.containers[facts.instance] = process.key
+    _enter(state, process, facts, names)
     note_limits(state, facts.instance, facts.create)
     return True
 
@@ -181,3 +166,44 @@ def cut_loose(state: ManagerState, process: Process) -> Procedure:
             if process.is_ready:
                 yield Send(process, {"op": "unlink", "connector_id": connector_id})
     return Result()
+
+
+def take_report(state: ManagerState, process: Process, report: object) -> ComponentFacts:
+    """Fold the facts of one component, as its process reports them, into the state.
+
+    Raises:
+        Malformed: They cannot be read, or are none of its business; nothing is changed.
+    """
+    facts = decode(ComponentFacts, report)
+    instance = facts.instance
+    known = state.components.get(instance)
+    claim = state.claims.get(instance)
+    if state.containers.get(instance) != process.key:
+        if claim is None or claim.key != process.key:
+            raise Malformed(f"{process.name} reports {instance}, which it does not hold")
+        if known is not None:
+            state.forget(instance)
+            known = None
+    names, create = (known.names, known.create) if known is not None else ((), "")
+    trouble = state.trouble_of(instance, process)
+    return _enter(state, process, replace(facts, create=create), names, trouble)
+
+
+def _enter(
+    state: ManagerState,
+    process: Process,
+    facts: ComponentFacts,
+    names: Iterable[str],
+    trouble: str = "",
+) -> ComponentFacts:
+    """Enter facts into the state, with those that are the manager's own."""
+    entered = state.components[facts.instance] = replace(
+        facts,
+        process=process.name,
+        names=tuple(dict.fromkeys(names)),
+        trouble=trouble,
+        zombie=process.reason,
+        restart_status=state.restart_status_of(facts.instance),
+    )
+    state.containers[facts.instance] = process.key
+    return entered

@@ -14,11 +14,11 @@ from rtkit.errors import Refused, Unreachable
 from rtkit.fast_dataclass import replace
 from rtkit.manager.core import events as ev
 from rtkit.manager.core import operations
+from rtkit.manager.core.deletion import retire
 from rtkit.manager.core.durable_replies import DurableReplies, unkept
 from rtkit.manager.core.effects import AcquireSlave, Procedure
 from rtkit.manager.core.procedures import procedure_for, slaves_of
 from rtkit.manager.core.state import ManagerState, Process
-from rtkit.manager.core.stopping import retire
 from rtkit.manager.core.supervisor import Supervisor
 from rtkit.manager.core.tasks import Tasks, failed
 from rtkit.property.exchange import NOT_BEGUN, Reply

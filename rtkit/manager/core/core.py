@@ -16,19 +16,19 @@ from rtkit.deployment.delta import TREE
 from rtkit.deployment.message import Message
 from rtkit.deployment.metrics import METRICS
 from rtkit.errors import Malformed, Refused, RtkitError, Unreachable
-from rtkit.manager.core import adoption, manager_properties, modules, report_intake
+from rtkit.manager.core import adoption, manager_properties, modules
 from rtkit.manager.core import events as ev
 from rtkit.manager.core.batches import STOPPING, Batches
 from rtkit.manager.core.change_feed import ChangeFeed
+from rtkit.manager.core.deletion import FINALISE_S, TERM_S, retire, stop_everything
 from rtkit.manager.core.durable_replies import DurableReplies
 from rtkit.manager.core.follows import Follows
 from rtkit.manager.core.health_monitor import HealthMonitor
-from rtkit.manager.core.import_check import TRIAL
 from rtkit.manager.core.limiting import Limiting
 from rtkit.manager.core.metrics import MetricsCollector
+from rtkit.manager.core.modules import TRIAL
 from rtkit.manager.core.recovery import RESTORE_S, note_loss, repair, restore
 from rtkit.manager.core.state import ManagerState, Process
-from rtkit.manager.core.stopping import FINALISE_S, TERM_S, retire, stop_everything
 from rtkit.manager.core.supervisor import Supervisor
 from rtkit.manager.core.tasks import Tasks
 from rtkit.property.exchange import Reply
@@ -203,7 +203,7 @@ class Core:
         if "reply" in message:
             self._tasks.hear(key, message)
         elif "facts" in message:
-            facts = report_intake.take(self.state, process, message["facts"])
+            facts = adoption.take_report(self.state, process, message["facts"])
             self._limiting.heard(facts)
             self._supervisor.heard(facts, self._now)
             for connector in self.state.connectors_of(facts.instance):

@@ -8,10 +8,10 @@ from collections.abc import Mapping, Sequence
 from rtkit.deployment.actions import Result
 from rtkit.deployment.health import HealthRule, Reaction, Sample, broken, read_rules
 from rtkit.deployment.metrics import ComponentMetrics
+from rtkit.manager.core.deletion import HANGING_S, end_slaves
 from rtkit.manager.core.effects import Procedure, ReadClock, Sleep
 from rtkit.manager.core.recovery import lives
 from rtkit.manager.core.state import ManagerState, Process
-from rtkit.manager.core.stopping import HANGING_S, end_slaves
 from rtkit.manager.core.supervisor import Supervisor, bring_to_rest
 from rtkit.manager.core.tasks import Tasks
 from rtkit.rtc.create import parse_create

@@ -14,9 +14,9 @@ from rtkit.deployment.limits import (
     overbooked,
 )
 from rtkit.errors import Refused
+from rtkit.manager.core.deletion import HANGING_S, end_slaves
 from rtkit.manager.core.events import OWN_PROCESS, Instruction, LimitSlave
 from rtkit.manager.core.state import NOWHERE, ManagerState, Process
-from rtkit.manager.core.stopping import HANGING_S, end_slaves
 from rtkit.manager.core.tasks import Tasks, ignored
 from rtkit.rtc.enums import LifeCycleState
 

@@ -13,10 +13,10 @@ from rtkit.deployment.extension import FOLLOW
 from rtkit.deployment.facts import ComponentFacts
 from rtkit.errors import Malformed, NotFound, Refused
 from rtkit.manager.core import follows, manager_properties
+from rtkit.manager.core.deletion import retire_unused
 from rtkit.manager.core.effects import AcquireSlave, Procedure, Spawn
 from rtkit.manager.core.procedures import procedure_for
 from rtkit.manager.core.state import ManagerState
-from rtkit.manager.core.stopping import retire_unused
 from rtkit.rtc.create import FRESH_SLAVE
 from rtkit.rtc.names import check_instance_name
 from rtkit.rtc.profiles import TypeProfile

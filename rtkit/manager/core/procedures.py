@@ -17,26 +17,32 @@ from rtkit.deployment.limits import needs_slave
 from rtkit.deployment.message import Message
 from rtkit.errors import Malformed, Refused, RtkitError, Unreachable
 from rtkit.fast_dataclass import replace
-from rtkit.manager.core.deletion import delete, end_slave
+from rtkit.manager.core.deletion import delete, end_slave, end_slaves, grace_s, retire
 from rtkit.manager.core.desired import note
 from rtkit.manager.core.effects import AcquireSlave, Call, Effect, Procedure, Send, Spawn
 from rtkit.manager.core.events import OWN_PROCESS
-from rtkit.manager.core.import_check import share_trial
 from rtkit.manager.core.limiting import reserve
 from rtkit.manager.core.manager_properties import config_files, inherited
-from rtkit.manager.core.modules import forget_found, load, unload
-from rtkit.manager.core.name_reservations import at_rest, claim_name, names_elsewhere
+from rtkit.manager.core.modules import forget_found, load, share_trial, unload
 from rtkit.manager.core.policies import policy_of, set_policy
-from rtkit.manager.core.registration import late_names, register, remember, unregister
+from rtkit.manager.core.registration import (
+    at_rest,
+    claim_name,
+    late_names,
+    names_elsewhere,
+    register,
+    remember,
+    unregister,
+)
 from rtkit.manager.core.state import ManagerState, NameReservation, Process
-from rtkit.manager.core.stopping import end_slaves, grace_s, retire
-from rtkit.manager.core.transitions import change_state
 from rtkit.manager.core.wiring import connect, cut, disconnect, living
 from rtkit.rtc.address import is_port
 from rtkit.rtc.create import FRESH_SLAVE, CreateString, parse_create
+from rtkit.rtc.enums import Transition
 from rtkit.rtc.names import MANAGER_SUFFIX, check_instance_name, is_local_host
 from rtkit.rtc.profiles import NOTHING
 from rtkit.rtc.serde import encode
+from rtkit.settings.properties import check
 from rtkit.settings.values import DEFAULT_PORT
 
 _OPERATIONS = {
@@ -411,3 +417,59 @@ def _process_of_members(state: ManagerState, create: CreateString) -> Process | 
     if create.place not in ("", home.name):
         raise Refused(f"{first} is in {home.name}: a composite of it cannot be in {create.place}")
     return home
+
+
+_WORD = {
+    Transition.ACTIVATE: "activation",
+    Transition.DEACTIVATE: "deactivation",
+    Transition.RESET: "reset",
+}
+
+
+def change_state(state: ManagerState, action: act.ChangeState) -> Procedure:
+    """Activate, deactivate or reset a component.
+
+    Raises:
+        Malformed: A property of the component that bounds it cannot be read.
+    """
+    process = living(state, action.instance)
+    word = _WORD[action.transition]
+    is_sync = _option(state, action.instance, f"exec_cxt.sync_{word}", "exec_cxt.sync_transition")
+    bound = _option(
+        state, action.instance, f"exec_cxt.{word}_timeout", "exec_cxt.transition_timeout"
+    )
+    message = {
+        "op": "change_state",
+        "context": action.context,
+        "transition": action.transition.value,
+        "wait": action.wait and is_sync != "NO",
+        "instance": action.instance,
+    }
+    _forgive(state, action)
+    told = yield Call(process, message, float(bound or 0))
+    return Result(note=told if isinstance(told, str) else "")
+
+
+def _forgive(state: ManagerState, action: act.ChangeState) -> None:
+    """Begin anew with a component that its user resets, or activates after it was stopped."""
+    watched = state.kept.watched.get(action.instance)
+    if watched is None:
+        return
+    if action.transition is Transition.RESET:
+        state.kept.put("watched", action.instance, watched.record)
+    elif action.transition is Transition.ACTIVATE:
+        state.kept.watch(action.instance, rested="", halted="")
+    state.report_restart_status(action.instance)
+
+
+def _option(state: ManagerState, instance: str, *keys: str) -> str:
+    """Return the first of these properties that component or manager was given."""
+    create = state.components[instance].create
+    own = parse_create(create).options if create else {}
+    for key in keys:
+        value = check(key, own.get(key, "")) or (
+            state.settings.text(key) if state.settings.is_given(key) else ""
+        )
+        if value:
+            return value
+    return ""

@@ -17,7 +17,7 @@ from rtkit.deployment.facts import ComponentFacts
 from rtkit.deployment.supervision import WINDOW_S, RestartPolicy, RestartRule, at_end, at_health
 from rtkit.errors import Refused, RtkitError, Unreachable
 from rtkit.fast_dataclass import replace
-from rtkit.manager.core.deletion import FORCE_S, remedy
+from rtkit.manager.core.deletion import FORCE_S, HANGING_S, end_slaves, remedy
 from rtkit.manager.core.desired import note
 from rtkit.manager.core.effects import Call, Procedure, ReadClock, Sleep
 from rtkit.manager.core.effects import Effect as Yielded
@@ -25,7 +25,6 @@ from rtkit.manager.core.policies import policy_of
 from rtkit.manager.core.procedures import procedure_for
 from rtkit.manager.core.recovery import Failed, lives, revive
 from rtkit.manager.core.state import ManagerState
-from rtkit.manager.core.stopping import HANGING_S, end_slaves
 from rtkit.manager.core.tasks import Tasks, ignored
 from rtkit.rtc.enums import LifeCycleState, Transition
 

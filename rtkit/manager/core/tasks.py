@@ -17,11 +17,10 @@ from typing import Any, NamedTuple
 
 from rtkit.deployment.actions import Result
 from rtkit.deployment.message import Message
-from rtkit.errors import RtkitError, Unreachable
+from rtkit.errors import RtkitError, Unreachable, from_kind
 from rtkit.fast_dataclass import dataclass
 from rtkit.manager.core import effects as fx
 from rtkit.manager.core import events as ev
-from rtkit.manager.core import report_intake
 from rtkit.manager.core.state import ManagerState, Process
 from rtkit.rtc.create import FRESH_SLAVE
 from rtkit.rtc.enums import ReturnCode
@@ -123,11 +122,11 @@ class Tasks:
         task = self._waiting.get(number) if isinstance(number, int) else None
         if task is None or task.key != key or not isinstance(task.wait, fx.Call):
             return
-        result = report_intake.result(message)
+        result = _result(message)
         if result.ok:
             self._go_on(number, message.get("value", ""))
         else:
-            error = report_intake.error(result)
+            error = from_kind(result.kind, result.why)
             task.told = (error, result)
             self._go_on(number, None, error)
 
@@ -338,6 +337,15 @@ def failed(error: RtkitError) -> Result:
     is_bad = isinstance(error, (ValueError, LookupError))
     code = ReturnCode.BAD_PARAMETER if is_bad else ReturnCode.ERROR
     return Result(code, error.kind, str(error))
+
+
+def _result(message: Message) -> Result:
+    """Return the result in a container's answer."""
+    try:
+        code = ReturnCode(message.get("code", ReturnCode.OK.value))
+    except ValueError:
+        code = ReturnCode.ERROR
+    return Result(code, str(message.get("kind", "")), str(message.get("why", "")))
 
 
 def _advance(task: _Task, value: Any, error: RtkitError | None) -> fx.Effect | None:

@@ -11,7 +11,7 @@ from rtkit.deployment.actions import Connect, Create, Delete, Disconnect, EndSla
 from rtkit.errors import Malformed
 from rtkit.manager.core import events as ev
 from rtkit.manager.core.adoption import SETTLE_S
-from rtkit.manager.core.import_check import TRIAL
+from rtkit.manager.core.modules import TRIAL
 
 
 def test_what_a_found_slave_holds_is_known_again() -> None:

@@ -14,7 +14,7 @@ from rtkit.errors import Refused
 from rtkit.manager.core import events as ev
 from rtkit.manager.core import procedures
 from rtkit.manager.core.batches import REMEMBERED, TOO_OLD
-from rtkit.manager.core.stopping import FINALISE_S, TERM_S
+from rtkit.manager.core.deletion import FINALISE_S, TERM_S
 from rtkit.property.exchange import NOT_BEGUN, Reply
 from rtkit.rtc.enums import ReturnCode, Transition
 

@@ -19,7 +19,7 @@ from rtkit.deployment.actions import (
 )
 from rtkit.errors import Malformed, NotFound, Refused
 from rtkit.manager.core import events as ev
-from rtkit.manager.core.import_check import TRIAL
+from rtkit.manager.core.modules import TRIAL
 from rtkit.rtc.enums import ReturnCode, Transition
 from rtkit.rtc.pattern import ComponentPattern
 from rtkit.rtc.profiles import ModuleProfile, TypeProfile

@@ -9,8 +9,7 @@ from fake_shell import OWN, FakeShell, wire
 
 from rtkit.deployment.actions import Connect, Create, Delete, EndSlave
 from rtkit.manager.core import events as ev
-from rtkit.manager.core.deletion import FORCE_S
-from rtkit.manager.core.stopping import TERM_S
+from rtkit.manager.core.deletion import FORCE_S, TERM_S
 
 STUCK = "stuck in on_execute since 12:00:00 (Arm.py:9 in on_execute)"
 TERM, KILL, CONT = signal.SIGTERM, signal.SIGKILL, signal.SIGCONT

@@ -12,7 +12,7 @@ from rtkit.deployment import actions as act
 from rtkit.deployment.limits import NO_LIMITS, Capacity, SlaveLimits
 from rtkit.errors import RtkitError
 from rtkit.manager.core import events as ev
-from rtkit.manager.core.stopping import HANGING_S
+from rtkit.manager.core.deletion import HANGING_S
 from rtkit.rtc.enums import LifeCycleState
 
 MIB = 1 << 20

@@ -10,8 +10,8 @@ from rtkit.deployment import actions as act
 from rtkit.deployment.supervision import HEALTHY_S, RestartRule
 from rtkit.errors import Refused
 from rtkit.manager.core import events as ev
+from rtkit.manager.core.deletion import HANGING_S
 from rtkit.manager.core.policies import policy_of
-from rtkit.manager.core.stopping import HANGING_S
 from rtkit.rtc.enums import LifeCycleState, Transition
 
 STUCK = "stuck in on_execute since 12:00:00 (a.py:7)"
