@@ -8,12 +8,13 @@ argument.
 from __future__ import annotations
 
 import signal
+from collections.abc import Callable, Mapping
 from contextlib import suppress
+from typing import Any
 
 from rtkit.deployment import actions as act
 from rtkit.deployment.actions import Result
 from rtkit.deployment.delta import TREE
-from rtkit.deployment.message import Message
 from rtkit.deployment.metrics import METRICS
 from rtkit.errors import Malformed, Refused, RtkitError, Unreachable
 from rtkit.manager.core import adoption, manager_properties, modules
@@ -42,6 +43,8 @@ class Core:
         state: What it knows.
     """
 
+    DERIVED = ("_reactions",)
+
     def __init__(self, state: ManagerState) -> None:
         self.state = state
         self._out: list[ev.Instruction] = []
@@ -60,6 +63,7 @@ class Core:
         self._is_stopping = False
         self._now = 0.0
         self._is_restoring = False
+        self._reactions = self._all_reactions()
 
     @property
     def is_idle(self) -> bool:
@@ -82,57 +86,7 @@ class Core:
             Malformed: A container reported what cannot be read; nothing is changed.
         """
         self._now = self._batches.now = now
-        match event:
-            case ev.BatchRequested():
-                self._batches.take(event)
-            case ev.SnapshotRequested(request):
-                self._announcer.send_picture(request)
-            case ev.ListenersChanged(line, is_heard, who):
-                self._listened(line, is_heard, who)
-            case ev.FollowAsked():
-                self._follow(event)
-            case ev.FollowSaid():
-                self._follows.say(event)
-            case ev.OperationRequested():
-                self._batches.operate(event)
-            case ev.ContainerReported(key, message):
-                self._heard(key, message)
-            case ev.SlaveForked(key, pid):
-                self._forked(key, pid)
-            case ev.SlaveReady(key):
-                self._ready(key)
-            case ev.SlaveFound():
-                self._found(event)
-            case ev.SlaveExitedUnseen():
-                self._missed(event)
-            case ev.SlaveEnded(key, reason, last):
-                self._ended(key, reason, last)
-            case ev.SlaveFailed(key, reason):
-                self._ended(key, reason)
-            case ev.SpawnDisabled(why):
-                self.state.barred = why
-            case ev.SlaveStopped(key, is_halted):
-                self._halted(key, is_halted)
-            case ev.SlaveOverLimit(key, why):
-                self._limiting.reached(key, why)
-            case ev.CallbackStuck():
-                self._stuck(event)
-            case ev.ProcessInspected(key):
-                self._tasks.inspected(key)
-            case ev.StoreRead():
-                self._remember(event)
-            case ev.RecoveryRequested(request):
-                self._restore(request)
-            case ev.StartStepDone(step):
-                self.state.kept.put("begun", step, "done")
-            case ev.RowsStored(number, why, is_lost):
-                self._keeping.kept(number, why, is_lost=is_lost)
-            case ev.StopRequested(is_urgent, is_kept):
-                self._stop(is_kept)
-                if is_urgent:
-                    self._hurry()
-            case ev.TimerExpired():
-                pass
+        self._reactions[type(event)](event)
         self._tasks.run(now)
         until = self._survey.run(now)
         self._tasks.run_new(now)  # what metrics have given cause for
@@ -145,12 +99,41 @@ class Core:
         self._out.clear()
         return out
 
-    def _listened(self, line: str, is_heard: bool, who: str) -> None:
-        listeners = self._listeners.setdefault(line, set())
-        (listeners.add if is_heard else listeners.discard)(who)
-        if line == TREE:
+    def _all_reactions(self) -> Mapping[type[ev.Event], Callable[[Any], object]]:
+        """Return what is done at each kind of event."""
+        return {
+            ev.BatchRequested: self._batches.take,
+            ev.SnapshotRequested: lambda event: self._announcer.send_picture(event.request),
+            ev.ListenersChanged: self._listened,
+            ev.FollowAsked: self._follow,
+            ev.FollowSaid: self._follows.say,
+            ev.OperationRequested: self._batches.operate,
+            ev.ContainerReported: self._heard,
+            ev.SlaveForked: self._forked,
+            ev.SlaveReady: lambda event: self._ready(event.key),
+            ev.SlaveFound: self._found,
+            ev.SlaveExitedUnseen: self._missed,
+            ev.SlaveEnded: self._ended,
+            ev.SlaveFailed: self._ended,
+            ev.SpawnDisabled: lambda event: setattr(self.state, "barred", event.why),
+            ev.SlaveStopped: lambda event: self._halted(event.key, event.is_halted),
+            ev.SlaveOverLimit: lambda event: self._limiting.reached(event.key, event.why),
+            ev.CallbackStuck: self._stuck,
+            ev.ProcessInspected: lambda event: self._tasks.inspected(event.key),
+            ev.StoreRead: self._remember,
+            ev.RecoveryRequested: lambda event: self._restore(event.request),
+            ev.StartStepDone: lambda event: self.state.kept.put("begun", event.step, "done"),
+            ev.RowsStored: self._keeping.kept,
+            ev.StopRequested: self._stop,
+            ev.TimerExpired: lambda _event: None,
+        }
+
+    def _listened(self, event: ev.ListenersChanged) -> None:
+        listeners = self._listeners.setdefault(event.line, set())
+        (listeners.add if event.is_heard else listeners.discard)(event.who)
+        if event.line == TREE:
             self._announcer.listen(bool(listeners))
-        elif line == METRICS:
+        elif event.line == METRICS:
             self._survey.listen(bool(listeners))
 
     def _follow(self, asked: ev.FollowAsked) -> None:
@@ -196,12 +179,12 @@ class Core:
 
     # reports of processes
 
-    def _heard(self, key: int, message: Message) -> None:
-        process = self.state.processes.get(key)
+    def _heard(self, event: ev.ContainerReported) -> None:
+        message, process = event.message, self.state.processes.get(event.key)
         if process is None or not process.is_alive:
             return  # sent before it died, received after
         if "reply" in message:
-            self._tasks.hear(key, message)
+            self._tasks.hear(process.key, message)
         elif "facts" in message:
             facts = adoption.take_report(self.state, process, message["facts"])
             self._limiting.heard(facts)
@@ -230,12 +213,12 @@ class Core:
             self.state.kept.forget(instance)
             self._tasks.begin(retire(self.state, process), TERM_S)
 
-    def _forked(self, key: int, pid: int) -> None:
-        process = self.state.processes.get(key)
+    def _forked(self, event: ev.SlaveForked) -> None:
+        process = self.state.processes.get(event.key)
         if process is None or not process.is_alive:
             return
-        process.pid = pid
-        process.name = process.name.replace("%p", str(pid))
+        process.pid = event.pid
+        process.name = process.name.replace("%p", str(event.pid))
         self._end_unwanted(process)
 
     def _ready(self, key: int) -> None:
@@ -306,15 +289,16 @@ class Core:
             self._out.append(ev.SignalSlave(process.key, signal.SIGKILL))
         return not process.is_wanted
 
-    def _ended(self, key: int, reason: str, last: str = "") -> None:
-        process = self.state.processes.get(key)
+    def _ended(self, event: ev.SlaveEnded | ev.SlaveFailed) -> None:
+        process = self.state.processes.get(event.key)
         if process is None or not process.is_alive:
             return
-        process.state, process.reason, process.last = "lost", process.verdict or reason, last
+        process.state, process.reason = "lost", process.verdict or event.reason
+        process.last = event.last if isinstance(event, ev.SlaveEnded) else ""
         process.silence = ""
-        self.state.drop_loose(key)
+        self.state.drop_loose(process.key)
         self._release_slave(process)
-        self.state.drop_if_empty(key)
+        self.state.drop_if_empty(process.key)
         self._tasks.process_ended(process)
 
     def _release_slave(self, process: Process) -> None:
@@ -378,7 +362,8 @@ class Core:
 
     # the end
 
-    def _stop(self, is_kept: bool) -> None:
+    def _stop(self, event: ev.StopRequested) -> None:
+        is_kept = event.is_kept
         if not self._is_stopping:
             self._is_stopping = self._batches.is_stopping = True
             self._keeping.stop(is_kept=is_kept)
@@ -386,6 +371,8 @@ class Core:
                 self._out.append(ev.RemoveStore())
             self._tasks.cancel(Refused(STOPPING))
             self._tasks.begin(stop_everything(self.state), FINALISE_S, self._stopped)
+        if event.is_urgent:
+            self._hurry()
 
     def _hurry(self) -> None:
         """Kill all slaves, and wait for nobody else."""

@@ -363,16 +363,19 @@ def _attach(kept: DesiredState, entry: DesiredComponent, action: act.Attach | ac
 Asked = Mapping[str, tuple[Action, ...]]
 """Actions by component."""
 
-_ACTIONS: Mapping[object, type[Action]] = {
-    "set": act.SetParameters,
-    "activate_set": act.ActivateSet,
-    "change_state": act.ChangeState,
-    "set_rate": act.SetRate,
-    "set_structure": act.SetStructure,
-    "set_events": act.SetEventProfiles,
-    "attach": act.Attach,
-    "detach": act.Detach,
+OPERATIONS: Mapping[type[Action], str] = {
+    act.SetParameters: "set",
+    act.ActivateSet: "activate_set",
+    act.ChangeState: "change_state",
+    act.SetRate: "set_rate",
+    act.Tick: "tick",
+    act.SetStructure: "set_structure",
+    act.SetEventProfiles: "set_events",
+    act.Attach: "attach",
+    act.Detach: "detach",
 }
+"""By which operation of a container an action is done."""
+_ACTIONS: Mapping[object, type[Action]] = {op: kind for kind, op in OPERATIONS.items()}
 
 
 def requests_from(told: object) -> Asked:

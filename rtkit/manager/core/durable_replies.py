@@ -15,7 +15,7 @@ from rtkit.deployment.actions import Action, Result
 from rtkit.errors import Refused, RtkitError
 from rtkit.manager.core.desired import module_path
 from rtkit.manager.core.effects import Procedure
-from rtkit.manager.core.events import Instruction, Row, StoreRows, WakeAt
+from rtkit.manager.core.events import Instruction, Row, RowsStored, StoreRows, WakeAt
 from rtkit.manager.core.procedures import procedure_for
 from rtkit.manager.core.state import ManagerState
 from rtkit.manager.core.tasks import Tasks, failed
@@ -81,10 +81,10 @@ class DurableReplies:
         else:
             go_on("")
 
-    def kept(self, number: int, why: str, *, is_lost: bool = False) -> None:
+    def kept(self, stored: RowsStored) -> None:
         """Take the word of the store; if it is lost, have all kept in another one."""
-        flight = self._flights.pop(number)
-        if is_lost and not self._is_forgetting:
+        flight, why = self._flights.pop(stored.number), stored.why
+        if stored.is_lost and not self._is_forgetting:
             self._keep_anew(flight, why)
             return
         self._state.unkept, self._retry_at = why, None

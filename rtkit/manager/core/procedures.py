@@ -6,7 +6,7 @@ What a procedure has changed when it fails, it takes back itself.
 from __future__ import annotations
 
 import contextlib
-from collections.abc import Generator, Iterable, Mapping
+from collections.abc import Callable, Generator, Iterable, Mapping
 from typing import Any
 
 from rtkit.deployment import actions as act
@@ -18,7 +18,7 @@ from rtkit.deployment.message import Message
 from rtkit.errors import Malformed, Refused, RtkitError, Unreachable
 from rtkit.fast_dataclass import replace
 from rtkit.manager.core.deletion import delete, end_slave, end_slaves, grace_s, retire
-from rtkit.manager.core.desired import note
+from rtkit.manager.core.desired import OPERATIONS, note
 from rtkit.manager.core.effects import AcquireSlave, Call, Effect, Procedure, Send, Spawn
 from rtkit.manager.core.events import OWN_PROCESS
 from rtkit.manager.core.limiting import reserve
@@ -45,56 +45,26 @@ from rtkit.rtc.serde import encode
 from rtkit.settings.properties import check
 from rtkit.settings.values import DEFAULT_PORT
 
-_OPERATIONS = {
-    act.SetRate: "set_rate",
-    act.Tick: "tick",
-    act.SetStructure: "set_structure",
-    act.SetEventProfiles: "set_events",
-}
-
 
 def procedure_for(action: Action, state: ManagerState) -> Procedure:
     """Do an action, and record what is desired from then on."""
-    result = yield from _steps(action, state)
+    result = yield from _PROCEDURES[type(action)](state, action)
     if isinstance(action, act.Connect):  # with the ports' own names
         action = act.Connect(state.connectors.get(action.connector.connector_id, action.connector))
     note(state.kept, action)
     return result
 
 
-def _steps(action: Action, state: ManagerState) -> Procedure:
-    match action:
-        case act.Load():
-            return load(state, action)
-        case act.Unload():
-            return unload(state, action)
-        case act.Create():
-            return _create(state, action)
-        case act.Delete():
-            return delete(state, action)
-        case act.EndSlave():
-            return end_slave(state, action)
-        case act.Unregister():
-            return unregister(state, action)
-        case act.Register():
-            return register(state, action)
-        case act.Connect():
-            return connect(state, action.connector)
-        case act.Disconnect():
-            return disconnect(state, action)
-        case act.SetParameters():
-            return _configure(state, action.instance, "set", action.set_id, action.values)
-        case act.ActivateSet():
-            return _configure(state, action.instance, "activate_set", action.set_id)
-        case act.ChangeState():
-            return change_state(state, action)
-        case act.SetRate() | act.Tick() | act.SetStructure() | act.SetEventProfiles():
-            plain: Message = {"op": _OPERATIONS[type(action)], **encode(action)}
-            return _tell(state, action.instance, plain)
-        case act.SetPolicy():
-            return set_policy(state, action)
-        case act.Attach() | act.Detach():
-            return _share(state, action)
+def _ask(state: ManagerState, action: Any, instance: str, **more: object) -> Procedure:
+    """Have the container of a component do an action."""
+    rest = {name: value for name, value in encode(action).items() if name != "owner"}
+    message = {"op": OPERATIONS[type(action)], "instance": instance, **rest, **more}
+    yield Call(living(state, instance), message)
+    return Result()
+
+
+def _pass_on(state: ManagerState, action: Any) -> Procedure:
+    return _ask(state, action, action.instance)
 
 
 def _share(state: ManagerState, action: act.Attach | act.Detach) -> Procedure:
@@ -105,34 +75,22 @@ def _share(state: ManagerState, action: act.Attach | act.Detach) -> Procedure:
             f"{action.participant} is in {participant.name}, {action.owner} in {owner.name}:"
             " an execution context drives components of its own process only"
         )
-    message = {
-        "op": type(action).__name__.lower(),
-        "context": action.context,
-        "participant": action.participant,
-    }
-    return (yield from _tell(state, action.owner, message))
+    return (yield from _ask(state, action, action.owner))
 
 
-def _tell(state: ManagerState, instance: str, message: Message) -> Procedure:
-    process = living(state, instance)
-    yield Call(process, {**message, "instance": instance})
-    return Result()
-
-
-def _configure(
-    state: ManagerState, instance: str, op: str, set_id: str, values: Mapping[str, str] = NOTHING
-) -> Procedure:
+def _configure(state: ManagerState, action: act.SetParameters | act.ActivateSet) -> Procedure:
     """Change settings; those that a component does not take over in time are as they were."""
+    instance, set_id = action.instance, action.set_id
     process, facts = living(state, instance), state.components[instance]
     present = facts.sets.get(set_id, NOTHING)
-    message: Message = {"op": op, "set_id": set_id, "values": dict(values)}
+    values = dict(action.values) if isinstance(action, act.SetParameters) else {}
     try:
-        return (yield from _tell(state, instance, message))
+        return (yield from _ask(state, action, instance, values=values))
     except Unreachable:
         if process.is_ready:
             before = {name: present[name] for name in values if name in present}
-            back = {"op": "set_back", "before": before, "active_set": facts.active_set}
-            yield Send(process, {**message, **back, "instance": instance})
+            back = {"op": "set_back", "instance": instance, "set_id": set_id, "values": values}
+            yield Send(process, {**back, "before": before, "active_set": facts.active_set})
         raise
 
 
@@ -473,3 +431,26 @@ def _option(state: ManagerState, instance: str, *keys: str) -> str:
         if value:
             return value
     return ""
+
+
+_PROCEDURES: Mapping[type[Action], Callable[[ManagerState, Any], Procedure]] = {
+    act.Load: load,
+    act.Unload: unload,
+    act.Create: _create,
+    act.Delete: delete,
+    act.EndSlave: end_slave,
+    act.Unregister: unregister,
+    act.Register: register,
+    act.Connect: connect,
+    act.Disconnect: disconnect,
+    act.SetParameters: _configure,
+    act.ActivateSet: _configure,
+    act.ChangeState: change_state,
+    act.SetRate: _pass_on,
+    act.Tick: _pass_on,
+    act.SetStructure: _pass_on,
+    act.SetEventProfiles: _pass_on,
+    act.SetPolicy: set_policy,
+    act.Attach: _share,
+    act.Detach: _share,
+}

@@ -35,8 +35,9 @@ def living(state: ManagerState, instance: str) -> Process:
     return process
 
 
-def connect(state: ManagerState, connector: ConnectorProfile) -> Procedure:
+def connect(state: ManagerState, action: act.Connect) -> Procedure:
     """Make a connector; one that exists between the same ports is what was asked for."""
+    connector = action.connector
     connector_id = connector.connector_id
     while connector_id in state.openings:
         why = f"connection {connector_id} is just being made"

@@ -219,7 +219,7 @@ def test_a_fault_of_a_procedure_is_told_and_ends_nothing_else(shell, monkeypatch
         raise ZeroDivisionError("oops")
         yield
 
-    monkeypatch.setattr(procedures, "delete", broken)
+    monkeypatch.setitem(procedures._PROCEDURES, Delete, broken)
     asked = shell.ask(Delete("A"), Create("Thing"), ordered=False)
     shell.serve()
     assert [result.why for result in asked.results] == ["ZeroDivisionError: oops", ""]

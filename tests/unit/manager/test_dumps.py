@@ -239,12 +239,12 @@ def test_a_replay_that_goes_otherwise_says_where() -> None:
 
 def test_a_fault_of_the_core_comes_again(monkeypatch: pytest.MonkeyPatch) -> None:
     """As the loop records it: the event, then the fault that it led to."""
-    shell = recorded(1)
 
     def fail(*_arguments: object) -> None:
         raise KeyError("a bug")
 
     monkeypatch.setattr("rtkit.manager.core.core.Core._stuck", fail)
+    shell = recorded(1)
     event = ev.CallbackStuck(1, "A0", "stuck")
     assert shell.ring is not None
     with pytest.raises(KeyError) as raised:
