@@ -94,9 +94,7 @@ def _end_container(
         raise Refused(f"{why}; it is in {whose} process, which is not ended by force{end}")
     others = [each for each in state.held_by(process.key) if each != instance]
     process.verdict = f"ended by force, with {instance}"
-    yield from end_slaves([process], grace_s(state))
-    if process.is_alive:
-        raise Unreachable(f"slave {process.name} has not ended, though it was killed")
+    yield from _end_slave(state, process)
     return others
 
 
@@ -137,6 +135,10 @@ def end_slave(state: ManagerState, action: act.EndSlave) -> Procedure:
             yield from delete(state, act.Delete(instance))
     for instance in state.held_by(process.key):
         state.kept.forget(instance)
+    return (yield from _end_slave(state, process))
+
+
+def _end_slave(state: ManagerState, process: Process) -> Procedure:
     yield from end_slaves([process], grace_s(state))
     if process.is_alive:
         raise Unreachable(f"slave {process.name} has not ended, though it was killed")

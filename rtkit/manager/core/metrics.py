@@ -2,28 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from typing import Protocol
-
 from rtkit.deployment.metrics import METRICS, PERIOD_S, ComponentMetrics, ProcessMetrics
 from rtkit.errors import Malformed
 from rtkit.manager.core.events import Instruction, Publish, SendToContainer
+from rtkit.manager.core.health_monitor import HealthMonitor
 from rtkit.manager.core.state import ManagerState, Process
 from rtkit.rtc.serde import decode, encode
 
 _PATIENCE_S = 0.25
 """How long the answers of busy processes are waited for [s]."""
-
-
-class MetricsConsumer(Protocol):
-    """Part of the core that wants metrics itself."""
-
-    @property
-    def is_needed(self) -> bool:
-        """Return whether it wants any."""
-
-    def judge(self, answers: Mapping[int, Sequence[ComponentMetrics]], now: float) -> None:
-        """Take them, by process."""
 
 
 class MetricsCollector:
@@ -34,7 +21,7 @@ class MetricsCollector:
         state: ManagerState,
         out: list[Instruction],
         run_id: str,
-        judge: MetricsConsumer | None = None,
+        judge: HealthMonitor,
     ) -> None:
         self._state = state
         self._out = out
@@ -68,14 +55,13 @@ class MetricsCollector:
 
     def run(self, now: float) -> float | None:
         """Request or publish metrics when it is time; return when it is time for the next [s]."""
-        if not self._is_heard and not (self._judge is not None and self._judge.is_needed):
+        if not self._is_heard and not self._judge.is_needed:
             return None
         if self._tell_by is not None and (not self._asked or now >= self._tell_by):
             self._tell_by = None
             if self._is_heard:
                 self._tell()
-            if self._judge is not None:
-                self._judge.judge(self._answers, now)
+            self._judge.judge(self._answers, now)
         if self._tell_by is None and now >= self._ask_at:
             late_s = now - self._ask_at
             self._ask_at = now + PERIOD_S - (late_s if late_s < PERIOD_S else 0.0)

@@ -62,40 +62,15 @@ def _factory_profiles(state: ManagerState) -> str:
     return "\n".join(sorted(map(type_record, types)))
 
 
-def _components(state: ManagerState) -> str:
-    return "\n".join(each.instance for each in _living(state))
-
-
-def _component_profiles(state: ManagerState) -> str:
-    return "\n".join(map(_component_record, _living(state)))
-
-
 def _component_record(facts: ComponentFacts) -> str:
-    known = facts.type
-    told = {
-        "type_name": known.type_name,
-        "description": known.description,
-        "version": known.version,
-        "vendor": known.vendor,
-        "category": known.category,
-        "language": known.language,
-        "manager": facts.process,
-        "naming.names": ",".join(facts.names),
-    }
-    return record(facts.instance, told)
+    names = ("type_name", "description", "version", "vendor", "category", "language")
+    own = {"manager": facts.process, "naming.names": ",".join(facts.names)}
+    return record(facts.instance, {name: getattr(facts.type, name) for name in names} | own)
 
 
 def _profile(state: ManagerState) -> str:
     table = manager_properties.table(state)
     return lines({key: table[key] for key in table if key in _PROFILE or key.startswith("os.")})
-
-
-def _configuration(state: ManagerState) -> str:
-    return lines(manager_properties.table(state))
-
-
-def _masters(state: ManagerState) -> str:
-    return "\n".join(state.masters)
 
 
 def _slaves(state: ManagerState) -> str:
@@ -107,12 +82,12 @@ READ: Mapping[str, Callable[[ManagerState], str]] = {
     FOLLOW: lambda state: follows.told(state.kept),
     "get_loaded_modules": _loaded_modules,
     "get_factory_profiles": _factory_profiles,
-    "get_components": _components,
-    "get_component_profiles": _component_profiles,
+    "get_components": lambda state: "\n".join(each.instance for each in _living(state)),
+    "get_component_profiles": lambda state: "\n".join(map(_component_record, _living(state))),
     "get_profile": _profile,
-    "get_configuration": _configuration,
+    "get_configuration": lambda state: lines(manager_properties.table(state)),
     "is_master": lambda state: manager_properties.lookup(state, "manager.is_master") or "",
-    "get_master_managers": _masters,
+    "get_master_managers": lambda state: "\n".join(state.masters),
     "get_slave_managers": _slaves,
 }
 
@@ -123,18 +98,6 @@ def _load(state: ManagerState, argument: str) -> Procedure:
     if option and key != "init":
         raise Malformed(f"not PATH?init=FUNCTION: {argument}")
     return (yield from procedure_for(act.Load(path, init), state))
-
-
-def _unload(state: ManagerState, argument: str) -> Procedure:
-    return (yield from procedure_for(act.Unload(argument), state))
-
-
-def _create(state: ManagerState, argument: str) -> Procedure:
-    return (yield from procedure_for(act.Create(argument), state))
-
-
-def _delete(state: ManagerState, argument: str) -> Procedure:
-    return (yield from procedure_for(act.Delete(argument), state))
 
 
 def _by_name(state: ManagerState, argument: str) -> Procedure:
@@ -193,9 +156,9 @@ def _service(_state: ManagerState, argument: str) -> Procedure:
 
 DO: Mapping[str, Callable[[ManagerState, str], Procedure]] = {
     "load_module": _load,
-    "unload_module": _unload,
-    "create_component": _create,
-    "delete_component": _delete,
+    "unload_module": lambda state, path: procedure_for(act.Unload(path), state),
+    "create_component": lambda state, text: procedure_for(act.Create(text), state),
+    "delete_component": lambda state, name: procedure_for(act.Delete(name), state),
     "get_components_by_name": _by_name,
     "set_configuration": manager_properties.change,
     "fork": _fork,

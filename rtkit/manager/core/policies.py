@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from rtkit.deployment import actions as act
-from rtkit.deployment.actions import Result
 from rtkit.deployment.extension import with_policy
 from rtkit.deployment.health import Reaction, read_rules
 from rtkit.deployment.limits import read_limits
 from rtkit.deployment.supervision import RestartPolicy, RestartRule, read_policy, restart_of
 from rtkit.errors import NotFound, Refused
-from rtkit.manager.core.effects import Procedure, Send
+from rtkit.manager.core.effects import Procedure
 from rtkit.manager.core.limiting import reserve
 from rtkit.manager.core.registration import remember
 from rtkit.manager.core.state import ManagerState
@@ -52,6 +51,4 @@ def set_policy(state: ManagerState, action: act.SetPolicy) -> Procedure:
     state.update(action.instance, create=create)
     state.kept.change(action.instance, create=create)
     (state.ruled.add if read_rules(action.policy) else state.ruled.discard)(action.instance)
-    if process is not None and process.is_ready:
-        yield Send(process, remember(state, action.instance))
-    return Result()
+    return (yield from remember(state, action.instance))

@@ -134,7 +134,7 @@ def _create(state: ManagerState, action: act.Create) -> Procedure:
     if read_rules(made.options):
         state.ruled.add(instance)
     if names != claim.names:
-        yield Send(process, remember(state, instance))
+        yield from remember(state, instance)
     return Result(value=instance, note=note, left_out=left_out)
 
 

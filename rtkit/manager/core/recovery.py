@@ -206,17 +206,12 @@ def _connects(
         for connector in bonds.wires.get(each, ())
     }
     return [
-        _connect(state, connector, failed)
+        _try(state, act.Connect(connector), f"connect {connector.connector_id}", failed)
         for connector in connectors.values()
         if connector.connector_id not in state.connectors
         and connector.connector_id in state.kept.wires
         and all(_answers(state, end.instance) for end in connector.ports)
     ]
-
-
-def _connect(state: ManagerState, connector: ConnectorProfile, failed: Failed) -> Procedure:
-    yield from _try(state, act.Connect(connector), f"connect {connector.connector_id}", failed)
-    return Result()
 
 
 def _answers(state: ManagerState, instance: str) -> bool:
@@ -278,8 +273,7 @@ def _make(state: ManagerState, instance: str, row: DesiredComponent, failed: Fai
         failed(f"create {instance}", Malformed(str(error)))
         return Result()
     create = act.Create(row.create, row.names, pattern)
-    yield from _try(state, create, f"create {instance}", failed)
-    return Result()
+    return (yield from _try(state, create, f"create {instance}", failed))
 
 
 def _configure(
@@ -330,8 +324,9 @@ def _takes_part(state: ManagerState, instance: str, owner: str, context: str) ->
     return facts is not None and any(c.id == f"{owner}/{context}" for c in facts.contexts)
 
 
-def _try(state: ManagerState, action: Action, what: str, failed: Failed) -> Steps:
+def _try(state: ManagerState, action: Action, what: str, failed: Failed) -> Procedure:
     try:
         yield from procedure_for(action, state)
     except RtkitError as error:
         failed(what, error)
+    return Result()

@@ -13,7 +13,6 @@ from typing import Any
 
 from rtkit.deployment import actions as act
 from rtkit.deployment.actions import Result
-from rtkit.deployment.message import Message
 from rtkit.errors import NotFound, Refused, RtkitError
 from rtkit.manager.core.effects import Call, Procedure, Send, WaitUntil
 from rtkit.manager.core.events import OWN_PROCESS
@@ -124,13 +123,11 @@ def unregister(state: ManagerState, action: act.Unregister) -> Procedure:
     left = tuple(each for each in facts.names if each != name)
     state.update(facts.instance, names=left)
     state.kept.change(facts.instance, names=left)
-    process = state.process_of(facts.instance)
     if facts.zombie and not left and facts.instance not in state.ending:
         state.forget(facts.instance)
         state.kept.forget(facts.instance)
-    elif process is not None and process.is_ready:
-        yield Send(process, remember(state, facts.instance))
-    return Result()
+        return Result()
+    return (yield from remember(state, facts.instance))
 
 
 def register(state: ManagerState, action: act.Register) -> Procedure:
@@ -149,17 +146,16 @@ def register(state: ManagerState, action: act.Register) -> Procedure:
     names = (*facts.names, action.name)
     state.update(action.instance, names=names)
     state.kept.change(action.instance, names=names)
-    process = state.process_of(action.instance)
+    return (yield from remember(state, action.instance))
+
+
+def remember(state: ManagerState, instance: str) -> Procedure:
+    """Have the process of a component remember its names and its origin."""
+    facts, process = state.components[instance], state.process_of(instance)
     if process is not None and process.is_ready:
-        yield Send(process, remember(state, action.instance))
+        kept = {"names": list(facts.names), "create": facts.create}
+        yield Send(process, {"op": "remember", "instance": instance, "kept": kept})
     return Result()
-
-
-def remember(state: ManagerState, instance: str) -> Message:
-    """Return the message that has a process remember names and origin of a component."""
-    facts = state.components[instance]
-    kept = {"names": list(facts.names), "create": facts.create}
-    return {"op": "remember", "instance": instance, "kept": kept}
 
 
 _POLICY = "manager.components.naming_policy"

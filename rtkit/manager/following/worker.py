@@ -6,7 +6,7 @@ import logging
 import time
 from collections.abc import Callable, Sequence
 from threading import Event, Thread
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any
 
 from rtkit.deployment.delta import TREE
 from rtkit.deployment.facts import Followed
@@ -14,43 +14,12 @@ from rtkit.deployment.metrics import METRICS
 from rtkit.deployment.states.spec import spec_from_text
 from rtkit.errors import RtkitError
 from rtkit.fast_dataclass import replace
-from rtkit.manager.following.own_site import Ended
+from rtkit.manager.following.own_site import Ended, OwnSite
 
 if TYPE_CHECKING:
-    from rtkit.deployment.lease import LeaseHolder
     from rtkit.deployment.metrics import ComponentMetrics
-    from rtkit.deployment.site import Site
     from rtkit.deployment.states.following import SystemTransition
     from rtkit.deployment.states.leading import Leader
-
-    class Leased(Site, Protocol):
-        """A site from which others are kept off."""
-
-        @property
-        def is_over(self) -> bool:
-            """Return whether nothing more is to be done."""
-            ...
-
-        def end(self) -> None:
-            """Have whatever is asked raise `Ended`."""
-            ...
-
-        def holder(self) -> LeaseHolder | None:
-            """Return who carries a plan out; None for nobody."""
-            ...
-
-        def pause(self, duration_s: float = ...) -> None:
-            """Wait so long [s], or a little before that is asked again."""
-            ...
-
-        def take_lease(self, waits: Callable[[str], object]) -> None:
-            """Keep others off, as soon as they have ended."""
-            ...
-
-        def give_lease(self) -> None:
-            """Keep nobody off any more."""
-            ...
-
 
 _log = logging.getLogger(__name__)
 _PAUSE_S, _LONGEST_PAUSE_S = 0.05, 1.0
@@ -71,7 +40,7 @@ class FollowingWorker:
         self,
         text: str,
         told: Followed,
-        site: Leased,
+        site: OwnSite,
         say: Callable[[Followed], object],
         listen: Callable[[Sequence[str]], object],
         failed: Callable[[str, BaseException], object] = lambda _work, _error: None,
