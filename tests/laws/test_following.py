@@ -15,8 +15,7 @@ from rtkit.deployment.applying import Applier
 from rtkit.deployment.facts import Followed, Snapshot
 from rtkit.deployment.states.spec import spec_to_text
 from rtkit.errors import Refused
-from rtkit.manager.following.own_site import Ended
-from rtkit.manager.following.worker import FollowingWorker
+from rtkit.manager.following.worker import Ended, FollowingWorker
 
 STATES = statekit.robot()
 TEXT = spec_to_text(STATES, ["", ""])

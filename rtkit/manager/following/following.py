@@ -65,12 +65,11 @@ class Following:
             known = self._workers.get(name)
             if told.is_over:
                 self._workers.pop(name, None)
-            elif known is None or known.is_ended:
+            elif known is None or not known.is_alive():
                 self._workers[name] = self._attendant(name, text, told)
 
     def _attendant(self, name: str, text: str, told: Followed) -> FollowingWorker:
-        from rtkit.manager.following.own_site import OwnSite
-        from rtkit.manager.following.worker import FollowingWorker
+        from rtkit.manager.following.worker import FollowingWorker, OwnSite
 
         purpose = f"the manager itself, which follows {name}"
         site = OwnSite(self._post, self._state.name, purpose)
@@ -81,7 +80,7 @@ class Following:
 
         listen = partial(self._listen, f"{name} {next(self._numbers)}")
         worker = FollowingWorker(text, told, site, say, listen, self._failed)
-        worker.begin()
+        worker.start()
         return worker
 
     def _listen(self, who: str, lines: Sequence[str]) -> None:

@@ -17,8 +17,7 @@ from rtkit.deployment.lease import LeaseHolder
 from rtkit.deployment.states.spec import spec_to_text
 from rtkit.deployment.states.states import States
 from rtkit.errors import Refused
-from rtkit.manager.following.own_site import Ended
-from rtkit.manager.following.worker import FollowingWorker
+from rtkit.manager.following.worker import Ended, FollowingWorker
 
 WAIT_S = 10.0
 OTHER = LeaseHolder("1", "rtapply robot.xml", "me", "box", 1)
@@ -97,7 +96,7 @@ class Manager:
             self.lines.put,
         )
         self.world.changed = self.worker.changed
-        self.worker.begin()
+        self.worker.start()
 
     def next(self) -> Followed:
         return self.said.get(timeout=WAIT_S)
@@ -112,7 +111,7 @@ class Manager:
     def end(self) -> None:
         self.worker.end()
         self.worker.join(WAIT_S)
-        assert self.worker.is_ended
+        assert not self.worker.is_alive()
         lines = ()
         while not self.lines.empty():
             lines = tuple(self.lines.get())
@@ -212,7 +211,7 @@ def test_a_transition_that_fails_ends_it_or_leads_on() -> None:
     assert told.why.startswith("explore -motor_lost-> degraded: ")
     assert (told.kind, told.state, told.is_led) == ("refused", "degraded", False)
     manager.worker.join(WAIT_S)
-    assert manager.worker.is_ended
+    assert not manager.worker.is_alive()
     assert not manager.place.is_leased
 
     manager = Manager(statekit.robot(**statekit.FAILING))
@@ -233,7 +232,7 @@ def test_what_cannot_be_read_is_followed_no_more(manager: Manager) -> None:
     worker = FollowingWorker(
         "{}", Followed("S"), manager.place, manager.said.put, manager.lines.put
     )
-    worker.begin()
+    worker.start()
     told = manager.next()
     assert told.is_over
     assert "not what a system is followed by" in told.why

@@ -15,7 +15,7 @@ from rtkit.deployment.lease import Immortal, Lease
 from rtkit.errors import Refused
 from rtkit.manager.core.events import BatchRequested
 from rtkit.manager.core.requests import PendingRequests
-from rtkit.manager.following.own_site import Ended, OwnSite
+from rtkit.manager.following.worker import Ended, OwnSite
 from rtkit.manager.query_server import ManagerQueryServer
 from rtkit.property.exchange import Reply, Request
 
