@@ -39,8 +39,8 @@ class AttachedProcess:
         self._connection = ManagerConnection(
             places.control_socket(manager), f"{name}_{os.getpid()}", self._ending, is_guest=True
         )
-        self._wires = PortWiring(host, Streams(places.data_socket(manager, os.getpid())))
-        self._container = ComponentContainer(self._send, self._wires, component_factory=None)
+        self._wiring = PortWiring(host, Streams(places.data_socket(manager, os.getpid())))
+        self._container = ComponentContainer(self._send, self._wiring, component_factory=None)
         self._held: set[str] = set()
         self._is_empty = threading.Event()
         self._welcome: list[str] | None = None
@@ -74,11 +74,11 @@ class AttachedProcess:
 
     def flush(self, timeout_s: float) -> bool:
         """Wait until all that was sent has arrived; False when that is not known in time."""
-        return self._wires.flush(timeout_s)
+        return self._wiring.flush(timeout_s)
 
     def lost(self) -> int:
         """Return how many values were sent to its ports, numbered, and did not arrive."""
-        return self._wires.lost(_SETTLE_S)
+        return self._wiring.lost(_SETTLE_S)
 
     def leave(self) -> None:
         """End all components and detach; without effect when that was done already."""

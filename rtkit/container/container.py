@@ -22,7 +22,7 @@ from rtkit.component.context import ExecutionContext
 from rtkit.component.current import current
 from rtkit.component.participant import DrivenComponent
 from rtkit.container.composites import Composites
-from rtkit.container.data_connectors import DataConnectors
+from rtkit.container.connectors import Connectors
 from rtkit.container.execution_contexts import ExecutionContexts, release
 from rtkit.container.facts import facts_of
 from rtkit.container.neighbours import Neighbours
@@ -58,14 +58,14 @@ class ComponentContainer:
 
     Args:
         send: Takes what is reported and answered.
-        wires: The connector ends of the process.
+        wiring: The connector ends of the process.
         maker: Makes components; None where they are only handed in.
     """
 
     def __init__(
         self,
         send: Callable[[Message], object],
-        wires: PortWiring,
+        wiring: PortWiring,
         component_factory: ComponentFactory | None,
     ) -> None:
         self._send = send
@@ -74,7 +74,7 @@ class ComponentContainer:
         self._own_slot: HeartbeatSlot | None = None
         self._checkpoint_writer: CheckpointWriter | None = None
         self._slots: dict[tuple[str, str], HeartbeatSlot] = {}
-        self._wires = wires
+        self._wiring = wiring
         self._inbox: queue.SimpleQueue[Any] = queue.SimpleQueue()
         self._components: dict[str, Component] = {}
         self._pacers: dict[tuple[str, str], Pacer] = {}
@@ -83,7 +83,7 @@ class ComponentContainer:
         self._takeovers: dict[str, list[Message]] = {}
         self._deletions: dict[str, list[Message]] = {}
         self._stale: set[DrivenComponent] = set()
-        self._links = DataConnectors(self, wires)
+        self._connectors = Connectors(self, wiring)
         self._composites = Composites(self)
         self._operations: Mapping[str, Callable[[Message], Any]] = {
             "delete": self._delete,
@@ -94,7 +94,7 @@ class ComponentContainer:
             "metrics": self._send_metrics,
             **(self._making(component_factory) if component_factory is not None else {}),
             **ExecutionContexts(self).operations,
-            **self._links.operations,
+            **self._connectors.operations,
             **StateMachines(self).operations,
             **Neighbours(self).operations,
         }
@@ -140,7 +140,7 @@ class ComponentContainer:
             if error is not None:
                 _log().error("holder failed at %r", item, exc_info=error)
         self._wind_up()
-        self._wires.close()
+        self._wiring.close()
 
     def _wind_up(self) -> None:
         """Finalise every component but those of which a callback does not come back."""
@@ -373,7 +373,7 @@ class ComponentContainer:
         component = self._components.pop(instance)
         self._memory.pop(instance, None)
         self._asked.forget(instance)
-        self._links.part(component)
+        self._connectors.part(component)
         for key in [key for key in self._pacers if key[0] == instance]:
             self._pacers.pop(key).close(_DEACTIVATE_S)
             slot = self._slots.pop(key, None)
@@ -409,7 +409,7 @@ class ComponentContainer:
         ]
         return {
             "components": components,
-            "wires": [encode(connector) for connector in self._links.wires],
+            "wires": [encode(connector) for connector in self._connectors.held],
             "asked": self._asked.told(self._components),
         }
 

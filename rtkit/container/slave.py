@@ -47,9 +47,9 @@ class Slave:
         self._log = log
         self._connection: ManagerConnection
         self._stacks: int
-        connectors = PortWiring(settings["host"], Streams(settings["data"]))
+        wiring = PortWiring(settings["host"], Streams(settings["data"]))
         self._container = ComponentContainer(
-            self._send, connectors, ComponentFactory(Loader(list(settings["load_path"])))
+            self._send, wiring, ComponentFactory(Loader(list(settings["load_path"])))
         )
 
     def live(self, key: int, name: str) -> None:

@@ -90,9 +90,9 @@ class _Stage:
         self._read, self._write = os.pipe()
         self._connection = ManagerConnection(place, "rehearsal", self)
         self._replies: list[Message] = []
-        connectors = PortWiring("", Streams(place))
+        wiring = PortWiring("", Streams(place))
         self._container = ComponentContainer(
-            self._send, connectors, ComponentFactory(Loader([_FOLDER]))
+            self._send, wiring, ComponentFactory(Loader([_FOLDER]))
         )
         self._container.show_heartbeats(heartbeats)
         self._container.write_down(checkpoint_writer)
