@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import os
 import select
+import signal
+from contextlib import suppress
 
 
 class ProcessWatch:
@@ -28,9 +30,20 @@ class ProcessWatch:
         watching.register(self._descriptor, select.POLLIN)
         return bool(watching.poll(timeout_s * 1000))
 
+    def send(self, number: int) -> None:
+        """Send a signal to it, and to no other process that has its pid now."""
+        with suppress(ProcessLookupError):
+            signal.pidfd_send_signal(self._descriptor, number)
+
     def close(self) -> None:
         """Watch it no more."""
         os.close(self._descriptor)
+
+    def __enter__(self) -> ProcessWatch:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
 
 
 def is_abandoned(path: str, pid: int) -> bool:

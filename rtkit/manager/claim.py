@@ -5,18 +5,17 @@ from __future__ import annotations
 import errno
 import fcntl
 import os
-import select
 import stat
 from collections.abc import Collection
 from contextlib import ExitStack
 
 from rtkit.errors import Refused
 from rtkit.link import places, unix
-from rtkit.link.processes import is_abandoned
+from rtkit.link.processes import ProcessWatch, is_abandoned
 from rtkit.link.segments import remove_orphans
 
-_DYING_MS = 1000
-"""How long a manager that was killed may still answer after its lock is free."""
+_DYING_S = 1.0
+"""How long a manager that was killed may still answer after its lock is free [s]."""
 
 _REWRITTEN = ("held", "family", "rehearsed")
 _OF_SLAVES = ("beats", "rehearsal", *_REWRITTEN, *(f"{kind}.new" for kind in _REWRITTEN))
@@ -78,16 +77,12 @@ def check_silence(name: str) -> None:
     try:
         with unix.connect(places.control_socket(name)) as probe:
             pid = unix.pid_of(probe)
-        pidfd = os.pidfd_open(pid)
+        process = ProcessWatch(pid)
     except OSError:
         return
-    try:
-        poll = select.poll()
-        poll.register(pidfd, select.POLLIN)
-        if not poll.poll(_DYING_MS):
+    with process:
+        if not process.await_end(_DYING_S):
             raise Refused(f"manager {name!r} is running already (pid {pid}), its lock was removed")
-    finally:
-        os.close(pidfd)
 
 
 def remove_stale(name: str, living: Collection[int]) -> None:

@@ -31,7 +31,7 @@ from rtkit.manager.core.requests import NOBODY
 from rtkit.manager.core.startup import StartUp
 from rtkit.manager.core.state import ManagerState, Process
 from rtkit.manager.predecessor.descendants import bear_mark, end_descendants
-from rtkit.manager.predecessor.unregistered_forks import end_lost
+from rtkit.manager.predecessor.stale_resources import end_lost
 from rtkit.manager.predecessor.unreported import checkpoints_of_the_dead, living_slaves
 from rtkit.manager.reexec import execute_again
 from rtkit.manager.report import Report

@@ -20,6 +20,7 @@ from collections.abc import Callable
 
 from rtkit.errors import Refused, Unreachable
 from rtkit.link import ports, secret, tcp_endpoint
+from rtkit.link.processes import ProcessWatch
 from rtkit.manager.child_process import Backoff, exit_reason
 from rtkit.settings.configuration import TcpEndpointSettings
 
@@ -150,17 +151,12 @@ def end_orphan(pid: int, inner: str) -> bool:
             arguments = file.read().split(b"\0")
         if pid == 0 or not {_MODULE.encode(), inner.encode()} <= set(arguments):
             return False
-        pidfd = os.pidfd_open(pid)
+        process = ProcessWatch(pid)
     except OSError:
         return False
-    try:
-        signal.pidfd_send_signal(pidfd, signal.SIGKILL)
-    except ProcessLookupError:
-        return True
-    else:
-        return bool(select.select([pidfd], [], [], _END_S)[0])
-    finally:
-        os.close(pidfd)
+    with process:
+        process.send(signal.SIGKILL)
+        return process.await_end(_END_S)
 
 
 def open_front(

@@ -10,13 +10,13 @@ import contextlib
 import glob
 import logging
 import os
-import select
 import signal
 
 from rtkit.container.control_channel import ControlChannel
 from rtkit.deployment.message import Message
 from rtkit.errors import Malformed
 from rtkit.link import unix
+from rtkit.link.processes import ProcessWatch
 
 _END_S = 1.0
 """How long a zygote has to end after its last child [s]."""
@@ -101,15 +101,7 @@ class FormerZygotes:
 
 def _end(pid: int, grace_s: float) -> None:
     """Kill a process that does not end by itself; a zygote that lives vouched for its pid."""
-    try:
-        pidfd = os.pidfd_open(pid)
-    except ProcessLookupError:
-        return
-    try:
-        if not select.select([pidfd], [], [], grace_s)[0]:
-            signal.pidfd_send_signal(pidfd, signal.SIGKILL)
-            select.select([pidfd], [], [], _END_S)
-    except ProcessLookupError:
-        return
-    finally:
-        os.close(pidfd)
+    with contextlib.suppress(ProcessLookupError), ProcessWatch(pid) as process:
+        if not process.await_end(grace_s):
+            process.send(signal.SIGKILL)
+            process.await_end(_END_S)

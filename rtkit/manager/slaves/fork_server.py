@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import logging
 import os
-import select
 import signal
 import socket
 import sys
@@ -16,12 +15,13 @@ from typing import Any
 from rtkit.container.control_channel import ControlChannel
 from rtkit.deployment.message import Message
 from rtkit.errors import Malformed
+from rtkit.link.processes import ProcessWatch
 from rtkit.manager.child_process import Backoff, exit_reason, unmarked, withhold
 
 _log = logging.getLogger(__name__)
 _ONE_THREAD = dict.fromkeys(("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"), "1")
-_DYING_MS = 100
-"""How long a process whose connection ended may take to be a zombie."""
+_DYING_S = 0.1
+"""How long a process whose connection ended may take to be a zombie [s]."""
 
 
 class ForkServer:
@@ -110,13 +110,10 @@ class ForkServer:
         """Return how it ended; one that only gave up its connection is killed."""
         if self.pid in self.ends:
             return self.ends.pop(self.pid)
-        pidfd = os.pidfd_open(self.pid)
-        poll = select.poll()
-        poll.register(pidfd, select.POLLIN)
-        is_over = poll.poll(_DYING_MS)
-        if not is_over:
-            signal.pidfd_send_signal(pidfd, signal.SIGKILL)
-        os.close(pidfd)
+        with ProcessWatch(self.pid) as process:
+            is_over = process.await_end(_DYING_S)
+            if not is_over:
+                process.send(signal.SIGKILL)
         report = os.waitid(os.P_PID, self.pid, os.WEXITED)
         how = exit_reason(report) if report is not None else "exit status unknown"
         return how if is_over else "its line broke, and it was killed"
