@@ -79,7 +79,7 @@ GUARDS = (
     Guard(
         "system/test_desired_state.py::test_a_store_that_is_removed_under_a_living_manager_is_written_anew",
         "rtkit/manager/core/durable_replies.py",
-        "        if is_lost and not self._is_forgetting:",
+        "        if stored.is_lost and not self._is_forgetting:",
         "        if False:",
     ),
     Guard(
@@ -120,8 +120,8 @@ GUARDS = (
     Guard(
         "system/test_faults.py::test_a_stopped_slave_is_answered_for_at_once_and_hears_of_it_later",
         "rtkit/manager/core/core.py",
-        "                self._halted(key, is_halted)",
-        "                pass",
+        "            ev.SlaveStopped: lambda event: self._halted(event.key, event.is_halted),",
+        "            ev.SlaveStopped: lambda _event: None,",
     ),
     Guard(
         "system/test_restart.py::test_manager_and_zygote_killed",
