@@ -77,7 +77,7 @@ class Checked(NamedTuple):
 def counted(number: int, word: str) -> str:
     """Return a number with its noun.
 
-    >>> counted(1, "note"), counted(2, "note")
-    ('1 note', '2 notes')
+    >>> counted(1, "note"), counted(2, "note"), counted(2, "process")
+    ('1 note', '2 notes', '2 processes')
     """
-    return f"{number} {word}{'' if number == 1 else 's'}"
+    return f"{number} {word}{'' if number == 1 else 'es' if word.endswith('s') else 's'}"

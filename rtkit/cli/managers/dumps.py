@@ -49,6 +49,7 @@ def replay(app: App, file: str, is_json: bool) -> int:
         Refused: It has no beginning.
     """
     from rtkit.manager.core.replay import Replay
+    from rtkit.report.finding import counted
     from rtkit.version import __version__
 
     found = _read(file)
@@ -70,11 +71,8 @@ def replay(app: App, file: str, is_json: bool) -> int:
     terminal.write(
         map(terminal.printable, _told(found, run, None if app.is_verbose else _MOST_SHOWN))
     )
-    state = run.state
-    ended = (
-        f"{len(state.processes)} processes, {len(state.components)} components,"
-        f" {len(state.connectors)} connectors"
-    )
+    nouns = {"process": "processes", "component": "components", "connector": "connectors"}
+    ended = ", ".join(counted(len(getattr(run.state, nouns[noun])), noun) for noun in nouns)
     if run.differences:
         terminal.write([f"the end: {ended}; other than in the manager:"])
         terminal.write(terminal.printable(f"  {each}") for each in run.differences)

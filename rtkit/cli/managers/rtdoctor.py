@@ -90,6 +90,8 @@ def _record(each: Diagnosis) -> dict[str, object]:
 
 
 def _lines(found: Sequence[Diagnosis], *, is_all: bool) -> Iterator[str]:
+    from rtkit.report.finding import counted
+
     for each in found:
         if each.severity == "ok" and not is_all:
             continue
@@ -101,5 +103,5 @@ def _lines(found: Sequence[Diagnosis], *, is_all: bool) -> Iterator[str]:
         severity: sum(each.severity == severity for each in found)
         for severity in ("error", "warning", "note")
     }
-    told = [f"{n} {word}{'s' * (n != 1)}" for word, n in counts.items() if n]
+    told = [counted(n, word) for word, n in counts.items() if n]
     yield f"{len(found)} things looked at: {', '.join(told) or 'all in order'}"

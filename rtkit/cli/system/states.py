@@ -141,8 +141,9 @@ def _told(way: Way, now: str) -> str:
         return "is so"
     if way.plan is None:
         return way.why
-    count = len(way.plan.moves)
-    return f"{count} step{'s' * (count != 1)}, cost {way.plan.cost:g}"
+    from rtkit.report.finding import counted
+
+    return f"{counted(len(way.plan.moves), 'step')}, cost {way.plan.cost:g}"
 
 
 def _events(machine: SystemStates, now: str) -> list[dict[str, str]]:

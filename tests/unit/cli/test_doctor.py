@@ -164,6 +164,30 @@ def test_what_killed_processes_left(place: Path) -> None:
     assert "live on: 1" in next(folders.remains()).text
 
 
+def test_dumps_of_faults_are_named_with_what_shows_them(place: Path) -> None:
+    assert bad(list(folders.stores())) == []
+    state = place / "STATE"
+    for name in ("m.fault-1.dump", "m.fault-2.dump", "a b.fault-1.dump", "m.dump", "m.log"):
+        (state / name).touch()
+    told = [(each.severity, each.text, each.cure) for each in folders.stores()]
+    assert told == [
+        (
+            WARNING,
+            f"a fault in the work of manager 'a b' was dumped: {state}/a b.fault-1.dump",
+            f"rtmgr replay '{state}/a b.fault-1.dump' shows it; report it, then remove the file",
+        ),
+        *(
+            (
+                WARNING,
+                f"a fault in the work of manager 'm' was dumped: {state}/m.fault-{number}.dump",
+                f"rtmgr replay {state}/m.fault-{number}.dump shows it; report it, then remove the"
+                " file",
+            )
+            for number in (1, 2)
+        ),
+    ]
+
+
 def listing(*rows: ListingRow, slaves: tuple[tuple[str, str, str], ...] = ()) -> Listing:
     return Listing("box", "m", 1, slaves, rows)
 

@@ -59,7 +59,7 @@ def test_what_was_done_is_shown_and_the_fault(shell: Any, file: Path, capsys: An
     assert "            -> SpawnSlave(key=1, name='s')" in lines
     assert "  0.000000  FAULT in timer: KeyError: 1" in lines
     assert "\x1b" not in out
-    assert lines[-1] == "the end: 2 processes, 1 components, 0 connectors, as in the manager"
+    assert lines[-1] == "the end: 2 processes, 1 component, 0 connectors, as in the manager"
 
 
 def test_long_lines_are_cut_unless_all_is_wanted(shell: Any, file: Path, capsys: Any) -> None:
@@ -75,7 +75,7 @@ def test_another_end_is_told(shell: Any, file: Path, capsys: Any) -> None:
     shell.state.masters.append("someone")  # past the core, as nothing may
     assert main(["replay", write(shell, file)]) == 1
     assert capsys.readouterr().out.splitlines()[-2:] == [
-        "the end: 2 processes, 1 components, 0 connectors; other than in the manager:",
+        "the end: 2 processes, 1 component, 0 connectors; other than in the manager:",
         "  state.masters: is None, was ['someone']",
     ]
 

@@ -150,17 +150,18 @@ def state_of(pid: int) -> str:
 
 
 _SUFFIX = ".desired"
+_DUMP = re.compile(r"(.+)\.fault-\d+\.dump")
 _ASIDE = re.compile(r"(.+)\.desired\.(damaged|unrestored)-\d+")
 
 
 def stores() -> Iterator[Diagnosis]:
-    """Look at the stores of all managers of this user."""
+    """Look at the stores of all managers of this user, and at the dumps of their faults."""
     folder = places.state_dir()
     try:
         entries = sorted(os.listdir(folder))
     except OSError:
         return
-    found = [*_aside(folder, entries), *_waiting(entries)]
+    found = [*_aside(folder, entries), *_waiting(entries), *_dumped(folder, entries)]
     yield from found or [Diagnosis("stores", OK, "no manager has lost what it kept")]
 
 
@@ -185,3 +186,11 @@ def _waiting(entries: list[str]) -> Iterator[Diagnosis]:
         text = f"manager {name!r} does not run, and has kept what it held"
         cure = f"rtmgr start {quoted} brings it back, rtmgr stop {quoted} forgets it"
         yield Diagnosis("stores", NOTE, text, cure, name)
+
+
+def _dumped(folder: str, entries: list[str]) -> Iterator[Diagnosis]:
+    for path, match in ((os.path.join(folder, each), _DUMP.fullmatch(each)) for each in entries):
+        if match is not None:
+            text = f"a fault in the work of manager {match[1]!r} was dumped: {path}"
+            cure = f"rtmgr replay {places.quoted(path)} shows it; report it, then remove the file"
+            yield Diagnosis("dumps", WARNING, text, cure, path)

@@ -11,6 +11,7 @@ from rtkit.cli.observing.top.page import memory, short
 from rtkit.cli.observing.top.rates import Rater, RateRow
 from rtkit.cli.shared.app import App
 from rtkit.cli.shared.observers import Observers, is_covered, place_of
+from rtkit.report.finding import counted
 from rtkit.rtc.names import LOCAL
 
 if TYPE_CHECKING:
@@ -90,7 +91,7 @@ class Top:
         size = sum(each.memory_bytes for each in totals)
         used = f"CPU {short(sum(cpu) if cpu else None)}%  memory {memory(size)}"
         clock = time.strftime("%H:%M:%S", time.localtime(self.time))
-        many = f"{len(rows)} component{'s' * (len(rows) != 1)}"
+        many = counted(len(rows), "component")
         silent_s = time.monotonic() - self.heard_at
         late = f"  (no figures for {silent_s:.0f} s)" if silent_s > SILENT_S else ""
         return f"{clock}{late}  {many}{': ' * bool(counts)}{counts}  {used}"

@@ -142,7 +142,9 @@ def port_lines(
         else:
             unresolved += 1
     if unresolved:
-        lines.append(f" ({unresolved} other connection{'s' * (unresolved > 1)})")
+        from rtkit.report.finding import counted
+
+        lines.append(f" ({counted(unresolved, 'other connection')})")
     return lines
 
 
