@@ -15,7 +15,7 @@ from rtkit.cli.completion.candidates import Candidate
 from rtkit.cli.shared.command import Main
 from rtkit.cli.shared.commands import COMMANDS, load
 from rtkit.cli.shared.group import CommandGroup
-from rtkit.cli.shared.watch import WatchOption
+from rtkit.cli.shared.options import WatchOption
 
 _BY_METAVAR: dict[str, str] = {
     "COMPONENT": "component",

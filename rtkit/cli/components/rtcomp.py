@@ -5,11 +5,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-import click
-
 from rtkit.cli.components.composites import MemberChange, Parts, parts_of
 from rtkit.cli.shared.app import App, check_at_most_one
-from rtkit.cli.shared.command import command, strict_option
+from rtkit.cli.shared.command import command
+from rtkit.cli.shared.options import arguments, option, several, strict_option
 from rtkit.errors import Malformed, NotFound, Refused, from_kind
 from rtkit.rtc.names import COMPONENT_SUFFIX
 
@@ -42,32 +41,16 @@ _SET = "default"
     arguments=("manager|component",),
     values={"-a": "component:", "-r": "component:", "-t": "composite-type"},
 )
-@click.option(
-    "-a", "--add", "added", multiple=True, metavar="MEMBER[:PORTS]", help="Add, and show ports."
-)
-@click.option(
-    "-r",
-    "--remove",
-    "removed",
-    multiple=True,
-    metavar="MEMBER[:PORTS]",
-    help="Remove; with ports only hide these.",
-)
-@click.option(
-    "-o", "--options", default="", metavar="OPTIONS", help="KEY=VALUE&... for one to be made."
-)
-@click.option(
-    "-t", "--type", "kind", default=DEFAULT_TYPE, metavar="TYPE", help=f"Default: {DEFAULT_TYPE}."
-)
-@strict_option()
-@click.argument("targets", nargs=-1, metavar="MANAGER[:NAME]|COMPOSITE")
 def main(
     app: App,
-    targets: tuple[str, ...],
-    added: tuple[str, ...],
-    removed: tuple[str, ...],
-    options: str,
-    kind: str,
+    added: tuple[str, ...] = several("-a --add MEMBER[:PORTS]", "Add, and show ports."),
+    removed: tuple[str, ...] = several(
+        "-r --remove MEMBER[:PORTS]", "Remove; with ports only hide these."
+    ),
+    options: str = option("-o --options OPTIONS", "KEY=VALUE&... for one to be made.", default=""),
+    kind: str = option("-t --type TYPE", f"Default: {DEFAULT_TYPE}.", default=DEFAULT_TYPE),
+    strict: None = strict_option(),
+    targets: tuple[str, ...] = arguments("MANAGER[:NAME]|COMPOSITE"),
 ) -> None:
     """Make and change composite components.
 

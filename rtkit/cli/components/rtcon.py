@@ -5,10 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-import click
-
 from rtkit.cli.shared.app import App
-from rtkit.cli.shared.command import command, strict_option
+from rtkit.cli.shared.command import command
+from rtkit.cli.shared.options import arguments, flag, option, several, strict_option
 from rtkit.errors import Malformed, Refused, UsageProblem, from_kind
 
 if TYPE_CHECKING:
@@ -37,23 +36,15 @@ if TYPE_CHECKING:
     arguments=("port", "fitting"),
     values={"-i": "", "-p": "connector-property"},
 )
-@click.option("-i", "--id", "connector_id", default="", metavar="ID", help="Id of the connector.")
-@click.option("-n", "--name", default="", metavar="NAME", help="Name of the connector.")
-@click.option(
-    "-p", "--property", "texts", multiple=True, metavar="KEY=VALUE", help="Connector property."
-)
-@click.option("-d", "--no-duplicates", is_flag=True, help="Fail if such a connection exists.")
-@strict_option()
-@click.option("--force", is_flag=True, help="Connect ports of different data types.")
-@click.argument("paths", nargs=-1, metavar="PORT PORT...")
 def main(
     app: App,
-    paths: tuple[str, ...],
-    connector_id: str,
-    name: str,
-    texts: tuple[str, ...],
-    no_duplicates: bool,
-    force: bool,
+    connector_id: str = option("-i --id ID", "Id of the connector.", default=""),
+    name: str = option("-n --name NAME", "Name of the connector.", default=""),
+    texts: tuple[str, ...] = several("-p --property KEY=VALUE", "Connector property."),
+    no_duplicates: bool = flag("-d --no-duplicates", "Fail if such a connection exists."),
+    strict: None = strict_option(),
+    force: bool = flag("--force", "Connect ports of different data types."),
+    paths: tuple[str, ...] = arguments("PORT PORT..."),
 ) -> None:
     """Connect the first port to each of the others.
 

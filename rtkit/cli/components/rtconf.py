@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING
 import click
 
 from rtkit.cli.shared.app import App, WrongArguments
-from rtkit.cli.shared.command import command, strict_option
+from rtkit.cli.shared.command import command
+from rtkit.cli.shared.options import arguments, flag, json_flag, option, strict_option
 from rtkit.errors import NotFound, Refused
 
 if TYPE_CHECKING:
@@ -62,21 +63,15 @@ def _is_negative(argument: str) -> bool:
         "1": "It could not be done; of diff: there are differences.",
     },
 )
-@click.option("-a", "--all", "has_hidden", is_flag=True, help="Include hidden sets (__name__).")
-@click.option("-l", "is_long", is_flag=True, help="List parameters and their values.")
-@click.option("-s", "--set", "set_id", default="", metavar="SET", help="Default: the active set.")
-@click.option("--wait", is_flag=True, help="Return when the component sees it: what happens anyway")
-@click.option("--json", "is_json", is_flag=True, help="For list, get and diff: JSON objects.")
-@strict_option("Refuse to set what has no effect.")
-@click.argument("words", nargs=-1, metavar="PATH [WORD] [ARGUMENT]...")
 def main(
     app: App,
-    words: tuple[str, ...],
-    has_hidden: bool,
-    is_long: bool,
-    set_id: str,
-    wait: bool,
-    is_json: bool,
+    has_hidden: bool = flag("-a --all", "Include hidden sets (__name__)."),
+    is_long: bool = flag("-l", "List parameters and their values."),
+    set_id: str = option("-s --set SET", "Default: the active set.", default=""),
+    wait: bool = flag("--wait", "Return when the component sees it: what happens anyway"),
+    is_json: bool = json_flag("For list, get and diff: JSON objects."),
+    strict: None = strict_option("Refuse to set what has no effect."),
+    words: tuple[str, ...] = arguments("PATH [WORD] [ARGUMENT]..."),
 ) -> int:
     r"""Show and change the configuration sets of a component.
 

@@ -5,10 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-import click
-
 from rtkit.cli.shared.app import App, WrongArguments
 from rtkit.cli.shared.command import command
+from rtkit.cli.shared.options import arguments, option
 from rtkit.errors import Malformed, NotFound, Partial, from_kind
 
 if TYPE_CHECKING:
@@ -26,9 +25,11 @@ if TYPE_CHECKING:
     ),
     arguments=("connected", "connected-to"),
 )
-@click.option("-i", "--id", "connector_id", default="", metavar="ID", help="Only this connector.")
-@click.argument("paths", nargs=-1, metavar="COMPONENT|PORT...")
-def main(app: App, paths: tuple[str, ...], connector_id: str) -> None:
+def main(
+    app: App,
+    connector_id: str = option("-i --id ID", "Only this connector.", default=""),
+    paths: tuple[str, ...] = arguments("COMPONENT|PORT..."),
+) -> None:
     """Remove connections.
 
     Of a component: all of all its ports. Of one port: all of it. With more ports: those of the

@@ -4,10 +4,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-import click
-
 from rtkit.cli.shared.app import App, check_at_most_one
 from rtkit.cli.shared.command import command
+from rtkit.cli.shared.options import arguments, flag
 from rtkit.errors import Malformed
 
 if TYPE_CHECKING:
@@ -27,9 +26,11 @@ _LADDER_S = 6.0
     ),
     arguments=("component|slave",),
 )
-@click.option("--force", "is_forced", is_flag=True, help="End the slave that holds it, if need be.")
-@click.argument("paths", nargs=-1, metavar="COMPONENT")
-def main(app: App, paths: tuple[str, ...], is_forced: bool) -> None:
+def main(
+    app: App,
+    is_forced: bool = flag("--force", "End the slave that holds it, if need be."),
+    paths: tuple[str, ...] = arguments("COMPONENT"),
+) -> None:
     """Finalise a component and end it.
 
     Its connections and names go with it. Returns when it has ended. A slave, MANAGER.mgr/SLAVE.mgr,

@@ -6,11 +6,10 @@ import sys
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
-import click
-
 from rtkit.cli.shared import json_records, terminal
 from rtkit.cli.shared.app import App, WrongArguments
 from rtkit.cli.shared.command import command
+from rtkit.cli.shared.options import arguments, json_flag
 from rtkit.errors import Malformed, NotFound, Refused, UsageProblem
 
 if TYPE_CHECKING:
@@ -37,9 +36,11 @@ WORDS = ("getstate", "geteventprofiles", "getstructure", *_MISSING)
     arguments=("component", "words"),
     words=WORDS,
 )
-@click.option("--json", "is_json", is_flag=True, help="Of getX: all of the machine, as JSON.")
-@click.argument("words", nargs=-1, metavar="COMPONENT WORD [ARGUMENT]")
-def main(app: App, words: tuple[str, ...], is_json: bool) -> None:
+def main(
+    app: App,
+    is_json: bool = json_flag("Of getX: all of the machine, as JSON."),
+    words: tuple[str, ...] = arguments("COMPONENT WORD [ARGUMENT]"),
+) -> None:
     r"""Look at and change the state machine of a component.
 
     \b

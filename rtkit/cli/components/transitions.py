@@ -5,10 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
-import click
-
 from rtkit.cli.shared.app import App
 from rtkit.cli.shared.command import Main, command
+from rtkit.cli.shared.options import arguments, flag, option
 from rtkit.errors import Malformed, Partial, RtkitError, UsageProblem, from_kind
 from rtkit.rtc.enums import Transition
 
@@ -27,18 +26,17 @@ def state_command(
     """Return the command that asks execution contexts for `transition`."""
 
     @command(name, help=_help(summary, more), **declared)
-    @click.option(
-        "-e",
-        "--exec_context",
-        "context",
-        default="0",
-        metavar="EC",
-        help="Execution context: its number (own ones first, then those taken part in; default 0),"
-        " or all.",
-    )
-    @click.option("--no-wait", is_flag=True, help="Do not wait until the transition is done.")
-    @click.argument("paths", nargs=-1, metavar="COMPONENT...")
-    def main(app: App, paths: tuple[str, ...], context: str, no_wait: bool) -> None:
+    def main(
+        app: App,
+        context: str = option(
+            "-e --exec_context EC",
+            "Execution context: its number (own ones first, then those taken part in; default 0),"
+            " or all.",
+            default="0",
+        ),
+        no_wait: bool = flag("--no-wait", "Do not wait until the transition is done."),
+        paths: tuple[str, ...] = arguments("COMPONENT..."),
+    ) -> None:
         change(app, paths, transition, context, wait=not no_wait)
 
     return main

@@ -3,33 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING, Any, TypeVar
-
-import click
+from typing import TYPE_CHECKING
 
 from rtkit.cli.shared.app import App, WrongArguments, working_directory
+from rtkit.cli.shared.options import several
 
 if TYPE_CHECKING:
     from rtkit.probe.spec import Stream
     from rtkit.rtc.enums import PortType
     from rtkit.rtc.profiles import PortRef
 
-F = TypeVar("F", bound=Callable[..., Any])
-
-
-def module_options(function: F) -> F:
-    """Add ``--mod`` and ``--path``: where data types of the user's own come from."""
-    function = click.option(
-        "-p", "--path", "folders", multiple=True, metavar="DIR", help="Look for modules here too."
-    )(function)
-    return click.option(
-        "-m",
-        "--mod",
-        "modules",
-        multiple=True,
-        metavar="MODULE",
-        help="Import a module whose data types take precedence over what ports and files tell.",
-    )(function)
+MODULES = several(
+    "-m --mod MODULE",
+    "Import a module whose data types take precedence over what ports and files tell.",
+)
+FOLDERS = several("-p --path DIR", "Look for modules here too.")
 
 
 def named_streams(

@@ -9,10 +9,10 @@ from typing import IO, TYPE_CHECKING
 
 import click
 
-from rtkit.cli.data.arguments import module_options, named_streams
+from rtkit.cli.data.arguments import FOLDERS, MODULES, named_streams
 from rtkit.cli.shared.app import App
-from rtkit.cli.shared.choice import NumberChoice, lasting
 from rtkit.cli.shared.command import command
+from rtkit.cli.shared.options import POSITIVE, arguments, flag, lasting, option
 from rtkit.errors import Malformed, Refused, UsageProblem
 
 if TYPE_CHECKING:
@@ -31,37 +31,23 @@ _ENDLESS = -1
     ),
     arguments=("in-port",),
 )
-@click.option("-c", "--const", "const", metavar="VALUE", help="The value; else lines of stdin.")
-@click.option("-f", "--file", "file", type=click.File(), metavar="FILE", help="Lines of a file.")
-@click.option(
-    "-n",
-    "--number",
-    type=click.IntRange(min=_ENDLESS),
-    metavar="N",
-    help="Write so many values, -1 endlessly (default 1 with -c, else all lines).",
-)
-@click.option(
-    "-r",
-    "--rate",
-    type=NumberChoice(min=0.0, min_open=True),
-    metavar="HZ",
-    help="Values per second (default 1 with -c, else as they are read).",
-)
-@lasting("Write for so long; -n then has no effect.")
-@module_options
-@click.option("--lossless", is_flag=True, help="Wait where the port has no room for a value.")
-@click.argument("ports", nargs=-1, metavar="PORT[.STREAM]...")
 def main(
     app: App,
-    ports: tuple[str, ...],
-    const: str | None,
-    file: IO[str] | None,
-    number: int | None,
-    rate: float | None,
-    duration_s: float | None,
-    modules: tuple[str, ...],
-    folders: tuple[str, ...],
-    lossless: bool,
+    const: str | None = option("-c --const VALUE", "The value; else lines of stdin."),
+    file: IO[str] | None = option("-f --file FILE", "Lines of a file.", click.File()),
+    number: int | None = option(
+        "-n --number N",
+        "Write so many values, -1 endlessly (default 1 with -c, else all lines).",
+        click.IntRange(min=_ENDLESS),
+    ),
+    rate: float | None = option(
+        "-r --rate HZ", "Values per second (default 1 with -c, else as they are read).", POSITIVE
+    ),
+    duration_s: float | None = lasting("Write for so long; -n then has no effect."),
+    modules: tuple[str, ...] = MODULES,
+    folders: tuple[str, ...] = FOLDERS,
+    lossless: bool = flag("--lossless", "Wait where the port has no room for a value."),
+    ports: tuple[str, ...] = arguments("PORT[.STREAM]..."),
 ) -> None:
     r"""Write values into ports.
 

@@ -8,8 +8,16 @@ from typing import TYPE_CHECKING
 import click
 
 from rtkit.cli.shared.app import App
-from rtkit.cli.shared.choice import NumberChoice, lasting
 from rtkit.cli.shared.command import command
+from rtkit.cli.shared.options import (
+    POSITIVE,
+    arguments,
+    flag,
+    json_flag,
+    lasting,
+    option,
+    several,
+)
 from rtkit.errors import Malformed, Refused, UsageProblem
 
 if TYPE_CHECKING:
@@ -31,87 +39,41 @@ _NS = 1_000_000_000
     json=("recording", "value"),
     arguments=("out-port",),
 )
-@click.option(
-    "-f",
-    "--filename",
-    metavar="FILE",
-    help="The recording; - is stdout (default when recording: rtlog_SECONDS.mcap).",
-)
-@click.option("-p", "--play", "is_play", is_flag=True, help="Play the recording into in ports.")
-@click.option(
-    "-d", "--display-info", "--info", "is_info", is_flag=True, help="Tell what is in it, and end."
-)
-@click.option(
-    "--export",
-    "exported",
-    type=click.Choice(FORMS_OUT),
-    help="Write its values to stdout: lines of a text log, JSON Lines, or CSV.",
-)
-@click.option(
-    "-l",
-    "--logger",
-    "form",
-    metavar="FORMAT",
-    help="mcap (default) or text; when playing the file's name tells.",
-)
-@click.option("-s", "--start", metavar="TIME|INDEX", help="Play, or export, from here on.")
-@click.option("-e", "--end", metavar="TIME|INDEX", help="Record, play or export up to here.")
-@click.option("-i", "--index", "is_by_index", is_flag=True, help="-s and -e are indices.")
-@lasting("Stop after this time; -e then has no effect.")
-@click.option(
-    "-r",
-    "--rate",
-    type=NumberChoice(min=0.0, min_open=True),
-    metavar="FACTOR",
-    help="Play so many times as fast; with -n so many entries each cycle (default 1).",
-)
-@click.option(
-    "-n", "--ignore-times", "is_untimed", is_flag=True, help="Play at a steady pace instead."
-)
-@click.option(
-    "-a", "--absolute-times", "is_absolute", is_flag=True, help="Play time stamps as recorded."
-)
-@click.option(
-    "-x",
-    "--exec-rate",
-    type=NumberChoice(min=0.0, min_open=True),
-    metavar="HZ",
-    help="Cycles a second with -n (default 100).",
-)
-@click.option("--path", "folders", multiple=True, metavar="DIR", help="Look for modules here too.")
-@click.option(
-    "-m",
-    "--mod",
-    "modules",
-    multiple=True,
-    metavar="MODULE",
-    help="Import data types (repeatable).",
-)
-@click.option(
-    "--lossless", is_flag=True, help="Lose no value; the component that writes waits instead."
-)
-@click.option("--json", "is_json", is_flag=True, help="With -d: as JSON.")
-@click.argument("ports", nargs=-1, metavar="PORT[.STREAM]...")
 def main(
     app: App,
-    ports: tuple[str, ...],
-    filename: str | None,
-    is_play: bool,
-    is_info: bool,
-    exported: str | None,
-    form: str | None,
-    start: str | None,
-    end: str | None,
-    is_by_index: bool,
-    duration_s: float | None,
-    rate: float | None,
-    is_untimed: bool,
-    is_absolute: bool,
-    exec_rate: float | None,
-    folders: tuple[str, ...],
-    modules: tuple[str, ...],
-    lossless: bool,
-    is_json: bool,
+    filename: str | None = option(
+        "-f --filename FILE",
+        "The recording; - is stdout (default when recording: rtlog_SECONDS.mcap).",
+    ),
+    is_play: bool = flag("-p --play", "Play the recording into in ports."),
+    is_info: bool = flag("-d --display-info --info", "Tell what is in it, and end."),
+    exported: str | None = option(
+        "--export",
+        "Write its values to stdout: lines of a text log, JSON Lines, or CSV.",
+        click.Choice(FORMS_OUT),
+    ),
+    form: str | None = option(
+        "-l --logger FORMAT", "mcap (default) or text; when playing the file's name tells."
+    ),
+    start: str | None = option("-s --start TIME|INDEX", "Play, or export, from here on."),
+    end: str | None = option("-e --end TIME|INDEX", "Record, play or export up to here."),
+    is_by_index: bool = flag("-i --index", "-s and -e are indices."),
+    duration_s: float | None = lasting("Stop after this time; -e then has no effect."),
+    rate: float | None = option(
+        "-r --rate FACTOR",
+        "Play so many times as fast; with -n so many entries each cycle (default 1).",
+        POSITIVE,
+    ),
+    is_untimed: bool = flag("-n --ignore-times", "Play at a steady pace instead."),
+    is_absolute: bool = flag("-a --absolute-times", "Play time stamps as recorded."),
+    exec_rate: float | None = option(
+        "-x --exec-rate HZ", "Cycles a second with -n (default 100).", POSITIVE
+    ),
+    folders: tuple[str, ...] = several("--path DIR", "Look for modules here too."),
+    modules: tuple[str, ...] = several("-m --mod MODULE", "Import data types (repeatable)."),
+    lossless: bool = flag("--lossless", "Lose no value; the component that writes waits instead."),
+    is_json: bool = json_flag("With -d: as JSON."),
+    ports: tuple[str, ...] = arguments("PORT[.STREAM]..."),
 ) -> None:
     r"""Record what comes out of ports, and play it again into others.
 
@@ -173,9 +135,9 @@ def _check_form(form: str) -> None:
 
 
 def _refuse_when_recording(start: str | None, is_untimed: bool, rate: float | None) -> None:
-    for option, given in (("-s", start is not None), ("-n", is_untimed), ("-r", rate is not None)):
+    for letter, given in (("-s", start is not None), ("-n", is_untimed), ("-r", rate is not None)):
         if given:
-            raise UsageProblem(f"{option} is for playing (-p)")
+            raise UsageProblem(f"{letter} is for playing (-p)")
 
 
 def _part(

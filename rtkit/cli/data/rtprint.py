@@ -6,13 +6,21 @@ import time
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
-import click
-
-from rtkit.cli.data.arguments import module_options, named_streams
+from rtkit.cli.data.arguments import FOLDERS, MODULES, named_streams
 from rtkit.cli.shared import stdout_reader
 from rtkit.cli.shared.app import App
-from rtkit.cli.shared.choice import NumberChoice, lasting
 from rtkit.cli.shared.command import command
+from rtkit.cli.shared.options import (
+    COUNT,
+    NumberChoice,
+    arguments,
+    either,
+    flag,
+    json_flag,
+    lasting,
+    option,
+    several,
+)
 from rtkit.errors import Refused, UsageProblem
 
 if TYPE_CHECKING:
@@ -37,49 +45,28 @@ LINES, STATS, PLOT = "lines", "stats", "plot"
         "1": "Nothing came at all, or it could not be done.",
     },
 )
-@click.option(
-    "-n", "--number", type=click.IntRange(min=1), metavar="N", help="Stop after N values."
-)
-@click.option(
-    "-r",
-    "--rate",
-    type=NumberChoice(min=0.0, min_open=True, max=100_000),
-    metavar="HZ",
-    help="Look this often and take the newest value of each port; -n then counts looks.",
-)
-@lasting("Stop after this time; -n then has no effect.")
-@module_options
-@click.option(
-    "-f",
-    "--field",
-    "fields",
-    multiple=True,
-    metavar="FIELD",
-    help="Only data.x, or ranges[0] (repeatable).",
-)
-@click.option("--full", "is_full", is_flag=True, help="Do not shorten long contents.")
-@click.option(
-    "--stats", "form", flag_value=STATS, help="Print no values but how they came, at the end."
-)
-@click.option("--plot", "form", flag_value=PLOT, help="Draw the numbers in them over time.")
-@click.option("--json", "is_json", is_flag=True, help="One JSON object a line.")
-@click.option(
-    "--lossless", is_flag=True, help="Lose no value; the component that writes waits instead."
-)
-@click.argument("ports", nargs=-1, metavar="PORT[.STREAM][#FORMATTER]...")
 def main(
     app: App,
-    ports: tuple[str, ...],
-    number: int | None,
-    rate: float | None,
-    duration_s: float | None,
-    modules: tuple[str, ...],
-    folders: tuple[str, ...],
-    fields: tuple[str, ...],
-    is_full: bool,
-    form: str | None,
-    is_json: bool,
-    lossless: bool,
+    number: int | None = option("-n --number N", "Stop after N values.", COUNT),
+    rate: float | None = option(
+        "-r --rate HZ",
+        "Look this often and take the newest value of each port; -n then counts looks.",
+        NumberChoice(min=0.0, min_open=True, max=100_000),
+    ),
+    duration_s: float | None = lasting("Stop after this time; -n then has no effect."),
+    modules: tuple[str, ...] = MODULES,
+    folders: tuple[str, ...] = FOLDERS,
+    fields: tuple[str, ...] = several(
+        "-f --field FIELD", "Only data.x, or ranges[0] (repeatable)."
+    ),
+    is_full: bool = flag("--full", "Do not shorten long contents."),
+    form: str | None = either(
+        option("--stats", "Print no values but how they came, at the end.", flag_value=STATS),
+        option("--plot", "Draw the numbers in them over time.", flag_value=PLOT),
+    ),
+    is_json: bool = json_flag(),
+    lossless: bool = flag("--lossless", "Lose no value; the component that writes waits instead."),
+    ports: tuple[str, ...] = arguments("PORT[.STREAM][#FORMATTER]..."),
 ) -> int:
     """Print the values that come out of ports, as they come.
 

@@ -7,12 +7,10 @@ import sys
 from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
-import click
-
 from rtkit.cli.shared import json_records, terminal
 from rtkit.cli.shared.app import App, WrongArguments
-from rtkit.cli.shared.choice import NumberChoice
-from rtkit.cli.shared.command import command, strict_option
+from rtkit.cli.shared.command import command
+from rtkit.cli.shared.options import NumberChoice, arguments, json_flag, option, strict_option
 from rtkit.errors import Refused
 
 if TYPE_CHECKING:
@@ -39,18 +37,18 @@ _STYLES: dict[str, dict[str, object]] = {
         "1": "Something is wrong.",
     },
 )
-@click.option(
-    "--timeout",
-    "timeout_s",
-    type=NumberChoice(min=0.01),
-    default=_PATIENCE_S,
-    metavar="SECONDS",
-    help=f"How long to wait for each answer (default {_PATIENCE_S}).",
-)
-@strict_option("Let warnings fail too.")
-@click.option("--json", "is_json", is_flag=True, help="One JSON object for all that was looked at.")
-@click.argument("words", nargs=-1, metavar="")
-def main(app: App, words: tuple[str, ...], timeout_s: float, is_json: bool) -> int:
+def main(
+    app: App,
+    timeout_s: float = option(
+        "--timeout SECONDS",
+        f"How long to wait for each answer (default {_PATIENCE_S}).",
+        NumberChoice(min=0.01),
+        default=_PATIENCE_S,
+    ),
+    strict: None = strict_option("Let warnings fail too."),
+    is_json: bool = json_flag("One JSON object for all that was looked at."),
+    words: tuple[str, ...] = arguments(""),
+) -> int:
     """Tell what is wrong with this set-up, and what helps.
 
     Looked at are versions, variables, limits, the clock, folders and their rights, what killed

@@ -10,7 +10,16 @@ import click
 
 from rtkit import fault
 from rtkit.cli.shared.app import App, check_at_most_one
-from rtkit.cli.shared.command import command, strict_option
+from rtkit.cli.shared.command import command
+from rtkit.cli.shared.options import (
+    arguments,
+    flag,
+    json_flag,
+    option,
+    several,
+    strict_option,
+    together,
+)
 from rtkit.errors import Malformed, Unreachable, UsageProblem
 
 if TYPE_CHECKING:
@@ -31,7 +40,7 @@ class _InOrder(click.Command):
         taken: dict[str, int] = {}
         for parameter in order:
             name = parameter.name or ""
-            if parameter.name not in _STEP_NAMES:
+            if name not in _STEPS:
                 continue
             index = taken.get(name, 0)
             taken[name] = index + 1
@@ -40,32 +49,22 @@ class _InOrder(click.Command):
         return super().parse_args(ctx, args)
 
 
-def _step(short: str, long: str, name: str, metavar: str, text: str) -> click.Option:
-    return click.Option([short, long, name], multiple=True, metavar=metavar, help=text)
-
-
-def _question(short: str, long: str, name: str, text: str) -> click.Option:
-    return click.Option([short, long, name], multiple=True, is_flag=True, help=text)
-
-
-_STEPS = [
-    _step("-l", "--load", "load", "PATH:INIT", "Load a module, call its init function."),
-    _step("-u", "--unload", "unload", "PATH", "Forget a module."),
-    _step("-c", "--create", "create", "CREATE", "Create a component, or a stand-in (FILE.xml)."),
-    _step("-d", "--delete", "delete", "NAME", "Finalise and delete a component."),
-    _step("-s", "--setconfig", "configure", "KEY=VALUE", "Set a property of the manager."),
-    click.Option(["--fork"], multiple=True, is_flag=True, help="Start a slave without components."),
-    _question("-m", "--modules", "modules", "List component types that modules offer."),
-    _question("-r", "--rtcs", "components", "List the components."),
-    _question("-g", "--config", "properties", "List the properties of the manager."),
-]
-_STEP_NAMES = tuple(each.name for each in _STEPS)
+_STEPS = {
+    "load": several("-l --load PATH:INIT", "Load a module, call its init function."),
+    "unload": several("-u --unload PATH", "Forget a module."),
+    "create": several("-c --create CREATE", "Create a component, or a stand-in (FILE.xml)."),
+    "delete": several("-d --delete NAME", "Finalise and delete a component."),
+    "configure": several("-s --setconfig KEY=VALUE", "Set a property of the manager."),
+    "fork": flag("--fork", "Start a slave without components.", multiple=True),
+    "modules": flag("-m --modules", "List component types that modules offer.", multiple=True),
+    "components": flag("-r --rtcs", "List the components.", multiple=True),
+    "properties": flag("-g --config", "List the properties of the manager.", multiple=True),
+}
 
 
 @command(
     "rtmgr",
     cls=_InOrder,
-    params=_STEPS,
     examples=(
         ("rtmgr start", "Start the manager of this host in the background."),
         ("rtmgr start other -p 2811 -f robot.conf", "Another one, with a port and properties."),
@@ -95,40 +94,25 @@ _STEP_NAMES = tuple(each.name for each in _STEPS)
     },
     words=WORDS,
 )
-@click.option("--print", "is_printing", is_flag=True, help="Print paths of created components.")
-@click.option("--json", "is_json", is_flag=True, help="Lists and status as JSON.")
-@click.option("-f", "--file", metavar="FILE", default="", help="start: the rtc.conf to read.")
-@click.option(
-    "-o", "--option", "given", multiple=True, metavar="KEY:VALUE", help="start: a property."
-)
-@click.option(
-    "-p",
-    "--port",
-    type=click.IntRange(0, 65535),
-    metavar="PORT",
-    help="start: TCP port (default 2810); 0 for any.",
-)
-@click.option("-a", "--no-door", is_flag=True, help="start: no TCP port at all.")
-@click.option("-i", "--lenient", is_flag=True, help="start: the file may be missing.")
-@click.option("--allow-faults", is_flag=True, help="start: root's manager heeds RTKIT_FAULT.")
-@strict_option("Take warnings, and notes on what is made, for errors; nothing of it stays.")
-@click.argument(
-    "words",
-    nargs=-1,
-    metavar="MANAGER | start|stop|restart|status|run [NAME] | dump [NAME [FILE]] | replay FILE",
-)
 def main(
     app: App,
-    words: tuple[str, ...],
-    is_printing: bool,
-    is_json: bool,
-    file: str,
-    given: tuple[str, ...],
-    port: int | None,
-    no_door: bool,
-    lenient: bool,
-    allow_faults: bool,
-    **_values: object,
+    _steps: None = together(None, _STEPS),
+    is_printing: bool = flag("--print", "Print paths of created components."),
+    is_json: bool = json_flag("Lists and status as JSON."),
+    file: str = option("-f --file FILE", "start: the rtc.conf to read.", default=""),
+    given: tuple[str, ...] = several("-o --option KEY:VALUE", "start: a property."),
+    port: int | None = option(
+        "-p --port PORT", "start: TCP port (default 2810); 0 for any.", click.IntRange(0, 65535)
+    ),
+    no_door: bool = flag("-a --no-door", "start: no TCP port at all."),
+    lenient: bool = flag("-i --lenient", "start: the file may be missing."),
+    allow_faults: bool = flag("--allow-faults", "start: root's manager heeds RTKIT_FAULT."),
+    strict: None = strict_option(
+        "Take warnings, and notes on what is made, for errors; nothing of it stays."
+    ),
+    words: tuple[str, ...] = arguments(
+        "MANAGER | start|stop|restart|status|run [NAME] | dump [NAME [FILE]] | replay FILE"
+    ),
 ) -> int:
     r"""Start, stop and command managers.
 

@@ -4,16 +4,14 @@ from __future__ import annotations
 
 import os
 
-import click
-
 from rtkit.cli.observing.top.activity import Top
 from rtkit.cli.observing.top.page import TITLES, Look, ordered, table
 from rtkit.cli.observing.top.rates import RateRow
 from rtkit.cli.shared import terminal
 from rtkit.cli.shared.app import App
-from rtkit.cli.shared.choice import WordChoice
 from rtkit.cli.shared.command import command
 from rtkit.cli.shared.observers import Observers, scopes_of, write_now
+from rtkit.cli.shared.options import COUNT, WordChoice, arguments, flag, json_flag, option
 from rtkit.rtc.names import LOCAL
 
 _MOST_SKIPPED = 5
@@ -30,27 +28,19 @@ _MOST_SKIPPED = 5
     json=("activity",),
     arguments=("anything",),
 )
-@click.option("--once", is_flag=True, help="Show one page, after a second, and end.")
-@click.option("-n", "--number", type=click.IntRange(min=1), metavar="N", help="End after N pages.")
-@click.option(
-    "-s",
-    "--sort",
-    type=WordChoice("column", TITLES, is_short=True),
-    default="NAME",
-    metavar="COLUMN",
-    help=f"Sort by {', '.join(TITLES)} (default NAME), or the beginning of one.",
-)
-@click.option("--reverse", is_flag=True, help="Sort the other way round.")
-@click.option("--json", "is_json", is_flag=True, help="One JSON object a component, a line each.")
-@click.argument("paths", nargs=-1, metavar="[PATH]...")
 def main(
     app: App,
-    paths: tuple[str, ...],
-    once: bool,
-    number: int | None,
-    sort: str,
-    reverse: bool,
-    is_json: bool,
+    once: bool = flag("--once", "Show one page, after a second, and end."),
+    number: int | None = option("-n --number N", "End after N pages.", COUNT),
+    sort: str = option(
+        "-s --sort COLUMN",
+        f"Sort by {', '.join(TITLES)} (default NAME), or the beginning of one.",
+        WordChoice("column", TITLES, is_short=True),
+        default="NAME",
+    ),
+    reverse: bool = flag("--reverse", "Sort the other way round."),
+    is_json: bool = json_flag("One JSON object a component, a line each."),
+    paths: tuple[str, ...] = arguments("[PATH]..."),
 ) -> None:
     r"""Show what components do, live.
 

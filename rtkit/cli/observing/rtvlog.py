@@ -10,9 +10,17 @@ import click
 
 from rtkit.cli.shared import terminal
 from rtkit.cli.shared.app import App, WrongArguments
-from rtkit.cli.shared.choice import NumberChoice, WordChoice, lasting
 from rtkit.cli.shared.command import command
 from rtkit.cli.shared.observers import write_now
+from rtkit.cli.shared.options import (
+    POSITIVE,
+    WordChoice,
+    arguments,
+    json_flag,
+    lasting,
+    option,
+    several,
+)
 from rtkit.cli.shared.stdout_reader import wait_for
 from rtkit.errors import Malformed, Unreachable
 
@@ -49,52 +57,32 @@ _STYLES: dict[str, dict[str, object]] = {
     json=("log-record",),
     arguments=("anything",),
 )
-@click.option(
-    "-f",
-    "--filter",
-    "sources",
-    multiple=True,
-    metavar="SOURCE",
-    help="Print only what this logger, or one below it, says; ALL for all.",
-)
-@click.option(
-    "-l",
-    "--level",
-    type=WordChoice("level", LEVELS),
-    default="NORMAL",
-    metavar="LEVEL",
-    help="The most talkative level to be printed (default NORMAL).",
-)
-@click.option("-g", "--grep", metavar="TEXT", help="Print only what has this in it.")
-@click.option(
-    "--since",
-    "since_s",
-    type=NumberChoice(min=0.0, min_open=True),
-    metavar="SECONDS",
-    help="Begin with what was logged in the last SECONDS.",
-)
-@click.option(
-    "-n",
-    "--number",
-    type=click.IntRange(min=0),
-    metavar="N",
-    help="Begin with the last N records (default 10; all with --no-follow or --since).",
-)
-@click.option("--follow/--no-follow", default=True, help="Go on with what comes (default), or end.")
-@lasting()
-@click.option("--json", "is_json", is_flag=True, help="One JSON object a line.")
-@click.argument("paths", nargs=-1, metavar="PATH...")
 def main(
     app: App,
-    paths: tuple[str, ...],
-    sources: tuple[str, ...],
-    level: str,
-    grep: str | None,
-    since_s: float | None,
-    number: int | None,
-    follow: bool,
-    duration_s: float | None,
-    is_json: bool,
+    sources: tuple[str, ...] = several(
+        "-f --filter SOURCE", "Print only what this logger, or one below it, says; ALL for all."
+    ),
+    level: str = option(
+        "-l --level LEVEL",
+        "The most talkative level to be printed (default NORMAL).",
+        WordChoice("level", LEVELS),
+        default="NORMAL",
+    ),
+    grep: str | None = option("-g --grep TEXT", "Print only what has this in it."),
+    since_s: float | None = option(
+        "--since SECONDS", "Begin with what was logged in the last SECONDS.", POSITIVE
+    ),
+    number: int | None = option(
+        "-n --number N",
+        "Begin with the last N records (default 10; all with --no-follow or --since).",
+        click.IntRange(min=0),
+    ),
+    follow: bool = option(
+        "--follow/--no-follow", "Go on with what comes (default), or end.", default=True
+    ),
+    duration_s: float | None = lasting(),
+    is_json: bool = json_flag(),
+    paths: tuple[str, ...] = arguments("PATH..."),
 ) -> None:
     r"""Print what components log.
 

@@ -6,12 +6,10 @@ import time
 from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, NamedTuple
 
-import click
-
 from rtkit.cli.shared import json_records, terminal
 from rtkit.cli.shared.app import App, WrongArguments
-from rtkit.cli.shared.choice import NumberChoice
 from rtkit.cli.shared.command import command
+from rtkit.cli.shared.options import NumberChoice, arguments, json_flag, option
 from rtkit.errors import Malformed, Partial, RtkitError
 
 if TYPE_CHECKING:
@@ -62,18 +60,17 @@ Problem = tuple[WaitGoal, str]
         "1": "The time was up first, or it could not be done.",
     },
 )
-@click.option(
-    "--timeout",
-    "-t",
-    "timeout_s",
-    type=NumberChoice(min=0.01),
-    default=_DEFAULT_S,
-    metavar="SECONDS",
-    help="How long to wait at most (default 30).",
-)
-@click.option("--json", "is_json", is_flag=True, help="One JSON object a path, at the end.")
-@click.argument("words", nargs=-1, metavar="PATH... [STATE]...")
-def main(app: App, words: tuple[str, ...], timeout_s: float, is_json: bool) -> int:
+def main(
+    app: App,
+    timeout_s: float = option(
+        "--timeout -t SECONDS",
+        "How long to wait at most (default 30).",
+        NumberChoice(min=0.01),
+        default=_DEFAULT_S,
+    ),
+    is_json: bool = json_flag("One JSON object a path, at the end."),
+    words: tuple[str, ...] = arguments("PATH... [STATE]..."),
+) -> int:
     r"""Wait for components, their states, and data of ports.
 
     A state holds for the paths before it: exists (what is meant when there is none), created,

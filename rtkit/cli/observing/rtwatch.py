@@ -6,11 +6,8 @@ import time
 from collections.abc import Container, Iterable, Iterator, Sequence
 from typing import TYPE_CHECKING, Any
 
-import click
-
 from rtkit.cli.shared import terminal
 from rtkit.cli.shared.app import App, WrongArguments
-from rtkit.cli.shared.choice import WordChoice, lasting
 from rtkit.cli.shared.command import command
 from rtkit.cli.shared.json_records import line as json_line
 from rtkit.cli.shared.json_records import time_text
@@ -21,6 +18,15 @@ from rtkit.cli.shared.observers import (
     place_of,
     scopes_of,
     write_now,
+)
+from rtkit.cli.shared.options import (
+    COUNT,
+    WordChoice,
+    arguments,
+    json_flag,
+    lasting,
+    option,
+    several,
 )
 from rtkit.cli.shared.terminal import clock
 from rtkit.deployment.user_events import HEARTBEAT, KINDS, SYSTEM_STATE, UserEvent, heartbeats
@@ -51,35 +57,21 @@ ALL = "ALL"
         "1": "The time was up before N events, or it could not be done.",
     },
 )
-@click.option(
-    "-f",
-    "--filter",
-    "kinds",
-    type=WordChoice("kind of event", (ALL, *KINDS, SYSTEM_STATE)),
-    multiple=True,
-    metavar="KIND",
-    help="Print only events of this kind (default: all but HEARTBEAT).",
-)
-@click.option(
-    "-n", "--number", type=click.IntRange(min=1), metavar="N", help="Stop after N events."
-)
-@lasting()
-@click.option(
-    "-S",
-    "--system",
-    metavar="FILE",
-    help="Tell also to which of its states the system of this profile comes (rtstate).",
-)
-@click.option("--json", "is_json", is_flag=True, help="One JSON object a line.")
-@click.argument("paths", nargs=-1, metavar="PATH...")
 def main(
     app: App,
-    paths: tuple[str, ...],
-    kinds: tuple[str, ...],
-    number: int | None,
-    duration_s: float | None,
-    system: str | None,
-    is_json: bool,
+    kinds: tuple[str, ...] = several(
+        "-f --filter KIND",
+        "Print only events of this kind (default: all but HEARTBEAT).",
+        type=WordChoice("kind of event", (ALL, *KINDS, SYSTEM_STATE)),
+    ),
+    number: int | None = option("-n --number N", "Stop after N events.", COUNT),
+    duration_s: float | None = lasting(),
+    system: str | None = option(
+        "-S --system FILE",
+        "Tell also to which of its states the system of this profile comes (rtstate).",
+    ),
+    is_json: bool = json_flag(),
+    paths: tuple[str, ...] = arguments("PATH..."),
 ) -> int:
     r"""Print what happens to components, as it happens.
 

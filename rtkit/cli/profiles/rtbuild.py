@@ -10,6 +10,7 @@ import click
 from rtkit.cli.shared import json_records, terminal
 from rtkit.cli.shared.app import App
 from rtkit.cli.shared.command import command
+from rtkit.cli.shared.options import arguments, flag, json_flag, option, several
 from rtkit.errors import Malformed, Refused
 
 if TYPE_CHECKING:
@@ -29,38 +30,19 @@ _SHOWN = ("written", "kept")
     ),
     json=("built-file",),
 )
-@click.option(
-    "-o", "--output", metavar="DIR", help="Where to write (default: the folder of the file)."
-)
-@click.option(
-    "-I",
-    "--include",
-    "folders",
-    multiple=True,
-    metavar="DIR",
-    help="Look for IDL files there too.",
-)
-@click.option(
-    "--mirror", "has_mirror", is_flag=True, help="Generate a mirror, too, to try it by hand."
-)
-@click.option("-n", "--dry-run", is_flag=True, help="Tell what would be written, write nothing.")
-@click.option(
-    "-f",
-    "--force",
-    is_flag=True,
-    help="Write also what was changed; what was there is kept as NAME.bak.",
-)
-@click.option("--json", "is_json", is_flag=True, help="A JSON object for each file.")
-@click.argument("files", nargs=-1, metavar="PROFILE|IDL")
 def main(
     app: App,
-    files: tuple[str, ...],
-    output: str | None,
-    folders: tuple[str, ...],
-    has_mirror: bool,
-    dry_run: bool,
-    force: bool,
-    is_json: bool,
+    output: str | None = option(
+        "-o --output DIR", "Where to write (default: the folder of the file)."
+    ),
+    folders: tuple[str, ...] = several("-I --include DIR", "Look for IDL files there too."),
+    has_mirror: bool = flag("--mirror", "Generate a mirror, too, to try it by hand."),
+    dry_run: bool = flag("-n --dry-run", "Tell what would be written, write nothing."),
+    force: bool = flag(
+        "-f --force", "Write also what was changed; what was there is kept as NAME.bak."
+    ),
+    is_json: bool = json_flag("A JSON object for each file."),
+    files: tuple[str, ...] = arguments("PROFILE|IDL"),
 ) -> None:
     r"""Generate a component from its RTC profile.
 

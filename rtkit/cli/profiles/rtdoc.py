@@ -4,11 +4,10 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-import click
-
 from rtkit.cli.shared.app import App, check_at_most_one
 from rtkit.cli.shared.atomic import STDOUT, write_output
 from rtkit.cli.shared.command import command
+from rtkit.cli.shared.options import arguments, flag, option
 from rtkit.errors import Malformed, NotFound, UsageProblem
 
 if TYPE_CHECKING:
@@ -30,21 +29,19 @@ _OWN = ("Data ports", "Service ports", "Ports", "Configuration parameters", "Par
     ),
     arguments=("component",),
 )
-@click.option(
-    "-f", "--format", "form", default="html", metavar="FORM",
-    help=f"One of {', '.join(FORMS)} (default html).",
-)  # fmt: skip
-@click.option(
-    "-g",
-    "--graph",
-    is_flag=True,
-    help="Draw its ports too: in html, rst, and markdown that is written to a file.",
-)
-@click.option(
-    "-o", "--output", default=STDOUT, metavar="FILE", help="Where to write it (default -, stdout)."
-)
-@click.argument("words", nargs=-1, metavar="COMPONENT | MODULE.py[:FACTORY]")
-def main(app: App, words: tuple[str, ...], form: str, graph: bool, output: str) -> None:
+def main(
+    app: App,
+    form: str = option(
+        "-f --format FORM", f"One of {', '.join(FORMS)} (default html).", default="html"
+    ),
+    graph: bool = flag(
+        "-g --graph", "Draw its ports too: in html, rst, and markdown that is written to a file."
+    ),
+    output: str = option(
+        "-o --output FILE", "Where to write it (default -, stdout).", default=STDOUT
+    ),
+    words: tuple[str, ...] = arguments("COMPONENT | MODULE.py[:FACTORY]"),
+) -> None:
     """Write a page about a component.
 
     Its configuration set __doc__ has the texts: intro, reqs, install, usage, misc, changelog and

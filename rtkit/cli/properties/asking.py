@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any
 
 import click
 
 from rtkit.cli.shared import json_records
 from rtkit.cli.shared.app import App, working_directory
+from rtkit.cli.shared.options import option, several
 from rtkit.cli.shared.terminal import printable
 from rtkit.errors import Malformed
 
@@ -17,24 +18,11 @@ if TYPE_CHECKING:
     from rtkit.property.messages import Payload
     from rtkit.tree.properties import PropertyConnections
 
-F = TypeVar("F", bound=Callable[..., Any])
-
-
-def place_options(function: F) -> F:
-    """Add ``-p`` and ``--at``."""
-    function = click.option(
-        "--at",
-        metavar="HOST:PORT",
-        help="Ask the services at this TCP endpoint, or one of another wire (rtkit help wires).",
-    )(function)
-    return click.option(
-        "-p",
-        "--parameter",
-        "parameters",
-        multiple=True,
-        metavar="KEY=VALUE",
-        help="A parameter of the request (repeatable).",
-    )(function)
+PARAMETERS = several("-p --parameter KEY=VALUE", "A parameter of the request (repeatable).")
+AT = option(
+    "--at HOST:PORT",
+    "Ask the services at this TCP endpoint, or one of another wire (rtkit help wires).",
+)
 
 
 @contextmanager

@@ -6,12 +6,12 @@ from collections.abc import Iterable
 
 import click
 
-from rtkit.cli.properties.asking import connected, joined, place_options, record, shown, write_raw
+from rtkit.cli.properties.asking import AT, PARAMETERS, connected, joined, record, shown, write_raw
 from rtkit.cli.shared import terminal
 from rtkit.cli.shared.app import App, WrongArguments
-from rtkit.cli.shared.choice import NumberChoice
 from rtkit.cli.shared.command import command
-from rtkit.cli.shared.watch import MayWatch, WatchOption, watch
+from rtkit.cli.shared.options import MayWatch, arguments, flag, json_flag, watch_option
+from rtkit.cli.shared.watch import watch
 from rtkit.errors import RtkitError
 
 
@@ -32,26 +32,16 @@ from rtkit.errors import RtkitError
     json=("property",),
     arguments=("live",),
 )
-@place_options
-@click.option("--json", "is_json", is_flag=True, help="One JSON object a line.")
-@click.option("--raw", "is_raw", is_flag=True, help="Bytes as they are, no quotes, no line end.")
-@click.option(
-    "--watch",
-    "period_s",
-    cls=WatchOption,
-    type=NumberChoice(min=0.05),
-    metavar="SECONDS",
-    help="Get again, every second or --watch=SECONDS, until interrupted.",
-)
-@click.argument("targets", nargs=-1, metavar="TARGET...")
 def main(
     app: App,
-    parameters: tuple[str, ...],
-    at: str | None,
-    is_json: bool,
-    is_raw: bool,
-    period_s: float | None,
-    targets: tuple[str, ...],
+    parameters: tuple[str, ...] = PARAMETERS,
+    at: str | None = AT,
+    is_json: bool = json_flag(),
+    is_raw: bool = flag("--raw", "Bytes as they are, no quotes, no line end."),
+    period_s: float | None = watch_option(
+        "Get again, every second or --watch=SECONDS, until interrupted."
+    ),
+    targets: tuple[str, ...] = arguments("TARGET..."),
 ) -> int:
     """Print the values of live properties, a line each.
 

@@ -9,11 +9,19 @@ from typing import TYPE_CHECKING
 
 import click
 
-from rtkit.cli.properties.asking import connected, joined, place_options, record, shown, write_raw
+from rtkit.cli.properties.asking import AT, PARAMETERS, connected, joined, record, shown, write_raw
 from rtkit.cli.shared import json_records, terminal
 from rtkit.cli.shared.app import App, WrongArguments
-from rtkit.cli.shared.choice import NumberChoice, lasting
 from rtkit.cli.shared.command import command
+from rtkit.cli.shared.options import (
+    COUNT,
+    NumberChoice,
+    arguments,
+    flag,
+    json_flag,
+    lasting,
+    option,
+)
 
 if TYPE_CHECKING:
     from rtkit.property.messages import PropertyEvent
@@ -36,33 +44,33 @@ _NS = 1_000_000_000
         "1": "Nothing came at all, or it could not be done.",
     },
 )
-@place_options
-@click.option("-n", "--number", type=click.IntRange(min=1), metavar="N", help="Stop after N.")
-@lasting(long="--duration")
-@click.option("--queue", type=click.IntRange(1, 10_000), metavar="N",
-              help="Keep N events while they cannot be sent (default 1: the latest).")  # fmt: skip
-@click.option("--every", type=NumberChoice(min=0.0), metavar="SECONDS",
-              help="At most one event in this time; the last one always comes.")  # fmt: skip
-@click.option("--deadband", type=NumberChoice(min=0.0), metavar="NUMBER",
-              help="Only when a number has changed by this much.")  # fmt: skip
-@click.option("--mode", type=click.Choice(["change", "all", "diff"]),
-              help="Each change (default), each set, or of names what came and went.")  # fmt: skip
-@click.option("--json", "is_json", is_flag=True, help="One JSON object a line.")
-@click.option("--raw", "is_raw", is_flag=True, help="Bytes as they are, no quotes, no line end.")
-@click.argument("targets", nargs=-1, metavar="TARGET...")
 def main(
     app: App,
-    parameters: tuple[str, ...],
-    at: str | None,
-    number: int | None,
-    duration_s: float | None,
-    queue: int | None,
-    every: float | None,
-    deadband: float | None,
-    mode: str | None,
-    is_json: bool,
-    is_raw: bool,
-    targets: tuple[str, ...],
+    parameters: tuple[str, ...] = PARAMETERS,
+    at: str | None = AT,
+    number: int | None = option("-n --number N", "Stop after N.", COUNT),
+    duration_s: float | None = lasting(long="--duration"),
+    queue: int | None = option(
+        "--queue N",
+        "Keep N events while they cannot be sent (default 1: the latest).",
+        click.IntRange(1, 10_000),
+    ),
+    every: float | None = option(
+        "--every SECONDS",
+        "At most one event in this time; the last one always comes.",
+        NumberChoice(min=0.0),
+    ),
+    deadband: float | None = option(
+        "--deadband NUMBER", "Only when a number has changed by this much.", NumberChoice(min=0.0)
+    ),
+    mode: str | None = option(
+        "--mode",
+        "Each change (default), each set, or of names what came and went.",
+        click.Choice(["change", "all", "diff"]),
+    ),
+    is_json: bool = json_flag(),
+    is_raw: bool = flag("--raw", "Bytes as they are, no quotes, no line end."),
+    targets: tuple[str, ...] = arguments("TARGET..."),
 ) -> int:
     """Print live properties as they change.
 

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import click
-
 from rtkit.cli.shared import terminal
 from rtkit.cli.shared.app import App, working_directory
 from rtkit.cli.shared.command import command
+from rtkit.cli.shared.options import argument, option, several
 
 
 @command(
@@ -27,12 +26,15 @@ from rtkit.cli.shared.command import command
     ),
     arguments=("live", "live"),
 )
-@click.option("--prefix", default="", metavar="NAME", help="Put this in front of all names.")
-@click.option("--allow-set", multiple=True, metavar="GLOB",
-              help="Names that may be set, actions that may be started (repeatable).")  # fmt: skip
-@click.argument("source", metavar="FROM")
-@click.argument("target", metavar="TO")
-def main(app: App, prefix: str, allow_set: tuple[str, ...], source: str, target: str) -> None:
+def main(
+    app: App,
+    prefix: str = option("--prefix NAME", "Put this in front of all names.", default=""),
+    allow_set: tuple[str, ...] = several(
+        "--allow-set GLOB", "Names that may be set, actions that may be started (repeatable)."
+    ),
+    source: str = argument("FROM"),
+    target: str = argument("TO"),
+) -> None:
     """Open another endpoint, on another wire, to live properties.
 
     FROM is a service or component: a path of the tree, or an address such as

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 import click
@@ -10,6 +9,7 @@ import click
 from rtkit.cli.shared import terminal
 from rtkit.cli.shared.app import App
 from rtkit.cli.shared.command import command
+from rtkit.cli.shared.options import argument, option, several, together
 from rtkit.wires.table import WIRES, wires
 from rtkit.wires.wire import HERE, PORT
 
@@ -53,14 +53,13 @@ def _policy(files: tuple[str, ...], lines: tuple[str, ...]) -> AccessPolicy:
     return policy
 
 
-def _endpoint_options(function: Callable[..., None]) -> Callable[..., None]:
-    """Add the option of each wire that objects are served over."""
-    for option in reversed(_OPTIONS):
-        check = _port if option.metavar == PORT else None
-        function = click.option(
-            f"--{option.name}", metavar=option.metavar, callback=check, help=option.help
-        )(function)
-    return function
+_ENDPOINTS = {
+    each.name.replace("-", "_"): option(
+        f"--{each.name} {each.metavar}", each.help, callback=_port if each.metavar == PORT else None
+    )
+    for each in _OPTIONS
+}
+"""The option of each wire that objects are served over."""
 
 
 @command(
@@ -79,34 +78,32 @@ def _endpoint_options(function: Callable[..., None]) -> Callable[..., None]:
     ),
     arguments=("class", ""),
 )
-@click.option("-a", "--argument", "arguments", multiple=True, metavar="[KEY=]VALUE",
-              help="What the class is called with (repeatable).")  # fmt: skip
-@click.option("--hide", multiple=True, metavar="NAME", help="Do not show this (repeatable).")
-@click.option("--history", multiple=True, metavar="GLOB=N", callback=_kept,
-              help="Keep the last N values of these for .history (repeatable).")  # fmt: skip
-@_endpoint_options
-@click.option("--allow-set", "settable", multiple=True, metavar="GLOB",
-              help="Names that may be set over the serial line (repeatable).")  # fmt: skip
-@click.option("--notify", multiple=True, metavar="GLOB",
-              help="SERVICE/NAME of yours that events may be SET to (repeatable).")  # fmt: skip
-@click.option("--rules", "files", multiple=True, metavar="FILE",
-              help="A rule: which client may do what over which wire; or a limit.")  # fmt: skip
-@click.option("--rule", "lines", multiple=True, metavar="RULE",
-              help="A line of such a file: 'deny http * SET *' (repeatable).")  # fmt: skip
-@click.argument("thing", metavar="MODULE:CLASS")
-@click.argument("name")
 def main(
     app: App,
-    arguments: tuple[str, ...],
-    hide: tuple[str, ...],
-    history: dict[str, int],
-    settable: tuple[str, ...],
-    notify: tuple[str, ...],
-    files: tuple[str, ...],
-    lines: tuple[str, ...],
-    thing: str,
-    name: str,
-    **endpoints: int | str | None,
+    arguments: tuple[str, ...] = several(
+        "-a --argument [KEY=]VALUE", "What the class is called with (repeatable)."
+    ),
+    hide: tuple[str, ...] = several("--hide NAME", "Do not show this (repeatable)."),
+    history: dict[str, int] = several(
+        "--history GLOB=N",
+        "Keep the last N values of these for .history (repeatable).",
+        callback=_kept,
+    ),
+    endpoints: dict[str, int | str | None] = together(dict, _ENDPOINTS),
+    settable: tuple[str, ...] = several(
+        "--allow-set GLOB", "Names that may be set over the serial line (repeatable)."
+    ),
+    notify: tuple[str, ...] = several(
+        "--notify GLOB", "SERVICE/NAME of yours that events may be SET to (repeatable)."
+    ),
+    files: tuple[str, ...] = several(
+        "--rules FILE", "A rule: which client may do what over which wire; or a limit."
+    ),
+    lines: tuple[str, ...] = several(
+        "--rule RULE", "A line of such a file: 'deny http * SET *' (repeatable)."
+    ),
+    thing: str = argument("MODULE:CLASS"),
+    name: str = argument(None),
 ) -> None:
     """Serve a Python object as live properties.
 

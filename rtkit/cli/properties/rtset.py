@@ -7,10 +7,11 @@ import sys
 
 import click
 
-from rtkit.cli.properties.asking import connected, joined, place_options, shown
+from rtkit.cli.properties.asking import AT, PARAMETERS, connected, joined, shown
 from rtkit.cli.shared import terminal
 from rtkit.cli.shared.app import App, WrongArguments
 from rtkit.cli.shared.command import command
+from rtkit.cli.shared.options import arguments, flag, option
 
 _NUMBER = re.compile(r"-(?:\.?\d|inf$).*")
 _MARK = "\0"
@@ -39,19 +40,14 @@ class _TakesNumbers(click.Command):
     ),
     arguments=("live", "value", ""),
 )
-@place_options
-@click.option("--file", "path", metavar="FILE", help="Take the value from this file.")
-@click.option("--if", "revision", type=int, metavar="REV", help="Only if this is the revision.")
-@click.option("--echo", "has_echo", is_flag=True, help="Print the value that is in force then.")
-@click.argument("words", nargs=-1, metavar="TARGET VALUE")
 def main(
     app: App,
-    parameters: tuple[str, ...],
-    at: str | None,
-    path: str | None,
-    revision: int | None,
-    has_echo: bool,
-    words: tuple[str, ...],
+    parameters: tuple[str, ...] = PARAMETERS,
+    at: str | None = AT,
+    path: str | None = option("--file FILE", "Take the value from this file."),
+    revision: int | None = option("--if REV", "Only if this is the revision.", int),
+    has_echo: bool = flag("--echo", "Print the value that is in force then."),
+    words: tuple[str, ...] = arguments("TARGET VALUE"),
 ) -> None:
     """Set a live property.
 

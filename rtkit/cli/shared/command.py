@@ -17,7 +17,7 @@ import click
 
 from rtkit.cli.shared import console_process
 from rtkit.cli.shared.app import App
-from rtkit.cli.shared.choice import NumberChoice
+from rtkit.cli.shared.options import NumberChoice, flag, gathered, made_of, option, setting
 
 if TYPE_CHECKING:
     from rtkit.tree.client import Tree
@@ -25,9 +25,6 @@ if TYPE_CHECKING:
 SETTINGS = {"max_content_width": 100}
 _SHOWN_EXAMPLES = 2
 _WIDEST_EXAMPLE = 48
-
-pass_app = click.make_pass_decorator(App)
-
 
 Examples = Sequence[tuple[str, str]]
 """Command lines, each with what it does."""
@@ -99,33 +96,37 @@ def command(
     examples: Examples = (),
     is_local: bool = False,
     cls: type[click.Command] = click.Command,
-    params: Sequence[click.Parameter] = (),
-    options_metavar: str = "[OPTIONS]",
     help: str | None = None,
     **declared: Any,
 ) -> Callable[[Callable[..., int | None]], Main]:
     """Turn a function that takes an `App` and its options into a command.
 
-    One that `is_local` asks no manager. What is `declared` is explained at `Main`; the settings
-    between are those of click. The first sentence of the docstring is the summary.
+    The default of each other parameter is an option (`rtkit.cli.shared.options`). A command that
+    `is_local` asks no manager. What is `declared` is explained at `Main`; the settings between are
+    those of click. The first sentence of the docstring is the summary.
     """
 
     def decorate(function: Callable[..., int | None]) -> Main:
-        make = click.command(
+        names = function.__code__.co_varnames[1 : function.__code__.co_argcount]
+        parameters = dict(zip(names, function.__defaults__ or (), strict=True))
+
+        def called(**values: Any) -> int | None:
+            app = click.get_current_context().obj
+            return function(app, **gathered(parameters, values))
+
+        made = cls(
             name,
-            cls,
             context_settings=SETTINGS,
             add_help_option=False,
-            params=list(params),
-            options_metavar=options_metavar,
-            **({} if help is None else {"help": help}),
+            params=list(made_of(parameters)),
+            callback=called,
+            help=help or function.__doc__,
         )
-        made = make(pass_app(function))
         own = {text for each in made.params for text in each.opts}
         offered = common_options(examples, is_local=is_local)
-        for option in offered:
-            option.opts = [each for each in option.opts if each not in own]
-        made.params += [option for option in offered if option.opts]
+        for common in offered:
+            common.opts = [each for each in common.opts if each not in own]
+        made.params += [common for common in offered if common.opts]
         for each in filter(_is_repeatable, made.params):
             each.help = f"{(each.help or '').removesuffix('.')}; repeatable."
         # Click's mark of text that must not be re-wrapped, as a raw docstring has it.
@@ -141,69 +142,37 @@ def _is_repeatable(parameter: click.Parameter) -> TypeGuard[click.Option]:
     return is_option and parameter.multiple and "repeatable" not in (parameter.help or "")
 
 
-def strict_option(text: str = "Take warnings for errors.") -> Callable[..., Any]:
-    """Return a decorator that adds the option to take warnings for errors."""
-    return click.option(
-        "--strict",
-        is_flag=True,
-        expose_value=False,
-        callback=_set("is_strict"),
-        help=text,
-    )
-
-
-def common_options(examples: Examples, *, is_local: bool = False) -> list[click.Option]:
+def common_options(examples: Examples, *, is_local: bool = False) -> list[click.Parameter]:
     """Return the options that every command has; one that asks nobody needs no time-out."""
-    timeout = click.Option(
-        ["--timeout"],
-        type=NumberChoice(min=0.01),
-        metavar="SECONDS",
-        expose_value=False,
-        callback=_set("timeout_s"),
-        help="Bound on every call (default 10); what was not begun by then is not done later.",
+    timeout = option(
+        "--timeout SECONDS",
+        "Bound on every call (default 10); what was not begun by then is not done later.",
+        NumberChoice(min=0.01),
+        **setting("timeout_s"),
     )
-    return [
-        *([] if is_local else [timeout]),
-        click.Option(
-            ["--exit-detail"],
-            is_flag=True,
-            expose_value=False,
-            callback=_set("has_exit_detail"),
-            help="Tell kinds of failure apart by exit status.",
+    shown = {"is_eager": True, "expose_value": False}
+    options = {
+        **({} if is_local else {"timeout": timeout}),
+        "exit_detail": flag(
+            "--exit-detail",
+            "Tell kinds of failure apart by exit status.",
+            **setting("has_exit_detail"),
         ),
-        click.Option(
-            ["-v", "--verbose"],
-            is_flag=True,
-            expose_value=False,
-            callback=_set("is_verbose"),
-            help="Tell progress on stderr; on failure also a traceback.",
+        "verbose": flag(
+            "-v --verbose",
+            "Tell progress on stderr; on failure also a traceback.",
+            **setting("is_verbose"),
         ),
-        click.Option(
-            ["--version"],
-            is_flag=True,
-            is_eager=True,
-            expose_value=False,
-            callback=_show_version,
-            help="Show the version and exit.",
-        ),
+        "version": flag("--version", "Show the version and exit.", callback=_show_version, **shown),
         # Click's own option looks up a translation of this text at each start of a command.
-        click.Option(
-            ["-h", "--help"],
-            is_flag=True,
-            is_eager=True,
-            expose_value=False,
+        "help": flag(
+            "-h --help",
+            "Show this message and exit.",
             callback=partial(_show_help, examples),
-            help="Show this message and exit.",
+            **shown,
         ),
-    ]
-
-
-def _set(attribute: str) -> Callable[[click.Context, click.Parameter, Any], None]:
-    def store(context: click.Context, _parameter: click.Parameter, value: Any) -> None:
-        if value:
-            setattr(context.obj, attribute, value)
-
-    return store
+    }
+    return list(made_of(options))
 
 
 def _show_version(context: click.Context, _parameter: click.Parameter, value: bool) -> None:

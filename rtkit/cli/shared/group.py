@@ -24,7 +24,7 @@ class CommandGroup(click.Group):
         super().__init__(
             name,
             help=help_text,
-            params=[*common_options(examples, is_local=True)],
+            params=common_options(examples, is_local=True),
             callback=_nothing,
             invoke_without_command=True,
             no_args_is_help=False,

@@ -6,31 +6,10 @@ import sys
 import time
 from collections.abc import Callable, Iterable
 
-import click
-
 from rtkit.cli.shared import terminal
 
 CLEAR = "\x1b[H\x1b[2J"
 """Escape sequence that clears a terminal."""
-
-
-class WatchOption(click.Option):
-    """``--watch``, which takes seconds behind ``=`` only, and shows that."""
-
-    def get_help_record(self, ctx: click.Context) -> tuple[str, str] | None:
-        """Return the option with its value as optional."""
-        record = super().get_help_record(ctx)
-        return record and (record[0].replace(" SECONDS", "[=SECONDS]"), record[1])
-
-
-class MayWatch(click.Command):
-    """Takes ``--watch`` with or without ``=SECONDS``, never the next argument."""
-
-    def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
-        """Give the bare option its value, then parse as usual."""
-        end = args.index("--") if "--" in args else len(args)
-        options = ["--watch=1" if each == "--watch" else each for each in args[:end]]
-        return super().parse_args(ctx, options + args[end:])
 
 
 class WatchedScreen:

@@ -108,18 +108,8 @@ def begin_as_told(
     from rtkit.cli.system import planning
     from rtkit.cli.system.states import states_of
 
-    begun = planning.begin(
-        app,
-        document,
-        is_dry=False,
-        mapped=mapped,
-        costs=(),
-        basis=planning.MEASURED,
-        stand_in=stand_in,
-        transmit=transmit,
-        replaces=False,
-    )
-    begin(app, document, states_of(begun))
+    way = planning.WayOptions((), planning.MEASURED, stand_in, transmit, False)
+    begin(app, document, states_of(planning.begin(app, document, mapped, way, is_dry=False)))
 
 
 def end(tree: Tree, name: str) -> str:

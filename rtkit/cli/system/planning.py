@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import click
 
 from rtkit.cli.shared.app import App
+from rtkit.cli.shared.options import flag, option, several, together
 from rtkit.cli.system import shared
 from rtkit.errors import UsageProblem
 
@@ -50,76 +51,79 @@ class DeploymentInputs(NamedTuple):
     snapshot: Snapshot
 
 
-def planning_options(function: Callable[..., Any]) -> Callable[..., Any]:
-    """Add the options that select the goal of the plan."""
-    state = click.option(
-        "-s",
-        "--state",
-        type=click.Choice(STATES, case_sensitive=False),
-        default=STATES[0],
-        help="State that every component is to be in (default Active).",
+STAND_IN = flag("--stand-in", "Generate what is missing from the profile, without its modules.")
+
+
+class WayOptions(NamedTuple):
+    """Options that constrain the way to the goal.
+
+    Attributes:
+        costs: ``NAME=NUMBER`` of kinds of steps.
+        basis: Where the costs of the other kinds come from.
+        stand_in: Generate what is missing.
+        transmit: Stand-ins write values.
+        replaces: End and replace what cannot be changed in place.
+    """
+
+    costs: tuple[str, ...] = several(
+        "--cost NAME=NUMBER", "What a kind of step costs, or any interruption of a component."
     )
-    prune = click.option(
+    basis: str = option(
+        "--costs",
+        "Cost of the other steps: as long as they took here (default, where known), or what the"
+        " table says.",
+        click.Choice((MEASURED, TABLE)),
+        default=MEASURED,
+    )
+    stand_in: bool = STAND_IN
+    transmit: bool = flag("--transmit", "Stand-ins write values while active.")
+    replaces: bool = flag(
+        "--replace",
+        "End and replace what cannot be changed in place: another type, another create string, a"
+        " stand-in with other ports.",
+    )
+
+
+class GoalOptions(NamedTuple):
+    """Options that select the goal of a plan, and constrain the way to it."""
+
+    state: str = option(
+        "-s --state",
+        "State that every component is to be in (default Active).",
+        click.Choice(STATES, case_sensitive=False),
+        default=STATES[0],
+    )
+    way: WayOptions = together(WayOptions)
+    prunes: bool = flag(
         "--prune",
-        "prunes",
-        is_flag=True,
-        help="End the other components of the managers of the profile, and remove the other"
+        "End the other components of the managers of the profile, and remove the other"
         " connections of its components.",
     )
-    return state(way_options(prune(function)))
 
 
-def way_options(function: Callable[..., Any]) -> Callable[..., Any]:
-    """Add the options that constrain the way to the goal."""
-    decorators = [
-        click.option(
-            "--cost",
-            "costs",
-            multiple=True,
-            metavar="NAME=NUMBER",
-            help="What a kind of step costs, or any interruption of a component.",
-        ),
-        click.option(
-            "--costs",
-            "basis",
-            type=click.Choice((MEASURED, TABLE)),
-            default=MEASURED,
-            help="Cost of the other steps: as long as they took here (default, where known), or"
-            " what the table says.",
-        ),
-        click.option(
-            "--stand-in",
-            "stand_in",
-            is_flag=True,
-            help="Generate what is missing from the profile, without its modules.",
-        ),
-        click.option("--transmit", is_flag=True, help="Stand-ins write values while active."),
-        click.option(
-            "--replace",
-            "replaces",
-            is_flag=True,
-            help="End and replace what cannot be changed in place: another type, another create"
-            " string, a stand-in with other ports.",
-        ),
-    ]
-    for decorator in reversed(decorators):
-        function = decorator(function)
-    return function
+def told_options(mapped: Sequence[str], aim: GoalOptions) -> dict[str, Any]:
+    """Return the options of a plan by name, as a saved plan tells them."""
+    return {**aim.way._asdict(), "state": aim.state, "prunes": aim.prunes, "mapped": mapped}
+
+
+def read_options(told: Mapping[str, Any]) -> tuple[tuple[str, ...], GoalOptions]:
+    """Return the options that a saved plan tells.
+
+    Raises:
+        TypeError: One is missing, or there is no such option.
+    """
+    way = {name: value for name, value in told.items() if name in WayOptions._fields}
+    others = {name: value for name, value in told.items() if name not in (*way, "mapped")}
+    return tuple(told.get("mapped") or ()), GoalOptions(way=WayOptions(**way), **others)
 
 
 def prepare(
     app: App,
     document: SystemDocument,
+    mapped: tuple[str, ...],
+    aim: GoalOptions,
     *,
     is_dry: bool,
-    mapped: tuple[str, ...],
-    state: str,
-    costs: tuple[str, ...],
-    basis: str,
-    stand_in: bool,
-    transmit: bool,
-    replaces: bool,
-    prunes: bool,
     parallel: int = 0,
     lease: Leases | None = None,
     make: Make | None = None,
@@ -132,21 +136,10 @@ def prepare(
     from rtkit.rtc.enums import LifeCycleState
 
     _, goal, snapshot = begin(
-        app,
-        document,
-        is_dry=is_dry,
-        mapped=mapped,
-        costs=costs,
-        basis=basis,
-        stand_in=stand_in,
-        transmit=transmit,
-        replaces=replaces,
-        parallel=parallel,
-        starts=True,
-        lease=lease,
+        app, document, mapped, aim.way, is_dry=is_dry, parallel=parallel, starts=True, lease=lease
     )
-    wished = None if state == ANY else LifeCycleState(state)
-    goal = replace(goal, state=wished, prunes=prunes)
+    wished = None if aim.state == ANY else LifeCycleState(aim.state)
+    goal = replace(goal, state=wished, prunes=aim.prunes)
     survey = goal.survey(snapshot)
     app.warn(survey.notes, mark="")
     plan = (make or _cheapest)(goal, snapshot, survey.model)
@@ -162,14 +155,10 @@ def _cheapest(goal: DeploymentGoal, _snapshot: Snapshot, model: Model) -> Deploy
 def begin(
     app: App,
     document: SystemDocument,
+    mapped: tuple[str, ...],
+    way: WayOptions,
     *,
     is_dry: bool,
-    mapped: tuple[str, ...],
-    costs: tuple[str, ...],
-    basis: str,
-    stand_in: bool,
-    transmit: bool,
-    replaces: bool,
     parallel: int = 0,
     starts: bool = False,
     lease: Leases | None = None,
@@ -192,22 +181,22 @@ def begin(
         app,
         document,
         snapshot,
-        stand_in=stand_in,
-        transmit=transmit,
+        stand_in=way.stand_in,
+        transmit=way.transmit,
         mapped=mapped,
-        known_types=None if stand_in else known_types(document.profile, snapshot),
+        known_types=None if way.stand_in else known_types(document.profile, snapshot),
     )
     check_reserved(app, system, snapshot)
     ranks = _ranks(app, document, system)
     feasibility = look_ahead(app, system, snapshot)
-    table = settled_costs(app, costs, system, snapshot, is_measured=basis == MEASURED)
+    table = settled_costs(app, way.costs, system, snapshot, is_measured=way.basis == MEASURED)
     goal = DeploymentGoal(
         system,
         ranks=ranks,
         costs=table,
         parallel=parallel,
         feasibility=feasibility,
-        replaces=replaces,
+        replaces=way.replaces,
         is_strict=app.is_strict,
     )
     return DeploymentInputs(document, goal, snapshot)

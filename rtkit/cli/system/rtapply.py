@@ -2,13 +2,10 @@
 
 from __future__ import annotations
 
-from typing import Any
-
-import click
-
 from rtkit.cli.shared import terminal
 from rtkit.cli.shared.app import App
 from rtkit.cli.shared.command import command
+from rtkit.cli.shared.options import COUNT, flag, option, together
 from rtkit.cli.system import following, planning, shared, step_times
 from rtkit.cli.system.document import is_saved_plan, parse_document, read_data
 from rtkit.errors import Refused
@@ -22,24 +19,18 @@ from rtkit.errors import Refused
         ("rtapply -s inactive --parallel 4 robot.xml", "Activate nothing, at most four at once."),
     ),
 )
-@click.option("--rollback", is_flag=True, help="When a step fails, go back to what was before.")
-@click.option(
-    "--parallel",
-    type=click.IntRange(min=1),
-    metavar="COUNT",
-    help="Most steps under way at once (default: all that need nothing of each other).",
-)
-@shared.wait_option
-@planning.planning_options
-@shared.system_options
 def main(
     app: App,
-    files: tuple[str, ...],
-    rollback: bool,
-    parallel: int | None,
-    wait_s: float,
-    dry_run: bool,
-    **options: Any,
+    rollback: bool = flag("--rollback", "When a step fails, go back to what was before."),
+    parallel: int | None = option(
+        "--parallel COUNT",
+        "Most steps under way at once (default: all that need nothing of each other).",
+        COUNT,
+    ),
+    wait_s: float = shared.WAIT,
+    aim: planning.GoalOptions = together(planning.GoalOptions),
+    dry_run: bool = shared.DRY_RUN,
+    asked: shared.DocumentOptions = together(shared.DocumentOptions),
 ) -> int:
     """Make the live system what an RTS profile says (FILE, or stdin).
 
@@ -69,9 +60,9 @@ def main(
     from rtkit.deployment.planning.rendering import lines
     from rtkit.tree.grace import uninterrupted
 
-    source, data = read_data(files)
+    source, data = read_data(asked.files)
     is_saved = is_saved_plan(data)
-    lease = None if dry_run else shared.leases(app, files, wait_s)
+    lease = None if dry_run else shared.leases(app, asked.files, wait_s)
     if is_saved:
         from rtkit.cli.system import saving
 
@@ -81,7 +72,7 @@ def main(
     else:
         document = parse_document(app, source, data)
         prepared = planning.prepare(
-            app, document, is_dry=dry_run, parallel=parallel or 0, lease=lease, **options
+            app, document, asked.mapped, aim, is_dry=dry_run, parallel=parallel or 0, lease=lease
         )
     document, goal, snapshot, plan, survey = prepared
     is_followed = not dry_run and following.is_wanted(document)

@@ -7,6 +7,7 @@ import click
 from rtkit.cli.shared import terminal
 from rtkit.cli.shared.app import App, check_at_most_one
 from rtkit.cli.shared.command import command
+from rtkit.cli.shared.options import flag, json_flag, option, together
 from rtkit.cli.system import shared, static_checks
 from rtkit.cli.system.document import read_document
 from rtkit.errors import Refused, UsageProblem
@@ -28,37 +29,25 @@ STATES = (*(state.value for state in LifeCycleState), UNKNOWN_STATE)
         "1": "Something that is required deviates, or it could not be looked at.",
     },
 )
-@click.option(
-    "-s",
-    "--state",
-    type=click.Choice(STATES, case_sensitive=False),
-    default=LifeCycleState.ACTIVE.value,
-    help="State that every component is to be in (default Active).",
-)
-@click.option("--json", "is_json", is_flag=True, help="One JSON object a deviation: --format json.")
-@click.option("--junit", "is_junit", is_flag=True, help="The same as --format junit.")
-@click.option("--diff", "is_diff", is_flag=True, help="Both sides of each deviation, on stdout.")
-@click.option(
-    "--static",
-    "is_static",
-    is_flag=True,
-    help="Ask nobody: compare with RTC profiles, as rtprofile check does.",
-)
-@static_checks.static_options
-@shared.system_options
 def main(
     app: App,
-    files: tuple[str, ...],
-    state: str,
-    is_json: bool,
-    is_junit: bool,
-    is_diff: bool,
-    is_static: bool,
-    components: tuple[str, ...],
-    report: str | None,
-    ignored: tuple[str, ...],
-    dry_run: bool,
-    mapped: tuple[str, ...],
+    state: str = option(
+        "-s --state",
+        "State that every component is to be in (default Active).",
+        click.Choice(STATES, case_sensitive=False),
+        default=LifeCycleState.ACTIVE.value,
+    ),
+    is_json: bool = json_flag("One JSON object a deviation: --format json."),
+    is_junit: bool = flag("--junit", "The same as --format junit."),
+    is_diff: bool = flag("--diff", "Both sides of each deviation, on stdout."),
+    is_static: bool = flag(
+        "--static", "Ask nobody: compare with RTC profiles, as rtprofile check does."
+    ),
+    components: tuple[str, ...] = static_checks.COMPONENTS,
+    report: str | None = static_checks.REPORT,
+    ignored: tuple[str, ...] = static_checks.IGNORED,
+    dry_run: bool = shared.DRY_RUN,
+    asked: shared.DocumentOptions = together(shared.DocumentOptions),
 ) -> int:
     """Compare the live system with an RTS profile (FILE, or stdin).
 
@@ -76,11 +65,13 @@ def main(
     if is_static:
         if is_diff or dry_run:
             raise UsageProblem("--static compares with no live system: no --diff, no --dry-run")
-        check_at_most_one(files, "file")
+        check_at_most_one(asked.files, "file")
         from rtkit.static_check.verdict import Options
 
         options = Options(app.is_strict, ignored, static_checks.this_host)
-        return static_checks.check(app, files, components, report=form, tool=TOOL, options=options)
+        return static_checks.check(
+            app, asked.files, components, report=form, tool=TOOL, options=options
+        )
     if components or ignored:
         raise UsageProblem("--components and --ignore are for --static")
     if is_diff and form != static_checks.TEXT:
@@ -89,9 +80,9 @@ def main(
     from rtkit.deployment.check import check_lines, deviations, diff_lines, surplus
     from rtkit.deployment.live import LiveIndex
 
-    document = read_document(app, files)
+    document = read_document(app, asked.files)
     snapshot = shared.look(app, document.profile, dry_run=dry_run)
-    system = shared.wanted_system(app, document, snapshot, mapped=mapped)
+    system = shared.wanted_system(app, document, snapshot, mapped=asked.mapped)
     if dry_run:
         for line in check_lines(system, state):
             click.echo(line)

@@ -4,11 +4,10 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-import click
-
 from rtkit.cli.shared.app import App
 from rtkit.cli.shared.atomic import STDOUT, write_output
 from rtkit.cli.shared.command import command
+from rtkit.cli.shared.options import arguments, flag, option
 from rtkit.cli.system import shared
 from rtkit.errors import NotFound
 from rtkit.rtc.names import MANAGER_SUFFIX
@@ -25,34 +24,28 @@ if TYPE_CHECKING:
     ),
     arguments=("host",),
 )
-@click.option(
-    "-a",
-    "--abstract",
-    default="RT System created by rtcryo.",
-    help="What it is (default: RT System created by rtcryo.).",
-)
-@click.option(
-    "-n", "--system-name", "name", default="RTSystem", help="Name of the system (default RTSystem)."
-)
-@click.option("-v", "--system-version", default="0", help="Version of the system (default 0).")
-@click.option("-e", "--vendor", default="Me", help="Who made the system (default Me).")
-@click.option(
-    "-o", "--output", default=STDOUT, metavar="FILE", help="Where to write it (default -, stdout)."
-)
-@shared.form_options(
-    "Write", "; without one of these, as the name of FILE ends, else XML", "json", "yaml", "xml"
-)
-@click.option("--all", "takes_all", is_flag=True, help="Also components without connections.")
-@click.argument("servers", nargs=-1, metavar="[SERVER]...")
 def main(
     app: App,
-    servers: tuple[str, ...],
-    abstract: str,
-    name: str,
-    system_version: str,
-    vendor: str,
-    output: str,
-    takes_all: bool,
+    abstract: str = option(
+        "-a --abstract",
+        "What it is (default: RT System created by rtcryo.).",
+        default="RT System created by rtcryo.",
+    ),
+    name: str = option(
+        "-n --system-name", "Name of the system (default RTSystem).", default="RTSystem"
+    ),
+    system_version: str = option(
+        "-v --system-version", "Version of the system (default 0).", default="0"
+    ),
+    vendor: str = option("-e --vendor", "Who made the system (default Me).", default="Me"),
+    output: str = option(
+        "-o --output FILE", "Where to write it (default -, stdout).", default=STDOUT
+    ),
+    forms: None = shared.form_options(
+        "Write", "; without one of these, as the name of FILE ends, else XML", "xml", "yaml", "json"
+    ),
+    takes_all: bool = flag("--all", "Also components without connections."),
+    servers: tuple[str, ...] = arguments("[SERVER]..."),
 ) -> int:
     """Save the live system as an RTS profile.
 

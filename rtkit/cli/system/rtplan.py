@@ -2,13 +2,10 @@
 
 from __future__ import annotations
 
-from typing import Any
-
-import click
-
 from rtkit.cli.shared import json_records, terminal
 from rtkit.cli.shared.app import App
 from rtkit.cli.shared.command import command
+from rtkit.cli.shared.options import flag, json_flag, option, together
 from rtkit.cli.system import planning, shared
 from rtkit.cli.system.document import read_document
 from rtkit.errors import UsageProblem
@@ -29,28 +26,18 @@ CHANGE_NEEDED = 2
         "2": "The command line cannot be read; with --detailed-exitcode: there are changes.",
     },
 )
-@click.option("--json", "is_json", is_flag=True, help="The plan as one JSON object.")
-@click.option("--dot", "is_dot", is_flag=True, help="The plan as a graph (dot).")
-@click.option(
-    "--out",
-    metavar="FILE",
-    help="Save the plan, too; rtapply FILE carries out just this one.",
-)
-@click.option(
-    "--detailed-exitcode",
-    is_flag=True,
-    help=f"Exit status {CHANGE_NEEDED} when there is something to do.",
-)
-@planning.planning_options
-@shared.document_options
 def main(
     app: App,
-    files: tuple[str, ...],
-    is_json: bool,
-    is_dot: bool,
-    out: str | None,
-    detailed_exitcode: bool,
-    **options: Any,
+    is_json: bool = json_flag("The plan as one JSON object."),
+    is_dot: bool = flag("--dot", "The plan as a graph (dot)."),
+    out: str | None = option(
+        "--out FILE", "Save the plan, too; rtapply FILE carries out just this one."
+    ),
+    detailed_exitcode: bool = flag(
+        "--detailed-exitcode", f"Exit status {CHANGE_NEEDED} when there is something to do."
+    ),
+    aim: planning.GoalOptions = together(planning.GoalOptions),
+    asked: shared.DocumentOptions = together(shared.DocumentOptions),
 ) -> int:
     """Show the cheapest plan from the live system to an RTS profile (FILE, or stdin).
 
@@ -74,13 +61,13 @@ def main(
 
     if is_json and is_dot:
         raise UsageProblem("--json and --dot exclude each other")
-    document = read_document(app, files)
-    prepared = planning.prepare(app, document, is_dry=True, **options)
+    document = read_document(app, asked.files)
+    prepared = planning.prepare(app, document, asked.mapped, aim, is_dry=True)
     goal, plan = prepared.goal, prepared.plan
     if out is not None:
         from rtkit.cli.system.saving import save
 
-        save(out, document, prepared, options)
+        save(out, document, prepared, planning.told_options(asked.mapped, aim))
     if is_json:
         terminal.write([json_records.line("plan", rendering.as_plain(plan, goal.costs))])
     else:

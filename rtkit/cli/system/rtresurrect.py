@@ -4,10 +4,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-import click
-
 from rtkit.cli.shared.app import App
 from rtkit.cli.shared.command import command
+from rtkit.cli.shared.options import flag, together
 from rtkit.cli.system import following, shared
 from rtkit.cli.system.document import read_document
 from rtkit.cli.system.preflight import missing
@@ -26,31 +25,20 @@ if TYPE_CHECKING:
         ("rtresurrect --stand-in robot.xml", "Without the modules: stand-ins for components."),
     ),
 )
-@click.option("--no-create", is_flag=True, help="Components must be there; create none.")
-@click.option(
-    "--stand-in",
-    "stand_in",
-    is_flag=True,
-    help="Generate what is missing from the profile, without its modules.",
-)
-@click.option("--transmit", is_flag=True, help="Stand-ins write default values while active.")
-@click.option(
-    "--strict-path",
-    is_flag=True,
-    help="Ends of connectors must tell the path of their component, where they tell one.",
-)
-@shared.wait_option
-@shared.system_options
 def main(
     app: App,
-    files: tuple[str, ...],
-    no_create: bool,
-    stand_in: bool,
-    transmit: bool,
-    strict_path: bool,
-    wait_s: float,
-    dry_run: bool,
-    mapped: tuple[str, ...],
+    no_create: bool = flag("--no-create", "Components must be there; create none."),
+    stand_in: bool = flag(
+        "--stand-in", "Generate what is missing from the profile, without its modules."
+    ),
+    transmit: bool = flag("--transmit", "Stand-ins write default values while active."),
+    strict_path: bool = flag(
+        "--strict-path",
+        "Ends of connectors must tell the path of their component, where they tell one.",
+    ),
+    wait_s: float = shared.WAIT,
+    dry_run: bool = shared.DRY_RUN,
+    asked: shared.DocumentOptions = together(shared.DocumentOptions),
 ) -> None:
     """Bring up the system of an RTS profile (FILE, or stdin).
 
@@ -68,14 +56,14 @@ def main(
 
     if no_create and (stand_in or transmit):
         raise UsageProblem("--no-create makes no stand-ins")
-    document = read_document(app, files)
+    document = read_document(app, asked.files)
     if strict_path:
         from rtkit.deployment.place import check_paths
 
         with document.naming():
             check_paths(document.profile)
     is_followed = not dry_run and following.is_wanted(document)
-    lease = None if dry_run else shared.leases(app, files, wait_s)
+    lease = None if dry_run else shared.leases(app, asked.files, wait_s)
     found = shared.look(app, document.profile, dry_run=dry_run, starts=not no_create, lease=lease)
     with shared.managers_started(app, found, dry_run=dry_run) as before:
         system = shared.wanted_system(
@@ -84,7 +72,7 @@ def main(
             before,
             stand_in=stand_in,
             transmit=transmit,
-            mapped=mapped,
+            mapped=asked.mapped,
             known_types=None if no_create or stand_in else known_types(document.profile, before),
         )
         check_reserved(app, system, before)
@@ -97,7 +85,7 @@ def main(
             else:
                 _bring_up(app, system, before, lacks, may_create=not no_create)
     if is_followed:
-        following.begin_as_told(app, document, mapped, stand_in=stand_in, transmit=transmit)
+        following.begin_as_told(app, document, asked.mapped, stand_in=stand_in, transmit=transmit)
 
 
 def _bring_up(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from rtkit.cli.shared.app import App
 from rtkit.cli.shared.command import command
+from rtkit.cli.shared.options import together
 from rtkit.cli.system import following, shared, starting
 from rtkit.cli.system.document import read_document
 
@@ -16,15 +17,12 @@ from rtkit.cli.system.document import read_document
         ("rtstart --plan robot.xml > robot.dot", "The same as a graph, for Graphviz."),
     ),
 )
-@starting.plan_options("active")
-@shared.system_options
 def main(
     app: App,
-    files: tuple[str, ...],
-    no_wait: bool,
-    draws: bool,
-    dry_run: bool,
-    mapped: tuple[str, ...],
+    no_wait: bool = starting.no_wait_flag("active"),
+    draws: bool = starting.PLAN,
+    dry_run: bool = shared.DRY_RUN,
+    asked: shared.DocumentOptions = together(shared.DocumentOptions),
 ) -> None:
     """Activate every component of an RTS profile (FILE, or stdin), in its order.
 
@@ -39,7 +37,7 @@ def main(
     from rtkit.deployment.conditions import start_orders, stop_orders
     from rtkit.deployment.running import start_plan
 
-    document = read_document(app, files)
+    document = read_document(app, asked.files)
     with document.naming():
         orders = start_orders(document.profile)
         stop_orders(document.profile)  # a system that cannot be stopped as written is not started
@@ -50,7 +48,7 @@ def main(
         lambda system, live: start_plan(system, live, orders, wait=not no_wait),
         draws=draws,
         dry_run=dry_run,
-        mapped=mapped,
+        mapped=asked.mapped,
     )
     if is_followed:
-        following.begin_as_told(app, document, mapped)
+        following.begin_as_told(app, document, asked.mapped)

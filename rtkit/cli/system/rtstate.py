@@ -4,11 +4,10 @@ from __future__ import annotations
 
 from functools import partial
 
-import click
-
 from rtkit.cli.shared import json_records, terminal
 from rtkit.cli.shared.app import App
 from rtkit.cli.shared.command import command
+from rtkit.cli.shared.options import COUNT, flag, json_flag, option, together
 from rtkit.cli.system import planning, shared
 from rtkit.cli.system.document import read_document
 from rtkit.errors import InvalidDocument, Malformed, Refused, UsageProblem
@@ -28,49 +27,27 @@ from rtkit.errors import InvalidDocument, Malformed, Refused, UsageProblem
         "1": "The system is in none of its states, or it could not be done.",
     },
 )
-@click.option("-g", "--goto", metavar="STATE", help="Lead the system to this state.")
-@click.option("-e", "--event", metavar="EVENT", help="Lead it to where this event leads.")
-@click.option(
-    "-f",
-    "--follow",
-    is_flag=True,
-    help="Have its manager lead it wherever its events lead, and watch until interrupted.",
-)
-@click.option(
-    "--unfollow",
-    metavar="NAME",
-    help="End that: the manager follows the system of this name, or identity, no more.",
-)
-@click.option(
-    "-n",
-    "--number",
-    type=click.IntRange(min=1),
-    metavar="N",
-    help="With --follow: watch until N transitions were made.",
-)
-@click.option("--json", "is_json", is_flag=True, help="One JSON object.")
-@click.option("--rollback", is_flag=True, help="When a step fails, go back to what was before.")
-@shared.wait_option
-@planning.way_options
-@shared.system_options
 def main(
     app: App,
-    files: tuple[str, ...],
-    goto: str | None,
-    event: str | None,
-    follow: bool,
-    unfollow: str | None,
-    number: int | None,
-    is_json: bool,
-    rollback: bool,
-    wait_s: float,
-    costs: tuple[str, ...],
-    basis: str,
-    stand_in: bool,
-    transmit: bool,
-    replaces: bool,
-    dry_run: bool,
-    mapped: tuple[str, ...],
+    goto: str | None = option("-g --goto STATE", "Lead the system to this state."),
+    event: str | None = option("-e --event EVENT", "Lead it to where this event leads."),
+    follow: bool = flag(
+        "-f --follow",
+        "Have its manager lead it wherever its events lead, and watch until interrupted.",
+    ),
+    unfollow: str | None = option(
+        "--unfollow NAME",
+        "End that: the manager follows the system of this name, or identity, no more.",
+    ),
+    number: int | None = option(
+        "-n --number N", "With --follow: watch until N transitions were made.", COUNT
+    ),
+    is_json: bool = json_flag("One JSON object."),
+    rollback: bool = flag("--rollback", "When a step fails, go back to what was before."),
+    wait_s: float = shared.WAIT,
+    way: planning.WayOptions = together(planning.WayOptions),
+    dry_run: bool = shared.DRY_RUN,
+    asked: shared.DocumentOptions = together(shared.DocumentOptions),
 ) -> int:
     """Show in which of its states a system is, or lead it to another (FILE, or stdin).
 
@@ -95,7 +72,7 @@ def main(
     if sum((goto is not None, event is not None, follow, unfollow is not None)) > 1:
         raise UsageProblem("--goto, --event, --follow and --unfollow exclude each other")
     if unfollow is not None:
-        return _unfollow(app, files, unfollow)
+        return _unfollow(app, asked.files, unfollow)
     if number is not None and not follow:
         raise UsageProblem("--number is for --follow")
     if is_json and (goto is not None or event is not None):
@@ -107,21 +84,17 @@ def main(
     from rtkit.deployment.planning.rendering import lines
 
     is_led = goto is not None or event is not None
-    document = read_document(app, files)
+    document = read_document(app, asked.files)
     if follow:
         following.check_one_manager(document)
     begun = planning.begin(
         app,
         document,
+        asked.mapped,
+        way,
         is_dry=dry_run,
-        mapped=mapped,
-        costs=costs,
-        basis=basis,
-        stand_in=stand_in,
-        transmit=transmit,
-        replaces=replaces,
         starts=is_led,
-        lease=shared.leases(app, files, wait_s) if is_led and not dry_run else None,
+        lease=shared.leases(app, asked.files, wait_s) if is_led and not dry_run else None,
     )
     states, snapshot = states_of(begun), begun.snapshot
     if follow:

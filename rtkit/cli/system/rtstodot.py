@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import sys
 
-import click
-
 from rtkit.cli.shared import terminal
 from rtkit.cli.shared.app import App, WrongArguments
 from rtkit.cli.shared.command import command
+from rtkit.cli.shared.options import arguments, flag
 from rtkit.cli.system import shared
 from rtkit.errors import UsageProblem
 
@@ -23,10 +22,12 @@ _TITLE = "rtsprofile"
     ),
     arguments=("profile",),
 )
-@shared.form_options("Read", "; without -x and -y, as name and content say", "yaml", "xml")
-@click.option("--live", is_flag=True, help="Draw what lives, with colours for states.")
-@click.argument("files", nargs=-1, metavar="[FILE]")
-def main(app: App, files: tuple[str, ...], live: bool) -> int:
+def main(
+    app: App,
+    forms: None = shared.READ_FORMS,
+    live: bool = flag("--live", "Draw what lives, with colours for states."),
+    files: tuple[str, ...] = arguments("[FILE]"),
+) -> int:
     """Write the system of an RTS profile as a graph for Graphviz.
 
     It is read from FILE, or from stdin. Components are boxes with their ports at both sides,

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from rtkit.cli.shared.app import App
 from rtkit.cli.shared.command import command
+from rtkit.cli.shared.options import together
 from rtkit.cli.system import shared, starting
 from rtkit.cli.system.document import read_document
 from rtkit.errors import InvalidDocument
@@ -16,15 +17,12 @@ from rtkit.errors import InvalidDocument
         ("rtstop --dry-run robot.xml", "Tell in which order."),
     ),
 )
-@starting.plan_options("inactive")
-@shared.system_options
 def main(
     app: App,
-    files: tuple[str, ...],
-    no_wait: bool,
-    draws: bool,
-    dry_run: bool,
-    mapped: tuple[str, ...],
+    no_wait: bool = starting.no_wait_flag("inactive"),
+    draws: bool = starting.PLAN,
+    dry_run: bool = shared.DRY_RUN,
+    asked: shared.DocumentOptions = together(shared.DocumentOptions),
 ) -> None:
     """Deactivate every component of an RTS profile (FILE, or stdin), in reverse order.
 
@@ -38,7 +36,7 @@ def main(
     from rtkit.deployment.conditions import NO_ORDERS, start_orders, stop_orders
     from rtkit.deployment.running import stop_plan
 
-    document = read_document(app, files)
+    document = read_document(app, asked.files)
     with document.naming():
         orders = stop_orders(document.profile)
     started = NO_ORDERS
@@ -54,6 +52,6 @@ def main(
         lambda system, live: stop_plan(system, live, orders, started=started, wait=not no_wait),
         draws=draws,
         dry_run=dry_run,
-        mapped=mapped,
+        mapped=asked.mapped,
         may_lack=True,
     )

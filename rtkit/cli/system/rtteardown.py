@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import click
-
 from rtkit.cli.shared.app import App
 from rtkit.cli.shared.command import command
+from rtkit.cli.shared.options import flag, together
 from rtkit.cli.system import shared
 from rtkit.cli.system.document import read_document
 
@@ -17,14 +16,11 @@ from rtkit.cli.system.document import read_document
         ("rtteardown --exit robot.xml", "End its components too."),
     ),
 )
-@click.option("--exit", "ends", is_flag=True, help="Also end the components, in reverse order.")
-@shared.system_options
 def main(
     app: App,
-    files: tuple[str, ...],
-    ends: bool,
-    dry_run: bool,
-    mapped: tuple[str, ...],
+    ends: bool = flag("--exit", "Also end the components, in reverse order."),
+    dry_run: bool = shared.DRY_RUN,
+    asked: shared.DocumentOptions = together(shared.DocumentOptions),
 ) -> None:
     """Remove every connection of an RTS profile (FILE, or stdin).
 
@@ -34,9 +30,9 @@ def main(
     from rtkit.deployment.live import LiveIndex
     from rtkit.deployment.running import left_now, teardown_plan
 
-    document = read_document(app, files)
+    document = read_document(app, asked.files)
     snapshot = shared.look(app, document.profile, dry_run=dry_run, may_lack=True)
-    system = shared.wanted_system(app, document, snapshot, mapped=mapped)
+    system = shared.wanted_system(app, document, snapshot, mapped=asked.mapped)
     if not dry_run:
         from rtkit.cli.system import following
 

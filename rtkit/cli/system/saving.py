@@ -77,14 +77,10 @@ def prepare(
     app.is_strict |= bool(origin.options.pop("strict", False))
     document = parse_document(app, origin.name, origin.profile)
     try:
+        mapped, aim = planning.read_options(origin.options)
+        make = partial(_fitting, app, saved, source)
         return planning.prepare(
-            app,
-            document,
-            is_dry=is_dry,
-            parallel=parallel,
-            lease=lease,
-            make=partial(_fitting, app, saved, source),
-            **origin.options,
+            app, document, mapped, aim, is_dry=is_dry, parallel=parallel, lease=lease, make=make
         )
     except TypeError as error:
         raise InvalidDocument(f"{source}: the saved plan cannot be read: {error}") from error

@@ -2,15 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import click
 
 from rtkit.cli.shared.app import App
-from rtkit.cli.shared.command import strict_option
+from rtkit.cli.shared.options import (
+    arguments,
+    flag,
+    option,
+    setting,
+    several,
+    strict_option,
+    together,
+)
 from rtkit.errors import Malformed, Unreachable, UsageProblem
 
 if TYPE_CHECKING:
@@ -28,55 +36,48 @@ if TYPE_CHECKING:
 MOST_WAIT_S = 86_400.0
 
 
-def system_options(function: Callable[..., Any]) -> Callable[..., Any]:
-    """Add the options and the argument that every system command has which changes something."""
-    dry_run = click.option(
-        "--dry-run", is_flag=True, help="Print what would be done, and do nothing."
-    )
-    return dry_run(document_options(function))
-
-
-def document_options(function: Callable[..., Any]) -> Callable[..., Any]:
-    """Add the options and the argument that name a system profile."""
-    decorators: list[Callable[[Callable[..., Any]], Callable[..., Any]]] = [
-        form_options("Read", "; without -x and -y, as name and content say", "yaml", "xml"),
-        strict_option("Refuse a profile that needs repair, or has warnings."),
-        click.option(
-            "--map",
-            "mapped",
-            multiple=True,
-            metavar="HOST=HOST",
-            help="A host of the profile stands for another, e.g. 10.0.0.7=localhost; repeatable.",
-        ),
-        click.argument("files", nargs=-1, metavar="[FILE]"),
-    ]
-    for decorator in reversed(decorators):
-        function = decorator(function)
-    return function
-
-
-def form_options(verb: str, default: str, *forms: str) -> Callable[..., Any]:
-    """Add an option for each form that a profile may have; the last one given sets `App.form`."""
-
-    def choose(context: click.Context, parameter: click.Parameter, value: bool) -> None:
-        if value:
-            context.obj.form = parameter.name
-
-    def decorate(function: Callable[..., Any]) -> Callable[..., Any]:
-        for form in forms:
-            names = ("--json",) if form == "json" else (f"-{form[0]}", f"--{form}")
-            option = click.option(
-                *names,
-                form,
-                is_flag=True,
-                expose_value=False,
-                callback=choose,
-                help=f"{verb} {form.upper()}{default if form == 'xml' else ''}.",
+def form_options(verb: str, default: str, *forms: str) -> Any:
+    """Return an option for each form that a profile may have; the last one sets `App.form`."""
+    return together(
+        None,
+        {
+            form: flag(
+                "--json" if form == "json" else f"-{form[0]} --{form}",
+                f"{verb} {form.upper()}{default if form == 'xml' else ''}.",
+                **setting("form", form),
             )
-            function = option(function)
-        return function
+            for form in forms
+        },
+    )
 
-    return decorate
+
+READ_FORMS = form_options("Read", "; without -x and -y, as name and content say", "xml", "yaml")
+DRY_RUN = flag("--dry-run", "Print what would be done, and do nothing.")
+WAIT = option(
+    "--wait SECONDS",
+    "Wait so long for another rtapply, rtresurrect or rtstate at work (default 0).",
+    click.FloatRange(min=0, max=MOST_WAIT_S),
+    default=0.0,
+)
+
+
+class DocumentOptions(NamedTuple):
+    """Options and argument that name a system profile.
+
+    Attributes:
+        forms: Nothing: the run knows the form that was asked for.
+        strict: Nothing: the run knows.
+        mapped: ``HOST=HOST``: a host of the profile stands for another.
+        files: The profile; none for stdin.
+    """
+
+    forms: None = READ_FORMS
+    strict: None = strict_option("Refuse a profile that needs repair, or has warnings.")
+    mapped: tuple[str, ...] = several(
+        "--map HOST=HOST",
+        "A host of the profile stands for another, e.g. 10.0.0.7=localhost; repeatable.",
+    )
+    files: tuple[str, ...] = arguments("[FILE]")
 
 
 def host_map(mapped: tuple[str, ...]) -> dict[str, str]:
@@ -219,18 +220,6 @@ def look(
             raise
         app.fail(f"{error}; shown as if nothing lived")
         return nothing()
-
-
-def wait_option(function: Callable[..., Any]) -> Callable[..., Any]:
-    """Add the option that says how long to wait for others who carry plans out."""
-    return click.option(
-        "--wait",
-        "wait_s",
-        type=click.FloatRange(min=0, max=MOST_WAIT_S),
-        default=0.0,
-        metavar="SECONDS",
-        help="Wait so long for another rtapply, rtresurrect or rtstate at work (default 0).",
-    )(function)
 
 
 def leases(app: App, files: tuple[str, ...], wait_s: float) -> Leases:

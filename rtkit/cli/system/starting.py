@@ -10,6 +10,7 @@ import click
 from click.core import ParameterSource
 
 from rtkit.cli.shared.app import App
+from rtkit.cli.shared.options import flag
 from rtkit.cli.system import shared
 from rtkit.errors import RtkitError
 
@@ -21,16 +22,14 @@ if TYPE_CHECKING:
     from rtkit.deployment.system import WantedSystem
 
 
-def plan_options(state: str) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
-    """Return a decorator that adds the options of both commands; `state` is their goal."""
-    no_wait = f"Do not wait until each component is {state}; conditions are waited for."
-    graph = "Print the plan as a graph (dot), and do nothing."
+PLAN = flag("--plan", "Print the plan as a graph (dot), and do nothing.")
 
-    def decorate(function: Callable[..., Any]) -> Callable[..., Any]:
-        function = click.option("--plan", "draws", is_flag=True, help=graph)(function)
-        return click.option("--no-wait", is_flag=True, help=no_wait)(function)
 
-    return decorate
+def no_wait_flag(state: str) -> Any:
+    """Return the option not to wait until components are in the state that is the goal."""
+    return flag(
+        "--no-wait", f"Do not wait until each component is {state}; conditions are waited for."
+    )
 
 
 def run(

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import os
 import time
-from collections.abc import Callable, Iterator, Sequence
-from typing import TYPE_CHECKING, Any
+from collections.abc import Iterator, Sequence
+from typing import TYPE_CHECKING
 
 import click
 
 from rtkit.cli.shared.app import App
 from rtkit.cli.shared.findings import finding_style
+from rtkit.cli.shared.options import option, several
 from rtkit.errors import InvalidDocument, NotFound, Refused, UsageProblem
 
 if TYPE_CHECKING:
@@ -22,29 +23,12 @@ TEXT = "text"
 _FORMS = (TEXT, "json", "sarif", "junit", "github")
 
 
-def static_options(function: Callable[..., Any]) -> Callable[..., Any]:
-    """Add the options that a static check has."""
-    decorators = [
-        click.option(
-            "--components",
-            multiple=True,
-            metavar="FOLDER",
-            help="Look for RTC profiles in this folder and below, or in this file; repeatable.",
-        ),
-        click.option(
-            "--format", "report", type=click.Choice(_FORMS), help="How to tell (default text)."
-        ),
-        click.option(
-            "--ignore",
-            "ignored",
-            multiple=True,
-            metavar="RULE",
-            help="Say nothing that is about this rule; repeatable.",
-        ),
-    ]
-    for decorator in reversed(decorators):
-        function = decorator(function)
-    return function
+COMPONENTS = several(
+    "--components FOLDER",
+    "Look for RTC profiles in this folder and below, or in this file; repeatable.",
+)
+REPORT = option("--format", "How to tell (default text).", click.Choice(_FORMS))
+IGNORED = several("--ignore RULE", "Say nothing that is about this rule; repeatable.")
 
 
 def this_host() -> Capacity:

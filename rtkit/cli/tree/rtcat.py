@@ -4,11 +4,10 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-import click
-
 from rtkit.cli.shared import json_records, terminal
 from rtkit.cli.shared.app import App, check_at_most_one
 from rtkit.cli.shared.command import command
+from rtkit.cli.shared.options import arguments, json_flag, option
 from rtkit.errors import Malformed, NotFound, Refused
 
 if TYPE_CHECKING:
@@ -29,10 +28,12 @@ if TYPE_CHECKING:
     json=("component", "port", "manager"),
     arguments=("anything:",),
 )
-@click.option("-l", "level", count=True, help="Unfold contexts and ports; twice: everything.")
-@click.option("--json", "is_json", is_flag=True, help="One JSON object.")
-@click.argument("paths", nargs=-1, metavar="PATH")
-def main(app: App, paths: tuple[str, ...], level: int, is_json: bool) -> None:
+def main(
+    app: App,
+    level: int = option("-l", "Unfold contexts and ports; twice: everything.", count=True),
+    is_json: bool = json_flag("One JSON object."),
+    paths: tuple[str, ...] = arguments("PATH"),
+) -> None:
     """Describe a component, a port or a manager.
 
     A + marks what is there but not shown; -l and -ll unfold it.

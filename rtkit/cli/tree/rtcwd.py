@@ -5,11 +5,10 @@ from __future__ import annotations
 import os
 import re
 
-import click
-
 from rtkit.cli.shared import terminal
 from rtkit.cli.shared.app import App, check_at_most_one, working_directory
 from rtkit.cli.shared.command import command
+from rtkit.cli.shared.options import arguments
 from rtkit.errors import NotFound, Refused
 
 _PLAIN = re.compile(r"[\w/.:+-]*", re.ASCII)
@@ -27,8 +26,10 @@ _IN_FISH = str.maketrans({"'": r"\'", "\\": r"\\"})
     ),
     arguments=("directory",),
 )
-@click.argument("paths", nargs=-1, metavar="[PATH]")
-def main(app: App, paths: tuple[str, ...]) -> None:
+def main(
+    app: App,
+    paths: tuple[str, ...] = arguments("[PATH]"),
+) -> None:
     """Change the working directory in the tree.
 
     A program cannot change the environment of the shell that started it: this one prints the

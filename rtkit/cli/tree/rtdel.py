@@ -5,10 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-import click
-
 from rtkit.cli.shared.app import App, check_at_most_one
 from rtkit.cli.shared.command import command
+from rtkit.cli.shared.options import arguments, flag
 from rtkit.errors import (
     Malformed,
     NotFound,
@@ -38,9 +37,11 @@ _Failure = tuple[str, RtkitError]
     ),
     arguments=("deletable",),
 )
-@click.option("-z", "--zombies", is_flag=True, help="Zombies only; without a path: all of them.")
-@click.argument("paths", nargs=-1, metavar="[PATH]")
-def main(app: App, paths: tuple[str, ...], zombies: bool) -> None:
+def main(
+    app: App,
+    zombies: bool = flag("-z --zombies", "Zombies only; without a path: all of them."),
+    paths: tuple[str, ...] = arguments("[PATH]"),
+) -> None:
     """Remove names from the tree.
 
     Only the name goes: a component lives on, and is found below its manager; a manager too, and

@@ -10,6 +10,7 @@ import click
 from rtkit.cli.shared import json_records, terminal
 from rtkit.cli.shared.app import App, WrongArguments, check_at_most_one
 from rtkit.cli.shared.command import command
+from rtkit.cli.shared.options import arguments, flag, json_flag, option, several
 from rtkit.errors import Malformed, UsageProblem
 from rtkit.tree.resolve import absent, find
 from rtkit.tree.view import NodeKind, TreeNode, once
@@ -33,42 +34,25 @@ _LETTERS: dict[str, tuple[NodeKind, ...]] = {
     json=("entry",),
     arguments=("directory",),
 )
-@click.option(
-    "-t",
-    "--type",
-    "letters",
-    default="".join(_LETTERS),
-    metavar="TYPES",
-    help="Any of c components, d directories (managers and hosts too), m managers, n hosts,"
-    " z zombies (default: all).",
-)
-@click.option("-n", "--name", "names", multiple=True, metavar="PATTERN", help="Name, with * and ?.")
-@click.option(
-    "-i", "--iname", "inames", multiple=True, metavar="PATTERN", help="The same, any case."
-)
-@click.option(
-    "-m",
-    "--maxdepth",
-    "depth",
-    type=click.IntRange(min=0),
-    default=0,
-    metavar="LEVELS",
-    help="So many levels below the start; 0, the default: all.",
-)
-@click.option(
-    "-u", "--unique", is_flag=True, help="Each component once, not also below its managers."
-)
-@click.option("--json", "is_json", is_flag=True, help="One JSON object a line, as rtls --json.")
-@click.argument("starts", nargs=-1, metavar="START")
 def main(
     app: App,
-    starts: tuple[str, ...],
-    letters: str,
-    names: tuple[str, ...],
-    inames: tuple[str, ...],
-    depth: int,
-    unique: bool,
-    is_json: bool,
+    letters: str = option(
+        "-t --type TYPES",
+        "Any of c components, d directories (managers and hosts too), m managers, n hosts,"
+        " z zombies (default: all).",
+        default="".join(_LETTERS),
+    ),
+    names: tuple[str, ...] = several("-n --name PATTERN", "Name, with * and ?."),
+    inames: tuple[str, ...] = several("-i --iname PATTERN", "The same, any case."),
+    depth: int = option(
+        "-m --maxdepth LEVELS",
+        "So many levels below the start; 0, the default: all.",
+        click.IntRange(min=0),
+        default=0,
+    ),
+    unique: bool = flag("-u --unique", "Each component once, not also below its managers."),
+    is_json: bool = json_flag("One JSON object a line, as rtls --json."),
+    starts: tuple[str, ...] = arguments("START"),
 ) -> int:
     """Search the tree.
 

@@ -5,13 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable, Container, Iterable, Iterator
 from typing import TYPE_CHECKING
 
-import click
-
 from rtkit.cli.shared import json_records, terminal
 from rtkit.cli.shared.app import App, check_at_most_one
-from rtkit.cli.shared.choice import NumberChoice
 from rtkit.cli.shared.command import command
-from rtkit.cli.shared.watch import MayWatch, WatchedScreen, WatchOption
+from rtkit.cli.shared.options import MayWatch, arguments, flag, json_flag, watch_option
+from rtkit.cli.shared.watch import WatchedScreen
 from rtkit.cli.tree.service_listing import ServiceListing, service_at
 from rtkit.errors import Malformed, Unreachable
 from rtkit.tree.resolve import entry
@@ -43,31 +41,17 @@ _STYLES = {
     json=("entry",),
     arguments=("anything",),
 )
-@click.option("-l", "is_long", is_flag=True, help="State, ports and connections of each entry.")
-@click.option("-R", "--recurse", is_flag=True, help="List directories below, one block each.")
-@click.option(
-    "-u", "--unique", is_flag=True, help="Each component once, not also below its managers."
-)
-@click.option("-1", "is_single", is_flag=True, help="One name a line (as when not on a terminal).")
-@click.option("--json", "is_json", is_flag=True, help="One JSON object a line.")
-@click.option(
-    "--watch",
-    "period_s",
-    cls=WatchOption,
-    type=NumberChoice(min=0.05),
-    metavar="SECONDS",
-    help="List again whenever something has changed, after a second or --watch=SECONDS at least.",
-)
-@click.argument("paths", nargs=-1, metavar="[PATH]")
 def main(
     app: App,
-    paths: tuple[str, ...],
-    is_long: bool,
-    recurse: bool,
-    unique: bool,
-    is_single: bool,
-    is_json: bool,
-    period_s: float | None,
+    is_long: bool = flag("-l", "State, ports and connections of each entry."),
+    recurse: bool = flag("-R --recurse", "List directories below, one block each."),
+    unique: bool = flag("-u --unique", "Each component once, not also below its managers."),
+    is_single: bool = flag("-1", "One name a line (as when not on a terminal)."),
+    is_json: bool = json_flag(),
+    period_s: float | None = watch_option(
+        "List again whenever something has changed, after a second or --watch=SECONDS at least."
+    ),
+    paths: tuple[str, ...] = arguments("[PATH]"),
 ) -> int:
     """List directories, managers and components of the tree.
 

@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-import click
-
 from rtkit.cli.shared import json_records, terminal
 from rtkit.cli.shared.app import App, WrongArguments, working_directory
 from rtkit.cli.shared.command import command
+from rtkit.cli.shared.options import arguments, json_flag
 
 
 @command(
     "rtpwd",
-    options_metavar="[OPTIONS]",
     examples=(
         ("rtpwd", "Print where relative paths start from."),
         ("rtpwd --json", "The same for another program."),
@@ -19,9 +17,11 @@ from rtkit.cli.shared.command import command
     json=("working-directory",),
     arguments=(),
 )
-@click.option("--json", "is_json", is_flag=True, help="One JSON object.")
-@click.argument("words", nargs=-1, metavar="")
-def main(app: App, words: tuple[str, ...], is_json: bool) -> None:
+def main(
+    app: App,
+    is_json: bool = json_flag("One JSON object."),
+    words: tuple[str, ...] = arguments(""),
+) -> None:
     """Print the working directory in the tree.
 
     It is what RTKIT_CWD says, else RTCSH_CWD, else the root.

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import click
-
 from rtkit.cli.shared.app import App
-from rtkit.cli.shared.command import command, strict_option
+from rtkit.cli.shared.command import command
+from rtkit.cli.shared.options import arguments, flag, json_flag, strict_option
 from rtkit.cli.system import shared, static_checks
 
 TOOL = "rtprofile check"
@@ -20,20 +19,16 @@ TOOL = "rtprofile check"
     ),
     json=("checked",),
 )
-@static_checks.static_options
-@strict_option("Take warnings, and what needs repair, for errors.")
-@click.option("--json", "is_json", is_flag=True, help="The same as --format json.")
-@shared.form_options("Read", "; without -x and -y, as name and content say", "yaml", "xml")
-@click.option("-q", "--quiet", is_flag=True, help="Tell errors only.")
-@click.argument("paths", nargs=-1, metavar="[SYSTEM|FOLDER|-]...")
 def main(
     app: App,
-    paths: tuple[str, ...],
-    components: tuple[str, ...],
-    report: str | None,
-    ignored: tuple[str, ...],
-    is_json: bool,
-    quiet: bool,
+    components: tuple[str, ...] = static_checks.COMPONENTS,
+    report: str | None = static_checks.REPORT,
+    ignored: tuple[str, ...] = static_checks.IGNORED,
+    strict: None = strict_option("Take warnings, and what needs repair, for errors."),
+    is_json: bool = json_flag("The same as --format json."),
+    forms: None = shared.READ_FORMS,
+    quiet: bool = flag("-q --quiet", "Tell errors only."),
+    paths: tuple[str, ...] = arguments("[SYSTEM|FOLDER|-]..."),
 ) -> int:
     """Check systems against the RTC profiles of their components; nothing is run.
 

@@ -6,6 +6,7 @@ import click
 
 from rtkit.cli.shared.app import App, WrongArguments
 from rtkit.cli.shared.command import command
+from rtkit.cli.shared.options import arguments, option
 from rtkit.errors import InvalidDocument, UsageProblem
 from rtkit.profile.forms import FORMS, form_of_name
 
@@ -20,10 +21,12 @@ _FORM = click.Choice(FORMS)
         ("rtprofile convert --to json robot.xml -", "As JSON, on stdout."),
     ),
 )
-@click.option("--to", type=_FORM, help="What to write; else as the name of OUTPUT ends.")
-@click.option("--from", "form", type=_FORM, help="What it is; else as name and content say.")
-@click.argument("files", nargs=-1, metavar="INPUT [OUTPUT]")
-def main(app: App, files: tuple[str, ...], to: str | None, form: str | None) -> int:
+def main(
+    app: App,
+    to: str | None = option("--to", "What to write; else as the name of OUTPUT ends.", _FORM),
+    form: str | None = option("--from", "What it is; else as name and content say.", _FORM),
+    files: tuple[str, ...] = arguments("INPUT [OUTPUT]"),
+) -> int:
     """Write a profile as XML, YAML or JSON.
 
     INPUT may be - for stdin; without OUTPUT, or with -, the result goes to stdout. What was written

@@ -9,6 +9,7 @@ import click
 from rtkit.cli.shared import json_records, terminal
 from rtkit.cli.shared.app import App, WrongArguments
 from rtkit.cli.shared.command import command
+from rtkit.cli.shared.options import arguments, flag, json_flag
 from rtkit.errors import Refused, UsageProblem
 
 if TYPE_CHECKING:
@@ -33,10 +34,12 @@ _STYLES: dict[str, dict[str, object]] = {
         "1": "The profiles differ, or cannot be read.",
     },
 )
-@click.option("--all", "takes_all", is_flag=True, help="Also ids, dates, positions, remarks.")
-@click.option("--json", "is_json", is_flag=True, help="One object a line for each difference.")
-@click.argument("files", nargs=-1, metavar="BEFORE AFTER")
-def main(app: App, files: tuple[str, ...], takes_all: bool, is_json: bool) -> int:
+def main(
+    app: App,
+    takes_all: bool = flag("--all", "Also ids, dates, positions, remarks."),
+    is_json: bool = json_flag("One object a line for each difference."),
+    files: tuple[str, ...] = arguments("BEFORE AFTER"),
+) -> int:
     """Compare two profiles by what they mean.
 
     That is components, ports, connectors, parameters and orders. Components are the same

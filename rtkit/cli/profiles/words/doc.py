@@ -9,6 +9,7 @@ import click
 
 from rtkit.cli.shared.app import App, check_at_most_one
 from rtkit.cli.shared.command import command
+from rtkit.cli.shared.options import arguments, flag, option
 from rtkit.errors import UsageProblem
 
 if TYPE_CHECKING:
@@ -28,17 +29,17 @@ _ENDINGS = {".html": HTML, ".htm": HTML, ".xhtml": HTML, ".md": MARKDOWN, ".mark
         ("rtprofile doc -f markdown Motor.xml", "As Markdown, on stdout."),
     ),
 )
-@click.option(
-    "-f",
-    "--format",
-    "form",
-    type=click.Choice((HTML, MARKDOWN)),
-    help="What to write; else as the name of the output ends, else HTML.",
-)
-@click.option("-o", "--output", default="-", metavar="FILE", help="Where to write it.")
-@click.option("--no-picture", is_flag=True, help="Without the picture.")
-@click.argument("files", nargs=-1, metavar="[FILE]")
-def main(app: App, files: tuple[str, ...], form: str | None, output: str, no_picture: bool) -> None:
+def main(
+    app: App,
+    form: str | None = option(
+        "-f --format",
+        "What to write; else as the name of the output ends, else HTML.",
+        click.Choice((HTML, MARKDOWN)),
+    ),
+    output: str = option("-o --output FILE", "Where to write it.", default="-"),
+    no_picture: bool = flag("--no-picture", "Without the picture."),
+    files: tuple[str, ...] = arguments("[FILE]"),
+) -> None:
     """Write a page about a component, or a system, from what its profile documents.
 
     An HTML page is one file, with the picture in it, without scripts, and loads nothing. Markdown

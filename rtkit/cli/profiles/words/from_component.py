@@ -8,6 +8,7 @@ import click
 
 from rtkit.cli.shared.app import App, WrongArguments
 from rtkit.cli.shared.command import command
+from rtkit.cli.shared.options import arguments, flag, option
 from rtkit.errors import UsageProblem
 from rtkit.profile.forms import FORMS, form_of_name
 
@@ -23,22 +24,17 @@ _EPOCH = "SOURCE_DATE_EPOCH"
     ),
     arguments=("module",),
 )
-@click.option("-o", "--output", default="-", metavar="FILE", help="Where to write (- is stdout).")
-@click.option("--to", type=click.Choice(FORMS), help="What to write; else as FILE ends, else XML.")
-@click.option("--type", "wanted", default="", help="Which type, of a module that offers several.")
-@click.option(
-    "--initialize",
-    is_flag=True,
-    help="Call on_initialize first, for ports that are made there.",
-)
-@click.argument("modules", nargs=-1, metavar="MODULE:FACTORY")
 def main(
     app: App,
-    modules: tuple[str, ...],
-    output: str,
-    to: str | None,
-    wanted: str,
-    initialize: bool,
+    output: str = option("-o --output FILE", "Where to write (- is stdout).", default="-"),
+    to: str | None = option(
+        "--to", "What to write; else as FILE ends, else XML.", click.Choice(FORMS)
+    ),
+    wanted: str = option("--type", "Which type, of a module that offers several.", default=""),
+    initialize: bool = flag(
+        "--initialize", "Call on_initialize first, for ports that are made there."
+    ),
+    modules: tuple[str, ...] = arguments("MODULE:FACTORY"),
 ) -> None:
     """Write the RTC profile of a component, from its code.
 

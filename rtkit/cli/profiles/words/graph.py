@@ -4,10 +4,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-import click
-
 from rtkit.cli.shared.app import App, check_at_most_one
 from rtkit.cli.shared.command import command
+from rtkit.cli.shared.options import arguments, either, flag, option
 from rtkit.errors import Refused, UsageProblem
 
 if TYPE_CHECKING:
@@ -25,14 +24,16 @@ _DOT_ENDINGS = (".dot", ".gv")
         ("rtprofile graph robot.xml", "The same as text."),
     ),
 )
-@click.option("--svg", "form", flag_value="svg", help="Write SVG (default).")
-@click.option("--dot", "form", flag_value="dot", help="Write the input of Graphviz.")
-@click.option("-o", "--output", default="-", metavar="FILE", help="Where to write it.")
-@click.option("--title", metavar="TEXT", help="What stands above it (default: the id).")
-@click.option("--live", is_flag=True, help="Draw what lives, with states and processes.")
-@click.argument("files", nargs=-1, metavar="[FILE]")
 def main(
-    app: App, files: tuple[str, ...], form: str | None, output: str, title: str | None, live: bool
+    app: App,
+    form: str | None = either(
+        option("--svg", "Write SVG (default).", flag_value="svg"),
+        option("--dot", "Write the input of Graphviz.", flag_value="dot"),
+    ),
+    output: str = option("-o --output FILE", "Where to write it.", default="-"),
+    title: str | None = option("--title TEXT", "What stands above it (default: the id)."),
+    live: bool = flag("--live", "Draw what lives, with states and processes."),
+    files: tuple[str, ...] = arguments("[FILE]"),
 ) -> int:
     """Draw a system, or a component type, without running it.
 

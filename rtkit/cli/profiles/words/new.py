@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import os
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import click
 
 from rtkit.cli.shared.app import App, WrongArguments
-from rtkit.cli.shared.choice import NumberChoice
 from rtkit.cli.shared.command import command
+from rtkit.cli.shared.options import NumberChoice, arguments, flag, option, several, together
 from rtkit.errors import Malformed, Refused, UsageProblem
 
 if TYPE_CHECKING:
@@ -19,71 +19,59 @@ if TYPE_CHECKING:
     from rtkit.profile_tools.new_system import NewMember
 
 _KINDS = {"component": "rtc", "rtc": "rtc", "system": "rts", "rts": "rts"}
-_FOR_COMPONENTS = (
-    "ins",
-    "outs",
-    "provides",
-    "requires",
-    "parameters",
-    "callbacks",
-    "category",
-    "rate",
-    "component_type",
-    "activity_type",
-    "max_instances",
-    "language",
-)
-_FOR_SYSTEMS = ("members", "connections", "host")
 _CALLBACKS = ("onInitialize", "onActivated", "onDeactivated", "onExecute")
 
 
-def _several(name: str, option: str, metavar: str, text: str) -> click.Option:
-    return click.Option([option, name], multiple=True, metavar=metavar, help=text)
+class ComponentOptions(NamedTuple):
+    """Options for a component: its ports, parameters, callbacks, and kind."""
+
+    ins: tuple[str, ...] = several("--in NAME:TYPE[:UNIT]", "component: an in port.")
+    outs: tuple[str, ...] = several("--out NAME:TYPE[:UNIT]", "component: an out port.")
+    provides: tuple[str, ...] = several(
+        "--provides PORT:TYPE[:IDL]", "component: a provided interface."
+    )
+    requires: tuple[str, ...] = several(
+        "--requires PORT:TYPE[:IDL]", "component: a required interface."
+    )
+    parameters: tuple[str, ...] = several(
+        "--parameter NAME:TYPE=DEFAULT[;CONSTRAINT]", "component: a configuration parameter."
+    )
+    callbacks: tuple[str, ...] = several(
+        "--callback NAME", "component: a callback that it implements."
+    )
+    category: str | None = option("--category", "component: its category (default Misc).")
+    rate: float | None = option("--rate HZ", "component: rate.", NumberChoice(min=0))
+    component_type: str | None = option(
+        "--type",
+        "component: its type (default STATIC).",
+        click.Choice(("STATIC", "UNIQUE", "COMMUTATIVE")),
+    )
+    activity_type: str | None = option(
+        "--activity",
+        "component: what drives it (default PERIODIC).",
+        click.Choice(("PERIODIC", "SPORADIC", "EVENTDRIVEN")),
+    )
+    max_instances: int | None = option(
+        "--max-instances", "component: 0 is no limit (default).", click.IntRange(min=0)
+    )
+    language: str | None = option("--language", "component: its language (default Python).")
 
 
-_OPTIONS = [
-    click.Option(["-o", "--output"], metavar="FILE", help="Where to write it (default NAME.xml)."),
-    click.Option(["-f", "--force"], is_flag=True, help="Replace what is there."),
-    click.Option(["--vendor"], default="Me", help="Who made it (default Me)."),
-    click.Option(["--release"], default="1.0.0", help="Version of it (default 1.0.0)."),
-    click.Option(["--description"], default="", help="What it is."),
-    _several("ins", "--in", "NAME:TYPE[:UNIT]", "component: an in port."),
-    _several("outs", "--out", "NAME:TYPE[:UNIT]", "component: an out port."),
-    _several("provides", "--provides", "PORT:TYPE[:IDL]", "component: a provided interface."),
-    _several("requires", "--requires", "PORT:TYPE[:IDL]", "component: a required interface."),
-    _several(
-        "parameters",
-        "--parameter",
-        "NAME:TYPE=DEFAULT[;CONSTRAINT]",
-        "component: a configuration parameter.",
-    ),
-    _several("callbacks", "--callback", "NAME", "component: a callback that it implements."),
-    click.Option(["--category"], help="component: its category (default Misc)."),
-    click.Option(["--rate"], type=NumberChoice(min=0), metavar="HZ", help="component: rate."),
-    click.Option(
-        ["--type", "component_type"],
-        type=click.Choice(("STATIC", "UNIQUE", "COMMUTATIVE")),
-        help="component: its type (default STATIC).",
-    ),
-    click.Option(
-        ["--activity", "activity_type"],
-        type=click.Choice(("PERIODIC", "SPORADIC", "EVENTDRIVEN")),
-        help="component: what drives it (default PERIODIC).",
-    ),
-    click.Option(
-        ["--max-instances"], type=click.IntRange(min=0), help="component: 0 is no limit (default)."
-    ),
-    click.Option(["--language"], help="component: its language (default Python)."),
-    _several("members", "--component", "FILE[:INSTANCE]", "system: a component, by its profile."),
-    _several("connections", "--connect", "INSTANCE.PORT=INSTANCE.PORT", "system: a connection."),
-    click.Option(["--host"], help="system: where its components are (default localhost)."),
-]
+class SystemOptions(NamedTuple):
+    """Options for a system: its components and connections."""
+
+    members: tuple[str, ...] = several(
+        "--component FILE[:INSTANCE]", "system: a component, by its profile."
+    )
+    connections: tuple[str, ...] = several(
+        "--connect INSTANCE.PORT=INSTANCE.PORT", "system: a connection."
+    )
+    host: str | None = option("--host", "system: where its components are (default localhost).")
 
 
 @command(
     "new",
     is_local=True,
-    params=_OPTIONS,
     examples=(
         (
             "rtprofile new component Motor --in speed:TimedDouble --parameter 'gain:double=1.0'",
@@ -97,16 +85,16 @@ _OPTIONS = [
     ),
     arguments=("component-or-system",),
 )
-@click.argument("words", nargs=-1, metavar="component|system NAME")
 def main(
     app: App,
-    words: tuple[str, ...],
-    output: str | None,
-    force: bool,
-    vendor: str,
-    release: str,
-    description: str,
-    **parts: Any,
+    output: str | None = option("-o --output FILE", "Where to write it (default NAME.xml)."),
+    force: bool = flag("-f --force", "Replace what is there."),
+    vendor: str = option("--vendor", "Who made it (default Me).", default="Me"),
+    release: str = option("--release", "Version of it (default 1.0.0).", default="1.0.0"),
+    description: str = option("--description", "What it is.", default=""),
+    component: ComponentOptions = together(ComponentOptions),
+    system: SystemOptions = together(SystemOptions),
+    words: tuple[str, ...] = arguments("component|system NAME"),
 ) -> None:
     r"""Begin the profile of a component or of a system.
 
@@ -123,11 +111,12 @@ def main(
     from rtkit.profile.write import write_profile
 
     kind, name = _read(words)
-    _refuse(parts, _FOR_SYSTEMS if kind == "rtc" else _FOR_COMPONENTS, kind)
+    parts, others = (component, system) if kind == "rtc" else (system, component)
+    _refuse(others._asdict(), kind)
     place = output or f"{name}.xml"
     if not force and place != "-" and os.path.lexists(place):
         raise Refused(f"{place} is there already; --force replaces it")
-    given = {key: value for key, value in parts.items() if value not in (None, ())}
+    given = {key: value for key, value in parts._asdict().items() if value not in (None, ())}
     make = _component if kind == "rtc" else _system
     profile = make(name, vendor, release, description, given)
     write_output(write_profile(profile, form_of_name(place) or XML), place, is_new=not force)
@@ -142,12 +131,12 @@ def _read(words: Sequence[str]) -> tuple[str, str]:
     return kind, words[1]
 
 
-def _refuse(parts: dict[str, Any], others: Sequence[str], kind: str) -> None:
+def _refuse(others: dict[str, Any], kind: str) -> None:
     """Refuse options that are for the other kind."""
     context = click.get_current_context()
     options = {option.name: option.opts[0] for option in context.command.params}
-    for name in others:
-        if parts.get(name) not in (None, ()):
+    for name, given in others.items():
+        if given not in (None, ()):
             what = "a component" if kind == "rtc" else "a system"
             raise UsageProblem(f"{options[name]} is not for {what}")
 

@@ -9,6 +9,7 @@ import click
 
 from rtkit.cli.shared.app import App, WrongArguments
 from rtkit.cli.shared.command import command
+from rtkit.cli.shared.options import arguments, flag, option
 from rtkit.errors import InvalidDocument, Refused, UsageProblem
 
 if TYPE_CHECKING:
@@ -31,18 +32,13 @@ class _Done(NamedTuple):
         ("rtprofile normalise --check robot.xml", "Would anything change?"),
     ),
 )
-@click.option("-i", "--in-place", is_flag=True, help="Replace the files.")
-@click.option("-o", "--output", metavar="FILE", help="Where to write it (default stdout).")
-@click.option("--check", is_flag=True, help="Write nothing; status 1 if something would change.")
-@click.option("-q", "--quiet", is_flag=True, help="Do not tell the repairs.")
-@click.argument("files", nargs=-1, metavar="[FILE]...")
 def main(
     app: App,
-    files: tuple[str, ...],
-    in_place: bool,
-    output: str | None,
-    check: bool,
-    quiet: bool,
+    in_place: bool = flag("-i --in-place", "Replace the files."),
+    output: str | None = option("-o --output FILE", "Where to write it (default stdout)."),
+    check: bool = flag("--check", "Write nothing; status 1 if something would change."),
+    quiet: bool = flag("-q --quiet", "Do not tell the repairs."),
+    files: tuple[str, ...] = arguments("[FILE]..."),
 ) -> int:
     """Bring profiles to the strict form, and tell each repair.
 

@@ -4,10 +4,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-import click
-
 from rtkit.cli.shared.app import App, WrongArguments
-from rtkit.cli.shared.command import command, strict_option
+from rtkit.cli.shared.command import command
+from rtkit.cli.shared.options import argument, arguments, option, several, strict_option
 from rtkit.errors import Malformed
 
 if TYPE_CHECKING:
@@ -22,20 +21,15 @@ if TYPE_CHECKING:
         ("rtprofile set robot.xml Control0:rtkit.restart=", "Remove that again."),
     ),
 )
-@click.option(
-    "-u",
-    "--unset",
-    "removed",
-    multiple=True,
-    metavar="[INSTANCE:]KEY",
-    help="Remove a property; repeatable.",
-)
-@click.option("-o", "--output", metavar="OUTPUT", help="Where to write it (default FILE itself).")
-@strict_option()
-@click.argument("file", metavar="FILE", required=False)
-@click.argument("said", nargs=-1, metavar="[INSTANCE:]KEY=VALUE...")
 def main(
-    app: App, file: str | None, said: tuple[str, ...], removed: tuple[str, ...], output: str | None
+    app: App,
+    removed: tuple[str, ...] = several(
+        "-u --unset [INSTANCE:]KEY", "Remove a property; repeatable."
+    ),
+    output: str | None = option("-o --output OUTPUT", "Where to write it (default FILE itself)."),
+    strict: None = strict_option(),
+    file: str | None = argument("FILE", required=False),
+    said: tuple[str, ...] = arguments("[INSTANCE:]KEY=VALUE..."),
 ) -> None:
     """Set properties of a system and its components, in its profile.
 

@@ -9,6 +9,7 @@ import click
 from rtkit.cli.shared import terminal
 from rtkit.cli.shared.app import App, check_at_most_one
 from rtkit.cli.shared.command import command
+from rtkit.cli.shared.options import arguments, json_flag
 
 if TYPE_CHECKING:
     from rich.tree import Tree
@@ -24,9 +25,11 @@ if TYPE_CHECKING:
         ("rtprofile show --json robot.xml", "The same for another program."),
     ),
 )
-@click.option("--json", "is_json", is_flag=True, help="All that the profile holds, as one object.")
-@click.argument("files", nargs=-1, metavar="[FILE]")
-def main(app: App, files: tuple[str, ...], is_json: bool) -> None:
+def main(
+    app: App,
+    is_json: bool = json_flag("All that the profile holds, as one object."),
+    files: tuple[str, ...] = arguments("[FILE]"),
+) -> None:
     """Show what a profile says.
 
     Of a component identity, ports and parameters, of a system components, connectors and orders. A

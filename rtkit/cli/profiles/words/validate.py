@@ -9,8 +9,9 @@ import click
 
 from rtkit.cli.shared import terminal
 from rtkit.cli.shared.app import App
-from rtkit.cli.shared.command import command, strict_option
+from rtkit.cli.shared.command import command
 from rtkit.cli.shared.findings import finding_style
+from rtkit.cli.shared.options import arguments, flag, json_flag, option, several, strict_option
 from rtkit.cli.shared.profile_files import DocumentSource, sources
 from rtkit.errors import InvalidDocument, NotFound, UsageProblem
 from rtkit.report.finding import Checked
@@ -29,31 +30,21 @@ TOOL = "rtprofile validate"
     ),
     json=("checked",),
 )
-@strict_option("Take everything that needs repair for an error.")
-@click.option("--explain", is_flag=True, help="Have the schemas tell in full what is wrong; slow.")
-@click.option(
-    "--format", "form", type=click.Choice(FORMS), default=TEXT, help="How to tell (default text)."
-)
-@click.option("--json", "is_json", is_flag=True, help="The same as --format json.")
-@click.option(
-    "--ignore",
-    "ignored",
-    multiple=True,
-    metavar="RULE",
-    help="Say nothing that is about this rule, but what nothing forgives; repeatable.",
-)
-@click.option("--rules", "lists_rules", is_flag=True, help="List the rules.")
-@click.option("-q", "--quiet", is_flag=True, help="Tell errors only.")
-@click.argument("paths", nargs=-1, metavar="[FILE|FOLDER|-]...")
 def main(
     app: App,
-    paths: tuple[str, ...],
-    explain: bool,
-    form: str,
-    is_json: bool,
-    ignored: tuple[str, ...],
-    lists_rules: bool,
-    quiet: bool,
+    strict: None = strict_option("Take everything that needs repair for an error."),
+    explain: bool = flag("--explain", "Have the schemas tell in full what is wrong; slow."),
+    form: str = option(
+        "--format", "How to tell (default text).", click.Choice(FORMS), default=TEXT
+    ),
+    is_json: bool = json_flag("The same as --format json."),
+    ignored: tuple[str, ...] = several(
+        "--ignore RULE",
+        "Say nothing that is about this rule, but what nothing forgives; repeatable.",
+    ),
+    lists_rules: bool = flag("--rules", "List the rules."),
+    quiet: bool = flag("-q --quiet", "Tell errors only."),
+    paths: tuple[str, ...] = arguments("[FILE|FOLDER|-]..."),
 ) -> int:
     """Check profiles against the schemas, and against what no schema can tell.
 
