@@ -18,8 +18,8 @@ import click
 
 from rtkit import __version__, cli
 from rtkit.cli.help.topics import DETAILS, STATUSES, TOLD_APART, TOPICS
-from rtkit.cli.help.verbs import WORDS
 from rtkit.cli.shared.command import Main
+from rtkit.cli.shared.commands import WORDS
 from rtkit.cli.shared.group import CommandGroup
 from rtkit.cli.unified import EXAMPLES
 

@@ -29,7 +29,7 @@ from rtkit.builder.subject import (
 from rtkit.builder.text import INDENT, clean, docstring, one_line, told, width
 from rtkit.builder.types_code import TypesCode
 from rtkit.component.contexts import PERIODIC
-from rtkit.profile.rtc_doc_model import ActionDoc
+from rtkit.profile.rtc_model import ActionDoc
 
 BODY = INDENT * 2
 SUMMARIES = {

@@ -29,7 +29,6 @@ from rtkit.component.fsm import EventPort, FsmComponent
 from rtkit.component.kinds import kind_of
 from rtkit.component.parameter import Parameter, declared_parameters
 from rtkit.errors import Malformed
-from rtkit.profile import rtc_doc_model as docs
 from rtkit.profile import rtc_model as rtc
 from rtkit.profile.common import ExtensionProperty
 from rtkit.profile.constraint_model import Constraint
@@ -107,7 +106,7 @@ def _labelled(part: str, label: str) -> str | None:
     return rest.lstrip() if part.startswith(head) and rest[:1].isspace() else None
 
 
-def _documentation(component: Component) -> tuple[str, docs.BasicDoc | None]:
+def _documentation(component: Component) -> tuple[str, rtc.BasicDoc | None]:
     """Return the description in the docstring of the class, and its labelled paragraphs."""
     plain: list[str] = []
     fields: dict[str, Any] = {}
@@ -122,7 +121,7 @@ def _documentation(component: Component) -> tuple[str, docs.BasicDoc | None]:
     description = sentence(" ".join(plain[0].split())) if plain else ""
     if plain[1:]:
         fields["description"] = "\n\n".join(plain[1:])
-    return description, docs.BasicDoc(**fields) if fields else None
+    return description, rtc.BasicDoc(**fields) if fields else None
 
 
 def _actions(cls: type[Component]) -> rtc.Actions:
@@ -137,7 +136,7 @@ def _actions(cls: type[Component]) -> rtc.Actions:
     return rtc.Actions(**fields)
 
 
-def _action_doc(name: str, text: str | None) -> docs.ActionDoc | None:
+def _action_doc(name: str, text: str | None) -> rtc.ActionDoc | None:
     plain: list[str] = []
     fields: dict[str, Any] = {}
     for part in _paragraphs(text):
@@ -150,13 +149,13 @@ def _action_doc(name: str, text: str | None) -> docs.ActionDoc | None:
     if plain:
         text = "\n\n".join(plain)
         fields["description"] = text if "\n" in text else sentence(text)
-    return docs.ActionDoc(**fields) if fields else None
+    return rtc.ActionDoc(**fields) if fields else None
 
 
 def _configuration(parameter: Parameter[object]) -> rtc.ConfigurationParameter:
     kind = kind_of(parameter.default)  # type: ignore[arg-type]
     constraint, words = _constraint(parameter.constraint)
-    doc = docs.ConfigurationDoc(description=parameter.doc or None, constraint=words or None)
+    doc = rtc.ConfigurationDoc(description=parameter.doc or None, constraint=words or None)
     return rtc.ConfigurationParameter(
         name=parameter.name,
         type=kind.name,
@@ -190,7 +189,7 @@ def _data_port(component: Component, port: PortProfile) -> rtc.DataPortDeclarati
         position="RIGHT" if port.port_type is PortType.OUT else "LEFT",
         unit=unit or None,
         events=events,
-        doc=docs.DataPortDoc(description=text) if text else None,
+        doc=rtc.DataPortDoc(description=text) if text else None,
     )
 
 
@@ -221,5 +220,5 @@ def _service_port(port: PortProfile) -> rtc.ServicePortDeclaration:
             )
             for each in port.interfaces
         ),
-        doc=docs.ServicePortDoc(description=text) if text else None,
+        doc=rtc.ServicePortDoc(description=text) if text else None,
     )

@@ -11,7 +11,7 @@ from rtkit.builder.subject import GeneratedParameter
 from rtkit.builder.text import one_line, told
 from rtkit.component.kinds import elements, read_bool, read_float, read_int
 from rtkit.errors import Malformed
-from rtkit.profile.constraint_format import format_constraint
+from rtkit.profile.constraint_text import format_constraint
 from rtkit.profile.rtc_model import ConfigurationParameter, RtcProfile
 from rtkit.profile.words import property_value
 

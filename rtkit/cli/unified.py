@@ -7,8 +7,7 @@ import sys
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from rtkit.cli.help.verbs import COMPLETE, HELP, SHELL_INIT, SUMMARIES, WORDS
-from rtkit.cli.shared.commands import COMMANDS, load
+from rtkit.cli.shared.commands import COMMANDS, COMPLETE, HELP, SHELL_INIT, SUMMARIES, WORDS, load
 from rtkit.cli.shared.console_process import write
 
 if TYPE_CHECKING:

@@ -1,4 +1,4 @@
-"""Parses constraints on one line, as configuration files write them, into the model.
+"""Parses constraints on one line, as configuration files write them, and formats them again.
 
 ``100`` equal, ``x>1`` ``x<=9`` ``x!=3`` comparisons, ``1<=x<=9`` between, ``1<x<9`` both,
 ``(a,b,c)`` one of these, ``c1,c2`` one for each element of a vector, ``{k1:c1,k2:c2}`` one for
@@ -11,7 +11,9 @@ hold anything, one in single quotes is compared by case too.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import re
+from collections.abc import Callable, Iterable
+from typing import NamedTuple
 
 from rtkit.errors import Malformed
 from rtkit.fast_dataclass import replace
@@ -26,7 +28,86 @@ from rtkit.profile.constraint_model import (
     Like,
     Logical,
 )
-from rtkit.profile.constraint_tokens import Token, tokens
+
+VARIABLE = "x"
+"""Placeholder of the value in ``x>1``."""
+
+_TOKEN = re.compile(
+    r"""\s*(?:
+        (?P<quoted>"(?:[^"\\]|\\.)*"|'(?:[^'\\]|\\.)*')
+      | (?P<sign><=|>=|!=|<|>)
+      | (?P<mark>[(){},:])
+      | (?P<word>(?:[^<>=(){},:\s!]|!(?!=))+)
+    )\s*""",
+    re.DOTALL | re.VERBOSE,
+)
+_PLAIN = re.compile(r"[^<>=(){},:\s!\\'\"]+")
+_ESCAPED = {"\n": "n", "\r": "r", "\t": "t"}
+_MEANT = {letter: character for character, letter in _ESCAPED.items()}
+
+
+class Token(NamedTuple):
+    """A piece of a constraint.
+
+    Attributes:
+        kind: word, quoted, sign or mark.
+        is_exact: Whether its case matters, as in ``'Word'``.
+    """
+
+    kind: str
+    text: str
+    is_exact: bool = False
+
+    @property
+    def is_literal(self) -> bool:
+        """Return whether it can be a value."""
+        return self.kind in ("word", "quoted")
+
+    @property
+    def is_variable(self) -> bool:
+        """Return whether it stands for the value that is tested."""
+        return self.kind == "word" and self.text == VARIABLE
+
+
+def tokens(text: str) -> list[Token]:
+    """Return the pieces of a constraint; blanks mean nothing, except inside quotes.
+
+    Raises:
+        Malformed: A character belongs nowhere.
+    """
+    found: list[Token] = []
+    place = 0
+    while place < len(text):
+        match = _TOKEN.match(text, place)
+        if match is None:
+            if text[place:].isspace():
+                break
+            raise Malformed(f"bad constraint {text!r}: nothing begins with {text[place:].strip()}")
+        place = match.end()
+        kind = match.lastgroup or ""
+        token = Token(kind, match[kind])
+        if kind == "quoted":
+            token = Token(kind, _unquoted(token.text), token.text[0] == "'")
+        elif kind == "word" and found and found[-1].kind == "word":
+            token = Token(kind, found.pop().text + token.text)
+        found.append(token)
+    return found
+
+
+def _unquoted(text: str) -> str:
+    return re.sub(r"\\(.)", lambda m: _MEANT.get(m[1], m[1]), text[1:-1], flags=re.DOTALL)
+
+
+def literal(text: str, *, is_exact: bool = False) -> str:
+    """Return a value as `tokens` reads it back: plain where that is possible."""
+    if not is_exact and _PLAIN.fullmatch(text):
+        return text
+    quote = "'" if is_exact else '"'
+    written = "".join(
+        f"\\{_ESCAPED.get(c, c)}" if c in _ESCAPED or c in (quote, "\\") else c for c in text
+    )
+    return f"{quote}{written}{quote}"
+
 
 MAX_DEPTH = 64
 """Constraints nested deeper than this are malformed."""
@@ -227,3 +308,106 @@ def _range(low: Token, above: str, below: str, high: Token) -> Between | Logical
         return Between(low.text, high.text)
     ends = (_compare(_TURNED[above], low), _compare(below, high))
     return Logical("And", tuple(_unit(end) for end in ends))
+
+
+_LOW = ("propertyIsGreaterThan", "propertyIsGreaterThanOrEqualTo")
+_HIGH = ("propertyIsLessThan", "propertyIsLessThanOrEqualTo")
+_LOW_SIGNS = {_LOW[0]: "<", _LOW[1]: "<="}
+
+
+def format_constraint(constraint: Constraint) -> str:
+    """Write a constraint in one line, in the usual form where it has one."""
+    content = constraint.content
+    if isinstance(content, ConstraintUnit) or content.kind == "ConstraintHashType":
+        return _format(constraint)
+    return _joined(content.constraints) if len(content.constraints) > 1 else _format(constraint)
+
+
+def _format(constraint: Constraint) -> str:
+    content = constraint.content
+    if isinstance(content, ConstraintUnit):
+        text = _format_test(content.test)
+        return text if content.key is None else f"key({literal(content.key)},{text})"
+    if content.kind == "ConstraintListType":
+        return f"list({_joined(content.constraints)})"
+    pairs = _pairs(content.constraints)
+    if pairs is None:
+        return f"hash({_joined(content.constraints)})"
+    return "{" + ",".join(pairs) + "}"
+
+
+def _joined(parts: Iterable[Constraint]) -> str:
+    return ",".join(map(_format, parts))
+
+
+def _pairs(parts: Iterable[Constraint]) -> list[str] | None:
+    """Return ``key:constraint`` of each part; None when one of them has no key."""
+    found = []
+    for part in parts:
+        unit = part.content
+        if not isinstance(unit, ConstraintUnit) or unit.key is None:
+            return None
+        found.append(f"{literal(unit.key)}:{_format_test(unit.test)}")
+    return found
+
+
+def _format_test(test: ConstraintTest) -> str:
+    match test:
+        case Between(lower, upper):
+            return f"{literal(lower)}<={VARIABLE}<={literal(upper)}"
+        case Comparison(kind, text, is_exact):
+            value = literal(text, is_exact=is_exact)
+            return f"{VARIABLE}{SIGNS[kind]}{value}" if kind in SIGNS else value
+        case Like(pattern, wild_card, single_char, escape_char):
+            marks = (wild_card, single_char, escape_char)
+            parts = (pattern,) if marks == LIKE_MARKS else (pattern, *marks)
+            return f"like({','.join(map(_quoted, parts))})"
+        case IsNull():
+            return "null()"
+        case Logical(kind, parts):
+            usual = (
+                _enumeration_text(parts)
+                if kind == "Or"
+                else _range_text(parts)
+                if kind == "And"
+                else ""
+            )
+            return usual or f"{kind.lower()}({_joined(parts)})"
+
+
+def _quoted(text: str) -> str:
+    plain = literal(text)
+    return plain if plain[:1] == '"' else f'"{plain}"'
+
+
+def _comparisons(parts: Iterable[Constraint]) -> list[Comparison]:
+    """Return the comparisons that these are; nothing when one is another test or has a key."""
+    found = []
+    for part in parts:
+        unit = part.content
+        if not isinstance(unit, ConstraintUnit) or unit.key is not None:
+            return []
+        if not isinstance(unit.test, Comparison):
+            return []
+        found.append(unit.test)
+    return found
+
+
+def _enumeration_text(parts: tuple[Constraint, ...]) -> str:
+    found = _comparisons(parts)
+    if len(found) < 2 or any(each.kind != "propertyIsEqualTo" for each in found):
+        return ""
+    return "(" + ",".join(map(_format_test, found)) + ")"
+
+
+def _range_text(parts: tuple[Constraint, ...]) -> str:
+    """Return ``low<x<high``; both ends included would be read as between, another test."""
+    found = _comparisons(parts)
+    if len(found) != 2 or found[0].kind not in _LOW or found[1].kind not in _HIGH:
+        return ""
+    low, high = found
+    if (low.kind, high.kind) == (_LOW[1], _HIGH[1]):
+        return ""
+    bottom = literal(low.literal, is_exact=low.match_case)
+    top = literal(high.literal, is_exact=high.match_case)
+    return f"{bottom}{_LOW_SIGNS[low.kind]}{VARIABLE}{SIGNS[high.kind]}{top}"

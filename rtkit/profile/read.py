@@ -142,13 +142,13 @@ class Grammar:
 
 def _grammar(kind: str) -> Grammar:
     if kind == "rts":
+        from rtkit.profile.build import is_plain_system
         from rtkit.profile.rts_spec import RTS_PROFILE
-        from rtkit.profile.strict import is_plain_system
         from rtkit.profile.validate import RTS
 
         return Grammar(kind, RTS_PROFILE, RTS, _check_references, is_plain_system)
+    from rtkit.profile.build import is_plain_component
     from rtkit.profile.rtc_spec import RTC_PROFILE
-    from rtkit.profile.strict import is_plain_component
     from rtkit.profile.validate import RTC
 
     return Grammar(kind, RTC_PROFILE, RTC, _check_names, is_plain_component)
@@ -295,7 +295,7 @@ def outcome(data: bytes | str, source: str, form: str | None, kind: str | None) 
 
 def _plain(root: Any, found: Findings, grammar: Grammar) -> Any:
     """Return the profile of a valid document in strict form; None of any other."""
-    from rtkit.profile.strict import built
+    from rtkit.profile.build import built
     from rtkit.profile.validate import violations
 
     profile = None

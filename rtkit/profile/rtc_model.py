@@ -1,7 +1,8 @@
-"""The RTC profile: one component type, as plain data.
+"""Models RTC profiles: one component type, as plain data.
 
 The union of versions 0.1, 0.2 and 0.3. Field names are the XML names in snake case; repeated
 elements are tuples. An absent optional is None, which is not the same as empty. Dates stay text.
+Documentation (``rtcDoc:Doc``) has one class per place.
 """
 
 from __future__ import annotations
@@ -9,15 +10,92 @@ from __future__ import annotations
 from rtkit.fast_dataclass import dataclass
 from rtkit.profile.common import NO_FOREIGN, ExtensionProperty, Foreign
 from rtkit.profile.constraint_model import Constraint
-from rtkit.profile.rtc_doc_model import (
-    ActionDoc,
-    BasicDoc,
-    ConfigurationDoc,
-    DataPortDoc,
-    EventDoc,
-    ServiceInterfaceDoc,
-    ServicePortDoc,
-)
+
+
+@dataclass(frozen=True, slots=True)
+class BasicDoc:
+    """Documentation of the whole component."""
+
+    description: str | None = None
+    inout: str | None = None
+    algorithm: str | None = None
+    creator: str | None = None
+    license: str | None = None
+    reference: str | None = None
+    foreign: Foreign = NO_FOREIGN
+
+
+@dataclass(frozen=True, slots=True)
+class ActionDoc:
+    """Documentation of a callback."""
+
+    description: str | None = None
+    pre_condition: str | None = None
+    post_condition: str | None = None
+    foreign: Foreign = NO_FOREIGN
+
+
+@dataclass(frozen=True, slots=True)
+class ConfigurationDoc:
+    """Documentation of a configuration parameter."""
+
+    dataname: str | None = None
+    default_value: str | None = None
+    description: str | None = None
+    unit: str | None = None
+    range: str | None = None
+    constraint: str | None = None
+    foreign: Foreign = NO_FOREIGN
+
+
+@dataclass(frozen=True, slots=True)
+class DataPortDoc:
+    """Documentation of a data port; `occerrence` is spelt as in the documents."""
+
+    description: str | None = None
+    type: str | None = None
+    number: str | None = None
+    semantics: str | None = None
+    unit: str | None = None
+    occerrence: str | None = None
+    operation: str | None = None
+    foreign: Foreign = NO_FOREIGN
+
+
+@dataclass(frozen=True, slots=True)
+class EventDoc:
+    """Documentation of an event."""
+
+    description: str | None = None
+    type: str | None = None
+    number: str | None = None
+    semantics: str | None = None
+    unit: str | None = None
+    operation: str | None = None
+    foreign: Foreign = NO_FOREIGN
+
+
+@dataclass(frozen=True, slots=True)
+class ServicePortDoc:
+    """Documentation of a service port."""
+
+    description: str | None = None
+    ifdescription: str | None = None
+    foreign: Foreign = NO_FOREIGN
+
+
+@dataclass(frozen=True, slots=True)
+class ServiceInterfaceDoc:
+    """Documentation of a service interface."""
+
+    description: str | None = None
+    doc_argument: str | None = None
+    doc_return: str | None = None
+    doc_exception: str | None = None
+    doc_pre_condition: str | None = None
+    doc_post_condition: str | None = None
+    foreign: Foreign = NO_FOREIGN
+
 
 RTC_VERSION = "0.3"
 """The profile format that rtkit writes for new components."""

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from rtkit.fast_dataclass import fields
 from rtkit.profile import constraint_model as c
-from rtkit.profile import rtc_doc_model as d
 from rtkit.profile import rtc_model as m
 from rtkit.profile import rtc_rules as rules
 from rtkit.profile.common import ExtensionProperty
@@ -128,7 +127,7 @@ _BASIC_INFO = ElementSpec(
         "rtcExt:comment",
         "rtcExt:saveProject",
     ],
-    [_doc(d.BasicDoc), child("rtcExt:VersionUpLogs", many=True), _PROPERTIES],
+    [_doc(m.BasicDoc), child("rtcExt:VersionUpLogs", many=True), _PROPERTIES],
     xsi_type="rtcExt:basic_info_ext",
     also_types=["rtcDoc:basic_info_doc"],
     rule=rules.basic_info,
@@ -137,7 +136,7 @@ _BASIC_INFO = ElementSpec(
 _ACTION = ElementSpec(
     m.ActionStatus,
     [attribute("rtc:implemented", FLAG, supply="false")],
-    [_doc(d.ActionDoc)],
+    [_doc(m.ActionDoc)],
     xsi_type="rtcDoc:action_status_doc",
 )
 _CONFIGURATION = ElementSpec(
@@ -148,7 +147,7 @@ _CONFIGURATION = ElementSpec(
         "rtc:unit",
         *_NAMED,
     ],
-    [_ONE_CONSTRAINT, _doc(d.ConfigurationDoc), _PROPERTIES],
+    [_ONE_CONSTRAINT, _doc(m.ConfigurationDoc), _PROPERTIES],
     xsi_type="rtcExt:configuration_ext",
     also_types=["rtcDoc:configuration_doc"],
     rule=rules.fragment_configuration,
@@ -157,7 +156,7 @@ _CONFIGURATION = ElementSpec(
 _EVENT = ElementSpec(
     m.FsmTransition,
     [*required("rtc:name", "rtc:source", "rtc:target"), "rtc:condition", "rtc:type"],
-    [_doc(d.EventDoc)],
+    [_doc(m.EventDoc)],
     xsi_type="rtcDoc:event_doc",
 )
 _DATA_PORT = ElementSpec(
@@ -181,7 +180,7 @@ _DATA_PORT = ElementSpec(
     [
         _ONE_CONSTRAINT,
         child("rtc:Event", _EVENT, field="events", many=True),
-        _doc(d.DataPortDoc),
+        _doc(m.DataPortDoc),
         _PROPERTIES,
     ],
     xsi_type="rtcExt:dataport_ext",
@@ -199,7 +198,7 @@ _SERVICE_INTERFACE = ElementSpec(
         "rtc:path",
         *_NAMED,
     ],
-    [_doc(d.ServiceInterfaceDoc), _PROPERTIES],
+    [_doc(m.ServiceInterfaceDoc), _PROPERTIES],
     xsi_type="rtcExt:serviceinterface_ext",
     also_types=["rtcDoc:serviceinterface_doc"],
     respellings=_VARIABLE,
@@ -218,7 +217,7 @@ _SERVICE_PORT = ElementSpec(
             ElementSpec(m.TransMethod, [attribute("rtc:kind", required=True)]),
             many=True,
         ),
-        _doc(d.ServicePortDoc),
+        _doc(m.ServicePortDoc),
         _PROPERTIES,
     ],
     xsi_type="rtcExt:serviceport_ext",

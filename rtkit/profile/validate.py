@@ -7,7 +7,7 @@ from itertools import islice
 from typing import Any
 
 from rtkit.profile.common import Note
-from rtkit.profile.places import ElementPaths
+from rtkit.profile.findings import ElementPaths
 from rtkit.profile.xmlnames import shorten
 from rtkit.resources import resource
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from rtkit.drawing.component import component_svg
-from rtkit.profile.constraint_format import format_constraint
+from rtkit.profile.constraint_text import format_constraint
 from rtkit.profile.rtc_model import (
     ActionStatus,
     ConfigurationParameter,

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from rtkit.profile.constraint_format import format_constraint
 from rtkit.profile.constraint_model import Constraint
+from rtkit.profile.constraint_text import format_constraint
 from rtkit.profile.rtc_model import (
     BasicInfo,
     ConfigurationParameter,

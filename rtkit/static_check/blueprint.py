@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 from rtkit.component.constraint_check import Declared, declared_type
 from rtkit.fast_dataclass import dataclass
-from rtkit.profile.constraint_format import format_constraint
+from rtkit.profile.constraint_text import format_constraint
 from rtkit.profile.ports import declared_interfaces
 from rtkit.profile.rtc_model import (
     ConfigurationParameter,

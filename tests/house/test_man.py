@@ -10,9 +10,8 @@ from pathlib import Path
 import pytest
 from make_commands import examples, pages
 
-from rtkit.cli.help.verbs import WORDS
 from rtkit.cli.shared.app import App
-from rtkit.cli.shared.commands import COMMANDS, load
+from rtkit.cli.shared.commands import COMMANDS, WORDS, load
 from rtkit.cli.table import TABLE
 
 FOLDER = Path(__file__).parents[2] / "man"

@@ -26,25 +26,23 @@ from rtkit.builder.standard_types import KNOWN
 from rtkit.idl.read import read_idl
 from rtkit.profile.common import ExtensionProperty
 from rtkit.profile.read import read_rtc, read_rts
-from rtkit.profile.rtc_doc_model import (
-    ActionDoc,
-    BasicDoc,
-    ConfigurationDoc,
-    DataPortDoc,
-    ServiceInterfaceDoc,
-    ServicePortDoc,
-)
 from rtkit.profile.rtc_model import (
+    ActionDoc,
     Actions,
     ActionStatus,
+    BasicDoc,
     BasicInfo,
+    ConfigurationDoc,
     ConfigurationParameter,
     DataPortDeclaration,
+    DataPortDoc,
     DeclaredParameters,
     FsmTransition,
     RtcProfile,
     ServiceInterface,
+    ServiceInterfaceDoc,
     ServicePortDeclaration,
+    ServicePortDoc,
 )
 from rtkit.profile.write import write_rtc
 from rtkit.testing import Trial

@@ -16,8 +16,7 @@ from lxml import etree
 from rtkit.errors import Malformed
 from rtkit.profile import constraint_model as c
 from rtkit.profile.common import NO_FOREIGN, Foreign, ForeignElement
-from rtkit.profile.constraint_format import format_constraint
-from rtkit.profile.constraint_text import parse_constraint
+from rtkit.profile.constraint_text import format_constraint, parse_constraint
 from rtkit.profile.constraint_value import allows
 from rtkit.profile.forms import FORMS
 from rtkit.profile.read import read_profile, read_rtc, read_rts

@@ -19,7 +19,7 @@ from rtkit.profile import rts_model as rts
 from rtkit.profile.common import ExtensionProperty
 from rtkit.profile.findings import InvalidProfile
 from rtkit.profile.read import profile_kind, read_rtc, read_rts
-from rtkit.profile.rtc_doc_model import ActionDoc, BasicDoc, ConfigurationDoc
+from rtkit.profile.rtc_model import ActionDoc, BasicDoc, ConfigurationDoc
 from rtkit.profile.write import write_rtc, write_rts
 from rtkit.resources import resource
 
@@ -208,7 +208,7 @@ def test_verdicts(kind: str, changes: list[tuple[str, int, int, str]]) -> None:
     # readers refuse it before either is asked.
     assert root.tag != name or judged_by_xmlschema(kind, data) == is_valid
     reading = attempt(kind, data)
-    with patch("rtkit.profile.strict.built", return_value=None):
+    with patch("rtkit.profile.build.built", return_value=None):
         assert attempt(kind, data) == reading, "the short way and the long way decide alike"
     with patch("rtkit.profile.parse.may_drop_blanks", return_value=False):
         assert attempt(kind, data) == reading, "blanks between elements mean nothing"

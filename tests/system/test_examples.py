@@ -20,8 +20,7 @@ from forked import Commands
 from make_commands import examples
 from serialkit import Cable
 
-from rtkit.cli.help.verbs import WORDS
-from rtkit.cli.shared.commands import COMMANDS
+from rtkit.cli.shared.commands import COMMANDS, WORDS
 from rtkit.link.tcp_endpoint import free_port
 
 ROOT = Path(__file__).parents[2]

@@ -14,8 +14,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from rtkit.cli.completion.candidates import Candidate, Files, named, those
-from rtkit.cli.help.verbs import SUMMARIES, WORDS
-from rtkit.cli.shared.commands import COMMANDS
+from rtkit.cli.shared.commands import COMMANDS, SUMMARIES, WORDS
 from rtkit.cli.shared.console_process import write
 from rtkit.errors import RtkitError
 

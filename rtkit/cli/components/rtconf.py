@@ -89,7 +89,7 @@ def main(
     type or constraint is refused. Of a manager, list, get and set mean its properties. A value
     that begins with a minus and is no number needs -- before the path.
     """
-    from rtkit.cli.components.conf import files, properties, sets
+    from rtkit.cli.components import conf
     from rtkit.tree.view import NodeKind
 
     typed, asked = _asked(words, has_hidden, is_long, set_id, is_json)
@@ -97,15 +97,12 @@ def main(
     node = _node(app.tree.listing(), path)
     snapshot = app.tree.part([node.instance])
     if node.kind is NodeKind.MANAGER:
-        properties.of_manager(app, snapshot.properties, path, asked)
+        conf.of_manager(app, snapshot.properties, path, asked)
         return 0
     facts = snapshot.component(node.instance)
     if facts is None:
         raise NotFound(f"No such object: {path.typed}")
-    if asked.verb in files.VERBS:
-        return files.do(app, facts, asked)
-    sets.of_component(app, facts, asked)
-    return 0
+    return conf.of_component(app, facts, asked)
 
 
 def _asked(

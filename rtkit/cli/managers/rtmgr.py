@@ -240,7 +240,7 @@ def _word(
     app: App, words: Sequence[str], is_json: bool, wanted: tuple[str, tuple[str, ...], bool]
 ) -> int:
     if words[0] == "replay":
-        from rtkit.cli.managers.dumps import replay
+        from rtkit.cli.managers.words import replay
 
         return replay(app, words[1], is_json)
     from rtkit.cli.managers.words import run_word

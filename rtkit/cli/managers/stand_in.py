@@ -76,7 +76,7 @@ def _sets(profile: RtcProfile) -> dict[str, dict[str, str]]:
 
 
 def _constraint(configuration: ConfigurationParameter) -> str:
-    from rtkit.profile.constraint_format import format_constraint
+    from rtkit.profile.constraint_text import format_constraint
 
     return format_constraint(configuration.constraint) if configuration.constraint else ""
 

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 from itertools import groupby
 from typing import TYPE_CHECKING, NamedTuple
 
-from rtkit.cli.components.conf.properties import warn_of_vain
+from rtkit.cli.components.conf import warn_of_vain
 from rtkit.cli.shared import json_records, terminal
 from rtkit.errors import RtkitError, UsageProblem, from_kind
 from rtkit.rtc.create import parse_create

@@ -10,6 +10,7 @@ from rtkit.cli.table import TABLE
 if TYPE_CHECKING:
     from rtkit.cli.shared.command import Main
 
+
 COMMANDS: dict[str, str] = {name[2:]: name for name in TABLE if " " not in name}
 """Verb of the unified tool to the name of the command, of its console script and man page."""
 
@@ -18,3 +19,15 @@ def load(name: str) -> Main:
     """Import a command, by its name or its verb, ``rtprofile show`` too, and return it."""
     made: Main = import_module(TABLE[COMMANDS.get(name, name)][0]).main
     return made
+
+
+SUMMARIES: dict[str, str] = {verb: TABLE[name][1] for verb, name in COMMANDS.items()}
+SHELL_INIT = "shell-init"
+COMPLETE = "complete"
+HELP = "help"
+WORDS: dict[str, str] = {
+    COMPLETE: "Tell a shell how a line may go on.",
+    HELP: "Tell about a topic, or a verb.",
+    SHELL_INIT: "Print the functions that a shell needs.",
+}
+"""Verbs that are no commands of their own."""

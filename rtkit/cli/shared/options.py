@@ -18,7 +18,7 @@ Declared = Mapping[str, Any]
 """Options and arguments, by the names of their parameters."""
 
 
-class Declaration(NamedTuple):
+class DeclaredOption(NamedTuple):
     """An option or argument whose parameter is not known yet."""
 
     kind: type[click.Parameter]
@@ -43,7 +43,9 @@ def option(
     """Return an option in the form of its help, ``"-n --number N"``; `more` is for click."""
     names = form.split()
     metavar = None if names[-1].startswith("-") else names.pop()
-    return Declaration(kind, tuple(names), {"metavar": metavar, "help": text, "type": type, **more})
+    return DeclaredOption(
+        kind, tuple(names), {"metavar": metavar, "help": text, "type": type, **more}
+    )
 
 
 def flag(form: str, text: str, **more: Any) -> Any:
@@ -58,12 +60,12 @@ def several(form: str, text: str, **more: Any) -> Any:
 
 def arguments(metavar: str) -> Any:
     """Return all arguments of a command; it says itself how many there must be."""
-    return Declaration(click.Argument, (), {"nargs": -1, "metavar": metavar})
+    return DeclaredOption(click.Argument, (), {"nargs": -1, "metavar": metavar})
 
 
 def argument(metavar: str | None, **settings: Any) -> Any:
     """Return one argument."""
-    return Declaration(click.Argument, (), {"metavar": metavar, **settings})
+    return DeclaredOption(click.Argument, (), {"metavar": metavar, **settings})
 
 
 def either(*options: Any) -> Any:

@@ -38,7 +38,7 @@ def main(
 
     A + marks what is there but not shown; -l and -ll unfold it.
     """
-    from rtkit.cli.tree.cat.component import component_lines, port_lines
+    from rtkit.cli.tree.cat import component_lines, port_lines
 
     if not paths:
         raise Malformed("Cannot cat a directory.")
@@ -92,7 +92,7 @@ def _manager(
     app: App, snapshot: Snapshot, process: ProcessFacts | None
 ) -> tuple[list[str], dict[str, Any]]:
     from rtkit.cli.shared.offers import offers
-    from rtkit.cli.tree.cat.manager import manager_lines, manager_record
+    from rtkit.cli.tree.cat import manager_lines, manager_record
 
     found = offers(app.tree, snapshot)
     return manager_lines(snapshot, process, found), manager_record(snapshot, process, found)

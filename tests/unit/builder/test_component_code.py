@@ -7,22 +7,20 @@ from textwrap import dedent
 import pytest
 
 from rtkit.profile.common import ExtensionProperty
-from rtkit.profile.rtc_doc_model import (
-    ActionDoc,
-    BasicDoc,
-    ConfigurationDoc,
-    DataPortDoc,
-    ServicePortDoc,
-)
 from rtkit.profile.rtc_model import (
+    ActionDoc,
     Actions,
     ActionStatus,
+    BasicDoc,
+    ConfigurationDoc,
     ConfigurationParameter,
     DataPortDeclaration,
+    DataPortDoc,
     DeclaredParameters,
     FsmTransition,
     ServiceInterface,
     ServicePortDeclaration,
+    ServicePortDoc,
 )
 
 

@@ -16,10 +16,18 @@ from rtkit.builder.profile_of import profile_of
 from rtkit.component import Component, InPort, OutPort, Parameter, TimedLong
 from rtkit.component.kinds import kind_of
 from rtkit.profile.common import ExtensionProperty
-from rtkit.profile.constraint_format import format_constraint
+from rtkit.profile.constraint_text import format_constraint
 from rtkit.profile.read import read_rtc
-from rtkit.profile.rtc_doc_model import ActionDoc, BasicDoc, ConfigurationDoc, DataPortDoc
-from rtkit.profile.rtc_model import Actions, ActionStatus, DataPortDeclaration, RtcProfile
+from rtkit.profile.rtc_model import (
+    ActionDoc,
+    Actions,
+    ActionStatus,
+    BasicDoc,
+    ConfigurationDoc,
+    DataPortDeclaration,
+    DataPortDoc,
+    RtcProfile,
+)
 from rtkit.profile.words import normal_data_type, property_value
 
 ROOT = Path(__file__).parents[3]

@@ -8,8 +8,7 @@ import sys
 
 import pytest
 
-from rtkit.cli.help.verbs import WORDS
-from rtkit.cli.shared.commands import COMMANDS
+from rtkit.cli.shared.commands import COMMANDS, WORDS
 
 LINES = [
     *(f"{name} {option}" for name in COMMANDS.values() for option in ("-h", "--version")),

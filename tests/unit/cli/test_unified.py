@@ -12,8 +12,7 @@ from fake_tree import fake_tree
 
 from rtkit import __version__
 from rtkit.cli.completion.functions import SHELLS, script
-from rtkit.cli.help.verbs import SUMMARIES, WORDS
-from rtkit.cli.shared.commands import COMMANDS
+from rtkit.cli.shared.commands import COMMANDS, SUMMARIES, WORDS
 from rtkit.cli.unified import run
 
 

@@ -3,7 +3,6 @@ from __future__ import annotations
 import pytest
 
 from rtkit.errors import Malformed
-from rtkit.profile.constraint_format import format_constraint
 from rtkit.profile.constraint_model import (
     Between,
     Comparison,
@@ -14,7 +13,7 @@ from rtkit.profile.constraint_model import (
     Like,
     Logical,
 )
-from rtkit.profile.constraint_text import MAX_DEPTH, parse_constraint
+from rtkit.profile.constraint_text import MAX_DEPTH, format_constraint, parse_constraint
 
 
 def unit(

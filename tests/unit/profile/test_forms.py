@@ -60,7 +60,7 @@ def test_the_short_way_and_the_long_way_read_alike(file: Path) -> None:
     reading = read_file(str(file))
     written = {form: write_profile(reading.profile, form) for form in FORMS}
     again = {form: read_profile(data, form=form) for form, data in written.items()}
-    with patch("rtkit.profile.strict.built", return_value=None):
+    with patch("rtkit.profile.build.built", return_value=None):
         assert read_file(str(file)) == reading
         assert {form: read_profile(data, form=form) for form, data in written.items()} == again
 

@@ -10,9 +10,8 @@ import pytest
 from lxml import etree
 
 from rtkit.profile.common import Note
-from rtkit.profile.findings import Findings, InvalidProfile
+from rtkit.profile.findings import ElementPaths, Findings, InvalidProfile
 from rtkit.profile.parse import parse
-from rtkit.profile.places import ElementPaths
 from rtkit.profile.read import profile_kind, read_rtc, read_rts
 from rtkit.profile.rules import RULES
 from rtkit.profile.xmlnames import NAMESPACES, clark

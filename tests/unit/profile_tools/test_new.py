@@ -6,7 +6,7 @@ import pytest
 
 from rtkit.errors import Malformed, NotFound, Refused
 from rtkit.profile.common import ExtensionProperty
-from rtkit.profile.constraint_format import format_constraint
+from rtkit.profile.constraint_text import format_constraint
 from rtkit.profile.rtc_model import RtcProfile
 from rtkit.profile_tools import new_component as new
 from rtkit.profile_tools.new_system import NewMember, new_system

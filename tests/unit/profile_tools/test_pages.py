@@ -11,8 +11,7 @@ from lxml import etree
 from markdown_it import MarkdownIt
 
 from rtkit.profile.read import read_file
-from rtkit.profile.rtc_doc_model import DataPortDoc
-from rtkit.profile.rtc_model import RtcProfile
+from rtkit.profile.rtc_model import DataPortDoc, RtcProfile
 from rtkit.profile.rts_model import RtsProfile
 from rtkit.profile_tools.component_page import component_page
 from rtkit.profile_tools.html_page import html_page

@@ -167,7 +167,7 @@ def _component(
 def _fitting(item: ConfigurationParameter) -> ConfigurationParameter:
     """Refuse a parameter whose default breaks its own type or constraint."""
     from rtkit.component.constraint_check import Declared, misfit_of
-    from rtkit.profile.constraint_format import format_constraint
+    from rtkit.profile.constraint_text import format_constraint
 
     rule = format_constraint(item.constraint) if item.constraint else ""
     why = misfit_of(Declared(item.type, rule, item.constraint), item.default_value)

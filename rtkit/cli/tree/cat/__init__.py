@@ -1,1 +1,0 @@
-"""Describes entries for ``rtcat``: components with ports and connections, and managers."""
