@@ -12,12 +12,21 @@ See decision 31.
 from __future__ import annotations
 
 import operator
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from functools import partial
 from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, TypeVar, dataclass_transform
 
-__all__ = ["MISSING", "Record", "dataclass", "field", "fields", "is_record", "replace"]
+__all__ = [
+    "MISSING",
+    "Record",
+    "dataclass",
+    "field",
+    "fields",
+    "is_record",
+    "make_dataclass",
+    "replace",
+]
 
 T = TypeVar("T")
 _COMPILED_AFTER = 50
@@ -132,6 +141,20 @@ def _made(
     for name, value in added.items():
         setattr(made, name, value)
     return made
+
+
+def make_dataclass(
+    name: str, columns: Iterable[tuple[str, Any, Any]], *, module: str = __name__, doc: str = ""
+) -> type:
+    """Return a frozen data class; `columns` are name, annotation and default, or MISSING."""
+    given = list(columns)
+    bare = {
+        **{each: default for each, _, default in given if default is not _MISSING},
+        "__annotations__": {each: hint for each, hint, _ in given},
+        "__doc__": doc,
+        "__module__": module,
+    }
+    return _made(type(name, (), bare), frozen=True, order=False, eq=True)
 
 
 def _own(namespace: Mapping[str, Any]) -> dict[str, Any]:

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from typing import Annotated, get_origin
 
 from rtkit.builder.standard_types import KNOWN
+from rtkit.component import types
 from rtkit.idl.model import (
     ArrayOf,
     Basic,
@@ -24,30 +26,11 @@ from rtkit.idl.model import (
     Typedef,
 )
 
+_NAMES = {kind: name for name, kind in vars(types).items() if get_origin(kind) is Annotated}
 CARRIED = {
-    "boolean": "bool",
-    "char": "rt.Char",
-    "double": "rt.Double",
-    "float": "rt.Float",
-    "int16": "rt.Short",
-    "int32": "rt.Long",
-    "int64": "rt.LongLong",
-    "int8": "§Int8",
-    "long": "rt.Long",
-    "long long": "rt.LongLong",
-    "octet": "rt.Octet",
-    "short": "rt.Short",
-    "string": "str",
-    "uint16": "rt.UShort",
-    "uint32": "rt.ULong",
-    "uint64": "rt.ULongLong",
-    "uint8": "rt.Octet",
-    "unsigned long": "rt.ULong",
-    "unsigned long long": "rt.ULongLong",
-    "unsigned short": "rt.UShort",
-    "wchar": "rt.WChar",
-    "wstring": "rt.WString",
-}
+    word: f"rt.{_NAMES[kind]}" if kind in _NAMES else kind.__name__
+    for word, kind in types.BASIC_TYPES.items()
+} | {"int8": "§Int8"}
 """How code names each type of the language that can be carried; ``§`` is our own module."""
 
 _LARGEST_ARRAY = 10_000

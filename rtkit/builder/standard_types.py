@@ -2,15 +2,11 @@
 
 from __future__ import annotations
 
-from enum import Enum
-from importlib import import_module
-from typing import Any
-
-from rtkit.component.standard import HOMES
+from rtkit.component.standard import SCOPES, find, home_of, names_of
 from rtkit.idl.model import Path
 from rtkit.rtc.data_types import scoped_name
 
-KNOWN: frozenset[Path] = frozenset((scope, name) for scope in HOMES for name in HOMES[scope])
+KNOWN: frozenset[Path] = frozenset((scope, name) for scope in SCOPES for name in names_of(scope))
 """Paths of the standard data types."""
 
 IMAGES = "from rtkit.component import images"
@@ -28,12 +24,12 @@ def path_of(text: str) -> Path:
     """Return the path of a data type as a profile names it: ``TimedLong``, ``RTC::TimedLong``."""
     path = tuple(part for part in scoped_name(text).split("::") if part)
     if len(path) == 1:
-        return next(((scope, *path) for scope in HOMES if path[0] in HOMES[scope]), path)
+        return next(((scope, *path) for scope in SCOPES if home_of(scope, path[0])), path)
     return path
 
 
 def first_member(path: Path) -> str:
     """Return the first member of a type that is an enumeration; empty for another one."""
     scope, name = path
-    cls: Any = getattr(import_module(f"rtkit.component.{HOMES[scope][name]}"), name)
-    return next(iter(cls)).name if issubclass(cls, Enum) else ""
+    known = find(scope, name)
+    return known.body.partition(",")[0].strip() if known and known.kind == "enum" else ""

@@ -7,9 +7,10 @@ all these modules (decision 35).
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
-from rtkit.component.standard import HOMES
-from rtkit.rtc.enums import Polarity, ReturnCode
-from rtkit.rtc.profiles import PortInterfaceProfile
+from rtkit.component.standard import home_of, names_of
+from rtkit.rtc.enums import Polarity as Polarity
+from rtkit.rtc.enums import ReturnCode as ReturnCode
+from rtkit.rtc.profiles import PortInterfaceProfile as PortInterfaceProfile
 
 if TYPE_CHECKING:
     from rtkit.component.actuators import *  # noqa: F403
@@ -69,16 +70,17 @@ _HOME = {
     ),
 }
 _MODULE = {name: module for module, names in _HOME.items() for name in names}
-_MODULE.update(HOMES["RTC"])
-
-__all__ = ["PortInterfaceProfile", "Polarity", "ReturnCode", *_MODULE]
 
 
 def __getattr__(name: str) -> Any:
-    if name not in _MODULE:
+    if name == "__all__":
+        return ["PortInterfaceProfile", "Polarity", "ReturnCode", *_MODULE, *names_of("RTC")]
+    home = _MODULE.get(name) or ("" if name.startswith("_") else home_of("RTC", name))
+    if not home:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    return getattr(import_module(f"{__name__}.{_MODULE[name]}"), name)
+    found = globals()[name] = getattr(import_module(f"{__name__}.{home}"), name)
+    return found
 
 
 def __dir__() -> list[str]:
-    return sorted({*globals(), *__all__})
+    return sorted({*globals(), *__getattr__("__all__")})

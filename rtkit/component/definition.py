@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
+from typing import Annotated, get_args, get_origin
 
 from rtkit.component.layout import (
     ArrayLayout,
@@ -19,22 +20,17 @@ from rtkit.component.layout import (
     layout_of,
 )
 from rtkit.component.typenames import is_standard, type_name
+from rtkit.component.types import BASIC_TYPES
 from rtkit.errors import Malformed
 from rtkit.rtc.data_types import scoped_name
 
 ENCODING = "omgidl"
-_NUMBERS = {
-    "int8": "int8",
-    "uint8": "octet",
-    "int16": "short",
-    "uint16": "unsigned short",
-    "int32": "long",
-    "uint32": "unsigned long",
-    "int64": "long long",
-    "uint64": "unsigned long long",
-    "float32": "float",
-    "float64": "double",
+_NUMBERS: dict[str, str] = {
+    get_args(kind)[1]: word
+    for word, kind in reversed([*BASIC_TYPES.items()])
+    if get_origin(kind) is Annotated
 }
+"""The usual word of interface definitions for each number, by name of its layout."""
 _NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
 _KEYWORDS = """
 abstract any attribute boolean case char component const consumes context custom default double

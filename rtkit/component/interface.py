@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import inspect
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import make_dataclass
 from functools import cached_property
 from typing import Any, Protocol, TypeVar, get_type_hints
 
@@ -17,6 +16,7 @@ from rtkit.component.carried import Test, compile_test
 from rtkit.component.codec import Codec, codec_for
 from rtkit.component.layout import ArrayLayout, Layout, layout_of_hint
 from rtkit.errors import Malformed, Refused
+from rtkit.fast_dataclass import MISSING, make_dataclass
 
 F = TypeVar("F", bound=Callable[..., Any])
 
@@ -209,8 +209,8 @@ class InterfaceMethod:
 
     @cached_property
     def _record(self) -> type:
-        fields = [(name, self._hints[name]) for name in self._shape.parameters]
-        return make_dataclass(self.label, fields, frozen=True, slots=True)
+        names = self._shape.parameters
+        return make_dataclass(self.label, [(name, self._hints[name], MISSING) for name in names])
 
     @cached_property
     def _arguments(self) -> Codec:
@@ -218,8 +218,7 @@ class InterfaceMethod:
 
     @cached_property
     def _result(self) -> tuple[Codec, type]:
-        fields = [("result", self._hints["return"])]
-        record = make_dataclass(self.label, fields, frozen=True, slots=True)
+        record = make_dataclass(self.label, [("result", self._hints["return"], MISSING)])
         return codec_for(record), record
 
     def _layout(self, name: str) -> Layout:
@@ -324,7 +323,8 @@ class _Exception:
         for name, hint in hints.items():
             layout_of_hint(hint, f"{label}: {cls.__name__}.{name}")
         self._names = tuple(hints)
-        self._record = make_dataclass(cls.__name__, hints.items(), frozen=True, slots=True)
+        columns = [(name, hint, MISSING) for name, hint in hints.items()]
+        self._record = make_dataclass(cls.__name__, columns)
 
     def encode(self, error: BaseException) -> bytes:
         """Return the arguments of its constructor as bytes.

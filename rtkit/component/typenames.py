@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from enum import Enum
+from collections.abc import Callable
 from importlib import import_module
 from typing import TypeVar, get_type_hints
 
-from rtkit.component.standard import HOMES
+from rtkit.component.standard import SCOPES, home_of
 from rtkit.errors import Malformed
-from rtkit.fast_dataclass import is_record
 from rtkit.rtc.data_types import ANY, scoped_name
 
 C = TypeVar("C", bound=type)
@@ -51,15 +49,6 @@ def shared(name: str, version: str) -> Callable[[C], C]:
     return choose
 
 
-def register_all(names: Mapping[str, object], scope: str) -> None:
-    """Make every data type and enum known that a module defines; `names` are its globals."""
-    for name, cls in names.items():
-        if not isinstance(cls, type) or cls.__module__ != names["__name__"]:
-            continue
-        if is_record(cls) or hasattr(cls, "__dataclass_fields__") or issubclass(cls, Enum):
-            register(cls, f"{scope}::{name}")
-
-
 def type_name(cls: type) -> str:
     """Return the name of a data type; that of an unregistered class is its module and name."""
     known = _by_class.get(cls)
@@ -73,7 +62,7 @@ def type_name(cls: type) -> str:
 def is_standard(text: str) -> bool:
     """Return whether the name is that of a standard data type."""
     scope, _, name = scoped_name(text).rpartition("::")
-    return name in HOMES.get(scope, ())
+    return bool(home_of(scope, name))
 
 
 def type_by_name(text: str) -> type | None:
@@ -83,10 +72,11 @@ def type_by_name(text: str) -> type | None:
     """
     scoped = scoped_name(text)
     name = scoped.rpartition("::")[2]
-    for scope in HOMES:
-        if scoped in (name, f"{scope}::{name}") and name in HOMES[scope]:
-            import_module(f"rtkit.component.{HOMES[scope][name]}")
-            return _by_name[f"{scope}::{name}"]
+    for scope in SCOPES:
+        home = home_of(scope, name) if scoped in (name, f"{scope}::{name}") else ""
+        if home:
+            found: type = getattr(import_module(f"rtkit.component.{home}"), name)
+            return found
     known = _by_name.get(scoped)
     if known is None and "::" not in scoped:
         matches = {cls for full, cls in _by_name.items() if full.rpartition("::")[2] == scoped}

@@ -8,9 +8,10 @@ or another dataclass. A plain ``int`` has 64 bits, a plain ``float`` too.
 from __future__ import annotations
 
 import time
-from typing import Annotated
+from collections.abc import Mapping
+from typing import Annotated, Any
 
-from rtkit.component.typenames import register_all
+from rtkit.component.typenames import register
 from rtkit.fast_dataclass import dataclass
 
 Char = Annotated[str, "char"]
@@ -25,6 +26,32 @@ Float = Annotated[float, "float32"]
 Double = Annotated[float, "float64"]
 WChar = Annotated[str, "wchar"]
 WString = Annotated[str, "wstring"]
+
+BASIC_TYPES: Mapping[str, Any] = {
+    "boolean": bool,
+    "string": str,
+    "octet": Octet,
+    "char": Char,
+    "wchar": WChar,
+    "wstring": WString,
+    "short": Short,
+    "unsigned short": UShort,
+    "long": Long,
+    "unsigned long": ULong,
+    "long long": LongLong,
+    "unsigned long long": ULongLong,
+    "float": Float,
+    "double": Double,
+    "int8": Annotated[int, "int8"],
+    "uint8": Octet,
+    "int16": Short,
+    "uint16": UShort,
+    "int32": Long,
+    "uint32": ULong,
+    "int64": LongLong,
+    "uint64": ULongLong,
+}
+"""What stands for each basic type of interface definitions; the usual names come first."""
 
 _NANOSECONDS = 1_000_000_000
 
@@ -42,7 +69,4 @@ class Time:
         return cls(*divmod(time.time_ns(), _NANOSECONDS))
 
 
-EPOCH = Time()
-
-
-register_all(globals(), "RTC")
+register(Time, "RTC::Time")

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import keyword
-from dataclasses import field, make_dataclass
 from enum import Enum
 from functools import cache
-from typing import Annotated, Any
+from typing import Any
 
 from rtkit.component.layout import layout_of_hint, zero
 from rtkit.component.typenames import is_standard, register, type_by_name
+from rtkit.component.types import BASIC_TYPES
 from rtkit.errors import Malformed
+from rtkit.fast_dataclass import make_dataclass
 from rtkit.idl.model import (
     ArrayOf,
     Basic,
@@ -25,29 +26,6 @@ from rtkit.idl.model import (
 )
 from rtkit.idl.read import read_idl
 from rtkit.rtc.data_types import scoped_name
-
-_BASICS: dict[str, Any] = {
-    "boolean": bool,
-    "string": str,
-    "double": float,
-    "long long": int,
-    **{name: Annotated[str, name] for name in ("char", "wchar", "wstring")},
-    **{
-        name: Annotated[int, kind]
-        for name, kind in {
-            "int8": "int8",
-            "octet": "uint8",
-            "short": "int16",
-            "unsigned short": "uint16",
-            "long": "int32",
-            "unsigned long": "uint32",
-            "unsigned long long": "uint64",
-            **{f"int{bits}": f"int{bits}" for bits in (16, 32, 64)},
-            **{f"uint{bits}": f"uint{bits}" for bits in (8, 16, 32, 64)},
-        }.items()
-    },
-    "float": Annotated[float, "float32"],
-}
 
 
 @cache
@@ -93,9 +71,8 @@ class _Maker:
         for each in declared.fields:
             own = f"{each.name}_" if keyword.iskeyword(each.name) else each.name
             hint = self._hint(each.type)
-            first = zero(layout_of_hint(hint, each.name))
-            fields.append((own, hint, field(default=first)))
-        return make_dataclass(declared.path[-1], fields, frozen=True)
+            fields.append((own, hint, zero(layout_of_hint(hint, each.name))))
+        return make_dataclass(declared.path[-1], fields, module=__name__, doc=declared.doc)
 
     def _hint(self, type: Type) -> Any:
         if isinstance(type, Named):
@@ -108,6 +85,6 @@ class _Maker:
             for size in reversed(type.sizes):
                 hint = tuple[(hint,) * size]  # type: ignore[misc]
             return hint
-        if type.name not in _BASICS:
+        if type.name not in BASIC_TYPES:
             raise Malformed(f"{type.name} cannot be carried")
-        return _BASICS[type.name]
+        return BASIC_TYPES[type.name]

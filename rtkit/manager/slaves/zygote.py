@@ -46,8 +46,8 @@ AHEAD = (
 """Lazy imports of a container, which attached processes need not have: loaded before any fork,
 so that slaves share it."""
 
-_AT_LEISURE = ("rtkit.component.geometry",)
-"""What most components import and what takes long: had in memory once nobody asks for a slave."""
+_AT_LEISURE = ("rtkit.component.geometry", "rtkit.component.timed")
+"""Data types of most components, made while nobody asks for a slave, so that slaves share them."""
 
 _REHEARSALS = 8
 """Python fits byte code to what it met when it has run eight times."""
@@ -93,7 +93,7 @@ class Zygote:
         gc.freeze()  # decision 49: a slave's collector would copy each page that it looks through
         self._tell({"ready": os.getpid()})
         later: list[Callable[[], object]] = [self._warm_up] * _REHEARSALS
-        later += [partial(importlib.import_module, name) for name in _AT_LEISURE]
+        later += [partial(_make_types, name) for name in _AT_LEISURE]
         later.insert(0, self._pack)  # last of all
         later.append(become_subreaper)  # first
         while self._channel is not None or self._children:
@@ -218,6 +218,12 @@ class Zygote:
         for pid, what in end_orphans(self._children):
             whose = f"slave {name}" if name is not None else "it"
             _log.warning("%s (pid %d) is ended: %s had left it behind", what, pid, whose)
+
+
+def _make_types(module: str) -> None:
+    family = importlib.import_module(module)
+    for name in family.__all__:
+        getattr(family, name)
 
 
 def main() -> None:

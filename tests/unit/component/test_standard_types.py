@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import ast
+import pickle
+import pydoc
 import runpy
 import subprocess
 import sys
@@ -10,18 +13,19 @@ from enum import Enum
 from hashlib import sha256
 from importlib import import_module
 from pathlib import Path
+from typing import get_type_hints
 
 import pytest
 
 import rtkit.component as component
 from rtkit.component.codec import codec_for
 from rtkit.component.layout import layout_of
-from rtkit.component.standard import HOMES
+from rtkit.component.standard import FAMILIES, SCOPES, home_of, names_of
 from rtkit.component.typenames import type_by_name, type_name
 from rtkit.errors import Malformed
 
 ROOT = Path(__file__).parents[3]
-EVERY = [(scope, name, home) for scope, table in HOMES.items() for name, home in table.items()]
+EVERY = [(scope, name, home_of(scope, name)) for scope in SCOPES for name in names_of(scope)]
 
 
 @pytest.mark.parametrize(("scope", "name", "home"), EVERY)
@@ -34,23 +38,86 @@ def test_each_type_is_where_the_table_says_and_known_by_its_name(scope, name, ho
         assert getattr(component, name) is cls
 
 
-def test_the_table_lists_everything_that_the_files_define():
-    for scope, table in HOMES.items():
-        for home in set(table.values()):
-            module = import_module(f"rtkit.component.{home}")
-            defined = {
-                name
-                for name, value in vars(module).items()
-                if isinstance(value, type) and value.__module__ == module.__name__
+@pytest.mark.parametrize("family", FAMILIES)
+def test_the_classes_are_what_the_stubs_say(family):
+    """The stubs come from the reader of any IDL: the files keep to the form that is read here."""
+    module = import_module(f"rtkit.component.{family}")
+    names = {name: getattr(component, name) for name in dir(component)}
+    names |= {name: getattr(module, name) for name in module.__all__} | vars(module)
+    stub = ast.parse((ROOT / "rtkit" / "component" / f"{family}.pyi").read_text())
+    classes = {each.name: each for each in stub.body if isinstance(each, ast.ClassDef)}
+    others = {each.targets[0].id: each.value for each in stub.body if isinstance(each, ast.Assign)}
+    assert {*classes, *others} == {*module.__all__}
+    for name, value in others.items():
+        assert eval(ast.unparse(value), names) == getattr(module, name)
+    for name, node in classes.items():
+        cls = getattr(module, name)
+        assert cls.__doc__ == ast.get_docstring(node)
+        if issubclass(cls, Enum):
+            told = {each.targets[0].id: each.value.value for each in node.body[1:]}
+            assert {each.name: each.value for each in cls} == told
+        else:
+            told = {
+                each.target.id: eval(ast.unparse(each.annotation), names) for each in node.body[1:]
             }
-            assert {name for name in table if table[name] == home} == defined, scope
+            assert get_type_hints(cls, include_extras=True) == told
+            assert list(told) == [each.name for each in fields(cls)]
 
 
-def test_the_modules_are_what_the_interface_definitions_make(tmp_path):
+@pytest.mark.parametrize("home", FAMILIES)
+def test_modules_of_types_look_like_any_module(home):
+    module = import_module(f"rtkit.component.{home}")
+    assert {*module.__all__} <= {*dir(module)}
+    taken: dict[str, object] = {}
+    exec(f"from rtkit.component.{home} import *", taken)
+    assert {*module.__all__} <= {*taken}
+    with pytest.raises(AttributeError, match="no attribute 'Unheard'"):
+        _ = module.Unheard
+
+
+def test_values_are_pickled_and_classes_explained():
+    value = component.TimedLong(data=4)
+    assert pickle.loads(pickle.dumps(value)) == value
+    assert "A 32 bit integer" in pydoc.render_doc(component.TimedLong)
+
+
+def test_the_package_lists_what_it_has():
+    taken: dict[str, object] = {}
+    exec("from rtkit.component import *", taken)
+    assert {"Component", "TimedLong", "RangeData", "Polarity"} <= {*taken} & {*dir(component)}
+    with pytest.raises(AttributeError, match="no attribute 'Unheard'"):
+        _ = component.Unheard
+
+
+def test_threads_get_one_class_for_one_type():
+    code = """if True:
+        import sys, threading
+        sys.setswitchinterval(1e-6)
+        from rtkit.component import images
+        begun, found = threading.Barrier(8), []
+        def ask():
+            begun.wait()
+            found.append([getattr(images, each) for each in images.__all__])
+        threads = [threading.Thread(target=ask) for _ in range(8)]
+        for each in threads: each.start()
+        for each in threads: each.join()
+        assert len(found) == 8 and len({*map(tuple, found)}) == 1, found
+    """
+    subprocess.run([sys.executable, "-c", code], check=True)
+
+
+def test_a_type_is_made_when_it_is_asked_for():
+    code = "from rtkit.component import timed; timed.TimedLong; print(*vars(timed))"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert "TimedLong" in done.stdout.split()
+    assert "TimedShort" not in done.stdout.split()
+
+
+def test_the_stubs_are_what_the_interface_definitions_make(tmp_path):
     """Change rtkit/component/idl, then run tools/make_standard_types.py."""
     runpy.run_path(str(ROOT / "tools" / "make_standard_types.py"))["write"](tmp_path)
     made = sorted(tmp_path.iterdir())
-    assert len(made) == 8
+    assert len(made) == 7
     for file in made:
         assert file.read_text() == (ROOT / "rtkit" / "component" / file.name).read_text(), file.name
 

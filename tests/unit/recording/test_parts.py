@@ -12,7 +12,7 @@ from rtkit.component import Time, TimedLong
 from rtkit.component.codec import codec_for
 from rtkit.component.definition import idl_of, name_of
 from rtkit.component.geometry import Point2D
-from rtkit.component.standard import HOMES
+from rtkit.component.standard import SCOPES, names_of
 from rtkit.component.typenames import type_by_name
 from rtkit.errors import Malformed, Refused
 from rtkit.idl.read import read_idl
@@ -109,7 +109,7 @@ def test_stamps_are_moved_and_nothing_else() -> None:
     assert shifted(b"", 1) == b""
 
 
-NAMES = [f"{scope}::{each}" for scope in HOMES for each in HOMES[scope]]
+NAMES = [f"{scope}::{each}" for scope in SCOPES for each in names_of(scope)]
 
 
 @pytest.mark.parametrize("name", [each for each in NAMES if is_dataclass(type_by_name(each))])
