@@ -20,7 +20,8 @@ TWICE = {
 
 def class_names() -> dict[str, list[str]]:
     found = defaultdict(list)
-    for file in sorted((ROOT / "rtkit").rglob("*.py")):
+    folder = ROOT / "rtkit"
+    for file in sorted([*folder.rglob("*.py"), *folder.rglob("*.pyi")]):
         for node in ast.parse(file.read_text(encoding="utf-8")).body:
             if isinstance(node, ast.ClassDef) and not node.name.startswith("_"):
                 found[node.name].append(str(file.relative_to(ROOT)))
