@@ -18,15 +18,11 @@ from typing import Any
 from rtkit.component.codec import codec_for, encoder_for
 from rtkit.component.layout import (
     ArrayLayout,
-    BoolLayout,
-    CharLayout,
+    BasicLayout,
     EnumLayout,
     ItemsLayout,
     Layout,
-    NumberLayout,
-    OctetsLayout,
     StructLayout,
-    TextLayout,
     layout_of,
 )
 
@@ -139,28 +135,22 @@ class _Writer:
         item = layout.item
         if isinstance(item, (StructLayout, ArrayLayout, ItemsLayout)):
             return f"all(map({self._named(compile_test(item))}, {name}))"
-        kind = self._named(_kind(item))
-        are_all = f"(not {name} or set(map(type, {name})) == {{{kind}}}"
-        if isinstance(item, NumberLayout) and not item.is_float:
+        are_all = f"(not {name} or set(map(type, {name})) == {{{self._named(item.cls)}}}"
+        if item.cls is int and isinstance(item, BasicLayout):
             low, high = item.bounds
             return f"{are_all} and {low} <= min({name}) and max({name}) <= {high})"
-        if isinstance(item, BoolLayout) or (isinstance(item, NumberLayout) and item.code == "d"):
-            return f"{are_all})"
-        return f"{are_all} and all(map({self._named(_leaf(item))}, {name})))"
+        leaf = _leaf(item)
+        return f"{are_all} and all(map({self._named(leaf)}, {name})))" if leaf else f"{are_all})"
 
-    def _scalar(self, layout: Layout, source: str) -> str:
-        name = self._name()
-        head = f"({name} := {source}).__class__ is {self._named(_kind(layout))}"
-        if isinstance(layout, NumberLayout) and not layout.is_float:
+    def _scalar(self, layout: BasicLayout | EnumLayout, source: str) -> str:
+        kind, name = self._named(layout.cls), self._name()
+        if layout.cls is int and isinstance(layout, BasicLayout):
             low, high = layout.bounds
-            return f"{head} and {low} <= {name} <= {high}"
-        if isinstance(layout, (BoolLayout, OctetsLayout)) or (
-            isinstance(layout, NumberLayout) and layout.code == "d"
-        ):
-            return f"{source}.__class__ is {self._named(_kind(layout))}"
-        if isinstance(layout, EnumLayout) and not issubclass(layout.cls, Flag):
-            return f"{source}.__class__ is {self._named(layout.cls)}"
-        return f"{head} and {self._named(_leaf(layout))}({name})"
+            return f"({name} := {source}).__class__ is {kind} and {low} <= {name} <= {high}"
+        leaf = _leaf(layout)
+        if leaf is None:
+            return f"{source}.__class__ is {kind}"
+        return f"({name} := {source}).__class__ is {kind} and {self._named(leaf)}({name})"
 
     def _all(self, *tests: str) -> str:
         return " and ".join(tests)
@@ -175,32 +165,11 @@ class _Writer:
         return f"v{self._count}"
 
 
-def _kind(layout: Layout) -> type:
-    """Return the class that a scalar has after it was carried."""
-    if isinstance(layout, NumberLayout):
-        return float if layout.is_float else int
+def _leaf(layout: BasicLayout | EnumLayout) -> Test | None:
+    """Return the test for a scalar that has the right class already, None where all pass."""
     if isinstance(layout, EnumLayout):
-        return layout.cls
-    if isinstance(layout, BoolLayout):
-        return bool
-    return bytes if isinstance(layout, OctetsLayout) else str
-
-
-def _leaf(layout: Layout) -> Test:
-    """Return the test for a scalar that has the right class already."""
-    if isinstance(layout, NumberLayout):
-        return _is_float32
-    if isinstance(layout, EnumLayout):
-        return layout.numbers.__contains__
-    if isinstance(layout, CharLayout):
-        return _is_wide_char if layout.is_wide else _is_char
-    if isinstance(layout, TextLayout):
-        return _is_wide_text if layout.is_wide else _is_text
-    return _always
-
-
-def _always(value: Any) -> bool:
-    return True
+        return layout.numbers.__contains__ if issubclass(layout.cls, Flag) else None
+    return _LEAVES.get(layout.name)
 
 
 def _is_float32(value: float) -> bool:
@@ -231,3 +200,12 @@ def _is_wide_text(value: str) -> bool:
     except UnicodeEncodeError:  # half of a surrogate pair
         return False
     return True
+
+
+_LEAVES: dict[str, Test] = {
+    "float32": _is_float32,
+    "char": _is_char,
+    "wchar": _is_wide_char,
+    "string": _is_text,
+    "wstring": _is_wide_text,
+}

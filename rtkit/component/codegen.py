@@ -12,19 +12,15 @@ from __future__ import annotations
 import struct
 from collections.abc import Callable
 from types import MemberDescriptorType
-from typing import Any
+from typing import Any, TypeGuard
 
 from rtkit.component.layout import (
     ArrayLayout,
-    BoolLayout,
-    CharLayout,
+    BasicLayout,
     EnumLayout,
     ItemsLayout,
     Layout,
-    NumberLayout,
-    OctetsLayout,
     StructLayout,
-    TextLayout,
     as_items,
     as_octets,
     as_truth,
@@ -35,7 +31,17 @@ _SIZES = {"b": 1, "B": 1, "?": 1, "c": 1, "h": 2, "H": 2, "i": 4, "I": 4, "f": 4
 _HEADER = 4
 _INDENT = "    "
 _UTF_16 = {"<": "utf-16-le", ">": "utf-16-be"}
-_PADDING = [bytes(count) for count in range(8)]
+_PACKED = {
+    "boolean": ("?", "_as_truth({})"),
+    "char": ("c", "{}.encode('latin-1')"),
+    "wchar": ("H", "_unit(ord({}))"),
+}
+_UNPACKED = {
+    "boolean": ("B", "_truth({})"),
+    "char": ("B", "chr({})"),
+    "wchar": ("H", "chr(_unit({}))"),
+}
+"""Format character of scalars that the struct module does not give as they are, and expression."""
 
 
 def compile_encoder(layout: StructLayout, order: str = "<") -> Callable[[Any], bytes]:
@@ -74,7 +80,9 @@ class _Source:
     def __init__(self, order: str) -> None:
         self.order = order
         self.lines: list[str] = []
-        self.scope: dict[str, Any] = {"_padding": _PADDING}
+        header = b"\x00\x01\x00\x00" if order == "<" else bytes(_HEADER)
+        self.scope: dict[str, Any] = {**_HELPERS, "_header": header}
+        self.is_fixed = True
         self.depth = 1
         self.codes = ""
         self.names: list[str] = []
@@ -95,6 +103,14 @@ class _Source:
         table = tuple(_padded(self.codes, self.order, position) for position in range(8))
         return self.name(table, "run")
 
+    def flush(self) -> None:
+        if self.codes:
+            self.settle()
+
+    def settle(self) -> None:
+        """Emit what waits, if anything: from here on ``at`` is the position."""
+        raise NotImplementedError
+
     def finish(self, head: str) -> Any:
         source = "\n".join([head, *self.lines])
         exec(source, self.scope)
@@ -102,11 +118,6 @@ class _Source:
 
 
 class _Encoder(_Source):
-    def __init__(self, order: str) -> None:
-        super().__init__(order)
-        self.scope["_header"] = b"\x00\x01\x00\x00" if order == "<" else bytes(4)
-        self.is_fixed = True
-
     def compile(self, layout: StructLayout) -> Callable[[Any], bytes]:
         self.write(layout, "value")
         if self.is_fixed:
@@ -133,63 +144,51 @@ class _Encoder(_Source):
                 self.write(item, name)
         elif isinstance(layout, ItemsLayout):
             self.write_items(layout, value)
-        elif isinstance(layout, (TextLayout, OctetsLayout)):
-            self.write_text(layout, value)
-        else:
+        elif layout.code:
             code, expression = self.scalar(layout, value)
             self.codes += code
             self.names.append(expression)
+        else:
+            self.write_text(layout.name, value)
 
     def write_struct(self, layout: StructLayout, value: str) -> None:
         for field, item in layout.fields:
-            if isinstance(item, (NumberLayout, BoolLayout, CharLayout, EnumLayout)):
+            if _is_scalar(item):
                 self.write(item, f"{value}.{field}")
             else:
                 name = self.name()
                 self.add(f"{name} = {value}.{field}")
                 self.write(item, name)
 
-    def scalar(self, layout: Layout, value: str) -> tuple[str, str]:
-        if isinstance(layout, NumberLayout):
-            return layout.code, value
-        if isinstance(layout, BoolLayout):
-            self.scope["_as_truth"] = as_truth
-            return "?", f"_as_truth({value})"
-        if isinstance(layout, CharLayout) and layout.is_wide:
-            self.scope["_unit"] = _unit
-            return "H", f"_unit(ord({value}))"
-        if isinstance(layout, CharLayout):
-            return "c", f"{value}.encode('latin-1')"
+    def scalar(self, layout: BasicLayout | EnumLayout, value: str) -> tuple[str, str]:
+        """Return the format character of a scalar, and the expression of what is packed."""
         if isinstance(layout, EnumLayout):
             return "i", f"{self.name(dict(layout.numbers), 'numbers')}[{value}]"
-        raise Malformed(f"{layout.name} is no scalar")
+        code, form = _PACKED.get(layout.name, (layout.code, "{}"))
+        return code, form.format(value)
 
-    def write_text(self, layout: TextLayout | OctetsLayout, value: str) -> None:
+    def write_text(self, kind: str, value: str) -> None:
         data = self.name()
-        if isinstance(layout, OctetsLayout):
-            self.scope["_as_octets"] = as_octets
-            self.add(f"{data} = _as_octets({value})")
-        elif layout.is_wide:
+        if kind == "wstring":
             self.add(f"{data} = {value}.encode('{_UTF_16[self.order]}')")
-        else:
-            self.add(f"{data} = {value}.encode() + _end")
-            self.scope["_end"] = b"\0"
+        elif kind == "string":
+            self.add(f"{data} = {value}.encode() + b'\\0'")
             self.add(f"if {data}.find(0) != len({data}) - 1: raise ValueError('NUL in a string')")
+        else:
+            self.add(f"{data} = _as_octets({value})")
         self.count(f"len({data})")
         self.append(data)
 
     def take_items(self, value: str) -> None:
         """Emit code that turns an array into a list and refuses other types than sequences."""
-        self.scope["_as_items"] = as_items
         self.add(f"if {value}.__class__ is not tuple: {value} = _as_items({value})")
 
     def write_items(self, layout: ItemsLayout, value: str) -> None:
         self.take_items(value)
         self.count(f"len({value})")
         item = layout.item
-        if isinstance(item, (NumberLayout, BoolLayout, CharLayout, EnumLayout)):
+        if _is_scalar(item):
             code, expression = self.scalar(item, "item")
-            self.scope["_pack"] = struct.pack
             self.add(f"if len({value}):")
             self.depth += 1
             if _size(code) > _HEADER:
@@ -221,12 +220,7 @@ class _Encoder(_Source):
         self.add(f"parts.append({data})")
         self.add(f"at += len({data})")
 
-    def flush(self) -> None:
-        if self.codes:
-            self.settle()
-
     def settle(self) -> None:
-        """Emit what waits, if anything: from here on ``at`` is the position."""
         if self.is_fixed:
             packed, size = self.fixed()
             self.add(f"parts = [{packed}]")
@@ -246,11 +240,6 @@ class _Encoder(_Source):
 
 
 class _Decoder(_Source):
-    def __init__(self, order: str) -> None:
-        super().__init__(order)
-        self.checks: list[str] = []
-        self.is_fixed = True
-
     def compile(self, layout: StructLayout) -> Callable[[bytes], tuple[Any, int]]:
         result = self.read(layout)
         self.flush()
@@ -274,47 +263,36 @@ class _Decoder(_Source):
             return f"({''.join(self.read(item) + ', ' for item in layout.items)})"
         if isinstance(layout, ItemsLayout):
             return self.read_items(layout)
-        if isinstance(layout, (TextLayout, OctetsLayout)):
-            return self.read_text(layout)
+        if not layout.code:
+            return self.read_text(layout.name)
         name = self.name()
         code, expression = self.scalar(layout, name)
         self.codes += code
         self.names.append(name)
         return expression
 
-    def scalar(self, layout: Layout, value: str) -> tuple[str, str]:
-        if isinstance(layout, NumberLayout):
-            return layout.code, value
-        if isinstance(layout, BoolLayout):
-            self.scope["_truth"] = _truth
-            return "B", f"_truth({value})"
-        if isinstance(layout, CharLayout) and layout.is_wide:
-            self.scope["_unit"] = _unit
-            return "H", f"chr(_unit({value}))"
-        if isinstance(layout, CharLayout):
-            return "B", f"chr({value})"
+    def scalar(self, layout: BasicLayout | EnumLayout, value: str) -> tuple[str, str]:
+        """Return the format character of a scalar, and the expression of what was unpacked."""
         if isinstance(layout, EnumLayout):
             members = {number: member for member, number in layout.numbers.items()}
-            self.scope["_member"] = _member
             return "i", f"_member({self.name(members, 'members')}, {value})"
-        raise Malformed(f"{layout.name} is no scalar")
+        code, form = _UNPACKED.get(layout.name, (layout.code, "{}"))
+        return code, form.format(value)
 
-    def read_text(self, layout: TextLayout | OctetsLayout) -> str:
+    def read_text(self, kind: str) -> str:
         length = self.count()
         result = self.name()
-        reader: Callable[[bytes, int, int], Any] = _octets
-        if isinstance(layout, TextLayout):
-            reader = _WIDE[self.order] if layout.is_wide else _text
-        self.add(f"{result} = {self.name(reader, 'read')}(data, at, {length})")
+        read = "_text" if kind == "string" else "_octets"
+        tail = f".decode('{_UTF_16[self.order]}')" if kind == "wstring" else ""
+        self.add(f"{result} = {read}(data, at, {length}){tail}")
         self.add(f"at += {length}")
         return result
 
     def read_items(self, layout: ItemsLayout) -> str:
         item = layout.item
-        if isinstance(item, (NumberLayout, BoolLayout, CharLayout, EnumLayout)):
+        if _is_scalar(item):
             return self.read_scalars(layout, item)
         count = self.count()
-        self.scope["_fits"] = _fits
         self.add(f"_fits(data, at, {count}, {_least(item)})")
         result = self.read_each(item, count)
         return result if layout.make is list else f"tuple({result})"
@@ -330,12 +308,11 @@ class _Decoder(_Source):
         self.depth -= 1
         return result
 
-    def read_scalars(self, layout: ItemsLayout, item: Layout) -> str:
+    def read_scalars(self, layout: ItemsLayout, item: BasicLayout | EnumLayout) -> str:
         code, expression = self.scalar(item, "item")
         count = self.count()
         result = self.name()
         size = _size(code)
-        self.scope["_fits"], self.scope["_unpack"] = _fits, struct.unpack_from
         if size > _HEADER:
             self.add(f"if {count}: at += {_HEADER} - at & {size - 1}")
         self.add(f"_fits(data, at, {count}, {size})")
@@ -353,12 +330,7 @@ class _Decoder(_Source):
         self.flush()
         return name
 
-    def flush(self) -> None:
-        if self.codes:
-            self.settle()
-
     def settle(self) -> None:
-        """Emit what waits, if anything: from here on ``at`` is the position."""
         names = ", ".join(self.names)
         if self.is_fixed:
             fixed = _padded(self.codes, self.order, _HEADER)
@@ -375,6 +347,10 @@ class _Decoder(_Source):
         self.names = []
 
 
+def _is_scalar(layout: Layout) -> TypeGuard[BasicLayout | EnumLayout]:
+    return isinstance(layout, BasicLayout | EnumLayout) and bool(layout.code)
+
+
 def _is_loop(layout: ArrayLayout) -> bool:
     first, *others = layout.items
     return len(others) > 2 and all(each is first for each in others) and _is_variable(first)
@@ -386,7 +362,7 @@ def _is_variable(layout: Layout) -> bool:
         return any(_is_variable(item) for _, item in layout.fields)
     if isinstance(layout, ArrayLayout):
         return any(map(_is_variable, {id(item): item for item in layout.items}.values()))
-    return isinstance(layout, (ItemsLayout, TextLayout, OctetsLayout))
+    return not _is_scalar(layout)
 
 
 def _is_plain_record(layout: StructLayout) -> bool:
@@ -430,9 +406,7 @@ def _least(layout: Layout) -> int:
         if _is_loop(layout):
             return len(layout.items) * _least(layout.items[0]) or 1
         return sum(_least(item) for item in layout.items) or 1
-    if isinstance(layout, NumberLayout):
-        return _size(layout.code)
-    return 1 if isinstance(layout, (BoolLayout, CharLayout)) else 4
+    return _size(layout.code) if _is_scalar(layout) else 4
 
 
 def _fits(data: bytes, at: int, count: int, size: int) -> None:
@@ -473,12 +447,18 @@ def _text(data: bytes, at: int, length: int) -> str:
     return found[:-1].decode()
 
 
-def _wide(data: bytes, at: int, length: int) -> str:
-    return _octets(data, at, length).decode("utf-16-le")
-
-
-def _wide_big(data: bytes, at: int, length: int) -> str:
-    return _octets(data, at, length).decode("utf-16-be")
-
-
-_WIDE = {"<": _wide, ">": _wide_big}
+_HELPERS = {
+    "_as_items": as_items,
+    "_as_octets": as_octets,
+    "_as_truth": as_truth,
+    "_fits": _fits,
+    "_member": _member,
+    "_octets": _octets,
+    "_pack": struct.pack,
+    "_padding": [bytes(count) for count in range(8)],
+    "_text": _text,
+    "_truth": _truth,
+    "_unit": _unit,
+    "_unpack": struct.unpack_from,
+}
+"""What the code that is written refers to by name."""

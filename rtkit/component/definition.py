@@ -8,15 +8,10 @@ from typing import Annotated, get_args, get_origin
 
 from rtkit.component.layout import (
     ArrayLayout,
-    BoolLayout,
-    CharLayout,
     EnumLayout,
     ItemsLayout,
     Layout,
-    NumberLayout,
-    OctetsLayout,
     StructLayout,
-    TextLayout,
     layout_of,
 )
 from rtkit.component.typenames import is_standard, type_name
@@ -78,9 +73,7 @@ def _has_octets(layout: Layout) -> bool:
         return any(_has_octets(item) for _, item in layout.fields)
     if isinstance(layout, ArrayLayout):
         return any(map(_has_octets, layout.items))
-    return isinstance(layout, OctetsLayout) or (
-        isinstance(layout, ItemsLayout) and _has_octets(layout.item)
-    )
+    return _has_octets(layout.item) if isinstance(layout, ItemsLayout) else layout.cls is bytes
 
 
 def _definitions(layout: Layout, known: set[str]) -> Iterator[str]:
@@ -129,11 +122,9 @@ def _type(layout: Layout) -> str:
     if isinstance(layout, ItemsLayout):
         item = _type(layout.item)
         return f"sequence<{item}{' ' * item.endswith('>')}>"  # >> would shift
-    if isinstance(layout, NumberLayout):
-        return _NUMBERS[layout.name]
-    if isinstance(layout, (BoolLayout, CharLayout, TextLayout, OctetsLayout)):
-        return layout.name
-    raise Malformed("a sequence of arrays, which IDL has no words for")
+    if isinstance(layout, ArrayLayout):
+        raise Malformed("a sequence of arrays, which IDL has no words for")
+    return _NUMBERS.get(layout.name, layout.name)
 
 
 def _in_module(name: str, definition: str) -> str:

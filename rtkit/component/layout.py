@@ -12,30 +12,21 @@ from typing import Annotated, Any, NamedTuple, Union, get_args, get_origin, get_
 
 from rtkit.errors import Malformed
 
-_WIDTHS = {
-    "int8": "b",
-    "uint8": "B",
-    "int16": "h",
-    "uint16": "H",
-    "int32": "i",
-    "uint32": "I",
-    "int64": "q",
-    "uint64": "Q",
-    "float32": "f",
-    "float64": "d",
-}
 
+class BasicLayout(NamedTuple):
+    """A number, a truth value, a character, a text or octets.
 
-class NumberLayout(NamedTuple):
-    """An integer or float; `code` is its format character in the struct module."""
+    Attributes:
+        name: ``int32``, ``boolean``, ``wstring``; those that begin with w are UTF-16.
+        code: Its format character in the struct module; empty where values differ in length.
+        cls: Class of a value that was carried.
+        zero: The value that is zero or empty.
+    """
 
-    code: str
     name: str
-
-    @property
-    def is_float(self) -> bool:
-        """Return whether it is a floating-point number."""
-        return self.code in "fd"
+    code: str
+    cls: type
+    zero: Any
 
     @property
     def bounds(self) -> tuple[int, int]:
@@ -46,30 +37,34 @@ class NumberLayout(NamedTuple):
         )
 
 
-class BoolLayout(NamedTuple):
-    """A truth value, one byte."""
-
-    name: str = "boolean"
-
-
-class CharLayout(NamedTuple):
-    """One character: of ISO 8859-1, one byte, or, wide, one unit of UTF-16."""
-
-    is_wide: bool = False
-    name: str = "char"
-
-
-class TextLayout(NamedTuple):
-    """Characters: UTF-8 with a closing NUL, or, wide, UTF-16 without."""
-
-    is_wide: bool = False
-    name: str = "string"
-
-
-class OctetsLayout(NamedTuple):
-    """A sequence of bytes."""
-
-    name: str = "sequence<octet>"
+_INTEGERS = zip(("int8", "int16", "int32", "int64"), "bhiq", strict=True)
+_BASICS = {
+    each.name: each
+    for each in (
+        BasicLayout("boolean", "?", bool, False),
+        BasicLayout("char", "c", str, "\0"),  # ISO 8859-1
+        BasicLayout("wchar", "H", str, "\0"),
+        BasicLayout("string", "", str, ""),  # UTF-8 with a closing NUL
+        BasicLayout("wstring", "", str, ""),
+        BasicLayout("sequence<octet>", "", bytes, b""),
+        BasicLayout("float32", "f", float, 0.0),
+        BasicLayout("float64", "d", float, 0.0),
+        *(
+            BasicLayout(f"{sign}{name}", code.upper() if sign else code, int, 0)
+            for name, code in _INTEGERS
+            for sign in ("", "u")
+        ),
+    )
+}
+_PLAIN = {
+    bool: _BASICS["boolean"],
+    int: _BASICS["int64"],
+    float: _BASICS["float64"],
+    str: _BASICS["string"],
+    bytes: _BASICS["sequence<octet>"],
+    bytearray: _BASICS["sequence<octet>"],
+}
+"""Layout of each class that is annotated without a width."""
 
 
 class EnumLayout(NamedTuple):
@@ -78,6 +73,7 @@ class EnumLayout(NamedTuple):
     cls: type[Enum]
     numbers: Mapping[Enum, int]
     name: str
+    code: str = "i"
 
 
 class ItemsLayout(NamedTuple):
@@ -103,17 +99,7 @@ class StructLayout(NamedTuple):
     name: str
 
 
-Layout = (
-    NumberLayout
-    | BoolLayout
-    | CharLayout
-    | TextLayout
-    | OctetsLayout
-    | EnumLayout
-    | ItemsLayout
-    | ArrayLayout
-    | StructLayout
-)
+Layout = BasicLayout | EnumLayout | ItemsLayout | ArrayLayout | StructLayout
 
 _layouts: dict[type, StructLayout] = {}
 
@@ -166,16 +152,8 @@ def _read(hint: Any, where: str, outer: tuple[type, ...]) -> Layout:
     origin, args = get_origin(hint), get_args(hint)
     if origin is Annotated:
         return _annotated(args, where, outer)
-    if hint is bool:
-        return BoolLayout()
-    if hint is int:
-        return NumberLayout("q", "int64")
-    if hint is float:
-        return NumberLayout("d", "float64")
-    if hint is str:
-        return TextLayout()
-    if hint in (bytes, bytearray):
-        return OctetsLayout()
+    if isinstance(hint, type) and hint in _PLAIN:
+        return _PLAIN[hint]
     if origin in (tuple, list) or origin is Sequence:
         return _collection(origin, args, where, outer)
     if isinstance(hint, type) and issubclass(hint, Enum):
@@ -191,14 +169,8 @@ def _read(hint: Any, where: str, outer: tuple[type, ...]) -> Layout:
 def _annotated(args: tuple[Any, ...], where: str, outer: tuple[type, ...]) -> Layout:
     base, *notes = args
     for note in notes:
-        if isinstance(note, str) and note in _WIDTHS:
-            return NumberLayout(_WIDTHS[note], note)
-        if note == "char":
-            return CharLayout()
-        if note == "wchar":
-            return CharLayout(is_wide=True, name="wchar")
-        if note == "wstring":
-            return TextLayout(is_wide=True, name="wstring")
+        if isinstance(note, str) and note in _BASICS:
+            return _BASICS[note]
     return _read(base, where, outer)
 
 
@@ -236,15 +208,7 @@ def zero(layout: Layout) -> Any:
         return tuple(zero(item) for item in layout.items)
     if isinstance(layout, ItemsLayout):
         return layout.make()
-    if isinstance(layout, NumberLayout):
-        return 0.0 if layout.is_float else 0
-    if isinstance(layout, EnumLayout):
-        return next(iter(layout.cls))
-    if isinstance(layout, TextLayout):
-        return ""
-    if isinstance(layout, OctetsLayout):
-        return b""
-    return False if isinstance(layout, BoolLayout) else "\0"
+    return next(iter(layout.cls)) if isinstance(layout, EnumLayout) else layout.zero
 
 
 def as_items(value: Any) -> Sequence[Any]:
@@ -323,20 +287,20 @@ def _complaint_of_items(layout: ItemsLayout | ArrayLayout, value: Any, where: st
     return ""
 
 
-def _is_carried(layout: Layout, value: Any) -> bool:
-    if isinstance(layout, NumberLayout):
-        return _fits(layout, value)
+def _is_carried(layout: BasicLayout | EnumLayout, value: Any) -> bool:
     if isinstance(layout, EnumLayout):
         return isinstance(value, layout.cls)
-    if isinstance(layout, CharLayout):
-        return isinstance(value, str) and len(value) == 1 and _is_unit(ord(value), layout.is_wide)
-    if isinstance(layout, (OctetsLayout, BoolLayout)):
-        return _can_be(as_octets if isinstance(layout, OctetsLayout) else as_truth, value)
-    if isinstance(layout, TextLayout):
-        if not isinstance(value, str) or any("\ud800" <= char <= "\udfff" for char in value):
-            return False
-        return layout.is_wide or "\0" not in value
-    return True
+    if layout.cls in (int, float):
+        return _fits(layout, value)
+    if layout.cls is not str:
+        return _can_be(as_truth if layout.cls is bool else as_octets, value)
+    if not isinstance(value, str):
+        return False
+    is_wide = layout.name[0] == "w"
+    if layout.code:
+        return len(value) == 1 and _is_unit(ord(value), is_wide)
+    is_whole = not any("\ud800" <= char <= "\udfff" for char in value)
+    return is_whole and (is_wide or "\0" not in value)
 
 
 def _can_be(read: Callable[[Any], object], value: Any) -> bool:
@@ -347,9 +311,9 @@ def _can_be(read: Callable[[Any], object], value: Any) -> bool:
     return True
 
 
-def _fits(layout: NumberLayout, value: Any) -> bool:
+def _fits(layout: BasicLayout, value: Any) -> bool:
     try:
-        if layout.is_float:
+        if layout.cls is float:
             number = float(value)
             largest = 3.4028235677973366e38
             is_small = abs(number) < largest or number in (float("inf"), float("-inf"))

@@ -13,12 +13,10 @@ from typing import Any, NoReturn
 
 from rtkit.component.layout import (
     ArrayLayout,
-    BoolLayout,
+    BasicLayout,
     EnumLayout,
     ItemsLayout,
     Layout,
-    NumberLayout,
-    OctetsLayout,
     StructLayout,
     complaint,
     layout_of,
@@ -87,7 +85,8 @@ def zero_value(cls: type, now: Time) -> Any:
 def _is_whole(data: Any, inner: Layout) -> bool:
     """Return whether a literal of a type of stamp and data has both, not the data alone."""
     return isinstance(data, dict) and (
-        _DATA in data or not isinstance(inner, (StructLayout, OctetsLayout))
+        _DATA in data
+        or not (isinstance(inner, StructLayout) or getattr(inner, "cls", None) is bytes)
     )
 
 
@@ -103,22 +102,24 @@ def _read(layout: Layout, data: Any, where: str) -> Any:
         return _record(layout, data, where)
     if isinstance(layout, (ItemsLayout, ArrayLayout)):
         return _sequence(layout, data, where)
-    if isinstance(layout, OctetsLayout):
-        return _octets(data, where)
     if isinstance(layout, EnumLayout):
         return _member(layout, data, where)
-    if isinstance(layout, NumberLayout):
-        if layout.is_float and isinstance(data, str) and data in _NAMED:
-            return float(data)
-        if isinstance(data, bool) or not isinstance(data, (int, float) if layout.is_float else int):
-            _wrong(where, data, layout.name)
-        return _float(data, where) if layout.is_float else data
-    if not isinstance(data, bool if isinstance(layout, BoolLayout) else str):
+    return _basic(layout, data, where)
+
+
+def _basic(layout: BasicLayout, data: Any, where: str) -> Any:
+    if layout.cls is bytes:
+        return _octets(data, where)
+    if layout.cls is float and isinstance(data, str) and data in _NAMED:
+        return float(data)
+    accepted = (int, float) if layout.cls is float else layout.cls
+    is_truth = isinstance(data, bool)
+    if not isinstance(data, accepted) or (is_truth and layout.cls is not bool):
         _wrong(where, data, layout.name)
-    return data
+    return _float(data, where) if layout.cls is float else data
 
 
-def _float(data: float, where: str) -> float:
+def _float(data: Any, where: str) -> float:
     try:
         return float(data)
     except OverflowError:

@@ -34,12 +34,8 @@ from rtkit.component import (
 from rtkit.component.codec import BYTES, codec_for, encoder_for
 from rtkit.component.layout import (
     ArrayLayout,
-    BoolLayout,
-    CharLayout,
     EnumLayout,
     ItemsLayout,
-    NumberLayout,
-    OctetsLayout,
     StructLayout,
     layout_of,
     zero,
@@ -49,7 +45,7 @@ from rtkit.errors import Malformed
 BASIC = [
     cls
     for module in (types, timed, geometry, extended, sensors, actuators, navigation, images)
-    for cls in vars(module).values()
+    for cls in (getattr(module, name) for name in dir(module))
     if isinstance(cls, type) and is_dataclass(cls) and cls.__module__ == module.__name__
 ]
 
@@ -132,13 +128,13 @@ def foreign(layout):
         members = {member.name: number for member, number in layout.numbers.items()}
         cls = pycdr2.IdlEnum(f"Foreign{layout.name}", members)
         return cls, lambda value: cls[value.name]
-    if isinstance(layout, OctetsLayout):
+    if layout.cls is bytes:
         return pycdr2.types.sequence[pycdr2.types.uint8], list
-    if isinstance(layout, NumberLayout):
+    if layout.cls in (int, float):
         return getattr(pycdr2.types, layout.name), lambda value: value
-    if isinstance(layout, CharLayout):
+    if layout.name == "char":
         return pycdr2.types.char, lambda value: value
-    return bool if isinstance(layout, BoolLayout) else str, lambda value: value
+    return layout.cls, lambda value: value
 
 
 @pytest.mark.parametrize("cls", [c for c in BASIC if "TimedW" not in c.__name__])
@@ -156,15 +152,13 @@ def sample(layout, seed):
         return layout.make(sample(layout.item, seed + i) for i in range(seed % 4 + 1))
     if isinstance(layout, ArrayLayout):
         return tuple(sample(item, seed + i) for i, item in enumerate(layout.items))
-    if isinstance(layout, NumberLayout):
-        return seed / 4 if layout.is_float else seed
+    if layout.cls in (int, float):
+        return seed / 4 if layout.cls is float else seed
     if isinstance(layout, EnumLayout):
         return list(layout.numbers)[seed % len(layout.numbers)]
-    if isinstance(layout, OctetsLayout):
+    if layout.cls is bytes:
         return bytes(range(seed))
-    if isinstance(layout, CharLayout) and layout.is_wide:
-        return "長"
-    return {BoolLayout: True, CharLayout: "c"}.get(type(layout), "text" * seed)
+    return {"boolean": True, "char": "c", "wchar": "長"}.get(layout.name, "text" * seed)
 
 
 @pytest.mark.parametrize("cls", [*BASIC, Plain, Mixed])
