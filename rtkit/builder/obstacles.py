@@ -78,7 +78,7 @@ def _of_name(definitions: Definitions, path: Path, inside: tuple[Path, ...]) -> 
 def of_interface(definitions: Definitions, interface: InterfaceDeclaration) -> str:
     """Return why an interface cannot be called; empty when it can."""
     is_empty = True
-    for each in lineage(definitions, interface):
+    for each in _lineage(definitions, interface, set()):
         if isinstance(each, str):
             return f"{each} is not defined"
         for operation in each.operations:
@@ -101,20 +101,13 @@ def _of_operation(definitions: Definitions, operation: Operation) -> str:
     return next(filter(None, (of_type(definitions, each) for each in types)), "")
 
 
-def lineage(
-    definitions: Definitions, interface: InterfaceDeclaration
-) -> Iterator[InterfaceDeclaration | str]:
-    """Yield the bases of an interface, the farthest first, then itself.
-
-    A base without definition is yielded as its name.
-    """
-    seen: set[Path] = set()
-    yield from _lineage(definitions, interface, seen)
-
-
 def _lineage(
     definitions: Definitions, interface: InterfaceDeclaration, seen: set[Path]
 ) -> Iterator[InterfaceDeclaration | str]:
+    """Yield the bases of an interface, the farthest first, then itself.
+
+    A base without definition is yielded as its name; those `seen` already are passed over.
+    """
     seen.add(interface.path)
     for path in interface.bases:
         base = definitions.by_path.get(path)

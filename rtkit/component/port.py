@@ -100,6 +100,11 @@ class DataPort(Port, Generic[T]):
         }
         super().__init__(name, {**own, **(properties or {})}, doc=doc)
         self.data_type = data_type
+        self._begin()
+
+    def _begin(self) -> None:
+        """Set up what a port of this direction keeps."""
+        raise NotImplementedError
 
     @property
     def profile(self) -> PortProfile:
@@ -127,15 +132,7 @@ class InPort(DataPort[T]):
     port_type = PortType.IN
     limit_key = "dataport.fan_in"
 
-    def __init__(
-        self,
-        data_type: type[T],
-        name: str = "",
-        properties: Mapping[str, str] | None = None,
-        *,
-        doc: str = "",
-    ) -> None:
-        super().__init__(data_type, name, properties, doc=doc)
+    def _begin(self) -> None:
         self._buffers: tuple[Buffer[T], ...] = ()
         self._left: tuple[Buffer[T], ...] = ()
         self._policies: dict[str, tuple[Buffer[T], EmptyPolicy]] = {}
@@ -315,17 +312,9 @@ class OutPort(DataPort[T]):
     port_type = PortType.OUT
     limit_key = "dataport.fan_out"
 
-    def __init__(
-        self,
-        data_type: type[T],
-        name: str = "",
-        properties: Mapping[str, str] | None = None,
-        *,
-        doc: str = "",
-    ) -> None:
-        super().__init__(data_type, name, properties, doc=doc)
+    def _begin(self) -> None:
         # What tests a value and what takes it, replaced together while another thread writes.
-        self._way: tuple[Callable[[T], bool], tuple[Sink[T], ...]] = (self._begin, ())
+        self._way: tuple[Callable[[T], bool], tuple[Sink[T], ...]] = (self._compile, ())
         self._encoding: set[str] = set()
         self._by_id: dict[str, Sink[T]] = {}
         self._pulled: dict[str, Buffer[T]] = {}
@@ -359,7 +348,7 @@ class OutPort(DataPort[T]):
             raise failure
         return status
 
-    def _begin(self, value: T) -> bool:
+    def _compile(self, value: T) -> bool:
         """Compile the test of values at first use, because most ports of a host never write."""
         with self._lock:
             self._find_way()

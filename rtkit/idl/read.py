@@ -46,6 +46,17 @@ _BROKER = "CORBA"
 
 _INTEGERS = frozenset(f"{sign}int{bits}" for sign in ("", "u") for bits in (8, 16, 32, 64))
 """Types that IDL 4 added; in older files these may be names of something else."""
+_OPAQUE = {
+    "union": BasicKind.UNION,
+    "valuetype": BasicKind.VALUETYPE,
+    "native": BasicKind.NATIVE,
+    "forward_interface": BasicKind.FORWARD,
+    "forward_structure": BasicKind.FORWARD,
+    "forward_union": BasicKind.FORWARD,
+    "forward_value": BasicKind.FORWARD,
+}
+"""Rules of the grammar for declarations that are known by name only."""
+
 _WORDS = {
     "CHARACTER": "a character",
     "DIRECTION": "in, out or inout",
@@ -147,9 +158,12 @@ class _Reader:
 
     def definitions(self, nodes: list[Any], scope: Path) -> None:
         for node in nodes:
-            if node.data == "annotation":
-                continue
-            getattr(self, f"_{node.data}")(node, scope)
+            if node.data in _OPAQUE:
+                path, place = (*scope, _name(node.children[0])), self._place(node)
+                kind = _OPAQUE[node.data]
+                self.scopes.declare(Opaque(path, place, kind, doc=self._doc(node)))
+            elif node.data != "annotation":
+                getattr(self, f"_{node.data}")(node, scope)
 
     def _module(self, node: Any, scope: Path) -> None:
         name, *inner = node.children
@@ -213,12 +227,6 @@ class _Reader:
                 yield Attribute(_name(name), type, readonly is not None, doc)
 
     def _structure(self, node: Any, scope: Path) -> None:
-        self._struct(node, scope, is_exception=False)
-
-    def _exception(self, node: Any, scope: Path) -> None:
-        self._struct(node, scope, is_exception=True)
-
-    def _struct(self, node: Any, scope: Path, *, is_exception: bool) -> None:
         path, place = self._begin(node, scope)
         fields: list[Field] = []
         for part in _parts(node, "inheritance"):
@@ -230,9 +238,12 @@ class _Reader:
         for name in names:
             if names.count(name) > 1:
                 raise InvalidIdl(f"{place}: {'::'.join(path)} has two members {name}")
+        is_exception = node.data == "exception"
         self.scopes.declare(
             StructDeclaration(path, place, tuple(fields), is_exception, doc=self._doc(node))
         )
+
+    _exception = _structure
 
     def _member(self, node: Any, scope: Path) -> Iterator[Field]:
         kind, *declarators = _bare(node)
@@ -288,24 +299,6 @@ class _Reader:
         type, value = self._type(kind, scope), self._value(expression, scope)
         self.scopes.declare(Constant(path, place, type, value, doc=self._doc(node)))
         self.scopes.define(path, value, place)
-
-    def _union(self, node: Any, scope: Path) -> None:
-        self._opaque(node, scope, BasicKind.UNION)
-
-    def _valuetype(self, node: Any, scope: Path) -> None:
-        self._opaque(node, scope, BasicKind.VALUETYPE)
-
-    def _native(self, node: Any, scope: Path) -> None:
-        self._opaque(node, scope, BasicKind.NATIVE)
-
-    def _forward(self, node: Any, scope: Path) -> None:
-        self._opaque(node, scope, BasicKind.FORWARD)
-
-    _forward_interface = _forward_structure = _forward_union = _forward_value = _forward
-
-    def _opaque(self, node: Any, scope: Path, kind: BasicKind) -> None:
-        path, place = (*scope, _name(node.children[0])), self._place(node)
-        self.scopes.declare(Opaque(path, place, kind, doc=self._doc(node)))
 
     def _begin(self, node: Any, scope: Path) -> tuple[Path, SourceLine]:
         """Announce a declaration whose body may name it."""
