@@ -153,8 +153,9 @@ def make_dataclass(
         "__annotations__": {each: hint for each, hint, _ in given},
         "__doc__": doc,
         "__module__": module,
+        "__qualname__": name,
     }
-    return _made(type(name, (), bare), frozen=True, order=False, eq=True)
+    return _made(lambda _, bases, namespace: type(name, bases, namespace), (object,), bare)
 
 
 def _own(namespace: Mapping[str, Any]) -> dict[str, Any]:
