@@ -23,6 +23,8 @@ from rtkit.link.zenoh import open_client, open_listener
 LOOPBACK = "127.0.0.1"
 _ROUTE_S = 5.0
 _AGAIN_S = 0.005
+_PATIENCE_S = 0.25
+"""How long the first question about a manager may be without an answer until it is repeated [s]."""
 _INTRODUCE_S = 1.0
 """How long who connects has to prove that he knows the secret [s]."""
 _MOST = 500
@@ -110,19 +112,21 @@ def log_in(port: int, secret: Secret, timeout_s: float) -> zenoh.Session:
 def ask_identity(session: zenoh.Session, timeout_s: float) -> Identity:
     """Return the identity of the manager behind an endpoint.
 
-    An endpoint that has just been opened may not know of its manager yet: it is asked again.
+    An endpoint that has just been opened may not know of its manager yet, or lose the question:
+    it is asked again, with more patience each time.
 
     Raises:
         Unreachable: None answers, or only one of another realm.
     """
-    deadline = time.monotonic() + timeout_s
-    while (left_s := deadline - time.monotonic()) > 0:
-        key, text = _introduction(session, left_s)
+    began = now = time.monotonic()
+    while (left_s := began + timeout_s - now) > 0:
+        key, text = _introduction(session, min(left_s, _PATIENCE_S + now - began))
         if key == keys.introduction():
             return _identity(text)
         if key:
             break
         time.sleep(_AGAIN_S)
+        now = time.monotonic()
     raise Unreachable("no manager of this realm answers there")
 
 

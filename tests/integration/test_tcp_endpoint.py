@@ -71,6 +71,29 @@ os._exit(0)
 """
 
 
+LOST = """
+import json, os, zenoh
+from rtkit.link import keys, places, tcp_endpoint
+from rtkit.link.zenoh import open_client, open_listener, unix_endpoint
+
+inner = unix_endpoint(places.manager_socket("m"))
+manager, client = open_listener(inner), open_client(inner, 20.0)
+identity = tcp_endpoint.Identity("h", "m", "manager")
+asked = []
+
+def answer_but_the_first(query):
+    asked.append(query)
+    if len(asked) > 1:
+        query.reply(keys.introduction(), json.dumps(identity))
+        query.drop()
+
+handler = zenoh.handlers.Callback(answer_but_the_first, indirect=False)
+manager.declare_queryable(keys.introduction(), handler)
+print(tcp_endpoint.ask_identity(client, 5.0) == identity, flush=True)
+os._exit(0)
+"""
+
+
 @pytest.fixture
 def folder() -> Iterator[Path]:
     """A folder with a path short enough for sockets."""
@@ -92,6 +115,10 @@ def test_who_connects_and_says_nothing_shuts_no_door(folder: Path) -> None:
 
 def test_who_asks_before_the_manager_can_be_reached_there_is_answered_then(folder: Path) -> None:
     assert run(folder, EARLY) == (0, "True\n", "")
+
+
+def test_a_question_that_is_lost_on_the_way_is_repeated(folder: Path) -> None:
+    assert run(folder, LOST) == (0, "True\n", "")
 
 
 def run(folder: Path, script: str, *arguments: str) -> tuple[int, str, str]:
