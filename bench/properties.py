@@ -20,8 +20,7 @@ from rtkit.errors import Unreachable
 from rtkit.link import keys, places
 from rtkit.link.zenoh import open_client, unix_endpoint
 from rtkit.wires.line.client import connect_unix
-from rtkit.wires.zenoh.client import ZenohClient
-from rtkit.wires.zenoh.subscriptions import ZenohSubscription
+from tests.support.zenoh_client import ZenohClient, ZenohSubscription
 
 _TIMES = 300
 _ON_THE_WAY = 200

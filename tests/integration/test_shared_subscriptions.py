@@ -16,8 +16,7 @@ from rtkit.link import keys, places
 from rtkit.link.zenoh import open_client, unix_endpoint
 from rtkit.property.service import Service
 from rtkit.wires.serve import ServedObject, serve
-from rtkit.wires.zenoh.client import ZenohClient
-from rtkit.wires.zenoh.subscriptions import ZenohSubscription
+from tests.support.zenoh_client import ZenohClient, ZenohSubscription
 
 _MANY = 200
 

@@ -27,7 +27,7 @@ from rtkit.wires.property_client import PropertyClient
 from rtkit.wires.serve import ServedObject
 from rtkit.wires.table import WIRES, wire_of
 from rtkit.wires.wire import PORT, Wire
-from rtkit.wires.zenoh.client import ZenohClient
+from tests.support.zenoh_client import ZenohClient
 
 BOUND_S = 30.0
 _IS_ABSENT = {} if icekit.IS_THERE else {"ice": icekit.MISSING}

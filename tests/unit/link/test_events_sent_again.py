@@ -15,7 +15,7 @@ from rtkit.wires.mqtt.provider_connection import MqttConnection, _Subscription
 from rtkit.wires.serial.address import SerialAddress
 from rtkit.wires.serial.client import SerialClient
 from rtkit.wires.zenoh.properties import EventPosition, Joined
-from rtkit.wires.zenoh.subscriptions import ZenohSubscription
+from tests.support.zenoh_client import ZenohSubscription
 
 FIRST = PropertyEvent("speed", "1.5", 12.0, 3)
 OTHERS = (
