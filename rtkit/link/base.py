@@ -1,9 +1,9 @@
-"""Interface of a transport, which `rtkit.link.zenoh` implements, and one without a far side."""
+"""Interface of a transport, which `rtkit.link.zenoh` implements."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING
 
 from rtkit.errors import Unreachable
 
@@ -11,8 +11,8 @@ if TYPE_CHECKING:
     from rtkit.property.exchange import Reply, Request
 
 
-class Link(Protocol):
-    """Transport that reaches services and offers services."""
+class Link:
+    """Transport that reaches services and offers services; this one has no far side."""
 
     def send(self, key: str, payload: str | None, timeout_s: float) -> Callable[[], Reply]:
         """Send a GET (payload None) or SET of the property at `key`; return what awaits the reply.
@@ -23,7 +23,7 @@ class Link(Protocol):
         Raises:
             Unreachable: Nobody answered in time; when awaited.
         """
-        ...
+        raise Unreachable(f"nobody serves {key}")
 
     def call(self, key: str, payload: str | None, timeout_s: float) -> Reply:
         """Send, and wait for the reply.
@@ -31,11 +31,10 @@ class Link(Protocol):
         Raises:
             Unreachable: Nobody answered in time.
         """
-        ...
+        return self.send(key, payload, timeout_s)()
 
     def serve(self, service_key: str, enqueue: Callable[[Request], object]) -> None:
         """Offer a service; `enqueue` is called on the transport's threads and must only enqueue."""
-        ...
 
     def announce(self, key: str, listened: Callable[[bool], object]) -> Callable[[str], object]:
         """Open a topic of texts; return the function that sends one to all subscribers.
@@ -43,41 +42,14 @@ class Link(Protocol):
         It never waits: a slow subscriber misses texts. `listened` is called, on the transport's
         threads, when the first subscriber comes and when the last one has gone.
         """
-        ...
+        return lambda text: None
 
     def listen(self, key: str, on_text: Callable[[str], object]) -> Callable[[], object]:
         """Subscribe `on_text` to the texts of a topic; return the function that ends it.
 
         It is called on the transport's threads and must only enqueue.
         """
-        ...
+        return lambda: None
 
     def close(self) -> None:
         """Leave; nothing is served or reachable afterwards."""
-        ...
-
-
-class DeadLink(Link):
-    """Link on which nobody answers: no manager runs yet."""
-
-    def send(self, key: str, payload: str | None, timeout_s: float) -> Callable[[], Reply]:
-        """See `Link.send`."""
-        raise Unreachable(f"nobody serves {key}")
-
-    call = send  # type: ignore[assignment]
-
-    def listen(self, key: str, on_text: Callable[[str], object]) -> Callable[[], object]:
-        """See `Link.listen`: no text comes."""
-        return lambda: None
-
-    def serve(self, service_key: str, enqueue: Callable[[Request], object]) -> None:
-        """See `Link.serve`: nobody asks."""
-        return None
-
-    def announce(self, key: str, listened: Callable[[bool], object]) -> Callable[[str], object]:
-        """See `Link.announce`: nobody subscribes."""
-        return lambda text: None
-
-    def close(self) -> None:
-        """See `Link.close`."""
-        return None

@@ -19,6 +19,7 @@ import zenoh
 
 from rtkit.errors import Malformed, Unreachable
 from rtkit.link import places
+from rtkit.link.base import Link
 from rtkit.link.deadline import deadline_from_bytes, deadline_to_bytes
 from rtkit.link.threads import start_thread
 from rtkit.property.exchange import Reply, Request
@@ -144,16 +145,12 @@ def _bare(error: zenoh.ZError) -> str:
     return re.sub(r" at /\S+\.rs:\d+\.?", "", str(error)).rstrip(".")
 
 
-class ZenohLink:
+class ZenohLink(Link):
     """A `Link` over one zenoh session."""
 
     def __init__(self, session: zenoh.Session) -> None:
         self._session = session
         self._declared: list[zenoh.Queryable[None] | zenoh.Publisher] = []
-
-    def call(self, key: str, payload: str | None, timeout_s: float) -> Reply:
-        """See `Link.call`."""
-        return self.send(key, payload, timeout_s)()
 
     def send(self, key: str, payload: str | None, timeout_s: float) -> Callable[[], Reply]:
         """See `Link.send`."""

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from rtkit.property.access import Access
 from rtkit.property.codes import PropertyError
-from rtkit.property.messages import Answer, Payload
+from rtkit.property.messages import Answer, Payload, PropertyEvent
 
 if TYPE_CHECKING:
     from rtkit.property.subscription import Listener
@@ -46,6 +46,50 @@ class Requester:
 
     def wake(self) -> None:
         """Note that a listener of it has something to send."""
+
+
+class ListeningRequester(Requester):
+    """Requester that keeps its listeners, and sends their events when they are due."""
+
+    def __init__(self, identity: str = "") -> None:
+        super().__init__(identity)
+        self.listeners: list[Listener] = []
+
+    @property
+    def listening(self) -> int:
+        """Return how many subscriptions it has."""
+        return len(self.listeners)
+
+    @property
+    def has_pending(self) -> bool:
+        """Return whether an event waits to be sent."""
+        return any(each.pending for each in self.listeners)
+
+    def listen(self, listener: Listener) -> None:
+        """See `Requester.listen`."""
+        self.listeners.append(listener)
+
+    def unlisten(self, listener: Listener) -> None:
+        """See `Requester.unlisten`."""
+        if listener in self.listeners:
+            self.listeners.remove(listener)
+
+    def send_due(
+        self,
+        now: float,
+        has_room: Callable[[], bool],
+        send: Callable[[Listener, PropertyEvent], object],
+    ) -> float | None:
+        """Send the events that are due while there is room; return when others will be [s]."""
+        due: list[float] = []
+        for listener in list(self.listeners):
+            while has_room() and (event := listener.take(now)) is not None:
+                send(listener, event)
+            if listener.has_ended and not listener.pending:
+                self.listeners.remove(listener)
+            elif listener.pending and has_room() and (at := listener.due()) is not None:
+                due.append(at)
+        return min(due, default=None)
 
 
 OWNER = Requester("owner")

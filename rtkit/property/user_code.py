@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Coroutine
 from types import CoroutineType
-from typing import Any, Protocol, TypeGuard
+from typing import Any, TypeGuard
 
 from rtkit.guard import GuardedResult, guarded, kind_and_text, text_of
 from rtkit.property.codes import PropertyError
@@ -19,12 +19,17 @@ Finished = Callable[[object, BaseException | None], None]
 Cancel = Callable[[], object]
 
 
-class UserCode(Protocol):
-    """Calls user code for one process."""
+class UserCode:
+    """Calls user code for one process; this one on the thread of the requester, at once."""
 
     def call(self, work: Work) -> GuardedResult:
         """Call something now, on this thread, and await what it returns."""
-        ...
+        outcome = guarded(work)
+        if isinstance(outcome.error, KeyboardInterrupt):
+            raise outcome.error  # this may be the main thread, and the user at its terminal
+        if is_coroutine(outcome.result):
+            return guarded(lambda: self.awaited(outcome.result, lambda cancel: None))
+        return outcome
 
     def later(self, lane: str, work: Work, refuse: Callable[[Answer], object], wait: float) -> None:
         """Do something that calls user code, in its turn.
@@ -35,7 +40,7 @@ class UserCode(Protocol):
             refuse: Takes the reason when it cannot be done, or has not ended in time.
             wait: How long that is [s]; 0 for as long as usual.
         """
-        ...
+        work()
 
     def start(self, work: Work, finished: Finished) -> None:
         """Run an action; `finished` takes its outcome as the owner of the service.
@@ -43,15 +48,16 @@ class UserCode(Protocol):
         Raises:
             PropertyError: ``busy``: very many run already.
         """
-        ...
+        outcome = self.call(work)
+        finished(outcome.result, outcome.error)
 
     def refuse_after(self, wait: float, refuse: Callable[[Answer], object]) -> Callable[[], object]:
         """Refuse something that has not ended after some time [s]; return what takes that back."""
-        ...
+        return lambda: None  # at once: all has ended before anybody could ask
 
     def post(self, work: Work) -> None:
         """Do something soon as the owner of the service; from any thread."""
-        ...
+        work()
 
     def awaited(
         self, coroutine: Coroutine[Any, Any, object], cancellable: Callable[[Cancel], object]
@@ -62,7 +68,9 @@ class UserCode(Protocol):
             coroutine: What is awaited.
             cancellable: Is given what cancels it; then it returns None.
         """
-        ...
+        import asyncio
+
+        return asyncio.run(coroutine)
 
 
 def is_coroutine(thing: object) -> TypeGuard[Coroutine[Any, Any, object]]:
@@ -94,42 +102,4 @@ class Unfolded(Exception):
     """Property that turned out to hold an object with properties of its own: look it up again."""
 
 
-class AtOnce:
-    """Calls user code on the thread of the requester: for a service without endpoints."""
-
-    def call(self, work: Work) -> GuardedResult:
-        """See `UserCode.call`."""
-        outcome = guarded(work)
-        if isinstance(outcome.error, KeyboardInterrupt):
-            raise outcome.error  # this may be the main thread, and the user at its terminal
-        if is_coroutine(outcome.result):
-            return guarded(lambda: self.awaited(outcome.result, lambda cancel: None))
-        return outcome
-
-    def later(self, lane: str, work: Work, refuse: Callable[[Answer], object], wait: float) -> None:
-        """See `UserCode.later`."""
-        work()
-
-    def start(self, work: Work, finished: Finished) -> None:
-        """See `UserCode.start`."""
-        outcome = self.call(work)
-        finished(outcome.result, outcome.error)
-
-    def refuse_after(self, wait: float, refuse: Callable[[Answer], object]) -> Callable[[], object]:
-        """See `UserCode.refuse_after`: here all has ended before anybody could ask."""
-        return lambda: None
-
-    def post(self, work: Work) -> None:
-        """See `UserCode.post`."""
-        work()
-
-    def awaited(
-        self, coroutine: Coroutine[Any, Any, object], cancellable: Callable[[Cancel], object]
-    ) -> object:
-        """See `UserCode.awaited`."""
-        import asyncio
-
-        return asyncio.run(coroutine)
-
-
-AT_ONCE = AtOnce()
+AT_ONCE = UserCode()

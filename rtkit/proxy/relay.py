@@ -27,6 +27,7 @@ from rtkit.proxy.narrowing import narrowed, tells_access
 from rtkit.proxy.subscriptions import RelayedSubscriptions
 from rtkit.proxy.uplink import Uplink
 from rtkit.serving.event_loop import PropertyEventLoop
+from rtkit.serving.provider import PropertyProvider
 from rtkit.wires.provider_connection import STATUS, ConnectionMaker, ProviderConnection
 
 MOST_HOPS = 8
@@ -35,8 +36,8 @@ _LISTEN = "listen"
 ITSELF = "that would be a proxy of itself"
 
 
-class Relay:
-    """Stands for the owner of properties; a `PropertyProvider` to the endpoints.
+class Relay(PropertyProvider):
+    """Stands for the owner of properties.
 
     Args:
         on_status: Called with why whenever the owner is gone, and with nothing when it is back.
@@ -71,30 +72,6 @@ class Relay:
         self._listenings = RelayedSubscriptions(self.uplink, names.outward, monotonic)
 
     # What the loop does
-
-    @property
-    def is_polled(self) -> bool:
-        """See `PropertyProvider.is_polled`: the owner does that."""
-        return False
-
-    def poll(self) -> None:
-        """See `PropertyProvider.poll`."""
-
-    def quick(self, line: bytes, caller: Requester) -> bytes | None:
-        """See `PropertyProvider.quick`: nothing is kept here."""
-        return None
-
-    def is_plain(self, name: str) -> bool:
-        """See `PropertyProvider.is_plain`: it takes a while."""
-        return False
-
-    def is_text(self, name: str) -> bool:
-        """See `PropertyProvider.is_text`: only the owner knows."""
-        return False
-
-    def revision(self, name: str) -> int | None:
-        """See `PropertyProvider.revision`: only the owner knows."""
-        return None
 
     def tick(self) -> None:
         """See `PropertyProvider.tick`."""

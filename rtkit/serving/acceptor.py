@@ -4,29 +4,20 @@ from __future__ import annotations
 
 import contextlib
 import socket
-from abc import ABC, abstractmethod
-from typing import Protocol
+from abc import abstractmethod
 
 from rtkit.errors import Unreachable
 from rtkit.property.access import DEFAULT_LIMITS, EndpointLimits
-from rtkit.serving.event_loop import PropertyEventLoop
-from rtkit.serving.quota import EndpointQuota, QuotaClient
+from rtkit.serving.event_loop import IOHandler, PropertyEventLoop
+from rtkit.serving.quota import EndpointQuota
+from rtkit.serving.socket_client import SocketClient
 
 LOOPBACK = "127.0.0.1"
 _BACKLOG = 128
 
 
-class AdmittedClient(QuotaClient, Protocol):
-    """Client that has been admitted."""
-
-    @property
-    def is_open(self) -> bool:
-        """Until its socket is closed."""
-        ...
-
-
-class Acceptor(ABC):
-    """Listening socket that clients connect to; an `IOHandler` of its host.
+class Acceptor(IOHandler):
+    """Listening socket that clients connect to.
 
     Args:
         end: Bound; it is listened at from now on.
@@ -43,14 +34,14 @@ class Acceptor(ABC):
     ) -> None:
         self._host = host
         self._end = end
-        self._clients: list[AdmittedClient] = []
+        self._clients: list[SocketClient] = []
         self._quota = EndpointQuota(host.policy, endpoint, lambda: self._clients, limits=limits)
         end.setblocking(False)
         end.listen(_BACKLOG)
         host.register(end, self)
 
     @abstractmethod
-    def admit(self, client: socket.socket) -> AdmittedClient | str:
+    def admit(self, client: socket.socket) -> SocketClient | str:
         """Admit a client, or return the refusal to send it: code, blank, words."""
 
     @abstractmethod

@@ -10,6 +10,7 @@ import select
 import socket
 import threading
 import time
+from abc import ABC, abstractmethod
 from collections import deque
 from collections.abc import Callable
 from typing import Protocol
@@ -31,39 +32,38 @@ class ByteStream(Protocol):
 
     def fileno(self) -> int:
         """Return its descriptor."""
-        ...
 
     def setblocking(self, flag: bool, /) -> None:
         """Wait in `recv` and `send`, or raise BlockingIOError."""
-        ...
 
     def recv(self, size: int, /) -> bytes:
         """Return what has come, nothing at its end."""
-        ...
 
     def send(self, data: bytes | bytearray | memoryview, /) -> int:
         """Send as much as the receiver takes; return how much that was."""
-        ...
 
     def close(self) -> None:
         """Be open no longer."""
-        ...
 
 
-class IOHandler(Protocol):
-    """Handler of a socket that the loop serves."""
+class IOHandler(ABC):
+    """Handler that the loop serves: of a socket, or of none, which is flushed when it is marked."""
 
-    def ready(self, mask: int) -> bool | None:
+    _host: PropertyEventLoop
+
+    def wake(self) -> None:
+        """Have the loop flush it."""
+        self._host.mark(self)
+
+    def ready(self, mask: int) -> bool | None:  # noqa: B027  not all have a socket
         """Read or write the ready socket; return True if nothing is left to do."""
-        ...
 
+    @abstractmethod
     def flush(self, now: float) -> float | None:
         """Send what is due; return when something will be, None if nothing is to come."""
-        ...
 
-    def check(self, now: float) -> None:
+    def check(self, now: float) -> None:  # noqa: B027  not all wait for somebody
         """Look whether the far side takes too long."""
-        ...
 
 
 class PropertyEventLoop:
@@ -279,23 +279,3 @@ class PropertyEventLoop:
         for end in [*self._sockets.values(), self._wake, self._waker]:
             end.close()
         self._epoll.close()
-
-
-class SocketlessHandler:
-    """Handler without a socket of its own: the loop flushes it when it is marked."""
-
-    _host: PropertyEventLoop
-
-    def wake(self) -> None:
-        """See `Requester.wake`."""
-        self._host.mark(self)
-
-    def ready(self, mask: int) -> None:
-        """See `IOHandler.ready`: there is nothing to read."""
-
-    def check(self, now: float) -> None:
-        """See `IOHandler.check`: nothing takes too long."""
-
-    def flush(self, now: float) -> float | None:
-        """See `IOHandler.flush`."""
-        raise NotImplementedError

@@ -8,8 +8,7 @@ from typing import Protocol
 
 from rtkit.property.access import DEFAULT_LIMITS, AccessPolicy, AccessRule, EndpointLimits
 from rtkit.property.codes import PropertyError
-from rtkit.property.messages import PropertyEvent
-from rtkit.property.requests import Requester
+from rtkit.property.requests import ListeningRequester
 from rtkit.property.subscription import Listener
 
 
@@ -19,7 +18,6 @@ class QuotaClient(Protocol):
     @property
     def listening(self) -> int:
         """Return how many subscriptions it has."""
-        ...
 
 
 class RateLimit:
@@ -96,8 +94,8 @@ class EndpointQuota:
             )
 
 
-class SubscribingClient(Requester):
-    """Requester with listeners.
+class SubscribingClient(ListeningRequester):
+    """Client of an endpoint that may listen.
 
     Args:
         quota: How much there is room for, and what may be done.
@@ -107,41 +105,8 @@ class SubscribingClient(Requester):
         super().__init__(identity)
         self.access = quota.access
         self._quota = quota
-        self._listeners: list[Listener] = []
-
-    @property
-    def listening(self) -> int:
-        """Return how many subscriptions it has."""
-        return len(self._listeners)
-
-    @property
-    def has_pending(self) -> bool:
-        """Return whether an event waits to be sent."""
-        return any(each.pending for each in self._listeners)
 
     def listen(self, listener: Listener) -> None:
         """See `Requester.listen`."""
         self._quota.check_listeners(self.listening)
-        self._listeners.append(listener)
-
-    def unlisten(self, listener: Listener) -> None:
-        """See `Requester.unlisten`."""
-        if listener in self._listeners:
-            self._listeners.remove(listener)
-
-    def send_due(
-        self,
-        now: float,
-        has_room: Callable[[], bool],
-        send: Callable[[Listener, PropertyEvent], object],
-    ) -> float | None:
-        """Send the events that are due while there is room; return when others will be [s]."""
-        due: list[float] = []
-        for listener in list(self._listeners):
-            while has_room() and (event := listener.take(now)) is not None:
-                send(listener, event)
-            if listener.has_ended and not listener.pending:
-                self._listeners.remove(listener)
-            elif listener.pending and has_room() and (at := listener.due()) is not None:
-                due.append(at)
-        return min(due, default=None)
+        super().listen(listener)

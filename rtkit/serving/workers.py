@@ -18,7 +18,7 @@ from typing import Any
 from rtkit.guard import GuardedResult, guarded
 from rtkit.property.codes import PropertyError
 from rtkit.property.messages import Answer
-from rtkit.property.user_code import Cancel, Finished, Work, is_coroutine
+from rtkit.property.user_code import Cancel, Finished, UserCode, Work, is_coroutine
 from rtkit.serving.coroutines import Coroutines
 
 HAND_OVER_S = 0.05
@@ -48,7 +48,7 @@ class _Job:
         self.is_slow = False
 
 
-class Workers:
+class Workers(UserCode):
     """Runs the user code of one host; all but `call`, `post` and `awaited` by its owner.
 
     Args:
@@ -57,7 +57,7 @@ class Workers:
     """
 
     def __init__(self, lock: threading.Lock, post: Callable[[Work], None]) -> None:
-        self.post = post
+        self._post = post
         self._lock = lock
         self._wakeup = threading.Condition(lock)
         self._lanes: dict[str, deque[_Job]] = {}
@@ -82,6 +82,10 @@ class Workers:
             return self._called(work)
         finally:
             self._lock.acquire()
+
+    def post(self, work: Work) -> None:
+        """See `UserCode.post`."""
+        self._post(work)
 
     def _called(self, work: Work) -> GuardedResult:
         outcome = guarded(work)

@@ -17,7 +17,7 @@ from rtkit.property.naming import parse_target
 from rtkit.property.requests import Requester
 from rtkit.property.service import Service
 from rtkit.property.subscription import Listener
-from rtkit.serving.event_loop import PropertyEventLoop, SocketlessHandler
+from rtkit.serving.event_loop import IOHandler, PropertyEventLoop
 from rtkit.wires.line.client import connect_unix
 
 DELIVERY_S = 5.0
@@ -26,7 +26,7 @@ MOST_FAILURES = 3
 MOST_TARGETS = 64
 
 
-class Notified(SocketlessHandler, Requester):
+class Notified(IOHandler, Requester):
     """Property of another service; each event is a SET of it.
 
     Args:

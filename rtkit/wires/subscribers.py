@@ -9,8 +9,9 @@ from time import monotonic
 from typing import Protocol
 
 from rtkit.property.messages import PropertyEvent
+from rtkit.property.requests import ListeningRequester
 from rtkit.property.subscription import Listener
-from rtkit.serving.event_loop import PropertyEventLoop, SocketlessHandler
+from rtkit.serving.event_loop import IOHandler, PropertyEventLoop
 from rtkit.serving.quota import EndpointQuota, SubscribingClient
 from rtkit.wires.zenoh.properties import EventPosition, Joined, new_run
 
@@ -31,7 +32,7 @@ class EventSender(Protocol):
         """Send an event to a subscriber, or to a group of them."""
 
 
-class Subscriber(SocketlessHandler, SubscribingClient):
+class Subscriber(IOHandler, SubscribingClient):
     """Single subscriber, on a key of its own.
 
     Attributes:
@@ -52,7 +53,7 @@ class Subscriber(SocketlessHandler, SubscribingClient):
     @property
     def is_used(self) -> bool:
         """Return whether it listens to anything, or is about to."""
-        return bool(self._listeners or self.asked)
+        return bool(self.listeners or self.asked)
 
     def flush(self, now: float) -> float | None:
         """See `IOHandler.flush`."""
@@ -71,7 +72,7 @@ class Subscriber(SocketlessHandler, SubscribingClient):
     def first(self) -> PropertyEvent | None:
         """Take the value that it begins with, before anything was sent."""
         now = monotonic()
-        return next((event for each in self._listeners if (event := each.take(now))), None)
+        return next((event for each in self.listeners if (event := each.take(now))), None)
 
 
 class SharedSubscription(Subscriber):
@@ -92,11 +93,11 @@ class SharedSubscription(Subscriber):
         now = monotonic()
         for gone in [id for id, until in self._until.items() if until < now]:
             del self._until[gone]
-        return len(self._until) if self._listeners else 0
+        return len(self._until) if self.listeners else 0
 
     def listen(self, listener: Listener) -> None:
         """See `Requester.listen`: the quota was checked before."""
-        self._listeners.append(listener)
+        ListeningRequester.listen(self, listener)
 
     def has_member(self, id: str) -> bool:
         """Return whether a subscriber is a member."""
@@ -104,7 +105,7 @@ class SharedSubscription(Subscriber):
 
     def enter(self, id: str) -> EventPosition:
         """Add a member; return the position up to which it has the events."""
-        lease_s = max((each.options.lease_s for each in self._listeners), default=0.0)
+        lease_s = max((each.options.lease_s for each in self.listeners), default=0.0)
         self._until[id] = monotonic() + lease_s if lease_s else float("inf")
         return self._at
 

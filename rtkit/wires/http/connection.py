@@ -22,7 +22,8 @@ from rtkit.property.exchange import NOT_BEGUN
 from rtkit.property.messages import Answer, PropertyEvent
 from rtkit.property.requests import PropertyRequest
 from rtkit.property.subscription import Listener
-from rtkit.serving.quota import SubscribingClient, too_fast
+from rtkit.serving.quota import too_fast
+from rtkit.serving.socket_client import SocketClient
 from rtkit.wires.http import request as http_request
 from rtkit.wires.http.client import DEADLINE
 from rtkit.wires.http.events import SseProgress, write_sse
@@ -60,45 +61,30 @@ _ALWAYS = (
 )  # fmt: skip
 
 
-class HttpConnection(SubscribingClient):
+class HttpConnection(SocketClient):
     """Client behind a socket.
-
-    Args:
-        room: How much there is room for, and what may be done.
 
     Attributes:
         is_stream: It gets events, and asks nothing any more.
-        is_open: Until the socket is closed.
     """
 
     def __init__(
         self, host: PropertyEventLoop, end: socket.socket, guard: Guard, quota: EndpointQuota
     ) -> None:
-        super().__init__(quota)
+        super().__init__(host, end, quota)
         self.is_stream = False
-        self.is_open = True
-        self._host = host
-        self._end = end
+        self._socket = end
         self._guard = guard
-        self._pace = quota.pace()
-        self._longest = quota.limits.size
         self._http = h11.Connection(h11.SERVER, _LONGEST_HEAD)
-        self._out = bytearray()
         self._request: h11.Request | None = None
         self._refused: Response | None = None
         self._headers: dict[str, str] = {}
         self._body = bytearray()
         self._is_asked = False
         self._wants_events = False
-        self._is_working = False
-        self._is_closing = False
         self._began_at: float | None = None
-        self._moved_at = monotonic()
         self._linger_until: float | None = None
         self._progress: SseProgress | None = None
-        self._mask = (True, False)
-        end.setblocking(False)
-        host.register(end, self)
 
     # Caller
 
@@ -108,11 +94,6 @@ class HttpConnection(SubscribingClient):
             raise PropertyError("denied", f"events are for a GET that accepts {EVENTS}")
         super().listen(listener)
 
-    def wake(self) -> None:
-        """See `Requester.wake`."""
-        if self.is_open:
-            self._host.mark(self)
-
     # IOHandler
 
     def ready(self, mask: int) -> None:
@@ -120,17 +101,9 @@ class HttpConnection(SubscribingClient):
         if mask & select.EPOLLOUT:
             self._send()
         if mask & ~select.EPOLLOUT and self.is_open:
-            try:
-                data = self._end.recv(_PIECE)
-            except BlockingIOError:
-                return
-            except OSError:
-                data = b""
-            if not data:
-                self.close()
-                return
-            if self.is_stream or self._linger_until is not None:
-                return  # nothing is wanted from it any more
+            data = self._receive(_PIECE)
+            if not data or self.is_stream or self._linger_until is not None:
+                return  # of a stream, and of a connection that ends, nothing more is wanted
             self._moved_at = monotonic()
             if self._began_at is None:
                 self._began_at = self._moved_at
@@ -141,7 +114,7 @@ class HttpConnection(SubscribingClient):
     def flush(self, now: float) -> float | None:
         """See `IOHandler.flush`."""
         due = self.send_due(now, lambda: len(self._out) < _ROOM_FOR_EVENTS, self._tell)
-        if self.is_stream and not self._listeners and not self._is_closing:
+        if self.is_stream and not self.listeners and not self._is_closing:
             self._finish()
         self._work()
         return due if self.is_open else None
@@ -364,25 +337,12 @@ class HttpConnection(SubscribingClient):
             self._is_closing = True
 
     def _send(self) -> None:
-        out = self._out
-        while out and self.is_open:
-            try:
-                sent = self._end.send(out)
-            except BlockingIOError:
-                break
-            except OSError:
-                self.close()
-                return
-            self._moved_at = monotonic()
-            del out[:sent]
-        if not self.is_open:
+        if not self._send_out():
             return
+        out = self._out
         if self._is_closing and not out and self._linger_until is None:
             self._linger()
-        mask = (not (self._is_asked or (out and not self.is_stream)), bool(out))
-        if mask != self._mask:
-            self._host.await_room(self._end, reads=mask[0], writes=mask[1])
-            self._mask = mask
+        self._await(reads=not (self._is_asked or (out and not self.is_stream)))
         if not out and (self._http.trailing_data[0] or self.has_pending):
             self._host.mark(self)
 
@@ -390,19 +350,9 @@ class HttpConnection(SubscribingClient):
         """End our side, but read on for a moment: who still sends would not see the answer."""
         self._linger_until = monotonic() + _LINGER_S
         try:
-            self._end.shutdown(socket.SHUT_WR)
+            self._socket.shutdown(socket.SHUT_WR)
         except OSError:
             self.close()
-
-    def close(self) -> None:
-        """Forget the client and whatever it listens to."""
-        if not self.is_open:
-            return
-        self.is_open = False
-        self._host.unregister(self._end, self)
-        self._end.close()
-        for service in self._host.services.values():
-            service.forget(self)
 
 
 def _page(uri: str) -> Response:

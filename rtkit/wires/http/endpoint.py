@@ -7,8 +7,9 @@ import socket
 from rtkit.errors import Refused
 from rtkit.link import secret
 from rtkit.property.access import EndpointLimits
-from rtkit.serving.acceptor import Acceptor, AdmittedClient, bound_to
+from rtkit.serving.acceptor import Acceptor, bound_to
 from rtkit.serving.event_loop import PropertyEventLoop
+from rtkit.serving.socket_client import SocketClient
 
 # A browser opens several connections a page, and polls: fewer and slower than other clients.
 _LIMITS = EndpointLimits(connections=128, door_listeners=64, rate=2000)
@@ -25,7 +26,7 @@ class HttpEndpoint(Acceptor):
         self._guard = Guard(secret.read())
         super().__init__(host, end, "http", _LIMITS)
 
-    def admit(self, client: socket.socket) -> AdmittedClient:
+    def admit(self, client: socket.socket) -> SocketClient:
         """See `Acceptor.enter`."""
         client.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
         return self._connection(self._host, client, self._guard, self._quota)

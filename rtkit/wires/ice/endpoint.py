@@ -18,7 +18,7 @@ from rtkit.link import secret
 from rtkit.link.deadline import deadline_from_text
 from rtkit.property.messages import Answer, failed
 from rtkit.serving.acceptor import LOOPBACK
-from rtkit.serving.event_loop import PropertyEventLoop, SocketlessHandler
+from rtkit.serving.event_loop import IOHandler, PropertyEventLoop
 from rtkit.serving.quota import EndpointQuota
 from rtkit.wires.ice import protocol
 from rtkit.wires.ice.served_client import IceRequest, ServedIceClient
@@ -37,8 +37,8 @@ _ENDED = Answer("the service has ended", "no-service")
 Settling = Callable[[Answer], None]
 
 
-class IceEndpoint(SocketlessHandler):
-    """Adapter of Ice; an `IOHandler` of its host.
+class IceEndpoint(IOHandler):
+    """Adapter of Ice.
 
     Attributes:
         port: At which it listens.

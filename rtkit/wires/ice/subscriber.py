@@ -6,7 +6,7 @@ from typing import Any, Protocol
 
 from rtkit.property.messages import PropertyEvent
 from rtkit.property.subscription import Listener
-from rtkit.serving.event_loop import PropertyEventLoop, SocketlessHandler
+from rtkit.serving.event_loop import IOHandler, PropertyEventLoop
 from rtkit.serving.quota import EndpointQuota, SubscribingClient
 from rtkit.wires.ice import protocol
 
@@ -33,7 +33,7 @@ class SubscribedClient(Protocol):
         """Close the connection: it takes no events."""
 
 
-class IceSubscriber(SocketlessHandler, SubscribingClient):
+class IceSubscriber(IOHandler, SubscribingClient):
     """Subscriber: events that come during a call wait here, bounded, for the next call.
 
     Args:
@@ -61,7 +61,7 @@ class IceSubscriber(SocketlessHandler, SubscribingClient):
     def listen(self, listener: Listener) -> None:
         """See `Requester.listen`."""
         self._quota.check_listeners(self._client.listening)
-        self._listeners.append(listener)
+        self.listeners.append(listener)
 
     def flush(self, now: float) -> float | None:
         """See `IOHandler.flush`."""
@@ -70,7 +70,7 @@ class IceSubscriber(SocketlessHandler, SubscribingClient):
         due: list[float] = []
         events: list[PropertyEvent] = []
         quota = _ROOM_FOR_EVENTS
-        for listener in list(self._listeners):
+        for listener in list(self.listeners):
             while quota > 0 and len(events) < _MOST_EVENTS:
                 event = listener.take(now)
                 if event is None:
@@ -78,14 +78,14 @@ class IceSubscriber(SocketlessHandler, SubscribingClient):
                 events.append(event)
                 quota -= len(event.payload)
             if listener.has_ended and not listener.pending:
-                self._listeners.remove(listener)
+                self.listeners.remove(listener)
             elif listener.pending:
                 at = listener.due()
                 due += [] if at is None else [at]
         if events:
             self._call(events)
             return None
-        if not self._listeners:
+        if not self.listeners:
             self._client.drop(self)
         return min(due, default=None)
 

@@ -21,7 +21,8 @@ from rtkit.property.order import InOrder
 from rtkit.property.requests import PropertyRequest
 from rtkit.property.subscription import Listener
 from rtkit.serving.dedicated_worker import WorkerExit
-from rtkit.serving.quota import SubscribingClient, too_fast
+from rtkit.serving.quota import too_fast
+from rtkit.serving.socket_client import SocketClient
 
 if TYPE_CHECKING:
     from rtkit.serving.event_loop import ByteStream, PropertyEventLoop
@@ -42,7 +43,7 @@ IN_A_ROW = 32
 """Requests answered at once, between two looks at the client, for which it is given a thread."""
 
 
-class Connection(SubscribingClient):
+class Connection(SocketClient):
     """Client behind a socket, or behind something that behaves as one.
 
     Args:
@@ -50,7 +51,7 @@ class Connection(SubscribingClient):
         end: The socket.
         service: The one that is meant where no other is named.
         login: Asks who it is; None where the kernel has told.
-        room: How much there is room for, and what may be done.
+        quota: How much there is room for, and what may be done.
     """
 
     def __init__(
@@ -62,34 +63,14 @@ class Connection(SubscribingClient):
         login: Login | None,
         quota: EndpointQuota,
     ) -> None:
-        super().__init__(quota, identity)
-        self._pace = quota.pace()
-        self._host = host
-        self._end = end
+        super().__init__(host, end, quota, identity)
         self._service = service
         self._login = login
-        self._longest = quota.limits.size
         self._requests = Requests(self._longest)
-        self._out = bytearray()
         self._order = InOrder(self._put)
-        self._is_working = False
         self._is_half = False
-        self._is_read = True
-        self._is_stuck = False
-        self._moved_at = monotonic()
-        self._is_closing = False
         self._has_left = False
         self._in_a_row = 0
-        self.is_open = True
-        end.setblocking(False)
-        host.register(end, self)
-
-    # Caller
-
-    def wake(self) -> None:
-        """See `Requester.wake`."""
-        if self.is_open:
-            self._host.mark(self)
 
     # IOHandler
 
@@ -99,14 +80,8 @@ class Connection(SubscribingClient):
             self._send()
         if mask & ~select.EPOLLOUT and self.is_open:
             self._has_left |= bool(mask & select.EPOLLHUP)
-            try:
-                data = self._end.recv(_PIECE if self._is_half else _FEW)
-            except BlockingIOError:
-                return False
-            except OSError:
-                data = b""
+            data = self._receive(_PIECE if self._is_half else _FEW)
             if not data:
-                self.close()
                 return False
             if self._is_answered(data):
                 return not self._out
@@ -128,7 +103,7 @@ class Connection(SubscribingClient):
             sent = self._end.send(reply)
         except OSError:
             sent = 0
-        if sent < len(reply) or self._listeners:
+        if sent < len(reply) or self.listeners:
             self._out += reply[sent:]
             self._moved_at = monotonic()
             self._send()
@@ -242,38 +217,14 @@ class Connection(SubscribingClient):
             self.close()
 
     def _send(self) -> None:
-        out = self._out
-        while out and self.is_open:
-            try:
-                sent = self._end.send(out if len(out) <= _HIGH else memoryview(out)[:_HIGH])
-            except BlockingIOError:
-                break
-            except OSError:
-                self.close()
-                return
-            self._moved_at = monotonic()
-            del out[:sent]
-        if not self.is_open:
+        if not self._send_out():
             return
-        if self._is_closing and not out:
+        if self._is_closing and not self._out:
             self.close()
             return
-        reads, is_stuck = not (self._is_closing or self._is_full()), bool(out)
-        if reads is not self._is_read or is_stuck is not self._is_stuck:
-            self._host.await_room(self._end, reads=reads, writes=is_stuck)
-            self._is_read, self._is_stuck = reads, is_stuck
-        if self._listeners and not out and self.has_pending:
+        self._await(reads=not (self._is_closing or self._is_full()))
+        if self.listeners and not self._out and self.has_pending:
             self._host.mark(self)
-
-    def close(self) -> None:
-        """Forget the client and whatever it listens to."""
-        if not self.is_open:
-            return
-        self.is_open = False
-        self._host.unregister(self._end, self)
-        self._end.close()
-        for service in self._host.services.values():
-            service.forget(self)
 
 
 def peer(end: socket.socket) -> str:

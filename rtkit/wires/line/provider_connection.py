@@ -13,7 +13,7 @@ from rtkit.link.deadline import with_deadline
 from rtkit.property.codes import PropertyError
 from rtkit.property.line import Replies, write_request
 from rtkit.property.messages import Answer, Payload, PropertyEvent
-from rtkit.serving.event_loop import PropertyEventLoop
+from rtkit.serving.event_loop import IOHandler, PropertyEventLoop
 from rtkit.wires.provider_connection import (
     STATUS,
     Answering,
@@ -30,7 +30,7 @@ _MOST_OUT = 1 << 24
 _MOST_LISTENINGS = 1000
 
 
-class LineConnection(ProviderConnection):
+class LineConnection(ProviderConnection, IOHandler):
     """One connection over the line protocol.
 
     Args:
@@ -138,7 +138,7 @@ class LineConnection(ProviderConnection):
             self._fail(f"no line protocol: {error}")
 
     def flush(self, now: float) -> float | None:
-        """See `IOHandler.flush`."""
+        """See `IOHandler.flush`: what waits goes when the owner takes it."""
         return None
 
     # Its own

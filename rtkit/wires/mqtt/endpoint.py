@@ -79,7 +79,7 @@ class MqttEndpoint:
     def _ready(self) -> None:
         """All values are there."""
         self._is_ready = True
-        self._publish(Message(self._state, READY), is_kept=True)
+        self._publish(Message(self._state, READY, is_kept=True))
 
     def _went(self, why: str) -> None:
         self._feed.end()
@@ -95,15 +95,13 @@ class MqttEndpoint:
             self._query_server.resume()
             self._feed.resume()
 
-    def _publish(self, message: Message, *, is_kept: bool) -> None:
+    def _publish(self, message: Message) -> None:
         self._on_the_way += 1
-        self._session.publish(message, is_kept=is_kept)
+        self._session.publish(message)
 
     def _send(self, subscription: str, event: PropertyEvent, at: EventPosition) -> None:
         attributes = f"{write_attributes(event)};name={event.name}"
-        self._publish(
-            Message(subscription, event.payload, more=(("event", attributes),)), is_kept=False
-        )
+        self._publish(Message(subscription, event.payload, more=(("event", attributes),)))
 
     # Requests
 
@@ -130,8 +128,7 @@ class MqttEndpoint:
                     log.warning(text, target, reply.error, reply.payload)
                 return
             more = (("code", reply.error),) if reply.error else ()
-            answer = Message(message.reply_to, reply.payload, mark=message.mark, more=more)
-            self._publish(answer, is_kept=False)
+            self._publish(Message(message.reply_to, reply.payload, mark=message.mark, more=more))
 
         self._waiting += 1
         if self._waiting > _MOST_WAITING:

@@ -8,18 +8,16 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Callable
-from typing import Protocol
 
 from rtkit.property.codes import PASSING
 from rtkit.property.line import write_attributes
-from rtkit.property.messages import Answer
+from rtkit.property.messages import Answer, PropertyEvent
 from rtkit.property.naming import canonical
 from rtkit.property.reading import read
-from rtkit.property.requests import PropertyRequest, Requester
-from rtkit.property.subscription import Listener
+from rtkit.property.requests import ListeningRequester, PropertyRequest, Requester
 from rtkit.property.values import Element, Value
 from rtkit.property.writing import write
-from rtkit.serving.event_loop import PropertyEventLoop
+from rtkit.serving.event_loop import IOHandler, PropertyEventLoop
 from rtkit.serving.provider import PropertyProvider
 from rtkit.wires.mqtt.session import Message, topic_of
 
@@ -28,14 +26,6 @@ _AGAIN_S = 1.0
 """After which time it is begun anew while the owner is away [s]."""
 _OF_ONE = 1000
 _TYPES = {"number": "float", "integer": "integer", "boolean": "boolean"}
-
-
-class Publishing(Protocol):
-    """Publishes a message."""
-
-    def __call__(self, message: Message, *, is_kept: bool) -> None:
-        """Publish."""
-        ...
 
 
 class Feed:
@@ -51,7 +41,7 @@ class Feed:
         host: PropertyEventLoop,
         service: PropertyProvider,
         root: str,
-        publish: Publishing,
+        publish: Callable[[Message], None],
         has_room: Callable[[], bool],
     ) -> None:
         self._host = host
@@ -73,7 +63,7 @@ class Feed:
         self._attributes = {name: {} for name in self._attributes}
         self._listened.clear()
         self._ready = ready
-        names = _Subscriber(self, self._names_changed)
+        names = _Subscriber(self._host, self.emit, lambda _: self._names_changed())
         self._subscriptions.append(names)
         ask = PropertyRequest("properties.listen?mode=diff&queue=100", "self", self._begun, names)
         self._service.handle(ask)
@@ -89,30 +79,19 @@ class Feed:
         for subscription in self._subscriptions:
             subscription.wake()
 
-    def mark(self, subscription: _Subscriber) -> None:
-        """Note that something is to be published."""
-        self._host.mark(subscription)
-
     def emit(self, subscription: _Subscriber, now: float) -> float | None:
         """Publish the events of a listener, as far as the session takes them."""
-        due: list[float] = []
-        for listener in list(subscription.listeners):
-            while self._has_room() and (event := listener.take(now)) is not None:
-                if subscription.on_event is not None:
-                    subscription.on_event()
-                elif event.code:
-                    self._listened.discard(event.name)
-                    self._put(topic_of(event.name), "")
-                else:
-                    more = (("event", f"{write_attributes(event)};name={event.name}"),)
-                    topic = f"{self._root}/{topic_of(event.name)}"
-                    self._publish(Message(topic, event.payload, more=more), is_kept=True)
-            if listener.has_ended and not listener.pending:
-                subscription.listeners.remove(listener)
-            elif listener.pending and self._has_room():
-                at = listener.due()
-                due += [] if at is None else [at]
-        return min(due, default=None)
+        emit = subscription.on_event or self._emit
+        return subscription.send_due(now, self._has_room, lambda _, event: emit(event))
+
+    def _emit(self, event: PropertyEvent) -> None:
+        if event.code:
+            self._listened.discard(event.name)
+            self._put(topic_of(event.name), "")
+        else:
+            more = (("event", f"{write_attributes(event)};name={event.name}"),)
+            topic = f"{self._root}/{topic_of(event.name)}"
+            self._publish(Message(topic, event.payload, more=more, is_kept=True))
 
     # Its own
 
@@ -180,12 +159,12 @@ class Feed:
                 self._put(f"{topic_of(name)}/{key}", text)
 
     def _put(self, topic: str, text: str) -> None:
-        self._publish(Message(f"{self._root}/{topic}", text), is_kept=True)
+        self._publish(Message(f"{self._root}/{topic}", text, is_kept=True))
 
     def _listen(self, name: str) -> None:
         subscription = self._subscriptions[-1]
         if subscription.on_event is not None or subscription.count >= _OF_ONE:
-            subscription = _Subscriber(self, None)
+            subscription = _Subscriber(self._host, self.emit)
             self._subscriptions.append(subscription)
         subscription.count += 1
         self._listened.add(name)
@@ -199,43 +178,29 @@ class Feed:
         self._service.handle(PropertyRequest(f"{name}.listen", "self", begun, subscription))
 
 
-class _Subscriber(Requester):
+class _Subscriber(IOHandler, ListeningRequester):
     """Listener of properties, or of their names, for the broker.
 
     Attributes:
-        on_event: Called for an event instead of publishing it.
+        on_event: Called with each event instead of publishing it.
         count: How many it was asked to listen to.
     """
 
-    def __init__(self, feed: Feed, on_event: Callable[[], None] | None) -> None:
+    def __init__(
+        self,
+        host: PropertyEventLoop,
+        emit: Callable[[_Subscriber, float], float | None],
+        on_event: Callable[[PropertyEvent], None] | None = None,
+    ) -> None:
         super().__init__("mqtt")
-        self._feed = feed
+        self._host = host
+        self._emit = emit
         self.on_event = on_event
         self.count = 0
-        self.listeners: list[Listener] = []
-
-    def listen(self, listener: Listener) -> None:
-        """See `Requester.listen`."""
-        self.listeners.append(listener)
-
-    def unlisten(self, listener: Listener) -> None:
-        """See `Requester.unlisten`."""
-        if listener in self.listeners:
-            self.listeners.remove(listener)
-
-    def wake(self) -> None:
-        """See `Requester.wake`."""
-        self._feed.mark(self)
-
-    def ready(self, mask: int) -> None:
-        """See `IOHandler.ready`; it has no socket."""
-
-    def check(self, now: float) -> None:
-        """See `IOHandler.check`; it goes when the session does."""
 
     def flush(self, now: float) -> float | None:
         """See `IOHandler.flush`."""
-        return self._feed.emit(self, now)
+        return self._emit(self, now)
 
 
 def _described(listing: str) -> dict[str, Element]:

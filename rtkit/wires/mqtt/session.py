@@ -49,6 +49,7 @@ class Message(NamedTuple):
         reply_to: Response topic, empty for none.
         mark: Correlation data.
         more: User properties.
+        is_kept: The broker retains it for who subscribes later.
     """
 
     topic: str
@@ -56,6 +57,7 @@ class Message(NamedTuple):
     reply_to: str = ""
     mark: bytes = b""
     more: tuple[tuple[str, str], ...] = ()
+    is_kept: bool = False
 
     def attribute(self, key: str) -> str | None:
         """Return a user property."""
@@ -130,7 +132,7 @@ class MqttSession:
             self.close()
             raise Refused(f"the broker at {where} refuses {self.address.user}: {self._refusal}")
 
-    def publish(self, message: Message, *, is_kept: bool = False) -> None:
+    def publish(self, message: Message) -> None:
         """Publish, at least once; nobody is waited for."""
         from paho.mqtt.packettypes import PacketTypes
         from paho.mqtt.properties import Properties
@@ -149,7 +151,7 @@ class MqttSession:
             properties.CorrelationData = message.mark
         if message.more:
             properties.UserProperty = list(message.more)
-        self._client.publish(message.topic, payload, 1, is_kept, properties)
+        self._client.publish(message.topic, payload, 1, message.is_kept, properties)
 
     def subscribe(self, topic: str, *, has_kept: bool) -> None:
         """Subscribe to what others publish.

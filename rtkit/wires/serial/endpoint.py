@@ -16,7 +16,7 @@ from rtkit.property.checked import CheckedRequests, frame
 from rtkit.property.line import LineRequest
 from rtkit.property.messages import Answer, PropertyEvent
 from rtkit.property.subscription import Listener
-from rtkit.serving.event_loop import PropertyEventLoop, SocketlessHandler
+from rtkit.serving.event_loop import IOHandler, PropertyEventLoop
 from rtkit.serving.quota import EndpointQuota
 from rtkit.wires.line.connection import Connection
 from rtkit.wires.serial.address import HELLO_TARGET, KNOWS_DEADLINES, SerialAddress, SerialEnd
@@ -27,7 +27,7 @@ _FIRST_RETRY_S = 0.05
 _LAST_RETRY_S = 1.0
 
 
-class SerialEndpoint(SocketlessHandler):
+class SerialEndpoint(IOHandler):
     """Opens a device, waits for it while it is not there, and opens it again.
 
     Args:

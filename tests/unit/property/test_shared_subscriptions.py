@@ -15,8 +15,8 @@ from rtkit.property.service import Service
 from rtkit.serving.event_loop import PropertyEventLoop
 from rtkit.wires import subscribers as of_service
 from rtkit.wires.query_server import QueryServer
-from rtkit.wires.zenoh import subscriptions
 from rtkit.wires.zenoh.properties import EventPosition, Joined, Queried, group_of
+from tests.support import zenoh_client as subscriptions
 
 
 class Sent(NamedTuple):
