@@ -148,6 +148,11 @@ def write_parameters(parameters: dict[str, str | None]) -> str:
     )
 
 
+def with_parameter(target: str, parameter: str) -> str:
+    """Return a target with one more parameter, ``key=value`` as it is written."""
+    return f"{target}{'&' if '?' in target else '?'}{parameter}"
+
+
 def _escaped(found: re.Match[str]) -> str:
     return f"%{ord(found[0]):02X}"
 

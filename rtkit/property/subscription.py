@@ -12,10 +12,13 @@ from typing import NamedTuple, Protocol
 
 from rtkit.property.codes import PropertyError
 from rtkit.property.messages import PropertyEvent
+from rtkit.property.naming import with_parameter
 from rtkit.property.values import Value, is_number, is_vector
 
 LONGEST_QUEUE = 10_000
 LONGEST_LEASE_S = 86_400.0
+LEASE_S = 10.0
+"""Lease of a listener that may go without a word, unless it asks for another [s]."""
 
 
 class SubscriptionOptions(NamedTuple):
@@ -131,6 +134,18 @@ class Listener:
     def pending(self) -> int:
         """Return how many events wait."""
         return len(self._events)
+
+
+def listen_target(name: str, options: str) -> str:
+    """Return the target of a request to listen; without a name it is about all names."""
+    return f"{name}.listen".lstrip(".") + (f"?{options}" if options else "")
+
+
+def leased(target: str, lease_s: float = LEASE_S) -> str:
+    """Return a request to listen with a lease [s], unless it has one or ends a listening."""
+    given = target.partition("?")[2].split("&")
+    is_leased = any(each.startswith(("lease=", "remove")) for each in given)
+    return target if is_leased else with_parameter(target, f"lease={lease_s:g}")
 
 
 def options_of(parameters: dict[str, Value]) -> SubscriptionOptions:

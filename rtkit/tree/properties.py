@@ -10,8 +10,7 @@ import os
 from collections.abc import Callable, Iterable, Sequence
 from typing import TYPE_CHECKING, NamedTuple
 
-from rtkit.errors import Unreachable
-from rtkit.property.codes import PropertyError, code_of
+from rtkit.property.codes import PropertyError
 from rtkit.property.messages import Answer, Payload
 from rtkit.property.naming import EXTENSIONS
 from rtkit.rtc.names import LOCAL, is_local_host
@@ -250,12 +249,10 @@ class OfService:
 
 def printed_error(typed: str, error: Exception) -> PropertyError:
     """Return an error as commands show it: ``TARGET: code: text``."""
-    code = "timeout" if _is_late(error) else code_of(error)
+    from rtkit.wires.property_client import failure
+
+    code = failure(error).error
     return PropertyError(code, f"{typed}: {code}: {error}")
-
-
-def _is_late(error: Exception) -> bool:
-    return isinstance(error, Unreachable) and str(error).startswith("no answer within")
 
 
 def asked(ask: Callable[[], Answer], typed: str) -> Payload:

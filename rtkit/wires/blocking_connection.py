@@ -9,11 +9,10 @@ from queue import SimpleQueue
 from time import monotonic
 
 from rtkit.errors import RtkitError, Unreachable
-from rtkit.property.codes import code_of
 from rtkit.property.exchange import NOT_BEGUN
 from rtkit.property.messages import DONE, Answer, Payload
 from rtkit.serving.event_loop import PropertyEventLoop
-from rtkit.wires.property_client import BoundedClient
+from rtkit.wires.property_client import BoundedClient, failure
 from rtkit.wires.provider_connection import (
     ENDED,
     Answering,
@@ -43,6 +42,8 @@ class BlockingConnection(ProviderConnection):
         another: Makes one more, for requests that need not wait for others, or for listening.
     """
 
+    _subscriptions: dict[str, threading.Event]
+
     def __init__(
         self, host: PropertyEventLoop, end: BoundedClient, another: Callable[[], BoundedClient]
     ) -> None:
@@ -53,7 +54,6 @@ class BlockingConnection(ProviderConnection):
         self._turns = RequestScheduler(_MOST_AT_ONCE)
         self._workers = 0
         self._idle = 0
-        self._listening: dict[str, threading.Event] = {}
 
     def ask(
         self, target: str, payload: Payload | None, id: str, answer: Answering, until: float = inf
@@ -96,22 +96,15 @@ class BlockingConnection(ProviderConnection):
             end, self._first = self._first, None
             threading.Thread(target=self._work, args=(end,), name="calls", daemon=True).start()
 
-    def has_room(self, name: str) -> bool:
-        """See `ProviderConnection.has_room`."""
-        return name not in self._listening
-
     def listen(self, name: str, options: str, on_event: EventHandler, answer: Answering) -> None:
         """See `ProviderConnection.listen`."""
-        is_over = self._listening[name] = threading.Event()
+        is_over = self._subscriptions[name] = threading.Event()
         target = f"{name}?{options}" if options else name
         inbox = LoopInbox(
             self._host, options, lambda event: None if is_over.is_set() else on_event(event)
         )
 
-        def answered(reply: Answer) -> None:
-            if reply.error:
-                self._listening.pop(name, None)
-            answer(reply)
+        answered = self._answering(name, is_over, answer)
 
         def work() -> None:
             try:
@@ -154,7 +147,7 @@ class BlockingConnection(ProviderConnection):
 
     def leave(self, name: str) -> None:
         """See `ProviderConnection.leave`."""
-        is_over = self._listening.pop(name, None)
+        is_over = self._take_off(name)
         if is_over is not None:
             is_over.set()
 
@@ -163,9 +156,9 @@ class BlockingConnection(ProviderConnection):
             self._calls.put(None)
         if self._first is not None:
             self._first.close()
-        for is_over in self._listening.values():
+        for is_over in self._subscriptions.values():
             is_over.set()
-        self._listening.clear()
+        self._subscriptions.clear()
 
     def _work(self, end: BoundedClient | None) -> None:
         """Make calls, one after the other, over one connection, made when it is needed."""
@@ -180,12 +173,6 @@ class BlockingConnection(ProviderConnection):
         self._answer(number, reply)
         if self._is_open:
             self._begin()
-
-
-def failure(error: RtkitError) -> Answer:
-    """Return the answer that stands for a call that failed."""
-    is_late = isinstance(error, Unreachable) and str(error).startswith("no answer within")
-    return Answer(str(error), "timeout" if is_late else code_of(error))
 
 
 def blocking_calls(

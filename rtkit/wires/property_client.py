@@ -6,6 +6,8 @@ import math
 from collections import deque
 from typing import Protocol
 
+from rtkit.errors import Unreachable
+from rtkit.property.codes import code_of
 from rtkit.property.messages import Answer, Payload, PropertyEvent
 
 _GRACE_S = 0.1
@@ -16,19 +18,15 @@ class PropertyClient(Protocol):
 
     def ask(self, target: str, payload: Payload | None = None) -> Answer:
         """GET, or SET."""
-        ...
 
     def listen(self, target: str) -> None:
         """Begin to listen."""
-        ...
 
     def event(self, timeout_s: float | None = None) -> PropertyEvent | None:
         """Return the next event, None if none came in time."""
-        ...
 
     def close(self) -> None:
         """End the connection."""
-        ...
 
 
 class BoundedClient(PropertyClient, Protocol):
@@ -36,7 +34,6 @@ class BoundedClient(PropertyClient, Protocol):
 
     def ask(self, target: str, payload: Payload | None = None, until: float = math.inf) -> Answer:
         """GET, or SET that has begun at `until`, by the monotonic clock [s], or never does."""
-        ...
 
 
 def bound_in(target: str, timeout_s: float) -> float:
@@ -49,6 +46,12 @@ def bound_in(target: str, timeout_s: float) -> float:
     from rtkit.property.lanes import timeout_in
 
     return min(timeout_s, max(0.0, timeout_in(target)) + _GRACE_S)
+
+
+def failure(error: Exception) -> Answer:
+    """Return the answer that stands for a call that failed."""
+    is_late = isinstance(error, Unreachable) and str(error).startswith("no answer within")
+    return Answer(str(error), "timeout" if is_late else code_of(error))
 
 
 class Inbox:

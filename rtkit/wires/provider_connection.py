@@ -7,13 +7,15 @@ import threading
 from abc import ABC, abstractmethod
 from collections import deque
 from collections.abc import Callable, Iterable
+from functools import partial
 from math import inf
 from time import monotonic
+from typing import Any
 
 from rtkit.property.codes import PASSING
-from rtkit.property.messages import Answer, Payload, PropertyEvent
-from rtkit.property.naming import parse_parameters
-from rtkit.property.subscription import LONGEST_QUEUE
+from rtkit.property.messages import Answer, Mark, Payload, PropertyEvent
+from rtkit.property.naming import parse_parameters, with_parameter
+from rtkit.property.subscription import LEASE_S, LONGEST_QUEUE
 from rtkit.serving.event_loop import PropertyEventLoop
 
 Answering = Callable[[Answer], object]
@@ -32,10 +34,14 @@ DEAD_S = 15.0
 class ProviderConnection(ABC):
     """Connection to an owner, used by the loop only; its callbacks run there."""
 
+    _key_of: Callable[[str], str] = staticmethod(str)
+    """Returns what a wire knows a subscription by; it carries one for each."""
+
     def __init__(self, host: PropertyEventLoop) -> None:
         self._host = host
         self._count = itertools.count(1)
         self._callers: dict[int, Answering] = {}
+        self._subscriptions: dict[str, Any] = {}
         self._is_open = True
         self._gone: Gone = lambda why: None
 
@@ -54,9 +60,9 @@ class ProviderConnection(ABC):
         has not begun at `until`, by the monotonic clock of this host [s], is to be done by nobody.
         """
 
-    @abstractmethod
     def has_room(self, name: str) -> bool:
         """Return whether it can listen to this beside what it listens to."""
+        return self._key_of(name) not in self._subscriptions
 
     @abstractmethod
     def listen(self, name: str, options: str, on_event: EventHandler, answer: Answering) -> None:
@@ -96,6 +102,21 @@ class ProviderConnection(ABC):
         if answer is not None:
             answer(reply)
 
+    def _answering(self, name: str, subscription: object, answer: Answering) -> Answering:
+        """Return what passes on the answer to a request to listen; no subscription if refused."""
+        key = self._key_of(name)
+
+        def answered(reply: Answer) -> None:
+            if reply.error and self._subscriptions.get(key) is subscription:
+                self._take_off(key)
+            answer(reply)
+
+        return answered
+
+    def _take_off(self, key: str) -> Any:
+        """Forget a subscription; return it, None if there is none."""
+        return self._subscriptions.pop(key, None)
+
     def _finish(self, reply: Answer) -> None:
         """End the connection, with the same reply to all callers."""
         if self._is_open:
@@ -117,7 +138,7 @@ ConnectionMaker = Callable[[], ProviderConnection]
 
 def with_id(target: str, id: str) -> str:
     """Return a target with an id among its parameters, for wires that have no other place."""
-    return f"{target}{'&' if '?' in target else '?'}id={id}" if id else target
+    return with_parameter(target, f"id={id}") if id else target
 
 
 def over(name: str, reply: Answer) -> PropertyEvent | None:
@@ -125,6 +146,87 @@ def over(name: str, reply: Answer) -> PropertyEvent | None:
     if not reply.error or reply.error in PASSING:
         return None
     return PropertyEvent(name, "", 0.0, 0, "bad", 0, reply.error)
+
+
+class LeasedSubscription:
+    """Subscription that ends at the owner unless it is renewed.
+
+    Args:
+        target: Of the request to listen.
+        address: At which the owner finds it.
+        take: Takes an event of the wire, or the last one, of a property that is gone.
+        end: Receives no more.
+
+    Attributes:
+        last: Of the event that came last, where a wire repeats events.
+    """
+
+    def __init__(
+        self,
+        target: str,
+        address: str,
+        take: EventHandler,
+        end: Callable[[], object] = lambda: None,
+    ) -> None:
+        self.target = target
+        self.address = address
+        self.take = take
+        self.end = end
+        self.renewed_at = monotonic()
+        self.last: Mark | None = None
+
+
+class LeasedConnection(ProviderConnection):
+    """Connection through something that does not tell the owner when this side is gone."""
+
+    _subscriptions: dict[str, LeasedSubscription]
+
+    @abstractmethod
+    def _subscribe(self, name: str, options: str, on_event: EventHandler) -> LeasedSubscription:
+        """Prepare to receive the events of a property."""
+
+    @abstractmethod
+    def _ask_about(
+        self, subscription: LeasedSubscription, target: str, answer: Answering, *, is_new: bool
+    ) -> None:
+        """Ask the owner to begin a subscription, to go on with it or to end it."""
+
+    def listen(self, name: str, options: str, on_event: EventHandler, answer: Answering) -> None:
+        """See `ProviderConnection.listen`."""
+        subscription = self._subscribe(name, options, on_event)
+        self._subscriptions[name] = subscription
+        answered = self._answering(name, subscription, answer)
+        self._ask_about(subscription, subscription.target, answered, is_new=True)
+
+    def leave(self, name: str) -> None:
+        """See `ProviderConnection.leave`."""
+        subscription = self._take_off(name)
+        if subscription is not None:
+            target = f"{subscription.target.partition('?')[0]}?remove"
+            self._ask_about(subscription, target, lambda _: None, is_new=False)
+
+    def check(self, now: float) -> None:
+        """See `ProviderConnection.check`: renew leases."""
+        for name, each in self._subscriptions.items():
+            if now - each.renewed_at > LEASE_S / 3:
+                each.renewed_at = now
+                self._ask_about(each, each.target, partial(self._renewed, name, each), is_new=False)
+
+    def _renewed(self, name: str, subscription: LeasedSubscription, reply: Answer) -> None:
+        last = over(name, reply)
+        if last is not None and self._subscriptions.get(name) is subscription:
+            self._take_off(name)
+            subscription.take(last)
+
+    def _take_off(self, key: str) -> LeasedSubscription | None:
+        subscription = self._subscriptions.pop(key, None)
+        if subscription is not None:
+            subscription.end()
+        return subscription
+
+    def _release(self) -> None:
+        for name in list(self._subscriptions):
+            self._take_off(name)
 
 
 def slot(name: str) -> str:

@@ -9,11 +9,12 @@ from rtkit.property.codes import PropertyError
 from rtkit.property.exchange import NOT_BEGUN
 from rtkit.property.messages import DONE, Answer, PropertyEvent
 from rtkit.property.requests import PropertyRequest, Requester
+from rtkit.property.subscription import leased
 from rtkit.serving.event_loop import PropertyEventLoop
 from rtkit.serving.provider import PropertyProvider
 from rtkit.serving.quota import EndpointQuota
 from rtkit.wires.subscribers import SharedSubscription, Subscriber
-from rtkit.wires.zenoh.properties import LEASE_S, EventPosition, Joined, Queried, group_of
+from rtkit.wires.zenoh.properties import EventPosition, Joined, Queried, group_of
 
 
 class QueryServer:
@@ -105,7 +106,7 @@ class QueryServer:
                 answers.append(reply)
 
         subscription.asked += 1
-        asked = ask._replace(target=_leased(query.target), caller=subscription, answer=answer)
+        asked = ask._replace(target=leased(query.target), caller=subscription, answer=answer)
         self._service.handle(asked)
         is_late = True
         if answers:
@@ -189,11 +190,4 @@ def _shared(target: str) -> str:
     """Return a request to listen for a group: each member gets the first value by itself."""
     name, _, tail = target.partition("?")
     kept = [each for each in tail.split("&") if each and not each.startswith("initial")]
-    return _leased(f"{name}?{'&'.join([*kept, 'initial=0'])}")
-
-
-def _leased(target: str) -> str:
-    """Return a request to listen with a lease, for who may go without a word."""
-    if "lease=" in target or "remove" in target:
-        return target
-    return f"{target}{'&' if '?' in target else '?'}lease={LEASE_S:g}"
+    return leased(f"{name}?{'&'.join([*kept, 'initial=0'])}")

@@ -18,8 +18,8 @@ from property_endpoints import BOUND_S, Lines, WirePlaces, client_at, params
 from rtkit.errors import RtkitError, Unreachable
 from rtkit.property.service import Service
 from rtkit.proxy.bridge import bridge
-from rtkit.wires.blocking_connection import failure
 from rtkit.wires.line.client import connect_unix
+from rtkit.wires.property_client import failure
 from rtkit.wires.serve import ServedObject, serve
 from rtkit.wires.table import WIRES, wire_of
 

@@ -21,8 +21,8 @@ from rtkit.errors import RtkitError, Unreachable
 from rtkit.link.deadline import deadline_to_bytes
 from rtkit.property.codes import PropertyError
 from rtkit.property.messages import Answer, Mark, Payload, PropertyEvent
+from rtkit.property.subscription import LEASE_S
 from rtkit.wires.zenoh.properties import (
-    LEASE_S,
     EventPosition,
     EventProgress,
     Joined,

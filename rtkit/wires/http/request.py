@@ -15,7 +15,7 @@ from typing import Any, NamedTuple
 
 from rtkit.property.codes import CODES, PropertyError
 from rtkit.property.messages import Answer, Payload
-from rtkit.property.naming import canonical_segment
+from rtkit.property.naming import canonical_segment, with_parameter
 from rtkit.property.plain import from_plain, payload_to_plain
 from rtkit.property.writing import write
 
@@ -85,7 +85,7 @@ def with_revision(target: str, if_match: str | None) -> str:
     tag = _TAG.fullmatch(if_match.strip())
     if tag is None:
         raise PropertyError("bad-parameter", f'If-Match is "REVISION", not {if_match[:80]}')
-    return f"{target}{'&' if '?' in target else '?'}if={tag[1]}"
+    return with_parameter(target, f"if={tag[1]}")
 
 
 def to_listen(target: str) -> str:

@@ -16,13 +16,12 @@ from typing import Any, NamedTuple
 
 from rtkit.errors import Refused
 from rtkit.property.messages import Payload, PropertyEvent
+from rtkit.property.subscription import LEASE_S
 
 DEADLINE = "deadline"
 """Key of the context of a request: when it is given up, as `rtkit.link.deadline` writes it."""
 DOOR = "door"
 """The object that is asked who one is."""
-LEASE_S = 10.0
-"""Lease of a listener that does not renew it [s]."""
 LONGEST = 1 << 21
 """Bytes of a message to a service; a larger one ends the connection."""
 _LONGEST_REPLY = 1 << 26

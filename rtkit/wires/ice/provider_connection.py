@@ -39,7 +39,6 @@ class IceConnection(ProviderConnection):
 
     def __init__(self, host: PropertyEventLoop, address: IceAddress, timeout_s: float) -> None:
         super().__init__(host)
-        self._subscriptions: dict[str, str] = {}
         self._silence = Keepalive()
         runtime()
         self._session = IceSession(address, secret.read(), timeout_s, went=self._went)
@@ -59,10 +58,6 @@ class IceConnection(ProviderConnection):
             until,
         )
 
-    def has_room(self, name: str) -> bool:
-        """See `ProviderConnection.has_room`: each listening has an object of its own."""
-        return name not in self._subscriptions
-
     def listen(self, name: str, options: str, on_event: EventHandler, answer: Answering) -> None:
         """See `ProviderConnection.listen`."""
         inbox = LoopInbox(self._host, options, lambda event: self._take(name, key, on_event, event))
@@ -71,12 +66,7 @@ class IceConnection(ProviderConnection):
             for event in events:
                 inbox.put(event)
 
-        def answered(reply: Answer) -> None:
-            if reply.error and self._subscriptions.get(name) == key:
-                del self._subscriptions[name]
-            answer(reply)
-
-        number = self._expect(answered)
+        number = self._expect(lambda reply: self._answering(name, key, answer)(reply))
         key = self._session.listen(
             f"{name}?{options}" if options else name,
             take,

@@ -12,11 +12,11 @@ from rtkit.property.codes import PropertyError
 from rtkit.property.exchange import NOT_BEGUN
 from rtkit.property.messages import Answer, Payload
 from rtkit.property.requests import PropertyRequest, Requester
-from rtkit.property.subscription import Listener
+from rtkit.property.subscription import LEASE_S, Listener, leased, listen_target
 from rtkit.serving.event_loop import PropertyEventLoop
 from rtkit.serving.quota import EndpointQuota, too_fast
 from rtkit.wires.ice import protocol
-from rtkit.wires.ice.protocol import DOOR, LEASE_S
+from rtkit.wires.ice.protocol import DOOR
 from rtkit.wires.ice.subscriber import IceSubscriber
 from rtkit.wires.line.login import Login
 
@@ -152,7 +152,9 @@ class ServedIceClient(Requester):
             if not subscription.listening:
                 self.drop(subscription)
 
-        service.handle(PropertyRequest(_to_listen(asked.target), "self", answered, subscription))
+        name, _, options = asked.target.partition("?")
+        target = leased(listen_target(name, options), LEASE_S)
+        service.handle(PropertyRequest(target, "self", answered, subscription))
 
     def _subscription(self, identity: Any) -> IceSubscriber:
         key = protocol.runtime().ice.identityToString(identity)
@@ -212,11 +214,3 @@ class ServedIceClient(Requester):
             del self._subscriptions[subscription.key]
             for service in self._host.services.values():
                 service.forget(subscription)
-
-
-def _to_listen(target: str) -> str:
-    """Return the target of a request to listen, with a lease."""
-    name, _, given = target.partition("?")
-    is_leased = any(each.startswith(("lease=", "remove")) for each in given.split("&"))
-    options = [each for each in (given, "" if is_leased else f"lease={LEASE_S:g}") if each]
-    return f"{name}.listen".lstrip(".") + f"?{'&'.join(options)}"

@@ -18,9 +18,10 @@ from rtkit.errors import Unreachable
 from rtkit.link.deadline import deadline_at
 from rtkit.link.secret import Secret
 from rtkit.property.messages import DONE, Answer, Payload, PropertyEvent
+from rtkit.property.subscription import LEASE_S
 from rtkit.wires.ice import protocol
 from rtkit.wires.ice.address import IceAddress
-from rtkit.wires.ice.protocol import DOOR, LEASE_S, LONGEST
+from rtkit.wires.ice.protocol import DOOR, LONGEST
 
 Outcome = Answer | Unreachable
 OnOutcome = Callable[[Outcome], object]

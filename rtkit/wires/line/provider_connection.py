@@ -13,6 +13,7 @@ from rtkit.link.deadline import with_deadline
 from rtkit.property.codes import PropertyError
 from rtkit.property.line import Replies, write_request
 from rtkit.property.messages import Answer, Payload, PropertyEvent
+from rtkit.property.subscription import listen_target
 from rtkit.serving.event_loop import IOHandler, PropertyEventLoop
 from rtkit.wires.provider_connection import (
     STATUS,
@@ -38,6 +39,9 @@ class LineConnection(ProviderConnection, IOHandler):
         service: Which one is meant; empty for that of the endpoint.
     """
 
+    _key_of = staticmethod(slot)
+    _subscriptions: dict[str, EventHandler | None]
+
     def __init__(self, host: PropertyEventLoop, end: socket.socket, service: str = "") -> None:
         super().__init__(host)
         self._end = end
@@ -46,7 +50,6 @@ class LineConnection(ProviderConnection, IOHandler):
         self._out = bytearray()
         self._in_turn: deque[Answering] = deque()
         self._by_id: dict[str, deque[Answering]] = {}
-        self._handlers: dict[str, EventHandler | None] = {}
         self._silence = Keepalive()
         self._is_stuck = False
 
@@ -84,30 +87,24 @@ class LineConnection(ProviderConnection, IOHandler):
 
     def has_room(self, name: str) -> bool:
         """See `ProviderConnection.has_room`: a connection has one listener per property."""
-        return slot(name) not in self._handlers and len(self._handlers) < _MOST_LISTENINGS
+        return super().has_room(name) and len(self._subscriptions) < _MOST_LISTENINGS
 
     def listen(self, name: str, options: str, on_event: EventHandler, answer: Answering) -> None:
         """See `ProviderConnection.listen`."""
-        key = slot(name)
-        self._handlers[key] = on_event
-
-        def answered(reply: Answer) -> None:
-            if reply.error:
-                self._handlers.pop(key, None)
-            answer(reply)
-
-        self.ask(_listen(name, options), "self", "", answered)
+        self._subscriptions[slot(name)] = on_event
+        answered = self._answering(name, on_event, answer)
+        self.ask(listen_target(name, options), "self", "", answered)
 
     def leave(self, name: str) -> None:
         """See `ProviderConnection.leave`; events come until the owner has received it."""
         key = slot(name)
-        if key in self._handlers:
-            self._handlers[key] = None
-            self.ask(_listen(name, "remove"), "self", "", lambda _: self._handlers.pop(key, None))
+        if key in self._subscriptions:
+            self._subscriptions[key] = None
+            self.ask(listen_target(name, "remove"), "self", "", lambda _: self._take_off(key))
 
     def check(self, now: float) -> None:
         """See `ProviderConnection.check`."""
-        if self._is_waited_for or self._handlers:
+        if self._is_waited_for or self._subscriptions:
             probe = partial(self.ask, STATUS, None, "", lambda _: None)
             self._silence.check(now, probe, self._fail)
 
@@ -149,7 +146,7 @@ class LineConnection(ProviderConnection, IOHandler):
 
     def _take(self, received: tuple[str, Answer] | PropertyEvent) -> None:
         if isinstance(received, PropertyEvent):
-            on_event = self._handlers.get(slot(received.name))
+            on_event = self._subscriptions.get(slot(received.name))
             if on_event is not None:
                 on_event(received)
             return
@@ -186,9 +183,4 @@ class LineConnection(ProviderConnection, IOHandler):
     def _release(self) -> None:
         self._host.unregister(self._end, self)
         self._end.close()
-        self._handlers.clear()
-
-
-def _listen(name: str, options: str) -> str:
-    """Return the target of a request to listen."""
-    return f"{name}.listen".lstrip(".") + (f"?{options}" if options else "")
+        self._subscriptions.clear()

@@ -5,15 +5,14 @@ from __future__ import annotations
 import threading
 import uuid
 from math import inf
-from time import monotonic
-from typing import NamedTuple
 
 from rtkit.errors import Unreachable
 from rtkit.link.deadline import deadline_at
 from rtkit.property.codes import PropertyError
 from rtkit.property.line import read_event
-from rtkit.property.messages import Answer, Mark, Payload, PropertyEvent
+from rtkit.property.messages import Answer, Payload, PropertyEvent
 from rtkit.property.naming import parse_target
+from rtkit.property.subscription import leased, listen_target
 from rtkit.serving.event_loop import PropertyEventLoop
 from rtkit.wires.mqtt.address import MqttAddress
 from rtkit.wires.mqtt.session import DEADLINE, READY, STATE, Message, MqttSession, topic_of
@@ -21,25 +20,16 @@ from rtkit.wires.provider_connection import (
     ENDED,
     Answering,
     EventHandler,
+    LeasedConnection,
+    LeasedSubscription,
     LoopInbox,
-    ProviderConnection,
-    over,
     with_id,
 )
-from rtkit.wires.zenoh.properties import LEASE_S
 
 _LONGEST_MARK = 20
 
 
-class _Subscription(NamedTuple):
-    target: str
-    topic: str
-    inbox: LoopInbox
-    renewed_at: list[float]
-    last: list[Mark]
-
-
-class MqttConnection(ProviderConnection):
+class MqttConnection(LeasedConnection):
     """Session with a broker, below the topic of a service.
 
     Args:
@@ -55,7 +45,6 @@ class MqttConnection(ProviderConnection):
         super().__init__(host)
         self._root = address.path
         self._own = f"{self._root}/$to/{uuid.uuid4().hex}"
-        self._subscriptions: dict[str, _Subscription] = {}
         self._number = 0
         self._state = ""
         self._is_ready = threading.Event()
@@ -76,61 +65,22 @@ class MqttConnection(ProviderConnection):
         """See `ProviderConnection.ask`."""
         self._request(with_id(target, id), payload, f"{self._own}/0", answer, until)
 
-    def has_room(self, name: str) -> bool:
-        """See `ProviderConnection.has_room`: each listening has a topic of its own."""
-        return name not in self._subscriptions
-
-    def listen(self, name: str, options: str, on_event: EventHandler, answer: Answering) -> None:
-        """See `ProviderConnection.listen`."""
-        self._number += 1
-        more = f"{options}&lease={LEASE_S:g}" if options else f"lease={LEASE_S:g}"
-        target = f"{name}.listen".lstrip(".") + f"?{more}"
-        topic = f"{self._own}/{self._number}"
-        subscription = _Subscription(
-            target, topic, LoopInbox(self._host, options, on_event), [monotonic()], []
-        )
-        self._subscriptions[name] = subscription
-
-        def answered(reply: Answer) -> None:
-            if reply.error:
-                self._subscriptions.pop(name, None)
-            answer(reply)
-
-        self._request(target, "self", topic, answered)
-
-    def leave(self, name: str) -> None:
-        """See `ProviderConnection.leave`."""
-        subscription = self._subscriptions.pop(name, None)
-        if subscription is not None:
-            target = f"{subscription.target.partition('?')[0]}?remove"
-            self._request(target, "self", subscription.topic, lambda reply: None)
-
-    def check(self, now: float) -> None:
-        """See `ProviderConnection.check`: renew leases; the broker reports the owner."""
-        for name, subscription in self._subscriptions.items():
-            if now - subscription.renewed_at[0] > LEASE_S / 3:
-                subscription.renewed_at[0] = now
-                self._request(
-                    subscription.target,
-                    "self",
-                    subscription.topic,
-                    self._renewed(name, subscription),
-                )
-
     # Its own
 
+    def _subscribe(self, name: str, options: str, on_event: EventHandler) -> LeasedSubscription:
+        self._number += 1
+        target = leased(listen_target(name, options))
+        inbox = LoopInbox(self._host, options, on_event)
+        return LeasedSubscription(target, f"{self._own}/{self._number}", inbox.put)
+
+    def _ask_about(
+        self, subscription: LeasedSubscription, target: str, answer: Answering, *, is_new: bool
+    ) -> None:
+        self._request(target, "self", subscription.address, answer)
+
     def _release(self) -> None:
-        self._subscriptions.clear()
+        super()._release()
         self._session.close()
-
-    def _renewed(self, name: str, subscription: _Subscription) -> Answering:
-        def renewed(reply: Answer) -> None:
-            last = over(name, reply)
-            if last is not None and self._subscriptions.get(name) is subscription:
-                del self._subscriptions[name]
-                subscription.inbox.put(last)
-
-        return renewed
 
     def _request(
         self,
@@ -185,9 +135,9 @@ class MqttConnection(ProviderConnection):
     def _take(self, topic: str, event: PropertyEvent) -> None:
         for subscription in self._subscriptions.values():
             # Else it was sent again, in case it had been lost.
-            if subscription.topic == topic and subscription.last != [event.mark]:
-                subscription.last[:] = [event.mark]
-                subscription.inbox.put(event)
+            if subscription.address == topic and subscription.last != event.mark:
+                subscription.last = event.mark
+                subscription.take(event)
 
     def _went(self, why: str) -> None:
         if self._is_ready.is_set():

@@ -27,6 +27,7 @@ from rtkit.property.codes import PASSING, PropertyError
 from rtkit.property.exchange import NOT_BEGUN
 from rtkit.property.line import Replies, write_request
 from rtkit.property.messages import Answer, Mark, Payload, PropertyEvent
+from rtkit.property.subscription import LEASE_S, leased
 from rtkit.wires.property_client import Inbox, bound_in
 from rtkit.wires.serial.address import (
     HELLO_TARGET,
@@ -36,8 +37,6 @@ from rtkit.wires.serial.address import (
     read_address,
 )
 
-LEASE_S = 10.0
-"""How long the far side goes on sending events without being asked again [s]."""
 _PATIENCE_S = 0.3
 _LEAST_PATIENCE_S = 0.05
 _TIMES_USUAL = 8
@@ -222,9 +221,9 @@ class SerialClient(Closing):
         """
         name, mark, tail = target.partition("?")
         self._inbox.expect(name, tail)
-        request = f"{name}.listen{mark}{tail}"
-        if not any(each.startswith("lease=") for each in tail.split("&")):
-            request += f"{'&' if mark else '?'}lease={LEASE_S:g}"
+        asked = f"{name}.listen{mark}{tail}"
+        request = leased(asked, LEASE_S)
+        if request != asked:
             self._leases[request] = monotonic() + LEASE_S / 3
         try:
             self.ask(request, "self").value()

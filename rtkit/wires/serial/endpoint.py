@@ -15,14 +15,12 @@ from rtkit.property.access import NOBODY, AccessRule
 from rtkit.property.checked import CheckedRequests, frame
 from rtkit.property.line import LineRequest
 from rtkit.property.messages import Answer, PropertyEvent
-from rtkit.property.subscription import Listener
+from rtkit.property.subscription import Listener, leased
 from rtkit.serving.event_loop import IOHandler, PropertyEventLoop
 from rtkit.serving.quota import EndpointQuota
 from rtkit.wires.line.connection import Connection
 from rtkit.wires.serial.address import HELLO_TARGET, KNOWS_DEADLINES, SerialAddress, SerialEnd
 
-LEASE_S = 10.0
-"""Lease of a listener, unless it asks for another [s]."""
 _FIRST_RETRY_S = 0.05
 _LAST_RETRY_S = 1.0
 
@@ -131,13 +129,11 @@ class _SerialConnection(Connection):
         if asked.target == HELLO_TARGET and asked.payload is None:
             answer(Answer(KNOWS_DEADLINES))
             return
-        name, mark, tail = asked.target.partition("?")
+        name = asked.target.partition("?")[0]
         if asked.payload != "self" or not name.endswith(".listen"):
             super()._dispatch(asked, answer)
             return
-        is_leased = any(each.startswith(("lease=", "remove")) for each in tail.split("&"))
-        lease = "" if is_leased else f"{'&' if mark else '?'}lease={LEASE_S:g}"
-        super()._dispatch(asked._replace(target=asked.target + lease), answer)
+        super()._dispatch(asked._replace(target=leased(asked.target)), answer)
         # Who goes on listening may have missed the last event.
         property_name = name.rpartition("/")[2].removesuffix(".listen")
         for listener, event in list(self._sent_events.items()):

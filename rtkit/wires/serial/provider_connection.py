@@ -8,9 +8,9 @@ from math import inf
 from queue import Empty, SimpleQueue
 
 from rtkit.errors import RtkitError, Unreachable
-from rtkit.property.codes import code_of
 from rtkit.property.messages import DONE, Answer, Payload
 from rtkit.serving.event_loop import PropertyEventLoop
+from rtkit.wires.property_client import failure
 from rtkit.wires.provider_connection import (
     ENDED,
     Answering,
@@ -26,11 +26,13 @@ from rtkit.wires.serial.client import SerialClient
 class SerialConnection(ProviderConnection):
     """Conversation in which each request waits for the one before it."""
 
+    _key_of = staticmethod(slot)
+    _subscriptions: dict[str, LoopInbox]
+
     def __init__(self, host: PropertyEventLoop, client: SerialClient) -> None:
         super().__init__(host)
         self._client = client
         self._calls: SimpleQueue[Callable[[], None]] = SimpleQueue()
-        self._mail: dict[str, LoopInbox] = {}
 
     def start(self, gone: Gone) -> None:
         """See `ProviderConnection.start`."""
@@ -43,40 +45,31 @@ class SerialConnection(ProviderConnection):
         """See `ProviderConnection.ask`."""
         self._call(lambda: self._client.ask(target, payload, id, until), answer)
 
-    def has_room(self, name: str) -> bool:
-        """See `ProviderConnection.has_room`: there is one listener of a property on each line."""
-        return slot(name) not in self._mail
-
     def listen(self, name: str, options: str, on_event: EventHandler, answer: Answering) -> None:
         """See `ProviderConnection.listen`."""
         key = slot(name)
         inbox = LoopInbox(self._host, options, lambda e: on_event(e) if is_mine() else None)
-        self._mail[key] = inbox
+        self._subscriptions[key] = inbox
 
         def is_mine() -> bool:
-            return self._mail.get(key) is inbox
+            return self._subscriptions.get(key) is inbox
 
         def begin() -> Answer:
             self._client.listen(f"{name}?{options}" if options else name)
             return DONE
 
-        def answered(reply: Answer) -> None:
-            if reply.error and is_mine():
-                del self._mail[key]
-            answer(reply)
-
-        self._call(begin, answered)
+        self._call(begin, self._answering(name, inbox, answer))
 
     def leave(self, name: str) -> None:
         """See `ProviderConnection.leave`."""
-        if self._mail.pop(slot(name), None) is not None:
+        if self._take_off(slot(name)) is not None:
             self._call(lambda: self._client.leave(name), lambda reply: None)
 
     # Its own
 
     def _release(self) -> None:
         self._client.wake()
-        self._mail.clear()
+        self._subscriptions.clear()
 
     def _call(self, work: Callable[[], Answer], answer: Answering) -> None:
         """Run a function on the thread of the line; its outcome is passed on the loop."""
@@ -89,9 +82,8 @@ class SerialConnection(ProviderConnection):
             try:
                 reply = work()
             except RtkitError as error:
-                is_late = isinstance(error, Unreachable) and "no answer" in str(error)
-                reply = Answer(str(error), "timeout" if is_late else code_of(error))
-                if isinstance(error, Unreachable) and not is_late:
+                reply = failure(error)
+                if isinstance(error, Unreachable) and reply.error != "timeout":
                     self._host.post(lambda: self._fail(str(reply.payload), reply.error))
             self._host.post(lambda: self._answer(number, reply))
 
@@ -107,7 +99,7 @@ class SerialConnection(ProviderConnection):
                     continue
                 except Empty:
                     event = self._client.event()
-                inbox = None if event is None else self._mail.get(slot(event.name))
+                inbox = None if event is None else self._subscriptions.get(slot(event.name))
                 if event is not None and inbox is not None:
                     inbox.put(event)
         except RtkitError as error:

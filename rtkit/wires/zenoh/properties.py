@@ -29,8 +29,6 @@ from rtkit.property.line import read_event, write_attributes
 from rtkit.property.messages import Answer, Payload, PropertyEvent
 from rtkit.property.naming import parse_target
 
-LEASE_S = 10.0
-"""Lease of a listener that does not renew it [s]."""
 _BYTES = zenoh.Encoding.APPLICATION_OCTET_STREAM
 _EAR, _GROUP = "ear", "group"
 _FOR_ONE = ("every", "deadband")

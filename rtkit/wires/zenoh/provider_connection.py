@@ -7,7 +7,6 @@ import uuid
 from collections.abc import Callable
 from math import inf
 from time import monotonic
-from typing import NamedTuple
 
 import zenoh
 
@@ -15,19 +14,19 @@ from rtkit.errors import Unreachable
 from rtkit.link.deadline import deadline_to_bytes
 from rtkit.property.codes import PropertyError
 from rtkit.property.messages import Answer, Payload, PropertyEvent
+from rtkit.property.subscription import listen_target
 from rtkit.serving.event_loop import PropertyEventLoop
 from rtkit.wires.provider_connection import (
     ENDED,
     STATUS,
     Answering,
     EventHandler,
+    LeasedConnection,
+    LeasedSubscription,
     LoopInbox,
-    ProviderConnection,
-    over,
     with_id,
 )
 from rtkit.wires.zenoh.properties import (
-    LEASE_S,
     EventProgress,
     answer_of,
     event_of,
@@ -44,15 +43,7 @@ _PROBE_EVERY_S = 1.0
 _NOBODY = "nobody answers for it"
 
 
-class _Subscription(NamedTuple):
-    target: str
-    id: str
-    subscriber: zenoh.Subscriber[None]
-    renewed_at: list[float]
-    on_event: EventHandler
-
-
-class ZenohConnection(ProviderConnection):
+class ZenohConnection(LeasedConnection):
     """Session to the owner, used by nobody else.
 
     Args:
@@ -63,7 +54,6 @@ class ZenohConnection(ProviderConnection):
         super().__init__(host)
         self._session = session
         self._key = service_key
-        self._subscriptions: dict[str, _Subscription] = {}
         self._probed_at = monotonic()
         self._is_probing = False
         self._is_silent = False
@@ -75,59 +65,27 @@ class ZenohConnection(ProviderConnection):
         wait_s = min(_REQUEST_S, max(until - monotonic(), _LEAST_S))
         self._query(with_id(target, id), payload, "", wait_s, answer)
 
-    def has_room(self, name: str) -> bool:
-        """See `ProviderConnection.has_room`: each listening has a key of its own."""
-        return name not in self._subscriptions
-
-    def listen(self, name: str, options: str, on_event: EventHandler, answer: Answering) -> None:
-        """See `ProviderConnection.listen`."""
-        id = uuid.uuid4().hex
-        inbox = LoopInbox(self._host, options, lambda event: self._on_event(id, on_event, event))
-        handler = zenoh.handlers.Callback(_receiver(inbox), indirect=False)
-        subscriber = self._session.declare_subscriber(subscriber_key(self._key, id), handler)
-        target = f"{name}.listen".lstrip(".") + (f"?{options}" if options else "")
-        self._subscriptions[name] = _Subscription(target, id, subscriber, [monotonic()], on_event)
-
-        def answered(reply: Answer) -> None:
-            if reply.error:
-                self._take_off(name)
-            answer(reply)
-
-        self._query(target, "self", id, _REQUEST_S, answered)
-
-    def leave(self, name: str) -> None:
-        """See `ProviderConnection.leave`."""
-        subscription = self._take_off(name)
-        if subscription is not None:
-            target = f"{subscription.target.partition('?')[0]}?remove"
-            self._query(target, "self", subscription.id, _PROBE_S, lambda _: None)
-
     def check(self, now: float) -> None:
         """See `ProviderConnection.check`: ask for a sign of life, and renew what has a lease."""
-        for name, subscription in self._subscriptions.items():
-            if now - subscription.renewed_at[0] > LEASE_S / 3:
-                subscription.renewed_at[0] = now
-                self._query(
-                    subscription.target,
-                    "self",
-                    subscription.id,
-                    _PROBE_S,
-                    self._renewed(name, subscription),
-                )
+        super().check(now)
         if not self._is_probing and now - self._probed_at > _PROBE_EVERY_S:
             self._is_probing, self._probed_at = True, now
             self._query(STATUS, None, "", _PROBE_S, self._probed)
 
     # Its own
 
-    def _renewed(self, name: str, subscription: _Subscription) -> Answering:
-        def renewed(reply: Answer) -> None:
-            last = over(name, reply)
-            if last is not None and self._subscriptions.get(name) is subscription:
-                self._take_off(name)
-                subscription.on_event(last)
+    def _subscribe(self, name: str, options: str, on_event: EventHandler) -> LeasedSubscription:
+        id = uuid.uuid4().hex
+        inbox = LoopInbox(self._host, options, lambda event: self._on_event(id, on_event, event))
+        handler = zenoh.handlers.Callback(_receiver(inbox), indirect=False)
+        subscriber = self._session.declare_subscriber(subscriber_key(self._key, id), handler)
+        return LeasedSubscription(listen_target(name, options), id, on_event, subscriber.undeclare)
 
-        return renewed
+    def _ask_about(
+        self, subscription: LeasedSubscription, target: str, answer: Answering, *, is_new: bool
+    ) -> None:
+        wait_s = _REQUEST_S if is_new else _PROBE_S
+        self._query(target, "self", subscription.address, wait_s, answer)
 
     def _probed(self, reply: Answer) -> None:
         self._is_probing = False
@@ -175,18 +133,11 @@ class ZenohConnection(ProviderConnection):
         )
 
     def _on_event(self, id: str, on_event: EventHandler, event: PropertyEvent) -> None:
-        if any(each.id == id for each in self._subscriptions.values()):
+        if any(each.address == id for each in self._subscriptions.values()):
             on_event(event)
 
-    def _take_off(self, name: str) -> _Subscription | None:
-        subscription = self._subscriptions.pop(name, None)
-        if subscription is not None:
-            subscription.subscriber.undeclare()  # type: ignore[no-untyped-call]
-        return subscription
-
     def _release(self) -> None:
-        for name in list(self._subscriptions):
-            self._take_off(name)
+        super()._release()
         if self._is_silent:
             # It waits for the far side, which is not there: not on the loop.
             threading.Thread(target=self._session.close, name="closing", daemon=True).start()

@@ -11,7 +11,8 @@ from itertools import count
 import pytest
 
 from rtkit.property.messages import PropertyEvent
-from rtkit.wires.mqtt.provider_connection import MqttConnection, _Subscription
+from rtkit.wires.mqtt.provider_connection import MqttConnection
+from rtkit.wires.provider_connection import LeasedSubscription
 from rtkit.wires.serial.address import SerialAddress
 from rtkit.wires.serial.client import SerialClient
 from rtkit.wires.zenoh.properties import EventPosition, Joined
@@ -72,11 +73,8 @@ def _mqtt() -> Iterator[
 ]:
     heard: deque[PropertyEvent] = deque()
 
-    class Box:
-        put = staticmethod(heard.append)
-
     connection = MqttConnection.__new__(MqttConnection)  # without a broker
-    connection._subscriptions = {"speed": _Subscription("", "to", Box(), [0.0], [])}  # type: ignore[arg-type]
+    connection._subscriptions = {"speed": LeasedSubscription("", "to", heard.append)}
     yield lambda event: connection._take("to", event), lambda: heard.popleft() if heard else None
 
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 import pytest
 
 from rtkit.errors import Malformed
+from rtkit.property.subscription import leased, listen_target
 from rtkit.wires.ice.address import IceAddress, read_address
-from rtkit.wires.ice.served_client import _to_listen
 
 
 @pytest.mark.parametrize(
@@ -55,4 +55,5 @@ def test_what_is_no_address_is_refused(text: str) -> None:
     ],
 )
 def test_who_listens_has_a_lease(target: str, asked: str) -> None:
-    assert _to_listen(target) == asked
+    name, _, options = target.partition("?")
+    assert leased(listen_target(name, options)) == asked
