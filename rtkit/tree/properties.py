@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Iterable, Sequence
+from functools import cached_property, partial
 from typing import TYPE_CHECKING, NamedTuple
 
 from rtkit.property.codes import PropertyError
@@ -80,6 +81,42 @@ def parse(typed: str, cwd: str, services: Iterable[str], hostname: str) -> Prope
     return PropertyTarget(typed, "", rest, given)
 
 
+class _Endpoint:
+    """Endpoint on any wire, with a connection for each of its services.
+
+    Args:
+        timeout_s: Bound on connecting, and on each request [s].
+    """
+
+    def __init__(self, side: ClientSide, address: str, timeout_s: float) -> None:
+        self._connect = partial(side.connect, address, timeout_s)
+        self._ends: dict[str, PropertyClient] = {}
+
+    @cached_property
+    def first(self) -> PropertyClient:
+        """The connection that lists the services, and serves the first of them."""
+        return self._connect()
+
+    @cached_property
+    def services(self) -> list[str]:
+        """The services behind it."""
+        return str(self.first.ask("door/services").value()).strip("()").split()
+
+    def of_service(self, service: str) -> PropertyClient:
+        """Return a connection for one service alone: names of events do not tell their service."""
+        if service not in self._ends:
+            client = self._connect() if self._ends else self.first
+            self._ends[service] = OfService(client, service)
+        return self._ends[service]
+
+    def close(self) -> None:
+        """End all connections."""
+        if "first" in vars(self):
+            self.first.close()
+        for end in self._ends.values():
+            end.close()
+
+
 class PropertyConnections:
     """Finds properties and keeps one connection for each owner.
 
@@ -87,7 +124,7 @@ class PropertyConnections:
         at: ``HOST:PORT`` of a TCP endpoint, or the address of an endpoint on another wire;
             empty for the services of this user on this host. Behind a serial
             line there is one service, which needs no name.
-        timeout_s: Bound on each request [s].
+        timeout_s: Bound on each request [s]; a target may state a shorter one.
     """
 
     def __init__(self, cwd: str, at: str, timeout_s: float) -> None:
@@ -95,8 +132,7 @@ class PropertyConnections:
         self._at = at
         self._timeout_s = timeout_s
         self._ends: dict[str, PropertyClient] = {}
-        self._services: list[str] | None = None
-        self._this_host: ThisHost | None = None
+        self._endpoints: dict[tuple[str, float], _Endpoint] = {}
 
     def find(self, typed: str) -> tuple[PropertyTarget, PropertyClient]:
         """Return where a property is and the connection to its owner.
@@ -105,25 +141,45 @@ class PropertyConnections:
             RtkitError: ``no-service``, with what was typed in front.
         """
         try:
-            if self._at or ":" in typed:
-                from rtkit.wires.table import client_side_of, endpoint_side_of
-
-                if (side := client_side_of(typed)) is not None:
-                    return self._behind(side, *side.split(typed), typed)
-                if self._at and not (side := endpoint_side_of(self._at)).has_services:
-                    return self._behind(side, self._at, typed, typed)
-        except Exception as error:
-            raise printed_error(typed, error) from error
-        place = parse(typed, self._cwd, self._known(), os.uname().nodename)
-        try:
-            if not place.service and not self._at:
-                return self._in_tree(place)
-            return place, self._end(place)
+            return self._behind(typed) or self._here(typed)
         except Exception as error:
             raise printed_error(typed, error) from error
 
-    def _in_tree(self, place: PropertyTarget) -> tuple[PropertyTarget, PropertyClient]:
-        """Return where a property of a component, of a manager or of this host is."""
+    def _behind(self, typed: str) -> tuple[PropertyTarget, PropertyClient] | None:
+        """Return a property behind an endpoint, None if it is one of this host."""
+        if not (self._at or ":" in typed):
+            return None
+        from rtkit.wires.property_client import bound_in
+        from rtkit.wires.table import client_side_of, endpoint_side_of
+
+        side = client_side_of(typed)
+        if side is not None:
+            cwd, (address, path) = "/", side.split(typed)
+        elif self._at:
+            side, cwd, address, path = endpoint_side_of(self._at), self._cwd, self._at, typed
+        else:
+            return None
+        key = (address, bound_in(typed, self._timeout_s))
+        endpoint = self._endpoints.setdefault(key, _Endpoint(side, *key))
+        if not side.has_services:
+            name, mark, parameters = path.partition("?")
+            return PropertyTarget(typed, "", name, parameters if mark else None), endpoint.first
+        place = parse(path, cwd, endpoint.services, _hostname())
+        if not place.service:
+            raise _no_service(place.name, endpoint.services)
+        return place._replace(typed=typed), endpoint.of_service(place.service)
+
+    def _here(self, typed: str) -> tuple[PropertyTarget, PropertyClient]:
+        """Return a property of a service, component or manager of this host, or of the host."""
+        place = parse(typed, self._cwd, self._services, _hostname())
+        if place.service:
+            from rtkit.link.places import service_socket
+            from rtkit.wires.line.client import connect_unix
+
+            if place.service not in self._ends:
+                socket = service_socket(place.service)
+                self._ends[place.service] = connect_unix(socket, self._timeout_s)
+            return place, self._ends[place.service]
         from rtkit.tree.live_place import name_of_host, open_live, split
 
         path = place.typed.partition("?")[0]
@@ -132,101 +188,49 @@ class PropertyConnections:
             if node not in self._ends:
                 self._ends[node] = open_live(node, self._timeout_s)
             return place._replace(service=node, name=name), self._ends[node]
-        of_host = name_of_host(path, self._cwd, os.uname().nodename)
+        of_host = name_of_host(path, self._cwd, _hostname())
         if of_host is None:
-            return place, self._end(place)
-        host = self._host()
+            raise _no_service(place.name, self._services)
+        host = self._host
         first = of_host.partition(".")[0]
         if of_host and first not in host.names and first not in EXTENSIONS:
             known = f"this host has {' '.join(host.names)}"
             if path.endswith(f".{of_host}"):
                 raise PropertyError("unknown", f"no such property: {of_host} ({known})")
-            services = " ".join(self._known()) or "none"
-            text = f"no service named {first} (there is {services}; {known})"
-            raise PropertyError("no-service", text)
+            raise _no_service(first, self._services, f"; {known}")
         return place._replace(service=LOCAL, name=of_host), host
 
+    @cached_property
     def _host(self) -> ThisHost:
-        if self._this_host is None:
-            from rtkit.link.running import managers
-            from rtkit.tree.live import ThisHost
+        from rtkit.link.running import managers
+        from rtkit.tree.live import ThisHost
 
-            self._this_host = ThisHost(self._known(), managers())
-        return self._this_host
+        return ThisHost(self._services, managers())
 
-    def _known(self) -> list[str]:
-        if self._services is None:
-            from rtkit.link.places import services
+    @cached_property
+    def _services(self) -> list[str]:
+        from rtkit.link.places import services
 
-            self._services = _listed(self._endpoint()) if self._at else services()
-        return self._services
-
-    def _endpoint(self) -> PropertyClient:
-        return self._connected_to(self._side(), self._at)
-
-    def _side(self) -> ClientSide:
-        from rtkit.wires.table import endpoint_side_of
-
-        return endpoint_side_of(self._at)
-
-    def _connected_to(self, side: ClientSide, address: str) -> PropertyClient:
-        if address not in self._ends:
-            self._ends[address] = self._connect(side, address)
-        return self._ends[address]
-
-    def _connect(self, side: ClientSide, address: str) -> PropertyClient:
-        return side.connect(address, self._timeout_s)
-
-    def _behind(
-        self, side: ClientSide, address: str, path: str, typed: str
-    ) -> tuple[PropertyTarget, PropertyClient]:
-        """Return what a path behind an endpoint is; a request shows whether it is a service."""
-        end = self._connected_to(side, address)
-        if not side.has_services:
-            name, mark, parameters = path.partition("?")
-            return PropertyTarget(typed, "", name, parameters if mark else None), end
-        services = _listed(end)
-        place = parse(path, "/", services, os.uname().nodename)
-        if not place.service:
-            raise PropertyError("no-service", f"there is {' '.join(services) or 'none'}")
-        return place._replace(typed=typed), self._service_at(side, address, place.service)
-
-    def _service_at(self, side: ClientSide, address: str, service: str) -> PropertyClient:
-        """Return a connection for one service alone: names of events do not tell their service."""
-        key = f"{address} {service}"
-        if key not in self._ends:
-            is_first = not any(each.startswith(f"{address} ") for each in self._ends)
-            connect = self._connected_to if is_first else self._connect
-            self._ends[key] = OfService(connect(side, address), service)
-        return self._ends[key]
-
-    def _end(self, place: PropertyTarget) -> PropertyClient:
-        if not place.service:
-            known = " ".join(self._known()) or "none"
-            first = place.name.split(".")[0]
-            raise PropertyError("no-service", f"no service named {first} (there is {known})")
-        if place.service not in self._ends:
-            self._ends[place.service] = self._connected(place.service)
-        return self._ends[place.service]
-
-    def _connected(self, service: str) -> PropertyClient:
-        if self._at:
-            return self._service_at(self._side(), self._at, service)
-        from rtkit.link.places import service_socket
-        from rtkit.wires.line.client import connect_unix
-
-        return connect_unix(service_socket(service), self._timeout_s)
+        return services()
 
     def close(self) -> None:
         """End all connections."""
+        for endpoint in self._endpoints.values():
+            endpoint.close()
         for end in self._ends.values():
             end.close()
         self._ends.clear()
+        self._endpoints.clear()
 
 
-def _listed(endpoint: PropertyClient) -> list[str]:
-    """Return the services behind an endpoint."""
-    return str(endpoint.ask("door/services").value()).strip("()").split()
+def _no_service(name: str, known: Sequence[str], more: str = "") -> PropertyError:
+    there = " ".join(known) or "none"
+    first = name.partition(".")[0]
+    return PropertyError("no-service", f"no service named {first} (there is {there}{more})")
+
+
+def _hostname() -> str:
+    return os.uname().nodename
 
 
 class OfService:

@@ -14,7 +14,7 @@ from rtkit.property.service import Service
 from rtkit.serving.event_loop import PropertyEventLoop
 from rtkit.serving.refusals import Refusals
 from rtkit.wires.line.endpoint import open_unix
-from rtkit.wires.table import WIRES, wires
+from rtkit.wires.table import WIRES, wire_of
 from rtkit.wires.wire import Wire, WireSettings, service_name
 
 
@@ -157,10 +157,10 @@ def serve(
 def _asked(endpoints: Mapping[str, int | str | None]) -> list[tuple[Wire, str]]:
     """Return the wires to open, in the order of the table, and what to open them at."""
     given = {name: str(value) for name, value in endpoints.items() if value is not None}
-    options = {wire.option.name: wire for wire in wires() if wire.option} if given else {}
+    options = {each.option.name: scheme for scheme, each in WIRES.items() if each.option}
     if unknown := given.keys() - options.keys():
         raise TypeError(f"no such endpoint: {' '.join(unknown)} (there is {' '.join(options)})")
-    return [(wire, given[name]) for name, wire in options.items() if name in given]
+    return [(wire_of(scheme), given[name]) for name, scheme in options.items() if name in given]
 
 
 def _notifying(

@@ -20,7 +20,6 @@ if TYPE_CHECKING:
 
 SERVICES = "door/services"
 """Target that lists the services behind an endpoint."""
-PORT = "[HOST:]PORT"
 HERE = ("", "localhost", "127.0.0.1")
 
 
@@ -68,20 +67,6 @@ class ClientSide(NamedTuple):
     has_services: bool = True
 
 
-class ServeOption(NamedTuple):
-    """Option of ``rtserve``, and keyword of `rtkit.serve`, that opens an endpoint.
-
-    Attributes:
-        metavar: Form of its value; `PORT` is checked when the command line is read.
-        knows_clients: Whether the endpoint learns who its clients are.
-    """
-
-    name: str
-    metavar: str
-    help: str
-    knows_clients: bool = True
-
-
 class Wire(NamedTuple):
     """Wire of the Property Service.
 
@@ -94,7 +79,6 @@ class Wire(NamedTuple):
         provider: Returns the owner behind what follows the scheme in an address.
         open: Opens an endpoint, on the loop, at what follows the scheme; returns its full address.
         client: How commands reach one property, None if they do not.
-        option: How an object is served over it, None if only proxies open it.
         extra: Extra of the distribution that it needs, empty for none.
     """
 
@@ -105,7 +89,6 @@ class Wire(NamedTuple):
     provider: Callable[[str, WireSettings], ProviderAddress]
     open: Callable[[str, PropertyProvider, WireSettings], str]
     client: ClientSide | None = None
-    option: ServeOption | None = None
     extra: str = ""
 
 

@@ -12,8 +12,7 @@ from property_endpoints import BOUND_S, SERVED, Lines, WirePlaces, params
 from rtkit.proxy.bridge import bridge
 from rtkit.wires.line.client import connect_unix
 from rtkit.wires.serve import ServedObject, serve
-from rtkit.wires.table import wire_of
-from rtkit.wires.wire import PORT
+from rtkit.wires.table import PORT, WIRES, wire_of
 
 
 @pytest.mark.parametrize("scheme", params("unix", "zenoh", *SERVED))
@@ -27,7 +26,7 @@ def test_who_listens_hears_the_new_owner(place: str, scheme: str) -> None:
         is_on = scheme == "zenoh"
         return serve(service, "robot", settable=["*"], is_on_zenoh=is_on, **opened)
 
-    option = wire_of(scheme).option
+    option = WIRES[scheme].option
     with ExitStack() as ends:
         target, found = WirePlaces(place, ends).address(wire_of(scheme))
         value = target.partition(":")[2]

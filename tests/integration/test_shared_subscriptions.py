@@ -10,13 +10,13 @@ from queue import SimpleQueue
 import pytest
 import zenoh
 from property_endpoints import BOUND_S, Zenoh
+from zenoh_client import ZenohClient, ZenohSubscription
 
 from rtkit.errors import Unreachable
 from rtkit.link import keys, places
 from rtkit.link.zenoh import open_client, unix_endpoint
 from rtkit.property.service import Service
 from rtkit.wires.serve import ServedObject, serve
-from tests.support.zenoh_client import ZenohClient, ZenohSubscription
 
 _MANY = 200
 

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import contextlib
 import re
+import socket
 import threading
 import tomllib
 from collections.abc import Iterator
@@ -16,8 +18,11 @@ from mosquittokit import PASSWORD
 from property_endpoints import BOUND_S, Lines, WirePlaces, client_at, params
 
 from rtkit.errors import RtkitError, Unreachable
+from rtkit.link import secret
+from rtkit.property.codes import PropertyError
 from rtkit.property.service import Service
 from rtkit.proxy.bridge import bridge
+from rtkit.tree.properties import PropertyConnections
 from rtkit.wires.line.client import connect_unix
 from rtkit.wires.property_client import failure
 from rtkit.wires.serve import ServedObject, serve
@@ -25,6 +30,7 @@ from rtkit.wires.table import WIRES, wire_of
 
 ROOT = Path(__file__).parents[2]
 FOR_CLIENTS = [each for each in WIRES if wire_of(each).client is not None]
+FOR_SERVICES = [each for each in FOR_CLIENTS if wire_of(each).client.has_services]  # type: ignore[union-attr]
 
 
 @pytest.fixture
@@ -99,6 +105,36 @@ def test_a_silent_owner_is_given_up_in_time(through_proxies: Door, served: Serve
 
 def test_a_client_gives_up_a_silent_service_in_time(of_client: Door, served: ServedObject) -> None:
     check_silence(of_client, served)
+
+
+@pytest.mark.parametrize("scheme", params(*FOR_SERVICES))
+def test_a_target_bounds_also_what_is_asked_before_it(place: str, scheme: str) -> None:
+    """A silent endpoint, as one of a stopped process, is asked for its services first."""
+    secret.make()
+    side = wire_of(scheme).client
+    assert side is not None
+    with socket.socket() as silent:
+        silent.bind(("127.0.0.1", 0))
+        silent.listen()
+        form = wire_of(scheme).source.replace("HOST:PORT", f"localhost:{silent.getsockname()[1]}")
+        typed = f"{form.replace('SERVICE', 'robot')}/count?timeout=0.3"
+        with contextlib.closing(PropertyConnections("/", "", BOUND_S)) as connections:
+            begin = monotonic()
+            with pytest.raises(PropertyError) as raised:
+                connections.find(typed)
+            assert monotonic() - begin < 3.0
+    assert raised.value.code == "timeout"
+
+
+def test_targets_with_other_bounds_have_connections_of_their_own(served: ServedObject) -> None:
+    with (
+        serve(subject(), "other", is_on_zenoh=False, port=0) as far,
+        contextlib.closing(PropertyConnections("/", str(far.port), BOUND_S)) as connections,
+    ):
+        _, short = connections.find("other.count?timeout=0.3")
+        _, long = connections.find("other.count")
+        assert short is not long
+        assert connections.find("other.name")[1] is long
 
 
 def check_silence(endpoint: Door, served: ServedObject) -> None:

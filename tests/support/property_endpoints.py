@@ -17,6 +17,7 @@ import pytest
 from mosquittokit import MOSQUITTO, Mosquitto
 from oneline import OneLine
 from serialkit import Cable
+from zenoh_client import ZenohClient
 
 from rtkit.link import keys, places
 from rtkit.link.zenoh import open_client, unix_endpoint
@@ -25,9 +26,8 @@ from rtkit.proxy.bridge import bridge
 from rtkit.tree.properties import OfService
 from rtkit.wires.property_client import PropertyClient
 from rtkit.wires.serve import ServedObject
-from rtkit.wires.table import WIRES, wire_of
-from rtkit.wires.wire import PORT, Wire
-from tests.support.zenoh_client import ZenohClient
+from rtkit.wires.table import PORT, WIRES, wire_of
+from rtkit.wires.wire import Wire
 
 BOUND_S = 30.0
 _IS_ABSENT = {} if icekit.IS_THERE else {"ice": icekit.MISSING}
@@ -42,16 +42,16 @@ def params(*schemes: str) -> list[object]:
 
 
 SERVED = [
-    each for each in WIRES if (wire := wire_of(each)).option is not None and wire.client is not None
+    each for each in WIRES if WIRES[each].option is not None and wire_of(each).client is not None
 ]
 """Schemes of the wires over which objects are served, and properties asked for."""
-KNOWING = [each for each in SERVED if wire_of(each).option.knows_clients]  # type: ignore[union-attr]
+KNOWING = [each for each in SERVED if WIRES[each].option.knows_clients]  # type: ignore[union-attr]
 """Those of them that learn who asks, and serve many."""
 
 
 def opening(place: str) -> dict[str, int | str]:
     """Return keywords of `rtkit.serve` that open an endpoint on each of the wires in `KNOWING`."""
-    options = [wire_of(each).option for each in KNOWING if each not in _IS_ABSENT]
+    options = [WIRES[each].option for each in KNOWING if each not in _IS_ABSENT]
     return {
         each.name: 0 if each.metavar == PORT else f"{place}/{each.name}.sock"
         for each in options

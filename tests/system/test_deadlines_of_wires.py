@@ -15,7 +15,7 @@ from mosquittokit import MOSQUITTO, PASSWORD, Mosquitto
 from property_endpoints import SERVED, params
 from serialkit import Cable
 
-from rtkit.wires.table import wire_of
+from rtkit.wires.table import WIRES, wire_of
 
 PATIENCE_S = 1.0
 needs_mosquitto = pytest.mark.skipif(MOSQUITTO is None, reason="there is no mosquitto")
@@ -41,7 +41,7 @@ def served(
     services = []
 
     def serve(wire: str) -> tuple[Any, str]:
-        option = wire_of(wire).option if wire else None
+        option = WIRES[wire].option if wire else None
         value = {"DEVICE": "far --allow-set speed", "PATH": "bot.sock"}
         more = "" if option is None else f"--{option.name} {value.get(option.metavar, 0)}"
         services.append(shell.open(f"rtserve bot:Bot bot {more}"))

@@ -55,7 +55,7 @@ def _statuses() -> str:
 
 
 def _wires() -> str:
-    from rtkit.wires.table import wires
+    from rtkit.wires.table import WIRES, wires
 
     lines = [
         "Wires: how live properties travel, and the forms of their addresses.",
@@ -68,7 +68,8 @@ def _wires() -> str:
             "rtproxy FROM": wire.source,
             "rtproxy ... TO": wire.target,
             "rtget, rtset, rtlisten": wire.client and f"{wire.source}/NAME",
-            "rtserve": wire.option and f"--{wire.option.name} {wire.option.metavar}",
+            "rtserve": (option := WIRES[wire.scheme].option)
+            and f"--{option.name} {option.metavar}",
             "needs": wire.extra and f"pip install 'rtkit[{wire.extra}]'",
         }
         lines += ["", f"{wire.scheme}: {wire.summary}"]

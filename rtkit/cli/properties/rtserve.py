@@ -10,19 +10,20 @@ from rtkit.cli.shared import terminal
 from rtkit.cli.shared.app import App
 from rtkit.cli.shared.command import command
 from rtkit.cli.shared.options import argument, option, several, together
-from rtkit.wires.table import WIRES, wires
-from rtkit.wires.wire import HERE, PORT
+from rtkit.wires.table import PORT, WIRES
 
 if TYPE_CHECKING:
     from rtkit.property.access import AccessPolicy
 
 _MOST_KEPT = 100_000
-_OPTIONS = [wire.option for wire in wires() if wire.option]
+_OPTIONS = [wire.option for wire in WIRES.values() if wire.option]
 
 
 def _port(context: click.Context, parameter: click.Parameter, value: str | None) -> int | None:
     if value is None:
         return None
+    from rtkit.wires.wire import HERE
+
     name, _, port = value.rpartition(":")
     if not (port.isascii() and port.isdigit() and int(port) <= 65535):
         raise click.BadParameter(f"not [HOST:]PORT: {value}")

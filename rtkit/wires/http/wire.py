@@ -6,10 +6,8 @@ from typing import TYPE_CHECKING
 
 from rtkit.errors import Malformed
 from rtkit.wires.wire import (
-    PORT,
     ClientSide,
     ProviderAddress,
-    ServeOption,
     Wire,
     WireSettings,
     port_here,
@@ -59,6 +57,5 @@ HTTP = Wire(
     _provider,
     _open,
     ClientSide("http://", split_behind("http://", _ROOT), _connect),
-    ServeOption("http", PORT, "Also open an HTTP endpoint on this host, 0 for any free port."),
     extra="http",
 )

@@ -6,10 +6,8 @@ from typing import TYPE_CHECKING
 
 from rtkit.errors import Malformed
 from rtkit.wires.wire import (
-    PORT,
     ClientSide,
     ProviderAddress,
-    ServeOption,
     Wire,
     WireSettings,
     port_here,
@@ -56,6 +54,5 @@ ICE = Wire(
     _provider,
     _open,
     ClientSide(_PREFIX, split_behind(_PREFIX), _connect),
-    ServeOption("ice", PORT, "Also open an Ice endpoint on this host, 0 for any free port."),
     extra="ice",
 )

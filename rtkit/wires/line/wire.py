@@ -6,11 +6,9 @@ from typing import TYPE_CHECKING
 
 from rtkit.errors import Malformed, Refused
 from rtkit.wires.wire import (
-    PORT,
     SERVICES,
     ClientSide,
     ProviderAddress,
-    ServeOption,
     Wire,
     WireSettings,
     host_and_port,
@@ -101,5 +99,4 @@ TCP = Wire(
     _tcp_provider,
     _open_tcp,
     TCP_CLIENTS,
-    ServeOption("port", PORT, "Also open a TCP endpoint on this host, 0 for any free port."),
 )

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from rtkit.wires.serial.address import SCHEME, read_address, split_target
-from rtkit.wires.wire import ClientSide, ProviderAddress, ServeOption, Wire, WireSettings
+from rtkit.wires.wire import ClientSide, ProviderAddress, Wire, WireSettings
 
 if TYPE_CHECKING:
     from rtkit.serving.provider import PropertyProvider
@@ -45,11 +45,5 @@ SERIAL = Wire(
     _provider,
     _open,
     ClientSide(SCHEME, split_target, _connect, read_address, has_services=False),
-    ServeOption(
-        "serial",
-        "DEVICE",
-        "Also open this serial line (DEVICE?baud=115200&check=auto).",
-        knows_clients=False,
-    ),
     extra="serial",
 )

@@ -9,6 +9,7 @@ from contextlib import contextmanager
 from itertools import count
 
 import pytest
+from zenoh_client import ZenohSubscription
 
 from rtkit.property.messages import PropertyEvent
 from rtkit.wires.mqtt.provider_connection import MqttConnection
@@ -16,7 +17,6 @@ from rtkit.wires.provider_connection import LeasedSubscription
 from rtkit.wires.serial.address import SerialAddress
 from rtkit.wires.serial.client import SerialClient
 from rtkit.wires.zenoh.properties import EventPosition, Joined
-from tests.support.zenoh_client import ZenohSubscription
 
 FIRST = PropertyEvent("speed", "1.5", 12.0, 3)
 OTHERS = (

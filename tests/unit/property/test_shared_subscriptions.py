@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from typing import NamedTuple
 
 import pytest
+import zenoh_client as subscriptions
 
 from rtkit.property.access import read_policy
 from rtkit.property.codes import PropertyError
@@ -16,7 +17,6 @@ from rtkit.serving.event_loop import PropertyEventLoop
 from rtkit.wires import subscribers as of_service
 from rtkit.wires.query_server import QueryServer
 from rtkit.wires.zenoh.properties import EventPosition, Joined, Queried, group_of
-from tests.support import zenoh_client as subscriptions
 
 
 class Sent(NamedTuple):
