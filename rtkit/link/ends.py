@@ -13,6 +13,7 @@ import zenoh
 
 from rtkit.errors import Unreachable
 from rtkit.link.threads import start_thread
+from rtkit.link.zenoh import ask
 
 Deliver = Callable[[bytes], object]
 _NUMBER = struct.Struct("<Q")
@@ -23,6 +24,16 @@ _TOTAL = b"="
 def _question(key: object) -> str:
     """Return the key on which a sender is asked how many values it has sent."""
     return f"{key}/sent"
+
+
+def _undeclare(
+    declared: zenoh.Subscriber[None] | zenoh.Queryable[None] | zenoh.Publisher | None,
+) -> None:
+    # While another thread is inside `put`, zenoh refuses ("Already borrowed"); a publisher then
+    # goes with its last reference.
+    with contextlib.suppress(zenoh.ZError, RuntimeError):
+        if declared is not None:
+            declared.undeclare()  # type: ignore[no-untyped-call]
 
 
 class Outlet:
@@ -86,13 +97,8 @@ class Outlet:
 
     def close(self) -> None:
         """Close this end; the other one receives nothing more."""
-        if self._asked is not None:
-            with contextlib.suppress(zenoh.ZError):
-                self._asked.undeclare()  # type: ignore[no-untyped-call]
-        # While another thread is inside `put`, zenoh refuses ("Already borrowed"); the publisher
-        # then goes with its last reference.
-        with contextlib.suppress(zenoh.ZError, RuntimeError):
-            self._publisher.undeclare()  # type: ignore[no-untyped-call]
+        _undeclare(self._asked)
+        _undeclare(self._publisher)
         self._release()
 
 
@@ -162,35 +168,32 @@ class Inlet:
 
     def close(self) -> None:
         """Take no part in the stream any more."""
-        if self._declared is not None:
-            with contextlib.suppress(zenoh.ZError):
-                self._declared.undeclare()  # type: ignore[no-untyped-call]
+        _undeclare(self._declared)
 
 
-class Fetcher:
-    """Asking end of one pull stream."""
+class _AskingEnd:
+    """End of a connector that asks the other one."""
 
     def __init__(self, session: zenoh.Session, key: str, release: Callable[[], None]) -> None:
         self._session = session
         self._key = key
         self._release = release
 
-    def fetch(self, timeout_s: float) -> bytes | None:
-        """Return the next value, None when the other end has none or is gone."""
-        try:
-            replies = self._session.get(
-                self._key,
-                timeout=timeout_s,
-                handler=zenoh.handlers.FifoChannel(4),
-                consolidation=zenoh.ConsolidationMode.NONE,
-            )
-        except zenoh.ZError:  # it was closed while the port was being read
-            return None
-        return next((reply.ok.payload.to_bytes() for reply in replies if reply.ok), None)
-
     def close(self) -> None:
         """Ask no more."""
         self._release()
+
+
+class Fetcher(_AskingEnd):
+    """Asking end of one pull stream."""
+
+    def fetch(self, timeout_s: float) -> bytes | None:
+        """Return the next value, None when the other end has none or is gone."""
+        try:
+            replies = ask(self._session, self._key, timeout_s)
+        except zenoh.ZError:  # it was closed while the port was being read
+            return None
+        return next((reply.ok.payload.to_bytes() for reply in replies if reply.ok), None)
 
 
 class ProviderEnd:
@@ -214,9 +217,7 @@ class ProviderEnd:
 
     def close(self) -> None:
         """Take no more calls."""
-        if self._declared is not None:
-            with contextlib.suppress(zenoh.ZError):
-                self._declared.undeclare()  # type: ignore[no-untyped-call]
+        _undeclare(self._declared)
         self._queue.put(None)
 
     def _run(self) -> None:
@@ -227,13 +228,8 @@ class ProviderEnd:
             del query  # one that is kept lets its caller wait
 
 
-class CallerEnd:
+class CallerEnd(_AskingEnd):
     """Caller's end of a service connector."""
-
-    def __init__(self, session: zenoh.Session, key: str, release: Callable[[], None]) -> None:
-        self._session = session
-        self._key = key
-        self._release = release
 
     def call(self, request: bytes, timeout_s: float) -> bytes:
         """Return the reply to a request.
@@ -242,13 +238,7 @@ class CallerEnd:
             Unreachable: There was none in time, or nobody is there any more.
         """
         try:
-            replies = self._session.get(
-                self._key,
-                payload=request,
-                timeout=timeout_s,
-                handler=zenoh.handlers.FifoChannel(4),
-                consolidation=zenoh.ConsolidationMode.NONE,
-            )
+            replies = ask(self._session, self._key, timeout_s, request)
         except zenoh.ZError as error:  # closed meanwhile
             raise Unreachable("the connection is closed") from error
         for reply in replies:
@@ -256,7 +246,3 @@ class CallerEnd:
                 return reply.ok.payload.to_bytes()
             raise Unreachable(f"no answer within {timeout_s:g} s")
         raise Unreachable("the provider is gone")
-
-    def close(self) -> None:
-        """Call no more."""
-        self._release()

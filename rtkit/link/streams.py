@@ -14,7 +14,6 @@ import os
 import threading
 import time
 from collections.abc import Callable
-from typing import Any
 
 import zenoh
 
@@ -124,17 +123,7 @@ class Streams:
         outlet = Outlet(
             session, publisher, lambda: self._release(endpoint), is_numbered=is_numbered
         )
-        matched = threading.Event()
-
-        def changed(status: zenoh.MatchingStatus) -> None:
-            if status.matching:
-                matched.set()
-
-        listener = publisher.declare_matching_listener(changed)
-        status: Any = publisher.matching_status  # the stubs of zenoh 1.10 say bool, wrongly
-        is_matched = status.matching or matched.wait(timeout_s)
-        listener.undeclare()  # type: ignore[no-untyped-call]
-        if not is_matched:
+        if not control.is_matched(publisher, timeout_s):
             outlet.close()
             raise Unreachable(f"nobody takes data at {endpoint}")
         return outlet

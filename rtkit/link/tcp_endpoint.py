@@ -18,7 +18,7 @@ import zenoh
 from rtkit.errors import Malformed, Unreachable
 from rtkit.link import keys
 from rtkit.link.secret import Secret
-from rtkit.link.zenoh import open_client, open_listener
+from rtkit.link.zenoh import ask, open_client, open_listener
 
 LOOPBACK = "127.0.0.1"
 _ROUTE_S = 5.0
@@ -132,12 +132,7 @@ def ask_identity(session: zenoh.Session, timeout_s: float) -> Identity:
 
 def _introduction(session: zenoh.Session, timeout_s: float) -> tuple[str, str]:
     """Return key and text of what the manager behind an endpoint says of itself, "" for none."""
-    for reply in session.get(
-        keys.introduction("*"),
-        timeout=timeout_s,
-        handler=zenoh.handlers.FifoChannel(4),
-        consolidation=zenoh.ConsolidationMode.NONE,
-    ):
+    for reply in ask(session, keys.introduction("*"), timeout_s):
         if reply.ok is not None:
             return str(reply.ok.key_expr), reply.ok.payload.to_string()
     return "", ""

@@ -13,7 +13,9 @@ from __future__ import annotations
 import math
 import os
 import re
+import threading
 from collections.abc import Callable, Iterable, Mapping
+from typing import Any
 
 import zenoh
 
@@ -145,6 +147,43 @@ def _bare(error: zenoh.ZError) -> str:
     return re.sub(r" at /\S+\.rs:\d+\.?", "", str(error)).rstrip(".")
 
 
+def ask(
+    session: zenoh.Session,
+    key: str,
+    timeout_s: float,
+    payload: str | bytes | None = None,
+    attachment: bytes | None = None,
+) -> Iterable[zenoh.Reply]:
+    """Send a query; return its replies, as they come.
+
+    Raises:
+        zenoh.ZError: The session is closed, or it is no key.
+    """
+    return session.get(
+        key,
+        payload=payload,
+        attachment=attachment,
+        timeout=timeout_s,
+        handler=zenoh.handlers.FifoChannel(16),
+        consolidation=zenoh.ConsolidationMode.NONE,
+    )
+
+
+def is_matched(declared: zenoh.Publisher | zenoh.Querier, timeout_s: float) -> bool:
+    """Wait until there is somebody at the other end of something declared, not longer [s]."""
+    matched = threading.Event()
+
+    def changed(status: zenoh.MatchingStatus) -> None:
+        if status.matching:
+            matched.set()
+
+    listener = declared.declare_matching_listener(changed)
+    status: Any = declared.matching_status  # the stubs of zenoh 1.10 say bool, wrongly
+    is_there = status.matching or matched.wait(timeout_s)
+    listener.undeclare()  # type: ignore[no-untyped-call]
+    return bool(is_there)
+
+
 class ZenohLink(Link):
     """A `Link` over one zenoh session."""
 
@@ -155,14 +194,7 @@ class ZenohLink(Link):
     def send(self, key: str, payload: str | None, timeout_s: float) -> Callable[[], Reply]:
         """See `Link.send`."""
         try:
-            replies = self._session.get(
-                key,
-                payload=payload,
-                attachment=deadline_to_bytes(timeout_s),
-                timeout=timeout_s,
-                handler=zenoh.handlers.FifoChannel(16),
-                consolidation=zenoh.ConsolidationMode.NONE,
-            )
+            replies = ask(self._session, key, timeout_s, payload, deadline_to_bytes(timeout_s))
         except zenoh.ZError as error:
             if self._session.is_closed():
                 raise Unreachable("the connection is closed") from error
