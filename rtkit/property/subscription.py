@@ -93,11 +93,14 @@ class Listener:
         self._offered, self._baseline = event.payload, value
         if is_first and not options.has_initial:
             return False
-        if len(self._events) >= options.queue:
-            self._events.popleft()
-            self._dropped += 1
-        self._events.append(event)
+        self.push(event)
         return True
+
+    def push(self, event: PropertyEvent) -> None:
+        """Queue an event; a full queue drops its oldest, and all that this one counted."""
+        if len(self._events) >= self.options.queue:
+            self._dropped += 1 + self._events.popleft().dropped
+        self._events.append(event)
 
     def _is_within(self, value: object) -> bool:
         """Return whether numbers differ by less than the deadband from those last sent."""
@@ -119,7 +122,7 @@ class Listener:
         self._at = now
         event = self._events.popleft()
         if self._dropped and self.options.queue > 1:
-            event = event._replace(dropped=self._dropped)
+            event = event._replace(dropped=event.dropped + self._dropped)
         self._dropped = 0
         return event
 

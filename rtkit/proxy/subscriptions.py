@@ -7,7 +7,6 @@ is in force.
 
 from __future__ import annotations
 
-from collections import deque
 from collections.abc import Callable
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -82,7 +81,7 @@ def _number(text: str | None, default: float) -> float:
 class RelayedListener(Listener):
     """Listener through the proxy: holds what the owner sent until it can be sent on."""
 
-    __slots__ = ("_lost", "_waiting", "text")
+    __slots__ = ("text",)
 
     caller: Requester
 
@@ -90,34 +89,7 @@ class RelayedListener(Listener):
         kept = SubscriptionOptions(queue=options.queue, is_all=True, lease_s=options.lease_s)
         super().__init__(name, (), kept, caller)
         self.text = options.text
-        self._waiting: deque[PropertyEvent] = deque()
-        self._lost = 0
         self.renew(now)
-
-    def pass_on(self, event: PropertyEvent) -> None:
-        """Take an event; a full queue drops its oldest."""
-        if len(self._waiting) >= self.options.queue:
-            self._lost += 1 + self._waiting.popleft().dropped
-        self._waiting.append(event)
-
-    def take(self, now: float) -> PropertyEvent | None:
-        """See `Listener.take`."""
-        if not self._waiting:
-            return None
-        event = self._waiting.popleft()
-        if self._lost and self.options.queue > 1:
-            event = event._replace(dropped=event.dropped + self._lost)
-        self._lost = 0
-        return event
-
-    def due(self) -> float | None:
-        """See `Listener.due`."""
-        return float("-inf") if self._waiting else self.ends_at
-
-    @property
-    def pending(self) -> int:
-        """Return how many events wait."""
-        return len(self._waiting)
 
 
 class RelayedSubscription:
@@ -287,7 +259,7 @@ class RelayedSubscriptions:
                 return
             last = listening.last
             if last is not None and last.payload == reply.payload:
-                relayed.pass_on(last)
+                relayed.push(last)
             # Else the event with the owner's answer is on its way.
             self._attach(listening, relayed, answer)
 
@@ -322,9 +294,9 @@ class RelayedSubscriptions:
         event = event._replace(name=self._outward(event.name))
         listening.last = event
         for relayed, _ in listening.waiting:
-            relayed.pass_on(event)
+            relayed.push(event)
         for relayed in listening.relayed:
-            relayed.pass_on(event)
+            relayed.push(event)
             relayed.caller.wake()
         if event.code:
             self._end_all(listening)
@@ -340,7 +312,7 @@ class RelayedSubscriptions:
             if listening.last is not None:
                 listening.last = listening.last._replace(quality="stale", dropped=0)
                 for relayed in listening.relayed:
-                    relayed.pass_on(listening.last)
+                    relayed.push(listening.last)
                     relayed.caller.wake()
 
     def came(self) -> None:
@@ -363,7 +335,7 @@ class RelayedSubscriptions:
         at = listening.last or PropertyEvent(self._outward(listening.name), "", 0.0, 0)
         last = at._replace(payload="", quality="bad", dropped=0, code=code)
         for relayed in listening.relayed:
-            relayed.pass_on(last)
+            relayed.push(last)
             relayed.caller.wake()
         self._end_all(listening)
 

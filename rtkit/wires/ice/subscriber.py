@@ -67,27 +67,23 @@ class IceSubscriber(IOHandler, SubscribingClient):
         """See `IOHandler.flush`."""
         if self._is_called:
             return None
-        due: list[float] = []
         events: list[PropertyEvent] = []
-        quota = _ROOM_FOR_EVENTS
-        for listener in list(self.listeners):
-            while quota > 0 and len(events) < _MOST_EVENTS:
-                event = listener.take(now)
-                if event is None:
-                    break
-                events.append(event)
-                quota -= len(event.payload)
-            if listener.has_ended and not listener.pending:
-                self.listeners.remove(listener)
-            elif listener.pending:
-                at = listener.due()
-                due += [] if at is None else [at]
+        size = 0
+
+        def take(_: Listener, event: PropertyEvent) -> None:
+            nonlocal size
+            size += len(event.payload)
+            events.append(event)
+
+        due = self.send_due(
+            now, lambda: size < _ROOM_FOR_EVENTS and len(events) < _MOST_EVENTS, take
+        )
         if events:
             self._call(events)
             return None
         if not self.listeners:
             self._client.drop(self)
-        return min(due, default=None)
+        return due
 
     def _call(self, events: list[PropertyEvent]) -> None:
         self._is_called = True

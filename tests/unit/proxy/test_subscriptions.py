@@ -43,9 +43,9 @@ def test_a_queue_holds_what_it_may_and_counts_what_it_lost() -> None:
         "count", relayed_options(parse_parameters("queue=3&lease=2")), Requester(), now=10.0
     )
     assert (relayed.ends_at, relayed.due()) == (12.0, 12.0)
-    relayed.pass_on(event(0, dropped=5))
+    relayed.push(event(0, dropped=5))
     for number in range(1, 10):
-        relayed.pass_on(event(number))
+        relayed.push(event(number))
     assert relayed.pending == 3
     first = relayed.take(10.0)
     assert first is not None
@@ -57,6 +57,6 @@ def test_a_queue_holds_what_it_may_and_counts_what_it_lost() -> None:
 
 def test_of_the_latest_nothing_is_counted() -> None:
     relayed = RelayedListener("count", relayed_options({}), Requester(), now=0.0)
-    relayed.pass_on(event(1))
-    relayed.pass_on(event(2))
+    relayed.push(event(1))
+    relayed.push(event(2))
     assert (relayed.take(0.0), relayed.pending, relayed.due()) == (event(2), 0, None)
