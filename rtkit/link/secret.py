@@ -26,6 +26,12 @@ class Secret(NamedTuple):
     user: str
     password: str
 
+    def proof(self, nonce: str) -> str:
+        """Return what shows that this side knows it, for one nonce."""
+        import hmac
+
+        return hmac.new(self.password.encode(), nonce.encode(), "sha256").hexdigest()
+
 
 def file() -> str:
     """Return where the secret lies; its one line is ``user:password``."""

@@ -17,13 +17,28 @@ class PropertyClient(Protocol):
     """A connection to the owner of properties."""
 
     def ask(self, target: str, payload: Payload | None = None) -> Answer:
-        """GET, or SET."""
+        """GET, or SET, and wait for the reply: as long as ``timeout=`` says, and a little more.
+
+        Raises:
+            Unreachable: No reply in time, or the connection has ended.
+        """
 
     def listen(self, target: str) -> None:
-        """Begin to listen."""
+        """Begin to listen to ``P`` or ``P?queue=…``.
+
+        Without a queue only the latest event is kept, however slowly they are taken.
+
+        Raises:
+            PropertyError: As the service answers.
+            Unreachable: No reply in time, or the connection has ended.
+        """
 
     def event(self, timeout_s: float | None = None) -> PropertyEvent | None:
-        """Return the next event, None if none came in time."""
+        """Return the next event, None if none came in time; without a bound it waits for ever.
+
+        Raises:
+            Unreachable: A connection has ended.
+        """
 
     def close(self) -> None:
         """End the connection."""

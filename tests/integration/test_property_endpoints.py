@@ -161,9 +161,10 @@ def test_who_does_not_know_the_secret_learns_nothing(served: ServedObject) -> No
     with socket.create_connection(("127.0.0.1", served.port or 0), BOUND_S) as end:
         end.sendall(b"GET door/nonce\nGET door/services\n")
         assert re.fullmatch("= n[0-9a-f]{32}\n! denied .*\n", end.makefile().read())
+    wrong = secret.read()._replace(password="guess").proof("n")
     user = secret.read().user
     with socket.create_connection(("127.0.0.1", served.port or 0), BOUND_S) as end:
-        end.sendall(f"SET door/identity {user} {login.proof('guess', 'n')}\nGET speed\n".encode())
+        end.sendall(f"SET door/identity {user} {wrong}\nGET speed\n".encode())
         assert end.makefile().read().startswith("! denied ")
     assert _speed(served) == "0.25"
 

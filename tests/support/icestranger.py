@@ -6,7 +6,6 @@ import socket
 import struct
 
 from rtkit.link import secret
-from rtkit.wires.line import login
 
 BOUND_S = 30.0
 _HELLO = b"IceP\1\0\1\0\3\0\x0e\0\0\0"
@@ -49,7 +48,7 @@ class Stranger:
         told = self.reply()
         nonce = told[12 : 12 + told[11]].decode()
         known = secret.read()
-        proof = f"{known.user} {login.proof(known.password, nonce)}"
+        proof = f"{known.user} {known.proof(nonce)}"
         self.ask("set", string("identity") + string(proof) + b"\0\0", "door")
         assert self.reply()[4] == 0, "it is let in"
 

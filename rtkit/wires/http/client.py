@@ -206,12 +206,7 @@ class HttpClient(Closing):
     # Listening
 
     def listen(self, target: str) -> None:
-        """Begin to listen to ``P`` or ``P?queue=…``.
-
-        Raises:
-            PropertyError: As the service answers.
-            Unreachable: Nobody listens there.
-        """
+        """See `PropertyClient.listen`."""
         uri = self._uri(target)
         name, _, tail = target.partition("?")
         self._inbox.expect(name, tail)
@@ -261,13 +256,7 @@ class HttpClient(Closing):
         raise Unreachable(f"an odd answer, status {status}")
 
     def event(self, timeout_s: float | None = None) -> PropertyEvent | None:
-        """Return the next event, None if none came in time; without a bound it waits for ever.
-
-        Without a queue only the latest event is kept, however slowly they are taken.
-
-        Raises:
-            Unreachable: A connection has ended.
-        """
+        """See `PropertyClient.event`."""
         deadline = None if timeout_s is None else monotonic() + timeout_s
         pieces = _MOST_PIECES
         while pieces and self._receive(0.0):

@@ -28,10 +28,6 @@ def response(secret: Secret, method: str, uri: str, nonce: str, count: str, own:
         method: Of the request.
         uri: As the request line has it.
         nonce: What was to be proven with.
-        secret: Of the user.
-        method: Of the request.
-        uri: As the request line has it.
-        nonce: What was to be proven with.
         count: How often the nonce has been used with this, as eight hexadecimal digits.
         own: What the client chose at random.
     """

@@ -41,11 +41,7 @@ class IceClient(Closing):
         self._session = IceSession(address, secret, timeout_s, request_s=timeout_s, went=self._went)
 
     def ask(self, target: str, payload: Payload | None = None) -> Answer:
-        """GET, or SET, and wait for the reply.
-
-        Raises:
-            Unreachable: No reply in time, or the connection has ended.
-        """
+        """See `PropertyClient.ask`."""
         outcomes: SimpleQueue[Outcome] = SimpleQueue()
         bound_s = bound_in(target, self._timeout_s)
         self._session.ask(target, payload, outcomes.put)
@@ -55,12 +51,7 @@ class IceClient(Closing):
             raise Unreachable(f"no answer within {bound_s:g} s") from None
 
     def listen(self, target: str) -> None:
-        """Begin to listen to ``P`` or ``P?queue=…``.
-
-        Raises:
-            PropertyError: As the service answers.
-            Unreachable: The connection has ended.
-        """
+        """See `PropertyClient.listen`."""
         path, _, tail = target.partition("?")
         with self._arrived:
             self._inbox.expect(path, tail)
@@ -69,11 +60,7 @@ class IceClient(Closing):
         _answer(outcomes.get()).value()
 
     def event(self, timeout_s: float | None = None) -> PropertyEvent | None:
-        """Return the next event, None if none came in time; without a bound it waits for ever.
-
-        Raises:
-            Unreachable: The connection has ended.
-        """
+        """See `PropertyClient.event`."""
         with self._arrived:
             self._arrived.wait_for(lambda: len(self._inbox) or self._why, timeout_s)
             event = self._inbox.take()

@@ -5,11 +5,11 @@ See decision 37.
 
 from __future__ import annotations
 
-import hmac
 import math
 import threading
 import uuid
 from collections.abc import Callable
+from queue import Empty, SimpleQueue
 from time import monotonic
 from typing import Any, NamedTuple
 
@@ -95,23 +95,19 @@ class IceSession(Closing):
 
     def _log_in(self, secret: Secret, timeout_s: float) -> None:
         nonce = str(self._answer(f"{DOOR}/nonce", None, timeout_s).value())
-        proof = hmac.new(secret.password.encode(), nonce.encode(), "sha256").hexdigest()
-        self._answer(f"{DOOR}/identity", f"{secret.user} {proof}", timeout_s).value()
+        proof = f"{secret.user} {secret.proof(nonce)}"
+        self._answer(f"{DOOR}/identity", proof, timeout_s).value()
 
     def _answer(self, target: str, payload: Payload | None, timeout_s: float) -> Answer:
-        outcomes: list[Outcome] = []
-        is_told = threading.Event()
-
-        def on_outcome(outcome: Outcome) -> None:
-            outcomes.append(outcome)
-            is_told.set()
-
-        self.ask(target, payload, on_outcome)
-        if not is_told.wait(timeout_s):
-            raise Unreachable(f"{LATE} {timeout_s:g} s: {self._address}")
-        if isinstance(outcomes[0], Unreachable):
-            raise Unreachable(f"cannot reach {self._address}: {outcomes[0]}")
-        return outcomes[0]
+        outcomes: SimpleQueue[Outcome] = SimpleQueue()
+        self.ask(target, payload, outcomes.put)
+        try:
+            outcome = outcomes.get(timeout=timeout_s)
+        except Empty:
+            raise Unreachable(f"{LATE} {timeout_s:g} s: {self._address}") from None
+        if isinstance(outcome, Unreachable):
+            raise Unreachable(f"cannot reach {self._address}: {outcome}")
+        return outcome
 
     # Requests
 
@@ -133,12 +129,8 @@ class IceSession(Closing):
                     _check_size(payload)
                 context = None if until == math.inf else {protocol.DEADLINE: deadline_at(until)}
                 future = service.setAsync(rest, protocol.write_payload(payload), context=context)
-        except UnicodeEncodeError as error:
-            on_outcome(Answer(f"{error.start} expected UTF-8", "syntax"))
-        except _TooLarge as error:
-            on_outcome(Answer(str(error), "too-large"))
-        except self._runtime.ice.Exception as error:
-            on_outcome(Unreachable(protocol.words_of(error)))
+        except (UnicodeEncodeError, _TooLarge, self._runtime.ice.Exception) as error:
+            on_outcome(_refusal(error))
         else:
             future.add_done_callback(lambda done: on_outcome(self._outcome(done)))
 
@@ -192,14 +184,8 @@ class IceSession(Closing):
             bare = self._adapter.add(servant, known)
             proxy = self._runtime.slice.ListenerPrx.uncheckedCast(bare)
             future = service.listenAsync(rest, proxy)
-        except UnicodeEncodeError as error:
-            on_outcome(Answer(f"{error.start} expected UTF-8", "syntax"))
-            return key
-        except _TooLarge as error:
-            on_outcome(Answer(str(error), "too-large"))
-            return key
-        except self._runtime.ice.Exception as error:
-            on_outcome(Unreachable(protocol.words_of(error)))
+        except (UnicodeEncodeError, _TooLarge, self._runtime.ice.Exception) as error:
+            on_outcome(_refusal(error))
             return key
         with self._lock:
             self._subscriptions[key] = _Subscription(service, rest, proxy)
@@ -279,6 +265,15 @@ class IceSession(Closing):
 
 class _TooLarge(Exception):
     """Message that would end the connection by its size."""
+
+
+def _refusal(error: Exception) -> Outcome:
+    """Return the outcome of a request that could not be sent."""
+    if isinstance(error, UnicodeEncodeError):
+        return Answer(f"{error.start} expected UTF-8", "syntax")
+    if isinstance(error, _TooLarge):
+        return Answer(str(error), "too-large")
+    return Unreachable(protocol.words_of(error))
 
 
 def _check_size(payload: Payload) -> None:

@@ -6,7 +6,6 @@ import select
 import socket
 import struct
 from time import monotonic
-from typing import TYPE_CHECKING
 
 from rtkit.closing import Closing
 from rtkit.errors import Unreachable
@@ -14,9 +13,6 @@ from rtkit.link import unix
 from rtkit.property.line import Replies, write_request
 from rtkit.property.messages import DONE, Answer, Payload, PropertyEvent
 from rtkit.wires.property_client import Inbox, bound_in
-
-if TYPE_CHECKING:
-    pass
 
 _PIECE = 1 << 16
 _FEW = 1 << 12
@@ -48,11 +44,7 @@ class LineClient(Closing):
         self._given_up = 0
 
     def ask(self, target: str, payload: Payload | None = None) -> Answer:
-        """GET, or SET, and wait for the reply: as long as ``timeout=`` says, and a little more.
-
-        Raises:
-            Unreachable: No reply in time, or the connection has ended.
-        """
+        """See `PropertyClient.ask`."""
         bound_s = bound_in(target, self._timeout_s)
         if payload is None:
             request = self._gets.get(target) or self._get(target)
@@ -84,11 +76,7 @@ class LineClient(Closing):
         return request
 
     def event(self, timeout_s: float | None = None) -> PropertyEvent | None:
-        """Return the next event, None if none came in time; without a bound it waits for ever.
-
-        Raises:
-            Unreachable: The connection has ended.
-        """
+        """See `PropertyClient.event`."""
         self._drain()
         known = self._inbox.take()
         if known is not None:
@@ -123,13 +111,7 @@ class LineClient(Closing):
                 self._given_up -= 1
 
     def listen(self, target: str) -> None:
-        """Begin to listen to ``P`` or ``P?queue=…``.
-
-        Without a queue only the latest event is kept, however slowly they are taken.
-
-        Raises:
-            PropertyError: As the service answers.
-        """
+        """See `PropertyClient.listen`."""
         name, mark, tail = target.partition("?")
         self._inbox.expect(name, tail)
         self.ask(f"{name}.listen{mark}{tail}", "self").value()
@@ -220,8 +202,6 @@ def connect_tcp(host: str, port: int, timeout_s: float) -> LineClient:
         Unreachable: Nobody listens there, or there is no secret.
         PropertyError: ``denied``.
     """
-    import hmac
-
     from rtkit.link import secret
 
     known = secret.read()
@@ -233,8 +213,7 @@ def connect_tcp(host: str, port: int, timeout_s: float) -> LineClient:
     client = LineClient(end, timeout_s)
     try:
         nonce = str(client.ask("door/nonce").value())
-        proof = hmac.new(known.password.encode(), nonce.encode(), "sha256").hexdigest()
-        client.ask("door/identity", f"{known.user} {proof}").value()
+        client.ask("door/identity", f"{known.user} {known.proof(nonce)}").value()
     except Exception:
         client.close()
         raise

@@ -37,7 +37,7 @@ class Login:
             return Answer(caller.identity or "nobody")
         if service == "door" and name == "identity" and isinstance(payload, str):
             user, _, given = payload.partition(" ")
-            right = proof(self._secret.password, f"n{self._nonce}")
+            right = self._secret.proof(f"n{self._nonce}")
             if user == self._secret.user and hmac.compare_digest(given.encode(), right.encode()):
                 caller.identity = user
                 return DONE
@@ -47,8 +47,3 @@ class Login:
         if caller.identity:
             return Answer(f"no such property: door/{name}", "unknown")
         return Answer("who you are is to be shown first: door/nonce, door/identity", "denied")
-
-
-def proof(password: str, nonce: str) -> str:
-    """Return the proof of the secret for one nonce."""
-    return hmac.new(password.encode(), nonce.encode(), "sha256").hexdigest()

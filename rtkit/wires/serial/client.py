@@ -212,13 +212,7 @@ class SerialClient(Closing):
     # Events
 
     def listen(self, target: str) -> None:
-        """Begin to listen to ``P`` or ``P?queue=…``.
-
-        Without a queue only the latest event is kept, however slowly they are taken.
-
-        Raises:
-            PropertyError: As the service answers.
-        """
+        """See `PropertyClient.listen`."""
         name, mark, tail = target.partition("?")
         self._inbox.expect(name, tail)
         asked = f"{name}.listen{mark}{tail}"
@@ -248,11 +242,7 @@ class SerialClient(Closing):
                 os.eventfd_write(self._waker, 1)
 
     def event(self, timeout_s: float | None = None) -> PropertyEvent | None:
-        """Return the next event, None if none came in time; without a bound it waits for ever.
-
-        Raises:
-            Unreachable: The device is gone, or nobody answers there.
-        """
+        """See `PropertyClient.event`."""
         deadline = None if timeout_s is None else monotonic() + timeout_s
         while True:
             self._drain()
