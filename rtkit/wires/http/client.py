@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import http.client
 import math
 import os
 import re
@@ -11,6 +10,7 @@ import socket
 from base64 import b64decode
 from collections.abc import Iterator
 from http import HTTPStatus
+from http.client import HTTPConnection, HTTPException, HTTPResponse
 from time import monotonic
 from typing import Any
 from urllib.parse import quote
@@ -35,7 +35,6 @@ SILENT_S = 35.0
 _ADDRESS = re.compile(r"http://([^/:@\s]+)(?::(\d{1,5}))?(?:/ps)?/?")
 _FREE = "/?&=()!*'$,;:@~%+"
 _ROOT = "/ps"
-_LONGEST_HEAD = 1 << 16
 _PIECE = 1 << 16
 _MOST_PIECES = 64
 """Pieces of a stream that are taken at once, before an event is returned."""
@@ -48,17 +47,23 @@ class _BoundedSocket(socket.socket):
 
     def recv_into(self, *args: Any) -> int:
         """Receive what is there, or comes in time."""
-        left_s = self.until - monotonic()
-        if left_s <= 0:
-            raise TimeoutError
-        self.settimeout(left_s)
+        if self.until < math.inf:
+            left_s = self.until - monotonic()
+            if left_s <= 0:
+                raise TimeoutError
+            self.settimeout(left_s)
         return super().recv_into(*args)
 
 
-class _BoundedConnection(http.client.HTTPConnection):
-    """Connection on which everything until the next bound ends at one moment."""
+class _BoundedConnection(HTTPConnection):
+    """Connection on which everything until the next bound ends at one moment.
+
+    Attributes:
+        end: The socket, which a response that is a stream of events keeps open.
+    """
 
     sock: _BoundedSocket | None
+    end: _BoundedSocket
     bound_s = math.inf
     _until = math.inf
 
@@ -73,7 +78,7 @@ class _BoundedConnection(http.client.HTTPConnection):
             raise TimeoutError
         end = socket.create_connection((self.host, self.port), left_s)
         end.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
-        self.sock = _BoundedSocket(end.family, end.type, end.proto, end.detach())
+        self.sock = self.end = _BoundedSocket(end.family, end.type, end.proto, end.detach())
 
     def send(self, data: Any) -> None:
         """Send, and connect before if there is no connection."""
@@ -83,6 +88,13 @@ class _BoundedConnection(http.client.HTTPConnection):
         self.sock.until = self._until
         self.sock.settimeout(max(1e-3, self._until - monotonic()))
         super().send(data)
+
+
+class _StreamConnection(_BoundedConnection):
+    """Connection of which all that comes behind the head of a response is its content."""
+
+    _http_vsn = 10
+    _http_vsn_str = "HTTP/1.0"
 
 
 class HttpClient(Closing):
@@ -122,56 +134,60 @@ class HttpClient(Closing):
         if until <= begin:
             return Answer(NOT_BEGUN, "timeout")
         self._http.bound(until)
-        try:
-            uri = _ROOT if target == SERVICES and not self._service else self._uri(target)
-        except PropertyError as error:
-            return Answer(str(error), error.code)  # no address can be made of it
-        method, body, headers = "GET", None, {}
+        body, headers = None, {}
         if payload is not None:
             is_bytes = isinstance(payload, bytes)
-            method, body = "PUT", payload if isinstance(payload, bytes) else _encoded(payload)
+            body = payload if isinstance(payload, bytes) else _encoded(payload)
             kind = "application/octet-stream" if is_bytes else "text/plain; charset=utf-8"
-            headers["Content-Type"] = kind
-            headers[DEADLINE] = deadline_at(until)
-            if not self._nonce:
-                self._exchange("GET", _ROOT, None, {})  # only to be told what to prove
+            headers = {"Content-Type": kind, DEADLINE: deadline_at(until)}
+        try:
+            uri = _ROOT if target == SERVICES and not self._service else self._uri(target)
+            return _answer(*self._answered(self._http, uri, body, headers))
+        except PropertyError as error:
+            return Answer(str(error), error.code)  # no address can be made of it, or no proof
+
+    def _answered(
+        self, http: _BoundedConnection, uri: str, body: bytes | None, headers: dict[str, str]
+    ) -> tuple[HTTPResponse, bytes]:
+        """Send a request, also with another nonce where one is too old; return what comes.
+
+        Raises:
+            PropertyError: ``denied``.
+            Unreachable: No response in time, or nobody listens there.
+        """
+        if body is not None and not self._nonce:
+            self._exchange(http, _ROOT, None, {})  # only to be told what to prove
         for _ in range(3):
-            response, received = self._exchange(method, uri, body, headers)
-            if response.status != HTTPStatus.UNAUTHORIZED or not self._is_challenged(response):
-                return _answer(response, received)
-        return Answer("the endpoint does not take the secret of this user", "denied")
+            answered = self._exchange(http, uri, body, headers)
+            if answered is not None:
+                return answered
+        raise PropertyError("denied", "the endpoint does not take the secret of this user")
 
     def _exchange(
-        self, method: str, uri: str, body: bytes | None, headers: dict[str, str]
-    ) -> tuple[http.client.HTTPResponse, bytes]:
-        """Send a request and take its response.
+        self, http: _BoundedConnection, uri: str, body: bytes | None, headers: dict[str, str]
+    ) -> tuple[HTTPResponse, bytes] | None:
+        """Send a request and take its response; None if it asks for another proof.
 
-        It is never sent twice: it may have acted.
+        It is never sent twice: it may have acted. Of a stream of events nothing is read yet.
         """
-        self._close_if_hung_up()
+        _close_if_hung_up(http)
+        method = "GET" if body is None else "PUT"
         try:
-            self._http.request(method, uri, body, headers | self._proof(method, uri))
-            response = self._http.getresponse()
-            received = response.read()
+            http.request(method, uri, body, headers | self._proof(method, uri))
+            response = http.getresponse()
+            is_stream = isinstance(http, _StreamConnection) and response.status == HTTPStatus.OK
+            received = b"" if is_stream else response.read()
         except TimeoutError:
-            self._http.close()
-            raise Unreachable(f"no answer within {self._http.bound_s:.3g} s") from None
-        except (OSError, http.client.HTTPException) as error:
-            self._http.close()
+            http.close()
+            raise Unreachable(f"no answer within {http.bound_s:.3g} s") from None
+        except (OSError, HTTPException) as error:
+            http.close()
             raise Unreachable(self._gone(error)) from error
-        if response.status == HTTPStatus.UNAUTHORIZED:
-            self._is_challenged(response)
-        return response, received
-
-    def _close_if_hung_up(self) -> None:
-        """Reconnect where the endpoint has closed the connection since the last answer."""
-        end = self._http.sock
-        if end is None:
-            return
-        poll = select.poll()
-        poll.register(end, select.POLLIN)
-        if poll.poll(0):
-            self._http.close()
+        if response.status != HTTPStatus.UNAUTHORIZED:
+            return response, received
+        given = digest.fields(response.getheader("WWW-Authenticate", ""))
+        self._nonce, self._times = given.get("nonce", ""), 0
+        return None if self._nonce else (response, received)
 
     def _gone(self, error: Exception) -> str:
         host, port = self._where
@@ -184,14 +200,6 @@ class HttpClient(Closing):
         self._times += 1
         return {"Authorization": digest.authorization(
             self._secret, method, uri, self._nonce, self._times, self._own)}  # fmt: skip
-
-    def _is_challenged(self, response: http.client.HTTPResponse) -> bool:
-        return self._take_challenge(response.getheader("WWW-Authenticate", ""))
-
-    def _take_challenge(self, header: str) -> bool:
-        given = digest.fields(header)
-        self._nonce, self._times = given.get("nonce", ""), 0
-        return bool(self._nonce)
 
     def _uri(self, target: str) -> str:
         """Return the path of a target.
@@ -210,50 +218,14 @@ class HttpClient(Closing):
         uri = self._uri(target)
         name, _, tail = target.partition("?")
         self._inbox.expect(name, tail)
-        for _ in range(3):
-            if self._nonce:
-                stream = self._opened(uri)
-                if stream is not None:
-                    self._streams.append(stream)
-                    return
-            else:
-                self._http.bound(monotonic() + self._timeout_s)
-                self._exchange("GET", _ROOT, None, {})
-        raise PropertyError("denied", "the endpoint does not take the secret of this user")
-
-    def _opened(self, uri: str) -> _Stream | None:
-        """Return a stream of events, None if its nonce was too old."""
-        host, port = self._where
-        proof = self._proof("GET", uri)
-        lines = [
-            f"GET {uri} HTTP/1.0",
-            f"Host: {host}:{port}",
-            "Accept: text/event-stream",
-            *(f"{key}: {value}" for key, value in proof.items()),
-        ]
-        try:
-            end = socket.create_connection(self._where, self._timeout_s)
-            end.sendall("\r\n".join([*lines, "", ""]).encode("latin-1"))
-        except OSError as error:
-            raise Unreachable(self._gone(error)) from error
-        stream = _Stream(end)
-        try:
-            status, headers = stream.head()
-            if status == HTTPStatus.OK:
-                end.setblocking(False)
-                return stream
-            body = stream.rest()
-        except TimeoutError:
-            end.close()
-            raise Unreachable(f"no answer within {self._timeout_s:g} s") from None
-        except OSError as error:
-            end.close()
-            raise Unreachable(self._gone(error)) from error
-        end.close()
-        if status == HTTPStatus.UNAUTHORIZED and self._take_challenge(headers):
-            return None
-        _read_error(body).value()
-        raise Unreachable(f"an odd answer, status {status}")
+        http = _StreamConnection(*self._where)
+        http.bound(monotonic() + self._timeout_s)
+        headers = {"Host": "{}:{}".format(*self._where), "Accept": "text/event-stream"}
+        response, received = self._answered(http, uri, None, headers)
+        if response.status != HTTPStatus.OK:
+            _answer(response, received).value()
+            raise Unreachable(f"an odd answer, status {response.status}")
+        self._streams.append(_Stream(http.end, response))
 
     def event(self, timeout_s: float | None = None) -> PropertyEvent | None:
         """See `PropertyClient.event`."""
@@ -292,7 +264,7 @@ class HttpClient(Closing):
                 if stream not in self._streams:
                     raise Unreachable("the connection was closed")  # by another thread
                 self._streams.remove(stream)
-                stream.end.close()
+                stream.close()
                 if not stream.was_last:
                     self._why = Unreachable("the connection has ended")
         return bool(ready)
@@ -301,7 +273,7 @@ class HttpClient(Closing):
         """End all connections."""
         self._http.close()
         for stream in self._streams:
-            stream.end.close()
+            stream.close()
         self._streams.clear()
 
 
@@ -314,44 +286,20 @@ class _Stream:
         was_last: Because the property has gone.
     """
 
-    def __init__(self, end: socket.socket) -> None:
+    def __init__(self, end: _BoundedSocket, response: HTTPResponse) -> None:
         self.end = end
         self.heard_at = monotonic()
         self.has_ended = False
         self.was_last = False
-        self._data = bytearray()
+        self._response = response
+        end.until = math.inf
+        end.setblocking(False)
+        self._data = bytearray(response.fp.read1(_PIECE) or b"")
 
     @property
     def has_more(self) -> bool:
         """Return whether a whole event is there."""
         return b"\n\n" in self._data
-
-    def head(self) -> tuple[int, str]:
-        """Return the status and what challenges, of the response.
-
-        Raises:
-            OSError: There is none.
-        """
-        while b"\r\n\r\n" not in self._data:
-            data = self.end.recv(_PIECE)
-            if not data or len(self._data) > _LONGEST_HEAD:
-                raise OSError("the connection has ended")
-            self._data += data
-        head, _, rest = bytes(self._data).partition(b"\r\n\r\n")
-        self._data = bytearray(rest)
-        lines = head.decode("latin-1").split("\r\n")
-        words = lines[0].split(" ")
-        if len(words) < 2 or not words[1].isdigit():
-            raise OSError("it speaks no HTTP")
-        headers = dict(each.partition(":")[::2] for each in lines[1:])
-        lowered = {key.strip().lower(): value.strip() for key, value in headers.items()}
-        return int(words[1]), lowered.get("www-authenticate", "")
-
-    def rest(self) -> bytes:
-        """Return everything until the end."""
-        while len(self._data) <= _LONGEST_HEAD and (data := self.end.recv(_PIECE)):
-            self._data += data
-        return bytes(self._data)
 
     def receive(self) -> None:
         """Take what has come."""
@@ -364,6 +312,11 @@ class _Stream:
         self.has_ended = not data
         self.heard_at = monotonic()
         self._data += data
+
+    def close(self) -> None:
+        """End the connection."""
+        self._response.close()
+        self.end.close()
 
     def events(self) -> Iterator[PropertyEvent]:
         """Yield the events that are there."""
@@ -395,11 +348,21 @@ def _read_sse(block: bytes) -> PropertyEvent | None:
     return read_event(name, raw if is_bytes else raw.decode("utf-8", "replace"), attributes)
 
 
+def _close_if_hung_up(http: _BoundedConnection) -> None:
+    """Have a connection made anew that the endpoint has closed since the last answer."""
+    if http.sock is None:
+        return
+    poll = select.poll()
+    poll.register(http.sock, select.POLLIN)
+    if poll.poll(0):
+        http.close()
+
+
 def _encoded(text: str) -> bytes:
     return text.encode("utf-8", "surrogateescape")
 
 
-def _answer(response: http.client.HTTPResponse, body: bytes) -> Answer:
+def _answer(response: HTTPResponse, body: bytes) -> Answer:
     if response.status >= HTTPStatus.BAD_REQUEST:
         return _read_error(body)
     if response.getheader("Content-Type", "").startswith("application/octet-stream"):
