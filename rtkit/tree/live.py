@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 import os
 import time
+from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
@@ -21,10 +22,9 @@ from rtkit.deployment.shown_ports import OwnEnds
 from rtkit.errors import NotFound, Unreachable
 from rtkit.property.functional import FunctionalProperty
 from rtkit.property.messages import Answer, Payload, PropertyEvent
-from rtkit.property.requests import PropertyRequest, Requester
+from rtkit.property.requests import ListeningRequester, PropertyRequest
 from rtkit.property.service import Service
 from rtkit.property.spec import PropertySpec, RequestParameter
-from rtkit.property.subscription import Listener
 from rtkit.property.types import Content, parse_type
 from rtkit.property.values import Value, Word
 from rtkit.tree.client import Tree
@@ -54,20 +54,40 @@ _ARGUMENT = (
 )
 
 
-class _Me(Requester):
-    """Identity of this process as a client of property services."""
+class _LiveService(ABC):
+    """Service of this process, asked and listened to as one behind a connection is."""
 
     def __init__(self) -> None:
-        super().__init__("owner")
-        self.listeners: list[Listener] = []
+        self._service = Service()
+        self._me = ListeningRequester("owner")
 
-    def listen(self, listener: Listener) -> None:
-        """See `Requester.listen`."""
-        self.listeners.append(listener)
+    def ask(self, target: str, payload: Payload | None = None, until: float = math.inf) -> Answer:
+        """See `BoundedClient.ask`."""
+        answers: list[Answer] = []
+        self._service.handle(PropertyRequest(target, payload, answers.append, self._me))
+        return answers[0]
 
-    def unlisten(self, listener: Listener) -> None:
-        """See `Requester.unlisten`."""
-        self.listeners.remove(listener)
+    def listen(self, target: str) -> None:
+        """See `PropertyClient.listen`."""
+        name, mark, tail = target.partition("?")
+        _LiveService.ask(self, f"{name}.listen{mark}{tail}", "self").value()
+
+    def event(self, timeout_s: float | None = None) -> PropertyEvent | None:
+        """See `PropertyClient.event`."""
+        end = None if timeout_s is None else time.monotonic() + timeout_s
+        while True:
+            now = time.monotonic()
+            taken = (listener.take(now) for listener in list(self._me.listeners))
+            event = next((each for each in taken if each is not None), None)
+            if event is not None or (end is not None and now >= end):
+                return event
+            dues = [listener.due() for listener in self._me.listeners]
+            times = [each for each in (*dues, end) if each is not None]
+            self._receive(min(times) - now if times else None)
+
+    @abstractmethod
+    def _receive(self, wait_s: float | None) -> None:
+        """Have the values be what they are now; wait for that, not longer [s]."""
 
 
 def _subscription(tree: Tree) -> ManagerSubscription:
@@ -82,7 +102,7 @@ def _is_count(target: str) -> bool:
     return target.partition("?")[0].endswith(".count")
 
 
-class LiveProperties:
+class LiveProperties(_LiveService):
     """A component, or the manager itself when no instance is named, as properties.
 
     Args:
@@ -90,11 +110,10 @@ class LiveProperties:
     """
 
     def __init__(self, tree: Tree, instance: str) -> None:
+        super().__init__()
         self._tree = tree
         self._timeout_s = tree.timeout_s
         self._instance = instance
-        self._service = Service()
-        self._me = _Me()
         self._changes: dict[str, Change | None] = {}
         self._metrics: ComponentMetrics | None = None
         self._subscription: ManagerSubscription | None = None
@@ -103,19 +122,13 @@ class LiveProperties:
             self._add_operations()
 
     def ask(self, target: str, payload: Payload | None = None, until: float = math.inf) -> Answer:
-        """GET, or SET, and wait for the reply, at most until a moment of the monotonic clock [s].
-
-        Raises:
-            Unreachable: The manager does not answer.
-        """
+        """See `BoundedClient.ask`."""
         self._tree.timeout_s = max(min(self._timeout_s, until - time.monotonic()), _LEAST_S)
         if _is_count(target) and self._metrics is None:
             with _subscription(self._tree) as subscription:
                 self._await_metrics(subscription)
         self._refresh()
-        answers: list[Answer] = []
-        self._service.handle(PropertyRequest(target, payload, answers.append, self._me))
-        answer = answers[0]
+        answer = super().ask(target, payload)
         node = self._service.registry.nodes.get(target.partition("?")[0])
         if payload is not None and node is not None and node.function is not None:
             failed = node.function.describe().find("error")
@@ -124,60 +137,38 @@ class LiveProperties:
         return answer
 
     def listen(self, target: str) -> None:
-        """Begin to listen.
-
-        Raises:
-            PropertyError: As the service answers.
-        """
+        """See `PropertyClient.listen`."""
         if self._subscription is None:
             self._subscription = _subscription(self._tree)
-        name, mark, tail = target.partition("?")
         if _is_count(target) and self._metrics is None:
             self._await_metrics(self._subscription)
         self._take(self._subscription.facts)
-        answers: list[Answer] = []
-        self._service.handle(
-            PropertyRequest(f"{name}.listen{mark}{tail}", "self", answers.append, self._me)
-        )
-        answers[0].value()
-
-    def event(self, timeout_s: float | None = None) -> PropertyEvent | None:
-        """Return the next event, None if none came in time.
-
-        Raises:
-            Unreachable: The manager has ended.
-        """
-        assert self._subscription is not None
-        end = None if timeout_s is None else time.monotonic() + timeout_s
-        while True:
-            now = time.monotonic()
-            for listener in list(self._me.listeners):
-                event = listener.take(now)
-                if event is not None:
-                    return event
-            if end is not None and now >= end:
-                return None
-            dues = [listener.due() for listener in self._me.listeners]
-            times = [each for each in (*dues, end) if each is not None]
-            self._receive(min(times) - now if times else None)
+        super().listen(target)
 
     def _receive(self, wait_s: float | None) -> None:
         """Wait for word of the manager, and fold it in."""
-        from rtkit.tree.subscription import SubscriptionEnded
-
         assert self._subscription is not None
         try:
-            all_heard = self._subscription.wait(None if wait_s is None else max(0.0, wait_s))
+            self._hear(self._subscription, wait_s)
         except (OSError, ValueError):
             if not self._is_closed:
                 raise
             raise Unreachable("the connection has ended") from None
-        for heard in all_heard:
+        self._take(self._subscription.facts)
+
+    def _hear(self, subscription: ManagerSubscription, wait_s: float | None) -> None:
+        """Take what comes from the manager in time [s].
+
+        Raises:
+            Unreachable: It has ended.
+        """
+        from rtkit.tree.subscription import SubscriptionEnded
+
+        for heard in subscription.wait(None if wait_s is None else max(0.0, wait_s)):
             if isinstance(heard, SubscriptionEnded):
                 raise Unreachable(heard.why)
             if isinstance(heard, Metrics):
                 self._take_metrics(heard)
-        self._take(self._subscription.facts)
 
     def _await_metrics(self, subscription: ManagerSubscription) -> None:
         """Take the next metrics, so that counters are known.
@@ -185,15 +176,9 @@ class LiveProperties:
         Raises:
             Unreachable: The manager has ended.
         """
-        from rtkit.tree.subscription import SubscriptionEnded
-
         until = time.monotonic() + _FIGURES_S
         while self._metrics is None and (left := until - time.monotonic()) > 0:
-            for heard in subscription.wait(left):
-                if isinstance(heard, SubscriptionEnded):
-                    raise Unreachable(heard.why)
-                if isinstance(heard, Metrics):
-                    self._take_metrics(heard)
+            self._hear(subscription, left)
 
     def _take_metrics(self, metrics: Metrics) -> None:
         for process in metrics.processes:
@@ -277,7 +262,7 @@ class LiveProperties:
         self._tree.close()
 
 
-class ThisHost:
+class ThisHost(_LiveService):
     """This host: which managers and services of this user are on it, and how busy it is.
 
     Attributes:
@@ -285,7 +270,7 @@ class ThisHost:
     """
 
     def __init__(self, services: Sequence[str], managers: Sequence[str]) -> None:
-        self._service = Service()
+        super().__init__()
         uname = os.uname()
         told: Mapping[str, Value] = {
             "name": uname.nodename,
@@ -300,37 +285,12 @@ class ThisHost:
             parse_type("vector[3]"), "r", doc="Load average over 1, 5 and 15 minutes"
         )
         self._service.add("load", spec=load, read=lambda _given: os.getloadavg())
-        self._me = _Me()
         self.names = self._service.registry.children("")
 
-    def ask(self, target: str, payload: Payload | None = None, until: float = math.inf) -> Answer:
-        """GET, or SET, which it refuses."""
-        answers: list[Answer] = []
-        self._service.handle(PropertyRequest(target, payload, answers.append, self._me))
-        return answers[0]
-
-    def listen(self, target: str) -> None:
-        """Begin to listen.
-
-        Raises:
-            PropertyError: As the service answers.
-        """
-        name, mark, tail = target.partition("?")
-        self.ask(f"{name}.listen{mark}{tail}", "self").value()
-
-    def event(self, timeout_s: float | None = None) -> PropertyEvent | None:
-        """Return the next event; a host's properties are read once a second."""
-        end = None if timeout_s is None else time.monotonic() + timeout_s
-        while True:
-            self._service.poll()
-            now = time.monotonic()
-            for listener in self._me.listeners:
-                event = listener.take(now)
-                if event is not None:
-                    return event
-            if end is not None and now >= end:
-                return None
-            time.sleep(min(1.0, max(0.0, end - now)) if end is not None else 1.0)
+    def _receive(self, wait_s: float | None) -> None:
+        """Read the properties anew, once a second."""
+        time.sleep(max(0.0, min(1.0, 1.0 if wait_s is None else wait_s)))
+        self._service.poll()
 
     def close(self) -> None:
         """End nothing: nobody is connected."""

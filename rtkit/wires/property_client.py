@@ -48,7 +48,10 @@ class BoundedClient(PropertyClient, Protocol):
     """A connection on which each request may be given up sooner."""
 
     def ask(self, target: str, payload: Payload | None = None, until: float = math.inf) -> Answer:
-        """GET, or SET that has begun at `until`, by the monotonic clock [s], or never does."""
+        """See `PropertyClient.ask`; it ends at `until`, by the monotonic clock here [s], too.
+
+        A SET that has not begun by then never does.
+        """
 
 
 def bound_in(target: str, timeout_s: float) -> float:
