@@ -98,7 +98,7 @@ def bridge(
             raise Unreachable(f"no answer within {2 * timeout_s:g} s: {source}")
         if status.why:
             raise PropertyError("no-service", f"{source}: {status.why}")
-        address = _on_loop(host, lambda: open_endpoint(target, relay, settings))
+        address: str = host.call(lambda: open_endpoint(target, relay, settings))
     except BaseException:
         host.close()
         raise
@@ -115,24 +115,3 @@ def _names(prefix: str) -> Names:
 def _locked(host: PropertyEventLoop, work: Callable[[], None]) -> None:
     with host.lock:
         work()
-
-
-def _on_loop(host: PropertyEventLoop, work: Callable[[], str]) -> str:
-    """Run a function on the loop, and wait for it."""
-    done = threading.Event()
-    results: list[str] = []
-    failures: list[BaseException] = []
-
-    def run() -> None:
-        try:
-            results.append(work())
-        except Exception as error:
-            failures.append(error)
-        finally:
-            done.set()
-
-    host.post(run)
-    done.wait()
-    if failures:
-        raise failures[0]
-    return results[0]

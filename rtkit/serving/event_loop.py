@@ -13,8 +13,9 @@ import time
 from abc import ABC, abstractmethod
 from collections import deque
 from collections.abc import Callable
-from typing import Protocol
+from typing import Any, Protocol
 
+from rtkit.guard import GuardedResult, guarded
 from rtkit.property.access import AccessPolicy
 from rtkit.property.codes import PropertyError
 from rtkit.serving.dedicated_worker import DedicatedWorkers, WorkerExit
@@ -120,6 +121,21 @@ class PropertyEventLoop:
         """Run a function on the loop, soon; from any thread."""
         self._posted.append(work)
         self.wake()
+
+    def call(self, work: Callable[[], Any]) -> Any:
+        """Run a function on the loop, and wait for it; return what it does, raise what it does."""
+        done = threading.Event()
+        outcomes: list[GuardedResult] = []
+
+        def run() -> None:
+            outcomes.append(guarded(work))
+            done.set()
+
+        self.post(run)
+        done.wait()
+        if outcomes[0].error is not None:
+            raise outcomes[0].error
+        return outcomes[0].result
 
     @property
     def has_posted(self) -> bool:

@@ -60,7 +60,7 @@ class ManagerSet(Tree):
         self._trees = dict(trees)
         self.homes = dict(homes)
         self._known: dict[str, str] = {}
-        self._wires: tuple[ConnectorProfile, ...] = ()
+        self._connectors: tuple[ConnectorProfile, ...] = ()
 
     def __repr__(self) -> str:
         return f"<Fleet: managers {', '.join(self.names)} on {self.host}>"
@@ -152,7 +152,7 @@ class ManagerSet(Tree):
     def _joined(self, snapshots: Sequence[Snapshot]) -> Snapshot:
         whole = self.joined(snapshots)
         self._known.update(homes_in(whole))
-        self._wires = whole.connectors
+        self._connectors = whole.connectors
         return whole
 
     def joined(self, snapshots: Sequence[Snapshot]) -> Snapshot:
@@ -185,7 +185,7 @@ class ManagerSet(Tree):
 
     def _manager_for(self, action: Action) -> str:
         homes = {**self._known, **self.homes}
-        return manager_for(action, homes, self._wires, self.manager)
+        return manager_for(action, homes, self._connectors, self.manager)
 
     def _begun(
         self, name: str, actions: Sequence[Action], is_ordered: bool, timeout_s: float | None

@@ -134,12 +134,12 @@ def make_connector(
 
 
 def between(
-    wires: Iterable[ConnectorProfile], one: PortRef, others: Sequence[PortRef] = ()
+    connectors: Iterable[ConnectorProfile], one: PortRef, others: Sequence[PortRef] = ()
 ) -> list[ConnectorProfile]:
     """Return the connections of port `one`, where `others` are given only those with one."""
     return [
         connector
-        for connector in wires
+        for connector in connectors
         if one in connector.ports
         and (not others or any(other in connector.ports for other in others))
     ]

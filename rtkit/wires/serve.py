@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import threading
 from collections.abc import Callable, Iterable, Mapping
 
 from rtkit.closing import Closing
-from rtkit.guard import GuardedResult, guarded
 from rtkit.property.access import AccessPolicy, read_policy
 from rtkit.property.objects import Exported
 from rtkit.property.requests import Requester
@@ -64,17 +62,7 @@ class ServedObject(Closing):
 
     def owned(self, work: Callable[[], object]) -> None:
         """Run something as the owner of the service, and wait until it is done."""
-        done = threading.Event()
-        outcomes: list[GuardedResult] = []
-
-        def run() -> None:
-            outcomes.append(guarded(work))
-            done.set()
-
-        self._host.post(run)
-        done.wait()
-        if outcomes[0].error is not None:
-            raise outcomes[0].error
+        self._host.call(work)
 
     def close(self) -> None:
         """Serve it no longer."""
