@@ -166,7 +166,7 @@ class PropertyConnections:
             return PropertyTarget(typed, "", name, parameters if mark else None), endpoint.first
         place = parse(path, cwd, endpoint.services, _hostname())
         if not place.service:
-            raise _no_service(place.name, endpoint.services)
+            raise _no_service("" if address in typed else place.name, endpoint.services)
         return place._replace(typed=typed), endpoint.of_service(place.service)
 
     def _here(self, typed: str) -> tuple[PropertyTarget, PropertyClient]:
@@ -224,9 +224,9 @@ class PropertyConnections:
 
 
 def _no_service(name: str, known: Sequence[str], more: str = "") -> PropertyError:
-    there = " ".join(known) or "none"
+    there = f"there is {' '.join(known) or 'none'}{more}"
     first = name.partition(".")[0]
-    return PropertyError("no-service", f"no service named {first} (there is {there}{more})")
+    return PropertyError("no-service", f"no service named {first} ({there})" if first else there)
 
 
 def _hostname() -> str:

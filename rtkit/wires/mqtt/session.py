@@ -18,8 +18,7 @@ from rtkit.property.messages import Payload
 from rtkit.wires.mqtt.address import MqttAddress
 
 if TYPE_CHECKING:
-    from paho.mqtt.client import Client, ConnectFlags, DisconnectFlags, MQTTMessage
-    from paho.mqtt.properties import Properties
+    from paho.mqtt.client import Client, MQTTMessage
     from paho.mqtt.reasoncodes import ReasonCode
 
 PASSWORD = "RTKIT_MQTT_PASSWORD"
@@ -104,9 +103,9 @@ class MqttSession:
         self._client.username_pw_set(address.user, password)
         self._client.reconnect_delay_set(1, 5)
         self._client.on_socket_open = _hurry
-        self._client.on_connect = self._connected
-        self._client.on_disconnect = self._disconnected
-        self._client.on_message = self._received
+        self._client.on_connect = lambda client, data, flags, code, more: self._connected(code)
+        self._client.on_disconnect = lambda client, data, flags, code, more: self._left(code)
+        self._client.on_message = lambda client, data, message: self._received(message)
         self._client.on_publish = lambda *_: self._has_room()
         if will:
             self._client.will_set(will, LOST, qos=1, retain=True)
@@ -175,14 +174,7 @@ class MqttSession:
 
     # On the thread of the session
 
-    def _connected(
-        self,
-        client: Client,
-        data: object,
-        flags: ConnectFlags,
-        code: ReasonCode,
-        properties: Properties | None,
-    ) -> None:
+    def _connected(self, code: ReasonCode) -> None:
         is_first = not self._first.is_set()
         if code.is_failure:
             self._refusal = str(code)
@@ -193,18 +185,11 @@ class MqttSession:
         if is_first:
             self._first.set()
 
-    def _disconnected(
-        self,
-        client: Client,
-        data: object,
-        flags: DisconnectFlags,
-        code: ReasonCode,
-        properties: Properties | None,
-    ) -> None:
+    def _left(self, code: ReasonCode) -> None:
         if code.is_failure:  # else we asked for it
             self._went(f"the broker has gone: {code}")
 
-    def _received(self, client: Client, data: object, message: MQTTMessage) -> None:
+    def _received(self, message: MQTTMessage) -> None:
         given = message.properties
         raw, payload = bytes(message.payload), None
         if getattr(given, "PayloadFormatIndicator", 0) == 1:
