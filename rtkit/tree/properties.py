@@ -166,7 +166,7 @@ class PropertyConnections:
             return PropertyTarget(typed, "", name, parameters if mark else None), endpoint.first
         place = parse(path, cwd, endpoint.services, _hostname())
         if not place.service:
-            raise _no_service("" if address in typed else place.name, endpoint.services)
+            raise _no_service(place.name if path == typed else "", endpoint.services)
         return place._replace(typed=typed), endpoint.of_service(place.service)
 
     def _here(self, typed: str) -> tuple[PropertyTarget, PropertyClient]:
