@@ -14,6 +14,7 @@ import os
 import threading
 import time
 from collections.abc import Callable
+from typing import Any
 
 import zenoh
 
@@ -123,7 +124,17 @@ class Streams:
         outlet = Outlet(
             session, publisher, lambda: self._release(endpoint), is_numbered=is_numbered
         )
-        if not control.is_matched(publisher, timeout_s):
+        matched = threading.Event()
+
+        def changed(status: zenoh.MatchingStatus) -> None:
+            if status.matching:
+                matched.set()
+
+        listener = publisher.declare_matching_listener(changed)
+        status: Any = publisher.matching_status  # the stubs of zenoh 1.10 say bool, wrongly
+        is_matched = status.matching or matched.wait(timeout_s)
+        listener.undeclare()  # type: ignore[no-untyped-call]
+        if not is_matched:
             outlet.close()
             raise Unreachable(f"nobody takes data at {endpoint}")
         return outlet

@@ -13,9 +13,7 @@ from __future__ import annotations
 import math
 import os
 import re
-import threading
 from collections.abc import Callable, Iterable, Mapping
-from typing import Any
 
 import zenoh
 
@@ -167,21 +165,6 @@ def ask(
         handler=zenoh.handlers.FifoChannel(16),
         consolidation=zenoh.ConsolidationMode.NONE,
     )
-
-
-def is_matched(declared: zenoh.Publisher | zenoh.Querier, timeout_s: float) -> bool:
-    """Wait until there is somebody at the other end of something declared, not longer [s]."""
-    matched = threading.Event()
-
-    def changed(status: zenoh.MatchingStatus) -> None:
-        if status.matching:
-            matched.set()
-
-    listener = declared.declare_matching_listener(changed)
-    status: Any = declared.matching_status  # the stubs of zenoh 1.10 say bool, wrongly
-    is_there = status.matching or matched.wait(timeout_s)
-    listener.undeclare()  # type: ignore[no-untyped-call]
-    return bool(is_there)
 
 
 class ZenohLink(Link):
