@@ -13,7 +13,7 @@ import sys
 from collections.abc import Iterator
 from pathlib import Path
 
-from rtkit.builder.annotations import Annotations
+from rtkit.builder.type_annotations import Annotations
 from rtkit.component.standard import FAMILIES
 from rtkit.idl.model import (
     ArrayOf,

@@ -5,7 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from rtkit.builder import standard_types
-from rtkit.builder.layout import (
+from rtkit.builder.methods import documentation, signature
+from rtkit.builder.regions import CODE_STAMP, region
+from rtkit.builder.source_layout import (
     CallExpression,
     Node,
     PlainExpression,
@@ -14,9 +16,8 @@ from rtkit.builder.layout import (
     constant,
     mapping,
 )
-from rtkit.builder.layout import lines as lines_of
-from rtkit.builder.methods import documentation, signature
-from rtkit.builder.regions import CODE_STAMP, region
+from rtkit.builder.source_layout import lines as lines_of
+from rtkit.builder.source_text import INDENT, clean, docstring, one_line, told, width
 from rtkit.builder.subject import (
     GeneratedComponent,
     GeneratedInterface,
@@ -26,9 +27,8 @@ from rtkit.builder.subject import (
     GeneratedStateMachine,
     StateClass,
 )
-from rtkit.builder.text import INDENT, clean, docstring, one_line, told, width
 from rtkit.builder.types_code import TypesCode
-from rtkit.component.contexts import PERIODIC
+from rtkit.component.owned_contexts import PERIODIC
 from rtkit.profile.rtc_model import ActionDoc
 
 BODY = INDENT * 2

@@ -10,9 +10,9 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from typing import NamedTuple
 
-from rtkit.builder.annotations import OWN, Annotations
-from rtkit.builder.names import Taken, in_words
-from rtkit.builder.text import INDENT, WIDTH, docstring, sentence, width
+from rtkit.builder.identifiers import Taken, in_words
+from rtkit.builder.source_text import INDENT, WIDTH, docstring, sentence, width
+from rtkit.builder.type_annotations import OWN, Annotations
 from rtkit.idl.model import Attribute, Direction, InterfaceDeclaration, Operation, Path
 
 _LONG_RESULT = 60

@@ -6,8 +6,8 @@ from collections.abc import Iterator
 
 from rtkit.builder.sample import system_of
 from rtkit.builder.subject import GeneratedComponent, GeneratedPort
-from rtkit.component.contexts import PERIODIC
 from rtkit.component.fsm import EVENT_NAME
+from rtkit.component.owned_contexts import PERIODIC
 from rtkit.fast_dataclass import replace
 from rtkit.profile.common import ExtensionProperty
 from rtkit.profile.rtc_model import (

@@ -6,8 +6,8 @@ import re
 from collections.abc import Iterable, Mapping, Sequence
 
 from rtkit.builder.regions import FILE_STAMP
+from rtkit.builder.source_text import one_line
 from rtkit.builder.subject import GeneratedComponent
-from rtkit.builder.text import one_line
 
 ENTRY_POINTS = "rtkit.components"
 """Entry points of this group are modules of components: ``NAME = MODULE:INIT``."""

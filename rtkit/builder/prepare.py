@@ -6,8 +6,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, fields
 
 from rtkit.builder import standard_types
-from rtkit.builder.machine import machine_of
-from rtkit.builder.names import (
+from rtkit.builder.identifiers import (
     Taken,
     attribute_name,
     class_name,
@@ -15,8 +14,10 @@ from rtkit.builder.names import (
     module_name,
     type_name,
 )
+from rtkit.builder.machine_of_profile import machine_of
 from rtkit.builder.obstacles import of_interface, of_type
 from rtkit.builder.settings import settings_of, unused
+from rtkit.builder.source_text import one_line, width
 from rtkit.builder.subject import (
     Callback,
     GeneratedComponent,
@@ -26,11 +27,10 @@ from rtkit.builder.subject import (
     GeneratedStateMachine,
     StateClass,
 )
-from rtkit.builder.text import one_line, width
 from rtkit.builder.types_code import TypesCode
 from rtkit.component.base import Component
-from rtkit.component.contexts import PERIODIC, kind_named
 from rtkit.component.fsm import FsmComponent, State
+from rtkit.component.owned_contexts import PERIODIC, kind_named
 from rtkit.component.state_table import lineage
 from rtkit.errors import Refused
 from rtkit.idl.model import Definitions, InterfaceDeclaration, Named, Path

@@ -19,14 +19,14 @@ from rtkit.builder.component_code import (
     SUMMARIES,
     neutral,
 )
-from rtkit.builder.machine import INITIAL
+from rtkit.builder.machine_of_profile import INITIAL
 from rtkit.builder.settings import WIDGET
-from rtkit.builder.text import sentence
+from rtkit.builder.source_text import sentence
 from rtkit.component.base import Component
-from rtkit.component.contexts import kind_named
 from rtkit.component.describe import describe
 from rtkit.component.fsm import EventPort, FsmComponent
 from rtkit.component.kinds import kind_of
+from rtkit.component.owned_contexts import kind_named
 from rtkit.component.parameter import Parameter, declared_parameters
 from rtkit.errors import Malformed
 from rtkit.profile import rtc_model as rtc

@@ -7,9 +7,9 @@ from collections.abc import Iterator, Sequence
 from rtkit.builder.component_code import LABELS, SUMMARIES, port_doc, service_doc
 from rtkit.builder.packaging import project_name
 from rtkit.builder.regions import MARKDOWN_STAMP
+from rtkit.builder.source_text import clean, one_line, told
 from rtkit.builder.subject import GeneratedComponent, GeneratedPort
-from rtkit.builder.text import clean, one_line, told
-from rtkit.component.contexts import PERIODIC
+from rtkit.component.owned_contexts import PERIODIC
 
 _KINDS = {"InPort": "in", "OutPort": "out", "EventPort": "event"}
 _PORT_FACTS = {

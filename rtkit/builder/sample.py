@@ -6,8 +6,8 @@ from collections.abc import Sequence
 
 from rtkit.builder.regions import XML_STAMP
 from rtkit.builder.subject import GeneratedComponent
-from rtkit.component.contexts import kind_named
 from rtkit.component.kinds import kind_of
+from rtkit.component.owned_contexts import kind_named
 from rtkit.profile.common import ExtensionProperty
 from rtkit.profile.rts_model import (
     RTS_VERSION,

@@ -6,9 +6,9 @@ import re
 from collections.abc import Callable
 from typing import Any
 
-from rtkit.builder.names import Taken, attribute_name, cut
+from rtkit.builder.identifiers import Taken, attribute_name, cut
+from rtkit.builder.source_text import one_line, told
 from rtkit.builder.subject import GeneratedParameter
-from rtkit.builder.text import one_line, told
 from rtkit.component.kinds import elements, read_bool, read_float, read_int
 from rtkit.errors import Malformed
 from rtkit.profile.constraint_text import format_constraint

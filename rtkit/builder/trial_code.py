@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from rtkit.builder.layout import Node, assigned, mapping
 from rtkit.builder.regions import CODE_STAMP, region
+from rtkit.builder.source_layout import Node, assigned, mapping
+from rtkit.builder.source_text import docstring, one_line
 from rtkit.builder.subject import GeneratedComponent, GeneratedInterface
-from rtkit.builder.text import docstring, one_line
 from rtkit.component.kinds import kind_of
 from rtkit.rtc.enums import PortType
 

@@ -6,12 +6,12 @@ from collections.abc import Iterable, Iterator, Sequence
 from hashlib import sha256
 
 from rtkit.builder import standard_types
-from rtkit.builder.annotations import OWN, Annotations, member_names
 from rtkit.builder.closure import closure
-from rtkit.builder.layout import assigned, constant
+from rtkit.builder.identifiers import Taken
 from rtkit.builder.methods import GeneratedMethod, documentation, methods_of, signature
-from rtkit.builder.names import Taken
-from rtkit.builder.text import INDENT, WIDTH, docstring, one_line, wrapped
+from rtkit.builder.source_layout import assigned, constant
+from rtkit.builder.source_text import INDENT, WIDTH, docstring, one_line, wrapped
+from rtkit.builder.type_annotations import OWN, Annotations, member_names
 from rtkit.idl.model import (
     ArrayOf,
     Basic,

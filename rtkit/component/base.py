@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any, ClassVar, Protocol, TypeVar
 from rtkit.component.callbacks import Callbacks, Failure, attempt
 from rtkit.component.config import DEFAULT, Configuration
 from rtkit.component.context import ExecutionContext
-from rtkit.component.contexts import PERIODIC, wanted_contexts
 from rtkit.component.kinds import kind_of
+from rtkit.component.owned_contexts import PERIODIC, wanted_contexts
 from rtkit.component.parameter import Parameter, declared_parameters
 from rtkit.component.port import InPort, OutPort, Port
 from rtkit.component.service import ServicePort

@@ -16,7 +16,7 @@ from enum import Flag
 from typing import Any
 
 from rtkit.component.codec import codec_for, encoder_for
-from rtkit.component.layout import (
+from rtkit.component.type_layout import (
     ArrayLayout,
     BasicLayout,
     EnumLayout,

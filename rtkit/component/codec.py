@@ -10,7 +10,7 @@ from collections.abc import Callable
 from typing import Any, NamedTuple
 
 from rtkit.component.codegen import compile_decoder, compile_encoder
-from rtkit.component.layout import complaint, layout_of
+from rtkit.component.type_layout import complaint, layout_of
 from rtkit.errors import Malformed
 
 _LITTLE = b"\x00\x01"

@@ -14,7 +14,7 @@ from collections.abc import Callable
 from types import MemberDescriptorType
 from typing import Any, TypeGuard
 
-from rtkit.component.layout import (
+from rtkit.component.type_layout import (
     ArrayLayout,
     BasicLayout,
     EnumLayout,

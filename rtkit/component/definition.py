@@ -6,7 +6,7 @@ import re
 from collections.abc import Iterator
 from typing import Annotated, get_args, get_origin
 
-from rtkit.component.layout import (
+from rtkit.component.type_layout import (
     ArrayLayout,
     EnumLayout,
     ItemsLayout,

@@ -14,7 +14,7 @@ from typing import Any, Protocol, TypeVar, get_type_hints
 
 from rtkit.component.carried import Test, compile_test
 from rtkit.component.codec import Codec, codec_for
-from rtkit.component.layout import ArrayLayout, Layout, layout_of_hint
+from rtkit.component.type_layout import ArrayLayout, Layout, layout_of_hint
 from rtkit.errors import Malformed, Refused
 from rtkit.fast_dataclass import MISSING, make_dataclass
 

@@ -11,7 +11,7 @@ import json
 from collections.abc import Mapping
 from typing import Any, NoReturn
 
-from rtkit.component.layout import (
+from rtkit.component.type_layout import (
     ArrayLayout,
     BasicLayout,
     EnumLayout,

@@ -11,7 +11,7 @@ from collections.abc import Mapping
 from enum import StrEnum
 from typing import TypeVar
 
-from rtkit.component.check import ANY_DATA_TYPE
+from rtkit.component.port_matching import ANY_DATA_TYPE
 from rtkit.errors import Malformed
 from rtkit.fast_dataclass import dataclass
 from rtkit.rtc.connector_properties import (

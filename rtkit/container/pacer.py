@@ -12,7 +12,7 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 from rtkit.component.context import ExecutionContext
-from rtkit.component.contexts import CPU_AFFINITY
+from rtkit.component.owned_contexts import CPU_AFFINITY
 from rtkit.component.period import Period
 from rtkit.component.waiting import grant_by
 from rtkit.container import processors

@@ -9,7 +9,7 @@ from __future__ import annotations
 import os
 from collections.abc import Iterable, Mapping
 
-from rtkit.component.contexts import CPU_AFFINITY
+from rtkit.component.owned_contexts import CPU_AFFINITY
 from rtkit.errors import Malformed, Refused
 from rtkit.logs.late import late
 

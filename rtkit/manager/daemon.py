@@ -39,7 +39,7 @@ from rtkit.manager.signals import catch_signals
 from rtkit.manager.slaves.slave_supervisor import SlaveSupervisor
 from rtkit.manager.store.writer import StoreWriter
 from rtkit.resources import resource as shipped
-from rtkit.rtc.address import parse_address
+from rtkit.rtc.manager_address import parse_address
 from rtkit.rtc.names import LOCAL
 from rtkit.settings import formats
 from rtkit.settings.configuration import (

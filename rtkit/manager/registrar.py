@@ -9,7 +9,7 @@ from collections.abc import Callable
 from rtkit.errors import RtkitError, Unreachable
 from rtkit.link import keys, secret, tcp_endpoint
 from rtkit.link.zenoh import ZenohLink
-from rtkit.rtc.address import Address
+from rtkit.rtc.manager_address import Address
 
 _TIMEOUT_S = 2.0
 _log = logging.getLogger(__name__)

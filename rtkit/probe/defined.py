@@ -7,7 +7,7 @@ from enum import Enum
 from functools import cache
 from typing import Any
 
-from rtkit.component.layout import layout_of_hint, zero
+from rtkit.component.type_layout import layout_of_hint, zero
 from rtkit.component.typenames import is_standard, register, type_by_name
 from rtkit.component.types import BASIC_TYPES
 from rtkit.errors import Malformed

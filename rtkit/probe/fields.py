@@ -8,7 +8,7 @@ from dataclasses import fields, is_dataclass
 from enum import Enum
 from typing import Any
 
-from rtkit.component.layout import ArrayLayout, ItemsLayout, Layout, StructLayout, layout_of
+from rtkit.component.type_layout import ArrayLayout, ItemsLayout, Layout, StructLayout, layout_of
 from rtkit.errors import Malformed, NotFound
 from rtkit.rtc.nearest import did_you_mean
 

@@ -14,13 +14,13 @@ from uuid import uuid4
 
 from rtkit.closing import Closing
 from rtkit.component.base import Component
-from rtkit.component.contexts import PERIODIC
 from rtkit.component.options import NUMBERED, PortStatus
+from rtkit.component.owned_contexts import PERIODIC
 from rtkit.component.port import OutPort, Port
 from rtkit.container.attached_process import AttachedProcess
 from rtkit.deployment.actions import Action, ChangeState, Connect
 from rtkit.errors import Refused, RtkitError, from_kind
-from rtkit.probe.spec import Stream
+from rtkit.probe.port_spec import Stream
 from rtkit.probe.tap import Arrival, Tap
 from rtkit.rtc.enums import Transition
 from rtkit.rtc.profiles import ConnectorProfile, PortRef

@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from typing import NamedTuple
 
 from rtkit.errors import Malformed, NotFound, Refused, RtkitError
-from rtkit.rtc.address import parse_address
+from rtkit.rtc.manager_address import parse_address
 from rtkit.rtc.nearest import did_you_mean
 from rtkit.settings import formats, values
 

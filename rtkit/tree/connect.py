@@ -11,7 +11,7 @@ from rtkit.tree.api import as_text
 from rtkit.tree.client import DEFAULT_TIMEOUT_S, Tree, bounded
 
 if TYPE_CHECKING:
-    from rtkit.rtc.address import Address
+    from rtkit.rtc.manager_address import Address
 
 
 def connect(manager: str = "", timeout_s: float = DEFAULT_TIMEOUT_S) -> Tree:
@@ -30,7 +30,7 @@ def connect(manager: str = "", timeout_s: float = DEFAULT_TIMEOUT_S) -> Tree:
         as_text(manager, "a manager's name") or os.environ.get("RTKIT_MANAGER") or DEFAULT_MANAGER
     )
     if ":" in name:
-        from rtkit.rtc.address import parse_address
+        from rtkit.rtc.manager_address import parse_address
 
         return connect_at(parse_address(name), timeout_s)
     path = manager_socket(name)
@@ -87,7 +87,7 @@ def connect_near(address: Address, timeout_s: float = DEFAULT_TIMEOUT_S) -> tupl
     Raises:
         Unreachable: There is no such manager.
     """
-    from rtkit.rtc.address import DEFAULT_ID
+    from rtkit.rtc.manager_address import DEFAULT_ID
 
     name = address.id or DEFAULT_ID
     try:
@@ -102,6 +102,6 @@ def connect_near(address: Address, timeout_s: float = DEFAULT_TIMEOUT_S) -> tupl
 
 def slave_at(address: Address, manager: str) -> str:
     """Return the slave of a manager that an address stands for, "" for the manager itself."""
-    from rtkit.rtc.address import DEFAULT_PORT
+    from rtkit.rtc.manager_address import DEFAULT_PORT
 
     return "" if address.port == DEFAULT_PORT else f"{manager}_{address.port}"

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, TypeVar
 
 from rtkit.errors import RtkitError, Unreachable
 from rtkit.link.places import DEFAULT_MANAGER, manager_socket
-from rtkit.rtc.address import is_address
+from rtkit.rtc.manager_address import is_address
 from rtkit.rtc.names import LOCAL, MANAGER_SUFFIX, Path, is_local_host
 from rtkit.tree.client import DEFAULT_TIMEOUT_S
 from rtkit.tree.connect import connect

@@ -227,7 +227,7 @@ FOR_WHO_MAKES_COMPONENTS = (
 )
 VISIT = f"""
 import queue, sys, threading
-import rtkit.cli.data.rtprint, rtkit.cli.data.printing, rtkit.probe.fields, rtkit.probe.text
+import rtkit.cli.data.rtprint, rtkit.cli.data.printing, rtkit.probe.fields, rtkit.probe.value_text
 import rtkit.container.attached_process
 from rtkit.component import TimedLong
 from rtkit.link.streams import Streams

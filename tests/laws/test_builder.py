@@ -17,7 +17,7 @@ import pytest
 from hypothesis import Phase, example, given, settings
 from hypothesis import strategies as st
 
-from rtkit.builder.build import Built, build
+from rtkit.builder.component_files import Built, build
 from rtkit.builder.merge import MergeOutcome, merge
 from rtkit.builder.prepare import Sources
 from rtkit.builder.profile_of import profile_of

@@ -12,7 +12,7 @@ import pytest
 from hypothesis import Phase, given, settings
 from hypothesis import strategies as st
 
-from rtkit.builder.build import build_types
+from rtkit.builder.component_files import build_types
 from rtkit.builder.packaging import TYPE_RULES, linter
 from rtkit.builder.types_code import TypesCode
 from rtkit.component.codec import codec_for

@@ -30,7 +30,7 @@ from rtkit.container.port_wiring import PortWiring
 from rtkit.errors import Malformed
 from rtkit.link.streams import Streams
 from rtkit.probe.defined import class_of
-from rtkit.probe.text import plain
+from rtkit.probe.value_text import plain
 from rtkit.rtc.profiles import ConnectorProfile, PortRef
 
 Mode = Enum("Mode", "IDLE DRIVING")

@@ -53,8 +53,8 @@ def main(
     first, and the id given with -i gets the suffix -2 for the second of them, and so on. Either
     all are made or none. Properties, and values of them, that nothing here knows are warned of.
     """
-    from rtkit.component.check import ANY_DATA_TYPE
     from rtkit.component.options import remarks
+    from rtkit.component.port_matching import ANY_DATA_TYPE
     from rtkit.tree.wiring import find_ends, make_connector
 
     given = _properties(app, texts) | ({ANY_DATA_TYPE: "YES"} if force else {})

@@ -9,7 +9,7 @@ from rtkit.cli.shared.app import App, WrongArguments, working_directory
 from rtkit.cli.shared.options import several
 
 if TYPE_CHECKING:
-    from rtkit.probe.spec import Stream
+    from rtkit.probe.port_spec import Stream
     from rtkit.rtc.enums import PortType
     from rtkit.rtc.profiles import PortRef
 
@@ -31,7 +31,7 @@ def named_streams(
     Raises:
         RtkitError: There are none, or one of them is not there or not of that kind.
     """
-    from rtkit.probe.spec import find_streams, parse_spec
+    from rtkit.probe.port_spec import find_streams, parse_spec
 
     if not typed:
         raise WrongArguments("No ports specified.")

@@ -61,7 +61,7 @@ def _lines(
     app: App, channels: dict[str, RecordedStream], entries: Iterator[RecordedValue], line: Line
 ) -> Iterator[str]:
     from rtkit.component.codec import codec_for
-    from rtkit.probe.types import type_or_bytes
+    from rtkit.probe.known_types import type_or_bytes
 
     decoders = {
         name: codec_for(
@@ -74,7 +74,7 @@ def _lines(
 
 
 def _as_text(_channels: dict[str, RecordedStream]) -> Line:
-    from rtkit.probe.text import plain
+    from rtkit.probe.value_text import plain
     from rtkit.recording.text_log import line_of
 
     def line(entry: RecordedValue, value: Any) -> Iterable[str]:
@@ -84,7 +84,7 @@ def _as_text(_channels: dict[str, RecordedStream]) -> Line:
 
 
 def _as_json(channels: dict[str, RecordedStream]) -> Line:
-    from rtkit.probe.text import plain
+    from rtkit.probe.value_text import plain
 
     def line(entry: RecordedValue, value: Any) -> Iterable[str]:
         channel = channels[entry.channel]

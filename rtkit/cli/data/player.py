@@ -15,8 +15,8 @@ from rtkit.cli.shared.progress import metered
 from rtkit.errors import Refused
 
 if TYPE_CHECKING:
+    from rtkit.probe.port_spec import Stream
     from rtkit.probe.probe import Probe
-    from rtkit.probe.spec import Stream
     from rtkit.recording.entries import Info, RecordedStream, RecordedValue, RecordingSelection
 
 _NS = 1_000_000_000
@@ -317,7 +317,7 @@ class _TextSource:
         from rtkit.component.codec import codec_for
         from rtkit.component.literal import Literal
         from rtkit.component.types import Time
-        from rtkit.probe.types import data_type
+        from rtkit.probe.known_types import data_type
         from rtkit.recording.entries import RecordedValue
 
         played = {name: types[ports[0]] for name, ports in outs.items()}

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 from rtkit.cli.shared import json_records, terminal
 
 if TYPE_CHECKING:
-    from rtkit.probe.spec import Stream
+    from rtkit.probe.port_spec import Stream
     from rtkit.probe.tap import Arrival
 
 Line = Callable[["Arrival"], str]
@@ -92,7 +92,7 @@ class Counter:
 
     def finish(self, lost: int) -> None:
         """Print the statistics of each stream."""
-        from rtkit.probe.report import lines_of, record_of
+        from rtkit.probe.stream_report import lines_of, record_of
 
         for stream in self._streams:
             told = self._stats[stream.name].summary()
@@ -160,7 +160,7 @@ def _painted(text: str, curve: int) -> str:
 
 
 def _readers(fields: tuple[str, ...]) -> dict[str, Callable[[Any], Any]]:
-    from rtkit.probe.text import field_reader
+    from rtkit.probe.value_text import field_reader
 
     return {text: field_reader(text) for text in fields} or {"": lambda value: value}
 
@@ -169,7 +169,7 @@ def _numbers(cls: type, fields: tuple[str, ...]) -> Mapping[str, Callable[[bytes
     """Return a function that extracts the numbers in these fields from a value in CDR."""
     from rtkit.component.codec import codec_for
     from rtkit.errors import Malformed
-    from rtkit.probe.text import field_reader
+    from rtkit.probe.value_text import field_reader
 
     decode = codec_for(cls).decode
 
@@ -219,7 +219,7 @@ def _text_line(decode: Callable[[bytes], Any], show: Callable[[Any], str], label
 
 def json_line(stream: Stream, decode: Callable[[bytes], Any], fields: tuple[str, ...]) -> Line:
     """Return a function that formats an arrival as a record."""
-    from rtkit.probe.text import field_reader, plain
+    from rtkit.probe.value_text import field_reader, plain
 
     readers = {text: field_reader(text) for text in fields}
     ports = [str(end.path) for end in stream.ends]
@@ -241,7 +241,7 @@ def json_line(stream: Stream, decode: Callable[[bytes], Any], fields: tuple[str,
 
 def _shower(stream: Stream, options: PrintOptions) -> Callable[[Any], str]:
     from rtkit.probe.formatters import formatter
-    from rtkit.probe.text import text_of
+    from rtkit.probe.value_text import text_of
 
     if stream.formatter:
         form = formatter(stream.formatter)

@@ -19,8 +19,8 @@ from rtkit.cli.shared.signals import heard_by_main
 from rtkit.errors import Refused
 
 if TYPE_CHECKING:
+    from rtkit.probe.port_spec import Stream
     from rtkit.probe.probe import Probe
-    from rtkit.probe.spec import Stream
     from rtkit.probe.stats import Stamp
     from rtkit.recording.entries import RecordedValue, RecordingSelection
     from rtkit.rtc.profiles import PortRef
@@ -45,9 +45,9 @@ def record(
     Raises:
         RtkitError: A port is not there, or the file exists already or cannot be written.
     """
+    from rtkit.probe.known_types import type_or_bytes
     from rtkit.probe.probe import LOSSLESS, Probe, tap_ports
     from rtkit.probe.stats import stamp_reader
-    from rtkit.probe.types import type_or_bytes
     from rtkit.rtc.enums import PortType
 
     app.bound(duration_s)
@@ -206,7 +206,7 @@ class _TextSink:
         self._flushed_at = 0.0
 
     def write(self, entry: RecordedValue) -> None:
-        from rtkit.probe.text import plain
+        from rtkit.probe.value_text import plain
         from rtkit.recording.text_log import line_of
 
         value = plain(self._decode[entry.channel](entry.payload))

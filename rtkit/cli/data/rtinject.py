@@ -17,7 +17,7 @@ from rtkit.errors import Malformed, Refused, UsageProblem
 
 if TYPE_CHECKING:
     from rtkit.probe.probe import Probe
-    from rtkit.probe.values import Template
+    from rtkit.probe.templates import Template
 
 _ENDLESS = -1
 
@@ -63,9 +63,9 @@ def main(
     It returns when everything has arrived at the ports. While it runs a component of its own,
     rtinject_writer0, is connected to them.
     """
+    from rtkit.probe.known_types import data_type, import_modules
     from rtkit.probe.probe import LOSSLESS, SURE, Probe, out_ports
-    from rtkit.probe.types import data_type, import_modules
-    from rtkit.probe.values import templates
+    from rtkit.probe.templates import templates
     from rtkit.rtc.enums import PortType
 
     if const is not None and file is not None:
@@ -101,7 +101,7 @@ def _typed(text: str, types: Mapping[str, type]) -> Template:
     Raises:
         Malformed: It is no value of the ports' types.
     """
-    from rtkit.probe.values import Template
+    from rtkit.probe.templates import Template
 
     try:
         return Template(text, types)

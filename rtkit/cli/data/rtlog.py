@@ -94,7 +94,7 @@ def main(
     the present unless -a says otherwise.
     """
     from rtkit.cli.data import player, recorder
-    from rtkit.probe.types import import_modules
+    from rtkit.probe.known_types import import_modules
 
     if sum((is_play, is_info, exported is not None)) > 1:
         raise UsageProblem("only one of -p, -d and --export can be used")

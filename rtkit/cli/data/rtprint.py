@@ -25,7 +25,7 @@ from rtkit.errors import Refused, UsageProblem
 
 if TYPE_CHECKING:
     from rtkit.cli.data.printing import PrintOptions, Sink
-    from rtkit.probe.spec import Stream
+    from rtkit.probe.port_spec import Stream
     from rtkit.probe.tap import Arrival
 
 LINES, STATS, PLOT = "lines", "stats", "plot"
@@ -85,8 +85,8 @@ def main(
     """
     from rtkit.cli.data.printing import PrintOptions
     from rtkit.probe.fields import check_field
+    from rtkit.probe.known_types import data_type, import_modules
     from rtkit.probe.probe import LOSSLESS, Probe, tap_ports
-    from rtkit.probe.types import data_type, import_modules
     from rtkit.rtc.enums import PortType
 
     if form == PLOT and is_json:

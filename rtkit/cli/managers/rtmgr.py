@@ -185,7 +185,7 @@ def _command(
 
 def _at_address(app: App, typed: str) -> TreeNode:
     """Return the manager, or the slave, at a direct address; it needs no name in the tree."""
-    from rtkit.rtc.address import parse_address
+    from rtkit.rtc.manager_address import parse_address
     from rtkit.rtc.names import is_local_host
     from rtkit.tree.view import manager_node
 

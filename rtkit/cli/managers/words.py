@@ -10,7 +10,7 @@ from rtkit.cli.shared import json_records, terminal
 from rtkit.cli.shared.app import App
 from rtkit.errors import Malformed, NotFound, Partial, Refused, Unreachable
 from rtkit.link import places
-from rtkit.rtc.address import is_address
+from rtkit.rtc.manager_address import is_address
 from rtkit.rtc.names import MANAGER_SUFFIX, check_instance_name
 
 if TYPE_CHECKING:

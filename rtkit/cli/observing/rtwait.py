@@ -194,8 +194,8 @@ def _failures(problems: Sequence[Problem], timeout_s: float) -> list[tuple[str, 
 
 def _hear(app: App, goals: Sequence[WaitGoal], until: float) -> Sequence[Problem]:
     """Wait until each of these ports has carried a value; return those that did not in time."""
+    from rtkit.probe.port_spec import PortSpec, find_streams
     from rtkit.probe.probe import Probe, tap_ports
-    from rtkit.probe.spec import PortSpec, find_streams
     from rtkit.rtc.enums import PortType
 
     specs = [PortSpec(goal.path.typed, goal.path) for goal in goals]

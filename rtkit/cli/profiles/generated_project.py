@@ -7,7 +7,7 @@ import sys
 from collections.abc import Iterable, Iterator, Sequence
 from typing import TYPE_CHECKING, NamedTuple
 
-from rtkit.builder.build import PROFILE, File, build, build_types
+from rtkit.builder.component_files import PROFILE, File, build, build_types
 from rtkit.builder.merge import Merged, MergeOutcome, merge
 from rtkit.builder.prepare import Sources, idl_files, is_declared, undefined
 from rtkit.builder.standard_types import IMAGES, KNOWN, expression

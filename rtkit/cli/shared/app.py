@@ -16,7 +16,7 @@ from rtkit.cli.shared.terminal import printable
 from rtkit.errors import Malformed, Refused, RtkitError, Unreachable
 
 if TYPE_CHECKING:
-    from rtkit.rtc.address import Address
+    from rtkit.rtc.manager_address import Address
     from rtkit.rtc.names import Path
     from rtkit.tree.client import Tree
     from rtkit.tree.view import TreeNode

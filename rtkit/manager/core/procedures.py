@@ -36,9 +36,9 @@ from rtkit.manager.core.registration import (
 )
 from rtkit.manager.core.state import ManagerState, NameReservation, Process
 from rtkit.manager.core.wiring import connect, cut, disconnect, living
-from rtkit.rtc.address import is_port
 from rtkit.rtc.create import FRESH_SLAVE, CreateString, parse_create
 from rtkit.rtc.enums import Transition
+from rtkit.rtc.manager_address import is_port
 from rtkit.rtc.names import MANAGER_SUFFIX, check_instance_name, is_local_host
 from rtkit.rtc.profiles import NOTHING
 from rtkit.rtc.serde import encode

@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from rtkit.builder.build import Built, build
+from rtkit.builder.component_files import Built, build
 from rtkit.builder.prepare import Sources
 from rtkit.builder.regions import stamped
 from rtkit.builder.standard_types import KNOWN

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from rtkit.builder.build import build
+from rtkit.builder.component_files import build
 from rtkit.builder.prepare import Sources
 from rtkit.builder.regions import stamped
 from rtkit.profile.read import read_rtc, read_rts

@@ -10,7 +10,7 @@ from typing import Any
 
 import pytest
 
-from rtkit.builder.build import build
+from rtkit.builder.component_files import build
 from rtkit.builder.prepare import Sources
 from rtkit.builder.profile_of import profile_of
 from rtkit.component import Component, InPort, OutPort, Parameter, TimedLong

@@ -6,8 +6,16 @@ import ast
 
 import pytest
 
-from rtkit.builder import text
-from rtkit.builder.layout import (
+from rtkit.builder import source_text as text
+from rtkit.builder.identifiers import (
+    Taken,
+    class_name,
+    identifier,
+    in_words,
+    module_name,
+    snake_case,
+)
+from rtkit.builder.source_layout import (
     CallExpression,
     PlainExpression,
     assigned,
@@ -16,7 +24,6 @@ from rtkit.builder.layout import (
     lines,
     mapping,
 )
-from rtkit.builder.names import Taken, class_name, identifier, in_words, module_name, snake_case
 
 
 @pytest.mark.parametrize(

@@ -24,7 +24,7 @@ from rtkit.cli.completion.grammar import ask
 from rtkit.cli.completion.line import quoted, read
 from rtkit.cli.shared.commands import load
 from rtkit.cli.table import TABLE
-from rtkit.component.check import refusal
+from rtkit.component.port_matching import refusal
 from rtkit.rtc.serde import encode
 
 BREAKS = " \t\n\"'><=;|&(:"

@@ -217,9 +217,9 @@ def test_exports(tmp_path: Path, run: Run) -> None:
 
 def test_values_and_their_statistics() -> None:
     from rtkit.cli.data.printing import json_line
-    from rtkit.probe.report import record_of
-    from rtkit.probe.spec import Stream
+    from rtkit.probe.port_spec import Stream
     from rtkit.probe.stats import Stats, stamp_reader
+    from rtkit.probe.stream_report import record_of
 
     codec = codec_for(TimedDouble)
     stats = Stats(stamp_reader(TimedDouble))

@@ -11,7 +11,7 @@ import pytest
 from rtkit.component import TimedLong
 from rtkit.component.codec import codec_for
 from rtkit.errors import NotFound
-from rtkit.probe.types import data_type, type_or_bytes
+from rtkit.probe.known_types import data_type, type_or_bytes
 from rtkit.recording.entries import RecordedStream, RecordedValue
 from rtkit.recording.mcap_file import RecordingWriter
 

@@ -32,7 +32,7 @@ from rtkit.component import (
     types,
 )
 from rtkit.component.codec import BYTES, codec_for, encoder_for
-from rtkit.component.layout import (
+from rtkit.component.type_layout import (
     ArrayLayout,
     EnumLayout,
     ItemsLayout,

@@ -19,8 +19,8 @@ import pytest
 
 import rtkit.component as component
 from rtkit.component.codec import codec_for
-from rtkit.component.layout import layout_of
 from rtkit.component.standard import FAMILIES, SCOPES, home_of, names_of
+from rtkit.component.type_layout import layout_of
 from rtkit.component.typenames import type_by_name, type_name
 from rtkit.errors import Malformed
 

@@ -6,7 +6,7 @@ import pytest
 
 from rtkit.deployment.actions import Create
 from rtkit.errors import Malformed, NotFound, Refused
-from rtkit.probe.spec import find_streams, parse_spec
+from rtkit.probe.port_spec import find_streams, parse_spec
 from rtkit.rtc.enums import PortType
 from rtkit.tree.client import Tree
 

@@ -8,9 +8,9 @@ from rtkit.component import Time, TimedLong
 from rtkit.component.codec import codec_for
 from rtkit.component.geometry import Point2D
 from rtkit.component.sensors import CameraImage
-from rtkit.probe.report import lines_of, record_of, size_text
-from rtkit.probe.spec import Stream
+from rtkit.probe.port_spec import Stream
 from rtkit.probe.stats import Stats, stamp_reader
+from rtkit.probe.stream_report import lines_of, record_of, size_text
 from rtkit.probe.tap import Arrival
 
 SECOND = 1_000_000_000

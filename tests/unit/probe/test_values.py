@@ -7,7 +7,7 @@ import pytest
 from rtkit.component import Time, TimedLong, TimedLongSeq, TimedString
 from rtkit.component.geometry import TimedVelocity2D
 from rtkit.errors import Malformed
-from rtkit.probe.values import Template, templates
+from rtkit.probe.templates import Template, templates
 
 NOW = Time(5, 6)
 

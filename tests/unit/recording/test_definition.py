@@ -16,8 +16,8 @@ from rtkit.component.port import InPort, OutPort
 from rtkit.errors import Malformed, NotFound
 from rtkit.idl.read import read_idl
 from rtkit.probe.defined import class_of
-from rtkit.probe.text import plain
-from rtkit.probe.types import data_type
+from rtkit.probe.known_types import data_type
+from rtkit.probe.value_text import plain
 
 Mode = Enum("Mode", "IDLE DRIVING")
 

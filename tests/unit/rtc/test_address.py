@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from rtkit.errors import Malformed
-from rtkit.rtc.address import is_address, parse_address
+from rtkit.rtc.manager_address import is_address, parse_address
 
 
 @pytest.mark.parametrize(

@@ -12,7 +12,7 @@ from rtkit.cli.managers.doctor import ERROR, NOTE, OK, WARNING, Diagnosis
 from rtkit.cli.managers.doctor.folders import state_of
 from rtkit.errors import RtkitError
 from rtkit.link import places
-from rtkit.rtc.address import DEFAULT_PORT
+from rtkit.rtc.manager_address import DEFAULT_PORT
 
 if TYPE_CHECKING:
     from rtkit.deployment.facts import Snapshot

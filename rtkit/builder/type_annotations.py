@@ -11,9 +11,9 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 from rtkit.builder import standard_types
-from rtkit.builder.names import Taken
+from rtkit.builder.identifiers import Taken
 from rtkit.builder.obstacles import CARRIED, of_type, resolved
-from rtkit.builder.text import INDENT
+from rtkit.builder.source_text import INDENT
 from rtkit.idl.model import (
     ArrayOf,
     Basic,

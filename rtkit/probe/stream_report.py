@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any
 
-from rtkit.probe.spec import Stream
+from rtkit.probe.port_spec import Stream
 from rtkit.probe.stats import Spread, Summary
 
 _SIZES = ("B", "kB", "MB", "GB", "TB")

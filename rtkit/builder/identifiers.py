@@ -9,7 +9,7 @@ import sys
 import unicodedata
 from collections.abc import Iterable
 
-from rtkit.builder.text import width
+from rtkit.builder.source_text import width
 
 _HUMP = re.compile(r"(?<=[a-z])(?=[A-Z])|(?<=[A-Z0-9])(?=[A-Z][a-z])")
 _WIDEST = 40

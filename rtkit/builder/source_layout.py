@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from typing import NamedTuple
 
-from rtkit.builder.text import INDENT, WIDTH, cut_text, literal, value, width
+from rtkit.builder.source_text import INDENT, WIDTH, cut_text, literal, value, width
 
 
 class PlainExpression(NamedTuple):

@@ -6,8 +6,8 @@ from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 from rtkit.builder.component_code import component_code
+from rtkit.builder.identifiers import module_name
 from rtkit.builder.mirror_component import FOLDER, listening, mirror_system, mirrored
-from rtkit.builder.names import module_name
 from rtkit.builder.obstacles import obstacle
 from rtkit.builder.packaging import pyproject
 from rtkit.builder.prepare import Sources, prepare

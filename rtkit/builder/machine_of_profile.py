@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
 
+from rtkit.builder.source_text import one_line
 from rtkit.builder.subject import GeneratedEvent, GeneratedStateMachine
-from rtkit.builder.text import one_line
 from rtkit.profile import rtc_model
 from rtkit.rtc.names import near_port_name
 
