@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 import json
 from typing import TYPE_CHECKING
 
@@ -68,10 +67,12 @@ def begin(app: App, document: SystemDocument, states: States, *, rolls_back: boo
     Raises:
         Refused: It is followed as another profile tells it.
     """
+    from hashlib import sha256  # loads OpenSSL: some 3 ms that a dry run does not need
+
     from rtkit.deployment.states.spec import spec_to_text
 
     said = bytes([rolls_back, states.base.replaces, states.base.is_strict])
-    digest = hashlib.sha256(document.data + said).hexdigest()
+    digest = sha256(document.data + said).hexdigest()
     text = spec_to_text(states, [document.source, digest], rolls_back=rolls_back)
     app.tell(owner(app).set(FOLLOW, f'{{"start": {text}}}'))
 
