@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
+from functools import cache
 from typing import NamedTuple
 
 from rtkit.deployment import extension as ext
@@ -92,7 +93,7 @@ def odd_options(
 
 def _among(
     properties: Sequence[ExtensionProperty],
-    known: Sequence[str],
+    known: tuple[str, ...],
     place: tuple[tuple[str, int], ...],
     name: str,
 ) -> Iterator[Odd]:
@@ -102,7 +103,8 @@ def _among(
             yield Odd((*place, ("properties", number)), each.name, f"{name}{text}")
 
 
-def odd_key(key: str, known: Sequence[str]) -> str:
+@cache  # components of a system have the same few keys
+def odd_key(key: str, known: tuple[str, ...]) -> str:
     """Return a warning about a key that looks like one of these and is not, empty for nothing."""
     if _is_among(key, known) or (ext.RESTART in known and ext.is_policy(key)):
         return ""  # policies are judged with their values
