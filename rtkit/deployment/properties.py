@@ -12,7 +12,7 @@ from rtkit.deployment.facts import ComponentFacts, Snapshot
 from rtkit.deployment.metrics import ComponentMetrics
 from rtkit.property.codes import PropertyError
 from rtkit.property.naming import segment_of
-from rtkit.property.spec import PropertySpec
+from rtkit.property.property_spec import PropertySpec
 from rtkit.property.types import Content, parse_type
 from rtkit.property.values import Value, Word
 from rtkit.rtc.enums import PortType, Transition

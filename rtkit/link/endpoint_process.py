@@ -12,7 +12,7 @@ import socket
 import sys
 
 from rtkit.errors import Unreachable
-from rtkit.link.ports import SERVANT
+from rtkit.link.port_holders import SERVANT
 from rtkit.link.tcp_endpoint import open_endpoint
 
 READY = "ready"

@@ -19,9 +19,9 @@ import zenoh
 
 from rtkit.errors import Malformed, Unreachable
 from rtkit.link import places
-from rtkit.link.base import Link
 from rtkit.link.deadline import deadline_from_bytes, deadline_to_bytes
 from rtkit.link.threads import start_thread
+from rtkit.link.transport import Link
 from rtkit.property.exchange import Reply, Request
 
 _RETRY = "{period_init_ms: 50, period_max_ms: 200, period_increase_factor: 1.5}"

@@ -24,8 +24,8 @@ from rtkit.deployment.metrics import METRICS
 from rtkit.errors import RtkitError
 from rtkit.fast_dataclass import replace
 from rtkit.link import keys, places
-from rtkit.link.base import Link
 from rtkit.link.segments import remove_orphans
+from rtkit.link.transport import Link
 from rtkit.logs.outputs import cut
 from rtkit.manager.core import events as ev
 from rtkit.manager.core.core import Core

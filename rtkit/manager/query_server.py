@@ -11,9 +11,9 @@ from rtkit.deployment.actions import Create
 from rtkit.deployment.batch import MAX_ID, Batch, batch_from_text, results_from_text
 from rtkit.deployment.extension import FOLLOW
 from rtkit.deployment.facts import Snapshot
-from rtkit.deployment.lease import Lease
 from rtkit.deployment.listing import listing_of, listing_to_text
 from rtkit.deployment.part import part_of
+from rtkit.deployment.plan_lock import PlanLock
 from rtkit.errors import NotFound, Refused, Unreachable
 from rtkit.fast_dataclass import replace
 from rtkit.link import keys
@@ -44,14 +44,14 @@ class ManagerQueryServer:
 
     Attributes:
         restart: Set when the manager is to start again after its end.
-        lease: Who carries a plan out.
+        plan_lock: Who carries a plan out.
         follow: Receives requests to follow a system, or not to.
         dump: Captures the last events, and returns what makes the text of them, on any thread.
     """
 
     def __init__(self, state: ManagerState, requests: PendingRequests) -> None:
         self.restart: RestartRequest | None = None
-        self.lease = Lease(ProcessWatch)
+        self.plan_lock = PlanLock(ProcessWatch)
         self.follow: Callable[[Request], object] = lambda _request: None
         self.dump: Callable[[], Callable[[], str]] = lambda: lambda: ""
         self._state = state
@@ -73,7 +73,7 @@ class ManagerQueryServer:
         if request.is_extension and request.name == "picture":
             return ev.SnapshotRequested(self._requests.add(request.answer))
         if request.is_extension and request.name == "lease":
-            request.answer(Reply(self.lease.asked(request.payload)))
+            request.answer(Reply(self.plan_lock.asked(request.payload)))
             return None
         if request.is_extension and request.name == "lacking" and request.payload is not None:
             self._find(request)

@@ -19,7 +19,7 @@ import time
 from collections.abc import Callable
 
 from rtkit.errors import Refused, Unreachable
-from rtkit.link import ports, secret, tcp_endpoint
+from rtkit.link import port_holders, secret, tcp_endpoint
 from rtkit.link.processes import ProcessWatch
 from rtkit.manager.child_process import Backoff, exit_reason
 from rtkit.settings.configuration import TcpEndpointSettings
@@ -189,7 +189,7 @@ def open_front(
         else:
             return port
     endpoint.close()
-    why = f"port {port} is in use by {ports.port_holder(port) or 'somebody'}"
+    why = f"port {port} is in use by {port_holders.port_holder(port) or 'somebody'}"
     if wanted.is_asked:
         raise Refused(f"{why}; choose another one with -p, or none with -a")
     warn(f"{why}: this manager has no TCP port; -p gives it one of its own, -a does without")
@@ -198,5 +198,5 @@ def open_front(
 
 def _end_orphan_at(port: int, inner: str) -> bool:
     """End what an earlier manager of this name left at a port; return whether it is free now."""
-    holder = ports.listener(port)
+    holder = port_holders.listener(port)
     return holder is not None and end_orphan(holder.pid, inner) and tcp_endpoint.is_free(port)

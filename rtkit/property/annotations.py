@@ -15,7 +15,7 @@ from functools import lru_cache
 from typing import Any, NamedTuple, get_args, get_origin
 
 from rtkit.property.conversion import to_value
-from rtkit.property.spec import PropertySpec
+from rtkit.property.property_spec import PropertySpec
 from rtkit.property.types import Type, parse_type
 from rtkit.property.values import Value, Word, is_number
 

@@ -15,10 +15,10 @@ from rtkit.property.meta import meta, meta_field
 from rtkit.property.naming import RequestTarget
 from rtkit.property.node import PropertyNode
 from rtkit.property.parameters import flag, nothing_else, number
+from rtkit.property.property_spec import gui
 from rtkit.property.reading import read
 from rtkit.property.registry import NameEntry
 from rtkit.property.requests import PropertyRequest, Requester
-from rtkit.property.spec import gui
 from rtkit.property.subscription import options_of
 from rtkit.property.types import from_payload, parse_type
 from rtkit.property.values import Value, Word

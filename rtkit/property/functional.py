@@ -12,7 +12,7 @@ from functools import partial
 from rtkit.guard import kind_and_text
 from rtkit.property.codes import PropertyError
 from rtkit.property.messages import failed
-from rtkit.property.spec import RequestParameter
+from rtkit.property.property_spec import RequestParameter
 from rtkit.property.types import Content, check
 from rtkit.property.user_code import AT_ONCE, Finished, UserCode, Work, is_coroutine
 from rtkit.property.values import Element, Value, Word

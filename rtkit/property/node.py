@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from rtkit.property.codes import PropertyError
 from rtkit.property.messages import Payload
-from rtkit.property.spec import PropertySpec, Reader, Writer
+from rtkit.property.property_spec import PropertySpec, Reader, Writer
 from rtkit.property.types import Content, to_payload
 from rtkit.property.writing import as_item
 

@@ -21,8 +21,8 @@ from rtkit.property.fitting import from_value
 from rtkit.property.functional import FunctionalProperty
 from rtkit.property.members import Member, is_data, is_nested, members
 from rtkit.property.naming import segment_of
+from rtkit.property.property_spec import PropertySpec, RequestParameter
 from rtkit.property.service import Service
-from rtkit.property.spec import PropertySpec, RequestParameter
 from rtkit.property.types import Content, parse_type
 from rtkit.property.user_code import Unfolded, is_coroutine, result_of
 from rtkit.property.values import Value

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from rtkit.property.codes import PropertyError
 from rtkit.property.naming import RequestTarget
+from rtkit.property.property_spec import RequestParameter
 from rtkit.property.reading import read
-from rtkit.property.spec import RequestParameter
 from rtkit.property.types import check, parse_type
 from rtkit.property.values import Element, Value, Word, is_number
 from rtkit.property.writing import write

@@ -70,8 +70,8 @@ from rtkit.property.naming import RequestTarget, parse_target
 from rtkit.property.node import PropertyNode
 from rtkit.property.parameters import COMMON, OF_GET, checked_parameters, flag
 from rtkit.property.polling import Poller
+from rtkit.property.property_spec import PropertySpec, Reader, Writer, plain
 from rtkit.property.requests import PropertyRequest, Requester
-from rtkit.property.spec import PropertySpec, Reader, Writer, plain
 from rtkit.property.types import Content, check
 from rtkit.property.user_code import Unfolded
 

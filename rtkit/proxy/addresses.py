@@ -51,7 +51,7 @@ _KNOWN = f"there is {' '.join(f'{scheme}:' for scheme in WIRES)} and paths of th
 
 def _in_tree(path: str, cwd: str, settings: WireSettings) -> ProviderAddress:
     from rtkit.tree.live_place import open_live, split
-    from rtkit.tree.properties import parse
+    from rtkit.tree.property_connections import parse
 
     place = parse(path, cwd, places.services(), os.uname().nodename)
     if place.service and not place.name:

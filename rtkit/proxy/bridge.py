@@ -9,7 +9,7 @@ from rtkit.closing import Closing
 from rtkit.errors import Malformed, Unreachable
 from rtkit.property.codes import PropertyError
 from rtkit.proxy.addresses import open_endpoint, source_of
-from rtkit.proxy.names import Allowed, Names
+from rtkit.proxy.prefix import Allowed, Names
 from rtkit.proxy.relay import ITSELF, Relay
 from rtkit.serving.event_loop import PropertyEventLoop
 from rtkit.wires.wire import WireSettings

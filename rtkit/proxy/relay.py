@@ -22,8 +22,8 @@ from rtkit.property.naming import RequestTarget, parse_target, write_parameters
 from rtkit.property.reading import read
 from rtkit.property.requests import PropertyRequest, Requester
 from rtkit.property.values import Value
-from rtkit.proxy.names import Allowed, Names
 from rtkit.proxy.narrowing import narrowed, tells_access
+from rtkit.proxy.prefix import Allowed, Names
 from rtkit.proxy.subscriptions import RelayedSubscriptions
 from rtkit.proxy.uplink import Uplink
 from rtkit.serving.event_loop import PropertyEventLoop

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from rtkit.deployment.delta import FullSnapshot
     from rtkit.deployment.facts import Snapshot
     from rtkit.deployment.listing import Listing
-    from rtkit.link.base import Link
+    from rtkit.link.transport import Link
 
 DEFAULT_TIMEOUT_S = 10.0
 _CREATE = "create_component"
@@ -220,10 +220,10 @@ class Tree(ByPath, Closing):
         result.raise_for_error()
         return result.value
 
-    def lease(self, request: Mapping[str, Any] | None = None) -> str:
-        """Ask for the lease of the manager, give it back, or name its holder.
+    def plan_lock(self, request: Mapping[str, Any] | None = None) -> str:
+        """Ask for the lock of the manager, give it back, or name its holder.
 
-        For `rtkit.tree.lease`; see `rtkit.deployment.lease`.
+        For `rtkit.tree.plan_locks`; see `rtkit.deployment.plan_lock`.
 
         Raises:
             Refused: Somebody has it; names the holder.

@@ -11,7 +11,7 @@ from rtkit.tree.resolve import entry, zombie
 from rtkit.tree.view import NodeKind, build
 
 if TYPE_CHECKING:
-    from rtkit.tree.live import LiveProperties
+    from rtkit.tree.live_properties import LiveProperties
 
 _NODE = r"(.+?\.(?:rtc|mgr))(?:\.(.*))?"
 
@@ -57,7 +57,7 @@ def open_live(path: str, timeout_s: float) -> LiveProperties:
         Unreachable: The manager does not answer.
     """
     from rtkit.tree.connect import connect
-    from rtkit.tree.live import LiveProperties
+    from rtkit.tree.live_properties import LiveProperties
     from rtkit.tree.place import manager_of
 
     where = parse_path(path)

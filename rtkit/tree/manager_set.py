@@ -14,7 +14,7 @@ from rtkit.deployment.actions import Action, Result
 from rtkit.deployment.facts import Snapshot
 from rtkit.deployment.multi_manager import down, homes_in, joined, manager_for, sent
 from rtkit.errors import RtkitError, Unreachable
-from rtkit.link.base import Link
+from rtkit.link.transport import Link
 from rtkit.rtc.profiles import ConnectorProfile
 from rtkit.tree.client import DEFAULT_TIMEOUT_S, Tree
 from rtkit.tree.subscription import Heard, ManagerSubscription

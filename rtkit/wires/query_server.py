@@ -14,7 +14,7 @@ from rtkit.serving.event_loop import PropertyEventLoop
 from rtkit.serving.provider import PropertyProvider
 from rtkit.serving.quota import EndpointQuota
 from rtkit.wires.subscribers import SharedSubscription, Subscriber
-from rtkit.wires.zenoh.properties import EventPosition, Joined, Queried, group_of
+from rtkit.wires.zenoh.queries import EventPosition, Joined, Queried, group_of
 
 
 class QueryServer:

@@ -13,7 +13,7 @@ from rtkit.property.requests import ListeningRequester
 from rtkit.property.subscription import Listener
 from rtkit.serving.event_loop import IOHandler, PropertyEventLoop
 from rtkit.serving.quota import EndpointQuota, SubscribingClient
-from rtkit.wires.zenoh.properties import EventPosition, Joined, new_run
+from rtkit.wires.zenoh.queries import EventPosition, Joined, new_run
 
 
 class EventSender(Protocol):

@@ -24,8 +24,8 @@ from rtkit.link.secret import Secret
 from rtkit.property.codes import PropertyError
 from rtkit.property.functional import FunctionalProperty
 from rtkit.property.messages import PropertyEvent
+from rtkit.property.property_spec import PropertySpec
 from rtkit.property.service import Service
-from rtkit.property.spec import PropertySpec
 from rtkit.property.types import parse_type
 from rtkit.proxy.bridge import bridge
 from rtkit.wires import provider_connection as keepalive

@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 
 from rtkit.errors import Malformed, NotFound, Refused, Unreachable
 from rtkit.link import keys
-from rtkit.link.base import Link
+from rtkit.link.transport import Link
 from rtkit.link.zenoh import ZenohLink, open_client, open_listener, unix_endpoint
 from rtkit.property.exchange import Reply, Request
 

@@ -32,7 +32,7 @@ from rtkit.link import places, secret
 from rtkit.property.codes import PropertyError
 from rtkit.property.service import Service
 from rtkit.serving import refusals
-from rtkit.tree.properties import PropertyConnections
+from rtkit.tree.property_connections import PropertyConnections
 from rtkit.tree.property_subscription import PropertySubscription
 from rtkit.wires.line import connection, login
 from rtkit.wires.line.client import LineClient, connect_unix

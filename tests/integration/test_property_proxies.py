@@ -16,8 +16,8 @@ from property_endpoints import BOUND_S, Lines, WirePlaces, Zenoh
 from rtkit.errors import Refused, RtkitError
 from rtkit.property.functional import FunctionalProperty
 from rtkit.property.messages import Answer, PropertyEvent
+from rtkit.property.property_spec import PropertySpec
 from rtkit.property.service import Service
-from rtkit.property.spec import PropertySpec
 from rtkit.property.types import parse_type
 from rtkit.proxy.bridge import bridge
 from rtkit.proxy.relay import Relay

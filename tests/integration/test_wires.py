@@ -22,7 +22,7 @@ from rtkit.link import secret
 from rtkit.property.codes import PropertyError
 from rtkit.property.service import Service
 from rtkit.proxy.bridge import bridge
-from rtkit.tree.properties import PropertyConnections
+from rtkit.tree.property_connections import PropertyConnections
 from rtkit.wires.line.client import connect_unix
 from rtkit.wires.property_client import failure
 from rtkit.wires.serve import ServedObject, serve

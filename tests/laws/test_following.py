@@ -65,10 +65,10 @@ class Dying:
     def pause(self, duration_s: float = 0.0) -> None:
         raise Ended  # nothing is left to be done
 
-    def take_lease(self, waits: Callable[[str], object]) -> None:
+    def take_lock(self, waits: Callable[[str], object]) -> None:
         self._count()
 
-    def give_lease(self) -> None:
+    def give_lock(self) -> None:
         pass
 
 

@@ -15,8 +15,8 @@ from typing import Protocol
 
 from rtkit.property.functional import FunctionalProperty
 from rtkit.property.messages import Answer, Payload, PropertyEvent
+from rtkit.property.property_spec import PropertySpec, RequestParameter
 from rtkit.property.service import Service
-from rtkit.property.spec import PropertySpec, RequestParameter
 from rtkit.property.types import Content, parse_type
 from rtkit.property.values import Element, Value, Word
 

@@ -15,7 +15,7 @@ from fake_shell import FakeCall, FakeShell
 
 from rtkit.deployment.actions import Action, Result
 from rtkit.deployment.facts import ComponentFacts, Followed, ProcessFacts, Snapshot
-from rtkit.deployment.lease import Immortal, Lease
+from rtkit.deployment.plan_lock import Immortal, PlanLock
 from rtkit.errors import RtkitError
 from rtkit.manager.core import events as ev
 from rtkit.manager.core.events import OWN_PROCESS
@@ -55,7 +55,7 @@ class FakeManager:
         performed: Every action performed, in order.
         changed: Called after facts of a component changed.
         publish: Receives what is published.
-        lease: Who carries a plan out.
+        plan_lock: Who carries a plan out.
         shell: The core, and what it wants done.
     """
 
@@ -78,7 +78,7 @@ class FakeManager:
         self.performed: list[Action] = []
         self.changed: Callable[[], object] = _nothing
         self.publish: Callable[[ev.Publish], object] = _nothing
-        self.lease = Lease(lambda _pid: Immortal())
+        self.plan_lock = PlanLock(lambda _pid: Immortal())
         self._pids = itertools.count(1001)
         self.shell: FakeShell = _Shell(self)
         self.properties["manager.instance_name"] = manager

@@ -70,7 +70,7 @@ class _Server:
             request.answer(Reply(world.loadable))
         else:
             queries = ManagerQueryServer(world.shell.state, world.shell.requests)
-            queries.lease = world.lease
+            queries.plan_lock = world.plan_lock
             event = queries.take(request._replace(until=math.inf))  # by a clock of its own
             if isinstance(event, ev.BatchRequested):
                 results = world.batch(event.batch.actions, event.batch.is_ordered)

@@ -23,7 +23,7 @@ from rtkit.link import keys, places
 from rtkit.link.zenoh import open_client, unix_endpoint
 from rtkit.property.messages import PropertyEvent
 from rtkit.proxy.bridge import bridge
-from rtkit.tree.properties import OfService
+from rtkit.tree.property_connections import OfService
 from rtkit.wires.property_client import PropertyClient
 from rtkit.wires.serve import ServedObject
 from rtkit.wires.table import PORT, WIRES, wire_of

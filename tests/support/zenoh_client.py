@@ -22,7 +22,7 @@ from rtkit.link.deadline import deadline_to_bytes
 from rtkit.property.codes import PropertyError
 from rtkit.property.messages import Answer, Mark, Payload, PropertyEvent
 from rtkit.property.subscription import LEASE_S
-from rtkit.wires.zenoh.properties import (
+from rtkit.wires.zenoh.queries import (
     EventPosition,
     EventProgress,
     Joined,

@@ -12,7 +12,7 @@ from xml.sax.saxutils import escape
 
 from rtkit.resources import resource
 from rtkit.tree.client import Tree
-from rtkit.tree.lease import Leases
+from rtkit.tree.plan_locks import PlanLocks
 
 FILE = resource("profiles", "systems", "sensor-controller-motor.xml")
 SYSTEM = "RTSystem:rtkit:sensor-controller-motor:1.0"
@@ -98,8 +98,8 @@ def test_it_goes_on_when_the_shell_dies_and_when_the_manager_does(manager: Any, 
     done(shell, f"rtstate --goto explore {file}")
     assert event(watch) == "explore (degraded -by others-> explore)"
     # What was due when it died is made by the next one.
-    with Leases("rtapply other.xml", 0.0, lambda _: None) as leases:
-        leases.take(tree)
+    with PlanLocks("rtapply other.xml", 0.0, lambda _: None) as locks:
+        locks.take(tree)
         done(shell, "rtconf /localhost/Controller0.rtc set max_speed 9")
         assert event(watch).startswith("WAITS ")
         os.kill(pid(shell), signal.SIGKILL)
@@ -159,8 +159,8 @@ def test_it_waits_for_commands_that_carry_plans_out(manager: Any, tree: Tree) ->
     follower = shell.open(f"rtstate --follow {file}")
     assert line(follower) == "explore (is so)"
     watch = watching(shell)
-    with Leases("rtapply other.xml", 0.0, lambda _: None) as leases:
-        leases.take(tree)
+    with PlanLocks("rtapply other.xml", 0.0, lambda _: None) as locks:
+        locks.take(tree)
         os.kill(pid(shell, "motor"), signal.SIGKILL)
         assert event(watch).startswith("WAITS (rtapply other.xml (")
         assert followed(shell, file)["waits_for"].startswith("rtapply other.xml (")
@@ -170,8 +170,8 @@ def test_it_waits_for_commands_that_carry_plans_out(manager: Any, tree: Tree) ->
     done(shell, f"rtstate --goto explore {file}")
     assert event(watch).startswith("explore ")
     # A manager that waits so ends all the same when it is to.
-    with Leases("rtapply other.xml", 0.0, lambda _: None) as leases:
-        leases.take(tree)
+    with PlanLocks("rtapply other.xml", 0.0, lambda _: None) as locks:
+        locks.take(tree)
         os.kill(pid(shell, "motor"), signal.SIGKILL)
         assert event(watch).startswith("WAITS ")
         done(shell, "rtmgr stop")

@@ -7,7 +7,7 @@ from typing import Any
 
 from rtkit.deployment.extension import FOLLOW
 from rtkit.manager.core import operations
-from rtkit.tree import live
+from rtkit.tree import live_properties as live
 
 IN0 = "/localhost/In0.rtc"
 MANAGER = "/localhost/manager.mgr"

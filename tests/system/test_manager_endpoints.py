@@ -16,7 +16,7 @@ from typing import Any
 import pytest
 from waiting import until
 
-from rtkit.link import ports, tcp_endpoint
+from rtkit.link import port_holders, tcp_endpoint
 
 SECRET = "door.secret"
 STRANGER = """
@@ -235,18 +235,18 @@ def test_who_listens_is_found() -> None:
     with socket.socket() as listener:
         listener.bind(("127.0.0.1", 0))
         port = listener.getsockname()[1]
-        assert ports.port_holder(port) is None
+        assert port_holders.port_holder(port) is None
         listener.listen()
-        found = ports.port_holder(port)
+        found = port_holders.port_holder(port)
         assert found is not None
         assert (found.uid, found.pid) == (os.getuid(), os.getpid())
         assert str(found).endswith(f"(pid {os.getpid()})")
         assert not tcp_endpoint.is_free(port)
-    assert ports.port_holder(port) is None
+    assert port_holders.port_holder(port) is None
     assert tcp_endpoint.is_free(port)
     name = pwd.getpwuid(0).pw_name
-    assert str(ports.PortHolder(0)) == f"a process of user {name}"
-    assert str(ports.PortHolder(4_000_000_000)) == "a process of user 4000000000"
+    assert str(port_holders.PortHolder(0)) == f"a process of user {name}"
+    assert str(port_holders.PortHolder(4_000_000_000)) == "a process of user 4000000000"
 
 
 # several managers
@@ -415,7 +415,7 @@ def test_the_port_of_a_killed_manager_is_had_by_the_next_one(shell: Any) -> None
 
 def endpoint_of(port: int) -> int:
     """Return the process that listens on a port, 0 for none."""
-    holder = ports.listener(port)
+    holder = port_holders.listener(port)
     return 0 if holder is None else holder.pid
 
 

@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 
 import rtkit
-from rtkit.link.base import Link
+from rtkit.link.transport import Link
 from rtkit.property.exchange import Reply
 
 

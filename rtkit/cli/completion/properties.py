@@ -36,7 +36,7 @@ def targets(typed: str, live: CompletionSource) -> list[Candidate]:
 
 def values(target: str, typed: str, timeout_s: float) -> list[Candidate]:
     """Return known candidates for the value of a property: its present one, and others."""
-    from rtkit.tree.properties import PropertyConnections
+    from rtkit.tree.property_connections import PropertyConnections
 
     places = PropertyConnections(working_directory(), "", timeout_s)
     try:
@@ -108,7 +108,7 @@ def _of_host(typed: str) -> Iterable[Candidate]:
     front = f"{LOCAL}."
     if not typed.startswith(front):
         return ()
-    from rtkit.tree.live import ThisHost
+    from rtkit.tree.live_properties import ThisHost
 
     return _steps(front, ThisHost((), ()).names, typed[len(front) :])
 

@@ -16,7 +16,7 @@ from rtkit.errors import Malformed
 
 if TYPE_CHECKING:
     from rtkit.property.messages import Payload
-    from rtkit.tree.properties import PropertyConnections
+    from rtkit.tree.property_connections import PropertyConnections
 
 PARAMETERS = several("-p --parameter KEY=VALUE", "A parameter of the request (repeatable).")
 AT = option(
@@ -32,7 +32,7 @@ def connected(app: App, at: str | None) -> Iterator[PropertyConnections]:
     Raises:
         UsageError: ``--at`` is no address.
     """
-    from rtkit.tree.properties import PropertyConnections
+    from rtkit.tree.property_connections import PropertyConnections
 
     if at is not None:
         from rtkit.wires.table import endpoint_side_of

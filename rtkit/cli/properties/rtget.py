@@ -57,7 +57,7 @@ def main(
     if is_raw and is_json:
         raise click.UsageError("--raw and --json exclude each other")
     with connected(app, at) as places:
-        from rtkit.tree.properties import asked
+        from rtkit.tree.property_connections import asked
 
         more = joined(parameters)
 

@@ -96,7 +96,7 @@ def main(
         for typed, event in _events(heard, until):
             if event.code:
                 from rtkit.property.codes import PropertyError
-                from rtkit.tree.properties import printed_error
+                from rtkit.tree.property_connections import printed_error
 
                 raise printed_error(typed, PropertyError(event.code, "it has been removed"))
             if is_raw:

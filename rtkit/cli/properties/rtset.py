@@ -72,7 +72,7 @@ def main(
     if revision is not None:
         more.append(f"if={revision}")
     with connected(app, at) as places:
-        from rtkit.tree.properties import asked, bound_of
+        from rtkit.tree.property_connections import asked, bound_of
 
         place, end = places.find(given[0])
         more += bound_of(end, place.parameters, more, app.timeout_s)

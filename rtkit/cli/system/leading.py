@@ -15,7 +15,7 @@ from rtkit.tree.grace import uninterrupted
 
 
 def leader(app: App, states: States, say: Callable[[str], None], *, rolls_back: bool) -> Leader:
-    """Return the leader of a system; the command must hold its managers' leases.
+    """Return the leader of a system; the command must hold its managers' locks.
 
     Args:
         app: The command.

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from rtkit.deployment.planning.model_builder import BuiltModel
     from rtkit.deployment.planning.plan import DeploymentPlan
     from rtkit.deployment.system import WantedSystem
-    from rtkit.tree.lease import Leases
+    from rtkit.tree.plan_locks import PlanLocks
 
 ANY = "Any"
 STATES = ("Active", "Inactive", ANY)
@@ -125,7 +125,7 @@ def prepare(
     *,
     is_dry: bool,
     parallel: int = 0,
-    lease: Leases | None = None,
+    lock: PlanLocks | None = None,
     make: Make | None = None,
 ) -> Prepared:
     """Look at what lives, and plan, or `make` the plan otherwise.
@@ -136,7 +136,7 @@ def prepare(
     from rtkit.rtc.enums import LifeCycleState
 
     _, goal, snapshot = begin(
-        app, document, mapped, aim.way, is_dry=is_dry, parallel=parallel, starts=True, lease=lease
+        app, document, mapped, aim.way, is_dry=is_dry, parallel=parallel, starts=True, lock=lock
     )
     wished = None if aim.state == ANY else LifeCycleState(aim.state)
     goal = replace(goal, state=wished, prunes=aim.prunes)
@@ -161,11 +161,11 @@ def begin(
     is_dry: bool,
     parallel: int = 0,
     starts: bool = False,
-    lease: Leases | None = None,
+    lock: PlanLocks | None = None,
 ) -> DeploymentInputs:
     """Look at what lives; the goal is that all of the profile is active.
 
-    Managers that do not run are an error, unless the plan `starts` them. A `lease` keeps others
+    Managers that do not run are an error, unless the plan `starts` them. A `lock` keeps others
     off from before the look.
 
     Raises:
@@ -176,7 +176,7 @@ def begin(
     from rtkit.cli.system.preflight import check_reserved, look_ahead
     from rtkit.deployment.goal import DeploymentGoal
 
-    snapshot = shared.look(app, document.profile, dry_run=is_dry, starts=starts, lease=lease)
+    snapshot = shared.look(app, document.profile, dry_run=is_dry, starts=starts, lock=lock)
     system = shared.wanted_system(
         app,
         document,

@@ -62,17 +62,17 @@ def main(
 
     source, data = read_data(asked.files)
     is_saved = is_saved_plan(data)
-    lease = None if dry_run else shared.leases(app, asked.files, wait_s)
+    lock = None if dry_run else shared.locks(app, asked.files, wait_s)
     if is_saved:
         from rtkit.cli.system import saving
 
         prepared = saving.prepare(
-            app, data, source, is_dry=dry_run, parallel=parallel or 0, lease=lease
+            app, data, source, is_dry=dry_run, parallel=parallel or 0, lock=lock
         )
     else:
         document = parse_document(app, source, data)
         prepared = planning.prepare(
-            app, document, asked.mapped, aim, is_dry=dry_run, parallel=parallel or 0, lease=lease
+            app, document, asked.mapped, aim, is_dry=dry_run, parallel=parallel or 0, lock=lock
         )
     document, goal, snapshot, plan, survey = prepared
     is_followed = not dry_run and following.is_wanted(document)

@@ -63,8 +63,8 @@ def main(
         with document.naming():
             check_paths(document.profile)
     is_followed = not dry_run and following.is_wanted(document)
-    lease = None if dry_run else shared.leases(app, asked.files, wait_s)
-    found = shared.look(app, document.profile, dry_run=dry_run, starts=not no_create, lease=lease)
+    lock = None if dry_run else shared.locks(app, asked.files, wait_s)
+    found = shared.look(app, document.profile, dry_run=dry_run, starts=not no_create, lock=lock)
     with shared.managers_started(app, found, dry_run=dry_run) as before:
         system = shared.wanted_system(
             app,

@@ -94,7 +94,7 @@ def main(
         way,
         is_dry=dry_run,
         starts=is_led,
-        lease=shared.leases(app, asked.files, wait_s) if is_led and not dry_run else None,
+        lock=shared.locks(app, asked.files, wait_s) if is_led and not dry_run else None,
     )
     states, snapshot = states_of(begun), begun.snapshot
     if follow:

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from rtkit.deployment.planning.plan import DeploymentPlan
     from rtkit.deployment.planning.saved import SavedPlan
     from rtkit.deployment.system import WantedSystem
-    from rtkit.tree.lease import Leases
+    from rtkit.tree.plan_locks import PlanLocks
 
 _MOST_PROFILE = 1 << 26
 
@@ -60,7 +60,7 @@ def save(
 
 
 def prepare(
-    app: App, data: bytes, source: str, *, is_dry: bool, parallel: int, lease: Leases | None
+    app: App, data: bytes, source: str, *, is_dry: bool, parallel: int, lock: PlanLocks | None
 ) -> planning.Prepared:
     """Return a saved plan, ready to be carried out.
 
@@ -80,7 +80,7 @@ def prepare(
         mapped, aim = planning.read_options(origin.options)
         make = partial(_fitting, app, saved, source)
         return planning.prepare(
-            app, document, mapped, aim, is_dry=is_dry, parallel=parallel, lease=lease, make=make
+            app, document, mapped, aim, is_dry=is_dry, parallel=parallel, lock=lock, make=make
         )
     except TypeError as error:
         raise InvalidDocument(f"{source}: the saved plan cannot be read: {error}") from error

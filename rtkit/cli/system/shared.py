@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from rtkit.deployment.system import KnownType, WantedSystem
     from rtkit.profile.rts_model import RtsProfile
     from rtkit.rtc.profiles import ConnectorProfile
-    from rtkit.tree.lease import Leases
+    from rtkit.tree.plan_locks import PlanLocks
 
 MOST_WAIT_S = 86_400.0
 
@@ -187,12 +187,12 @@ def look(
     dry_run: bool,
     may_lack: bool = False,
     starts: bool = False,
-    lease: Leases | None = None,
+    lock: PlanLocks | None = None,
 ) -> Snapshot:
     """Return a snapshot of a profile's managers; a dry run reports missing ones and goes on.
 
     With `may_lack` some of several managers may be missing, but not all; where one is missing
-    that `starts` can be started, it holds nothing. A `lease` is taken before it is looked, and
+    that `starts` can be started, it holds nothing. A `lock` is taken before it is looked, and
     given back when the command ends.
 
     Raises:
@@ -209,12 +209,12 @@ def look(
             if empty is not None:
                 return empty
     try:
-        take(app, lease)
+        take(app, lock)
         return snapshot(app)
     except Unreachable as error:
         if starts and app.finds_managers and gathering.can_be_started(gathering.usual_manager()):
             app.ask(gathering.unstarted(app))
-            take(app, lease)
+            take(app, lock)
             return snapshot(app)
         if not dry_run:
             raise
@@ -222,20 +222,20 @@ def look(
         return nothing()
 
 
-def leases(app: App, files: tuple[str, ...], wait_s: float) -> Leases:
-    """Return the leases that keep others off until the command ends."""
-    from rtkit.tree.lease import Leases
+def locks(app: App, files: tuple[str, ...], wait_s: float) -> PlanLocks:
+    """Return the locks that keep others off until the command ends."""
+    from rtkit.tree.plan_locks import PlanLocks
 
-    made = Leases(" ".join([app.name, *files]), wait_s, app.say if wait_s else app.tell)
+    made = PlanLocks(" ".join([app.name, *files]), wait_s, app.say if wait_s else app.tell)
     click.get_current_context().call_on_close(made.close)
     return made
 
 
-def take(app: App, lease: Leases | None) -> None:
-    """Take the leases of all managers that run, and of those that are started later."""
-    if lease is not None:
-        lease.take(*app.tree.trees.values())
-        app.tree.on_start = lease.take
+def take(app: App, lock: PlanLocks | None) -> None:
+    """Take the locks of all managers that run, and of those that are started later."""
+    if lock is not None:
+        lock.take(*app.tree.trees.values())
+        app.tree.on_start = lock.take
 
 
 @contextmanager

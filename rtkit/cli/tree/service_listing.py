@@ -12,7 +12,7 @@ from rtkit.cli.shared.app import App, working_directory
 
 if TYPE_CHECKING:
     from rtkit.property.values import Element, Value
-    from rtkit.tree.properties import PropertyTarget
+    from rtkit.tree.property_connections import PropertyTarget
     from rtkit.wires.property_client import PropertyClient
 
 _HEAD = ("type", "access", "unit", "quality")
@@ -28,7 +28,7 @@ def service_at(typed: str) -> PropertyTarget | None:
     known = services()
     if not known:
         return None
-    from rtkit.tree.properties import parse
+    from rtkit.tree.property_connections import parse
 
     place = parse(typed, working_directory(), known, os.uname().nodename)
     return place if place.service else None
@@ -69,7 +69,7 @@ class ServiceListing:
             PropertyError: As the service answers.
         """
         from rtkit.cli.properties.asking import connected, shown
-        from rtkit.tree.properties import asked
+        from rtkit.tree.property_connections import asked
 
         typed = self.place.typed
         base = f"{self.place.name}.properties" if self.place.name else "properties"

@@ -19,13 +19,13 @@ from rtkit.deployment.actions import Action, Result
 from rtkit.deployment.batch import Batch, batch_to_text, results_from_text
 from rtkit.deployment.delta import TREE
 from rtkit.deployment.facts import Followed, Snapshot
-from rtkit.deployment.lease import LeaseHolder, holder_from_text
 from rtkit.deployment.metrics import METRICS
 from rtkit.deployment.multi_manager import sent
+from rtkit.deployment.plan_lock import LockHolder, holder_from_text
 from rtkit.deployment.states.spec import spec_from_text
 from rtkit.errors import Refused, RtkitError
 from rtkit.fast_dataclass import replace
-from rtkit.link.ports import user_name
+from rtkit.link.port_holders import user_name
 from rtkit.property.exchange import Reply, Request
 from rtkit.rtc.serde import decode, encode
 
@@ -164,7 +164,7 @@ class FollowingWorker(Thread):
         from rtkit.deployment.applying import Applier
 
         goal = self._states.goal(passage.state)
-        self._site.take_lease(lambda whom: self._tell(waits=whom))
+        self._site.take_lock(lambda whom: self._tell(waits=whom))
         try:
             before, event, state = passage
             now = time.time()
@@ -173,7 +173,7 @@ class FollowingWorker(Thread):
             applier = Applier(self._site, goal, _log.warning, _log.info)
             applier.run(goal.plan(snapshot), snapshot, rolls_back=self._rolls_back)
         finally:
-            self._site.give_lease()
+            self._site.give_lock()
 
     def _failed(self, why: str) -> None:
         _log.warning("%s", why)
@@ -218,7 +218,7 @@ class OwnSite:
         Args:
             post: Hands a request to the loop.
             manager: Its name.
-            purpose: Purpose of the lease, as shown to others.
+            purpose: Purpose of the lock, as shown to others.
         """
         self._post = post
         self._manager = manager
@@ -226,7 +226,7 @@ class OwnSite:
         self._is_over = Event()
         host = os.uname().nodename
         user, pid = user_name(os.getuid()), os.getpid()
-        self._holder = LeaseHolder(uuid.uuid4().hex, purpose, user, host, pid)
+        self._holder = LockHolder(uuid.uuid4().hex, purpose, user, host, pid)
 
     @property
     def is_over(self) -> bool:
@@ -262,7 +262,7 @@ class OwnSite:
         """End the managers that were started: none."""
         return []
 
-    def holder(self) -> LeaseHolder | None:
+    def holder(self) -> LockHolder | None:
         """Return who carries a plan out; None for nobody."""
         return holder_from_text(self._ask("lease", is_extension=True))
 
@@ -271,7 +271,7 @@ class OwnSite:
         if self._is_over.wait(duration_s):
             raise Ended
 
-    def take_lease(self, waits: Callable[[str], object]) -> None:
+    def take_lock(self, waits: Callable[[str], object]) -> None:
         """Keep others from carrying plans out; `waits` receives whom it waits for."""
         told = ""
         while True:
@@ -285,7 +285,7 @@ class OwnSite:
                     waits(told)
             self.pause()
 
-    def give_lease(self) -> None:
+    def give_lock(self) -> None:
         """Keep nobody off any more; waits for nothing."""
         text = json.dumps({"give": self._holder.id})
         self._post(Request("lease", text, lambda _reply: None, is_extension=True))

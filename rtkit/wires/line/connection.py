@@ -17,7 +17,7 @@ from rtkit.link.deadline import split_deadline
 from rtkit.property.exchange import NOT_BEGUN
 from rtkit.property.line import LineRequest, Requests, write_answer, write_event
 from rtkit.property.messages import Answer, PropertyEvent
-from rtkit.property.order import InOrder
+from rtkit.property.reply_order import InOrder
 from rtkit.property.requests import PropertyRequest
 from rtkit.property.subscription import Listener
 from rtkit.serving.dedicated_worker import WorkerExit

@@ -18,7 +18,7 @@ from rtkit.wires.mqtt.address import MqttAddress
 from rtkit.wires.mqtt.feed import Feed
 from rtkit.wires.mqtt.session import DEADLINE, READY, STATE, Message, MqttSession, name_of, topic_of
 from rtkit.wires.query_server import QueryServer
-from rtkit.wires.zenoh.properties import EventPosition, Joined, Queried
+from rtkit.wires.zenoh.queries import EventPosition, Joined, Queried
 
 _MOST_ON_THE_WAY = 256
 """Messages that the broker has not taken, above which no event is sent."""

@@ -12,7 +12,7 @@ from rtkit.link.zenoh import open_listener, unix_endpoint
 from rtkit.serving.event_loop import PropertyEventLoop
 from rtkit.serving.provider import PropertyProvider
 from rtkit.wires.query_server import QueryServer
-from rtkit.wires.zenoh.properties import PropertyEndpoint
+from rtkit.wires.zenoh.queries import PropertyEndpoint
 
 _RETRY = '{"period_init_ms": 500, "period_max_ms": 5000, "period_increase_factor": 2}'
 

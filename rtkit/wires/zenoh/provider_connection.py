@@ -26,7 +26,7 @@ from rtkit.wires.provider_connection import (
     LoopInbox,
     with_id,
 )
-from rtkit.wires.zenoh.properties import (
+from rtkit.wires.zenoh.queries import (
     EventProgress,
     answer_of,
     event_of,

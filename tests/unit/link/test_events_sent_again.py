@@ -16,7 +16,7 @@ from rtkit.wires.mqtt.provider_connection import MqttConnection
 from rtkit.wires.provider_connection import LeasedSubscription
 from rtkit.wires.serial.address import SerialAddress
 from rtkit.wires.serial.client import SerialClient
-from rtkit.wires.zenoh.properties import EventPosition, Joined
+from rtkit.wires.zenoh.queries import EventPosition, Joined
 
 FIRST = PropertyEvent("speed", "1.5", 12.0, 3)
 OTHERS = (

@@ -13,14 +13,14 @@ from fake_manager import FakeManager
 from rtkit.deployment.actions import Action, Result
 from rtkit.deployment.delta import TREE
 from rtkit.deployment.facts import Followed, Snapshot
-from rtkit.deployment.lease import LeaseHolder
+from rtkit.deployment.plan_lock import LockHolder
 from rtkit.deployment.states.spec import spec_to_text
 from rtkit.deployment.states.states import States
 from rtkit.errors import Refused
 from rtkit.manager.following.worker import Ended, FollowingWorker
 
 WAIT_S = 10.0
-OTHER = LeaseHolder("1", "rtapply robot.xml", "me", "box", 1)
+OTHER = LockHolder("1", "rtapply robot.xml", "me", "box", 1)
 
 
 class Place:
@@ -30,10 +30,10 @@ class Place:
         self.world = world
         self.is_over = False
         self.ended = Event()
-        self.is_leased = False
+        self.is_locked = False
         self.others = Event()
         self.others.set()
-        self.leases = 0
+        self.locks = 0
 
     def end(self) -> None:
         self.is_over = True
@@ -49,7 +49,7 @@ class Place:
     def apply(self, actions: Sequence[Action], *, is_ordered: bool = True) -> tuple[Result, ...]:
         if self.is_over:
             raise Ended
-        assert self.is_leased
+        assert self.is_locked
         return tuple(self.world.batch(actions, is_ordered))
 
     def start(self, manager: str) -> None:
@@ -58,21 +58,21 @@ class Place:
     def end_started(self) -> list[str]:
         return []
 
-    def holder(self) -> LeaseHolder | None:
+    def holder(self) -> LockHolder | None:
         return None if self.others.is_set() else OTHER
 
     def pause(self, duration_s: float = 0.2) -> None:
         if self.ended.wait(min(duration_s, 0.01)):
             raise Ended
 
-    def take_lease(self, waits: Callable[[str], object]) -> None:
+    def take_lock(self, waits: Callable[[str], object]) -> None:
         if self.is_over:
             raise Ended
-        self.is_leased = True
-        self.leases += 1
+        self.is_locked = True
+        self.locks += 1
 
-    def give_lease(self) -> None:
-        self.is_leased = False
+    def give_lock(self) -> None:
+        self.is_locked = False
 
 
 class Manager:
@@ -138,8 +138,8 @@ def test_it_leads_a_system_to_its_first_state_and_on_by_events(manager: Manager)
     manager.world.kill("Motor")
     assert manager.came() == "explore -motor_lost-> degraded"
     assert manager.worker.told.count == 3
-    assert manager.place.leases == 1
-    assert not manager.place.is_leased
+    assert manager.place.locks == 1
+    assert not manager.place.is_locked
     manager.end()
 
 
@@ -212,7 +212,7 @@ def test_a_transition_that_fails_ends_it_or_leads_on() -> None:
     assert (told.kind, told.state, told.is_led) == ("refused", "degraded", False)
     manager.worker.join(WAIT_S)
     assert not manager.worker.is_alive()
-    assert not manager.place.is_leased
+    assert not manager.place.is_locked
 
     manager = Manager(statekit.robot(**statekit.FAILING))
     _lead(manager, "explore")

@@ -1,4 +1,4 @@
-"""The manager as a site of its own plans: asked over its desk, kept to itself by its lease."""
+"""The manager as a site of its own plans: asked over its desk, kept to itself by its lock."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from fake_shell import FakeShell
 
 from rtkit.deployment.actions import Delete
 from rtkit.deployment.batch import results_to_text
-from rtkit.deployment.lease import Immortal, Lease
+from rtkit.deployment.plan_lock import Immortal, PlanLock
 from rtkit.errors import Refused
 from rtkit.manager.core.events import BatchRequested
 from rtkit.manager.core.requests import PendingRequests
@@ -28,7 +28,7 @@ class Manager:
     def __init__(self) -> None:
         self.requests = PendingRequests()
         self.query_server = ManagerQueryServer(FakeShell().state, self.requests)
-        self.query_server.lease = Lease(lambda _pid: Immortal())
+        self.query_server.plan_lock = PlanLock(lambda _pid: Immortal())
         self.batches: Queue[BatchRequested] = Queue()
         self.site = self.another("the manager itself, which follows S")
 
@@ -75,25 +75,25 @@ def test_it_is_looked_at_and_acted_on_like_any_manager() -> None:
 
 def test_one_at_a_time_carries_plans_out_and_others_are_told_who() -> None:
     manager = Manager()
-    manager.site.take_lease(lambda _: None)
+    manager.site.take_lock(lambda _: None)
     waits: Queue[str] = Queue()
     other = manager.another("rtapply")
-    thread, _ = aside(lambda: other.take_lease(waits.put))
+    thread, _ = aside(lambda: other.take_lock(waits.put))
     told = waits.get(timeout=WAIT_S)
     assert told.startswith("the manager itself, which follows S (")
-    manager.site.give_lease()
+    manager.site.give_lock()
     thread.join(WAIT_S)
     assert not thread.is_alive()
-    assert str(manager.query_server.lease.holder).startswith("rtapply (")
+    assert str(manager.query_server.plan_lock.holder).startswith("rtapply (")
     assert waits.empty()
 
 
 def test_whatever_it_waits_for_it_ends_when_told_to() -> None:
     manager = Manager()
     other = manager.another("rtapply")
-    other.take_lease(lambda _: None)
+    other.take_lock(lambda _: None)
     waits: Queue[str] = Queue()
-    _, found = aside(lambda: manager.site.take_lease(waits.put))
+    _, found = aside(lambda: manager.site.take_lock(waits.put))
     waits.get(timeout=WAIT_S)
     manager.site.end()
     assert isinstance(found.get(timeout=WAIT_S), Ended)
@@ -104,5 +104,5 @@ def test_whatever_it_waits_for_it_ends_when_told_to() -> None:
     assert isinstance(found.get(timeout=WAIT_S), Ended)
     with pytest.raises(Ended):
         manager.site.snapshot()
-    manager.site.give_lease()
-    assert manager.query_server.lease.holder is None
+    manager.site.give_lock()
+    assert manager.query_server.plan_lock.holder is None

@@ -17,7 +17,7 @@ from rtkit.property.line import (
     write_request,
 )
 from rtkit.property.messages import Answer, PropertyEvent
-from rtkit.property.order import InOrder
+from rtkit.property.reply_order import InOrder
 
 
 def asked(data: bytes, longest: int = 1000, piece: int = 1 << 20) -> list[LineRequest]:

@@ -7,9 +7,9 @@ import pytest
 from rtkit.property.codes import CODES, PropertyError, code_of
 from rtkit.property.functional import FunctionalProperty
 from rtkit.property.messages import Answer
+from rtkit.property.property_spec import PropertySpec, RequestParameter
 from rtkit.property.requests import PropertyRequest, Requester
 from rtkit.property.service import Service
-from rtkit.property.spec import PropertySpec, RequestParameter
 from rtkit.property.types import parse_type
 
 

@@ -16,7 +16,7 @@ from rtkit.property.service import Service
 from rtkit.serving.event_loop import PropertyEventLoop
 from rtkit.wires import subscribers as of_service
 from rtkit.wires.query_server import QueryServer
-from rtkit.wires.zenoh.properties import EventPosition, Joined, Queried, group_of
+from rtkit.wires.zenoh.queries import EventPosition, Joined, Queried, group_of
 
 
 class Sent(NamedTuple):

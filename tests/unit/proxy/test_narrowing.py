@@ -7,9 +7,9 @@ import re
 import pytest
 
 from rtkit.property.messages import Answer
+from rtkit.property.property_spec import PropertySpec
 from rtkit.property.requests import PropertyRequest
 from rtkit.property.service import Service
-from rtkit.property.spec import PropertySpec
 from rtkit.property.types import parse_type
 from rtkit.proxy.narrowing import narrowed, tells_access
 

@@ -23,7 +23,7 @@ from rtkit.property.messages import Answer
 from rtkit.property.service import Service
 from rtkit.serving.event_loop import PropertyEventLoop
 from rtkit.wires.query_server import QueryServer
-from rtkit.wires.zenoh.properties import Joined, Queried
+from rtkit.wires.zenoh.queries import Joined, Queried
 
 
 @pytest.fixture

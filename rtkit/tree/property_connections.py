@@ -17,7 +17,7 @@ from rtkit.property.naming import EXTENSIONS
 from rtkit.rtc.names import LOCAL, is_local_host
 
 if TYPE_CHECKING:
-    from rtkit.tree.live import ThisHost
+    from rtkit.tree.live_properties import ThisHost
     from rtkit.wires.property_client import PropertyClient
     from rtkit.wires.wire import ClientSide
 
@@ -203,7 +203,7 @@ class PropertyConnections:
     @cached_property
     def _host(self) -> ThisHost:
         from rtkit.link.running import managers
-        from rtkit.tree.live import ThisHost
+        from rtkit.tree.live_properties import ThisHost
 
         return ThisHost(self._services, managers())
 

@@ -6,7 +6,7 @@ import pytest
 
 from rtkit.property.codes import PropertyError
 from rtkit.property.values import Value
-from rtkit.proxy.names import Allowed, Names
+from rtkit.proxy.prefix import Allowed, Names
 
 
 @pytest.mark.parametrize(

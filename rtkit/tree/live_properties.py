@@ -22,9 +22,9 @@ from rtkit.deployment.shown_ports import OwnEnds
 from rtkit.errors import NotFound, Unreachable
 from rtkit.property.functional import FunctionalProperty
 from rtkit.property.messages import Answer, Payload, PropertyEvent
+from rtkit.property.property_spec import PropertySpec, RequestParameter
 from rtkit.property.requests import ListeningRequester, PropertyRequest
 from rtkit.property.service import Service
-from rtkit.property.spec import PropertySpec, RequestParameter
 from rtkit.property.types import Content, parse_type
 from rtkit.property.values import Value, Word
 from rtkit.tree.client import Tree

@@ -1,4 +1,4 @@
-"""Leases of several managers: all or none, waited for, given back."""
+"""PlanLocks of several managers: all or none, waited for, given back."""
 
 import os
 import threading
@@ -8,12 +8,12 @@ import pytest
 from fake_manager import FakeManager
 from fake_tree import fake_tree
 
-from rtkit.deployment.lease import Lease, LeaseHolder, holder_from_text
+from rtkit.deployment.plan_lock import LockHolder, PlanLock, holder_from_text
 from rtkit.errors import NotFound, Refused
 from rtkit.link.processes import ProcessWatch
 from rtkit.rtc.serde import encode
-from rtkit.tree import lease
-from rtkit.tree.lease import Leases
+from rtkit.tree import plan_locks
+from rtkit.tree.plan_locks import PlanLocks
 
 
 @pytest.fixture
@@ -22,14 +22,17 @@ def trees():
 
 
 def command_at(tree):
-    holder = holder_from_text(tree.lease())
+    holder = holder_from_text(tree.plan_lock())
     return holder.command if holder is not None else ""
 
 
 def test_all_are_taken_or_none(trees):
     a, b = trees
     told = []
-    with Leases("rtapply x", 0, told.append) as mine, Leases("rtstate y", 0, told.append) as other:
+    with (
+        PlanLocks("rtapply x", 0, told.append) as mine,
+        PlanLocks("rtstate y", 0, told.append) as other,
+    ):
         other.take(b)
         with pytest.raises(Refused, match=r"manager 'b' is in use by rtstate y \(.*--wait SECO"):
             mine.take(a, b)
@@ -43,7 +46,7 @@ def test_all_are_taken_or_none(trees):
 
 def test_it_is_waited_for(trees):
     told = []
-    other = Leases("rtstate y", 0, told.append)
+    other = PlanLocks("rtstate y", 0, told.append)
     other.take(trees[1])
     let_go = threading.Event()
 
@@ -57,7 +60,7 @@ def test_it_is_waited_for(trees):
 
     thread = threading.Thread(target=end)
     thread.start()
-    with Leases("rtapply x", 10, tell) as mine:
+    with PlanLocks("rtapply x", 10, tell) as mine:
         mine.take(*trees)
         assert command_at(trees[1]) == "rtapply x"
     thread.join()
@@ -68,9 +71,9 @@ def test_it_is_waited_for(trees):
 def test_the_end_of_the_process_that_has_it_is_awaited(monkeypatch):
     """And not found out by asking again after some time."""
     world = FakeManager(manager="a")
-    world.lease = Lease(ProcessWatch)
+    world.plan_lock = PlanLock(ProcessWatch)
     tree = fake_tree(world)
-    monkeypatch.setattr(lease, "_ASK_AGAIN_S", 60.0)
+    monkeypatch.setattr(plan_locks, "_ASK_AGAIN_S", 60.0)
     read, write = os.pipe()
     pid = os.fork()
     if not pid:
@@ -78,10 +81,10 @@ def test_the_end_of_the_process_that_has_it_is_awaited(monkeypatch):
         os.read(read, 1)
         os._exit(0)
     os.close(read)
-    holder = LeaseHolder("id", "rtapply far.xml", "somebody", os.uname().nodename, pid)
-    tree.lease({"take": encode(holder)})
+    holder = LockHolder("id", "rtapply far.xml", "somebody", os.uname().nodename, pid)
+    tree.plan_lock({"take": encode(holder)})
     began = time.monotonic()
-    with Leases("rtapply x", 50, lambda _: os.close(write)) as mine:
+    with PlanLocks("rtapply x", 50, lambda _: os.close(write)) as mine:
         mine.take(tree)
         assert command_at(tree) == "rtapply x"
     assert time.monotonic() - began < 30
@@ -90,14 +93,14 @@ def test_the_end_of_the_process_that_has_it_is_awaited(monkeypatch):
 
 def test_a_manager_that_has_none_is_gone_without(trees):
     def asked(_request=None):
-        raise NotFound("no such view: lease")
+        raise NotFound("no such view: lock")
 
-    trees[0].lease = asked
+    trees[0].plan_lock = asked
     told = []
-    with Leases("rtapply x", 0, told.append) as mine:
+    with PlanLocks("rtapply x", 0, told.append) as mine:
         mine.take(*trees)
         assert command_at(trees[1]) == "rtapply x"
-    assert told == ["manager 'a' keeps no others off meanwhile: no such view: lease"]
+    assert told == ["manager 'a' keeps no others off meanwhile: no such view: lock"]
 
 
 def test_a_process_is_watched_to_its_end():

@@ -1,4 +1,4 @@
-"""The lease of a manager: one command at a time carries a plan out, while its process lives.
+"""The lock of a manager: one command at a time carries a plan out, while its process lives.
 
 See decision 40.
 """
@@ -16,7 +16,7 @@ from rtkit.rtc.serde import decode, encode
 
 
 class HolderLife(Protocol):
-    """The watched process of a lease holder."""
+    """The watched process of a lock holder."""
 
     @property
     def is_over(self) -> bool:
@@ -29,7 +29,7 @@ class HolderLife(Protocol):
 
 
 class Immortal:
-    """A life without end: of one who gives the lease back himself, whatever comes."""
+    """A life without end: of one who gives the lock back himself, whatever comes."""
 
     is_over = False
 
@@ -38,11 +38,11 @@ class Immortal:
 
 
 @dataclass(frozen=True, slots=True)
-class LeaseHolder:
+class LockHolder:
     """A command that carries a plan out.
 
     Attributes:
-        id: Names the lease, so that nobody else gives it back.
+        id: Names the lock, so that nobody else gives it back.
         since: When it was taken [s since 1970].
     """
 
@@ -58,17 +58,17 @@ class LeaseHolder:
         return f"{self.command} ({self.user}, pid {self.pid} on {self.host}, since {began})"
 
 
-class Lease:
-    """The lease of one manager: it names its holder, and ends with the holder's process."""
+class PlanLock:
+    """The lock of one manager: it names its holder, and ends with the holder's process."""
 
     def __init__(self, watch: Callable[[int], HolderLife]) -> None:
         """Begin without holder; `watch` begins to watch a process by its id, or raises OSError."""
         self._watch = watch
-        self._holder: LeaseHolder | None = None
+        self._holder: LockHolder | None = None
         self._life: HolderLife | None = None
 
     @property
-    def holder(self) -> LeaseHolder | None:
+    def holder(self) -> LockHolder | None:
         """The present holder, if its process lives."""
         if self._life is not None and self._life.is_over:
             self._end()
@@ -85,17 +85,17 @@ class Lease:
             return json.dumps(encode(self.holder)) if self.holder is not None else ""
         try:
             asked: dict[str, Any] = json.loads(text)
-            wanted = decode(LeaseHolder, asked["take"]) if "take" in asked else None
+            wanted = decode(LockHolder, asked["take"]) if "take" in asked else None
             given = str(asked["give"]) if wanted is None else ""
         except (KeyError, TypeError, ValueError) as error:
-            raise Malformed(f"neither the wish for a lease nor its end: {error}") from error
+            raise Malformed(f"neither the wish for a lock nor its end: {error}") from error
         if wanted is not None:
             self._take(wanted)
         elif self._holder is not None and self._holder.id == given:
             self._end()
         return ""
 
-    def _take(self, wanted: LeaseHolder) -> None:
+    def _take(self, wanted: LockHolder) -> None:
         holder = self.holder
         if holder is not None:
             raise Refused(str(holder))
@@ -111,13 +111,13 @@ class Lease:
         self._holder = self._life = None
 
 
-def holder_from_text(text: str) -> LeaseHolder | None:
-    """Return who has a lease, from what its manager answers; None for nobody.
+def holder_from_text(text: str) -> LockHolder | None:
+    """Return who has a lock, from what its manager answers; None for nobody.
 
     Raises:
         Malformed: It cannot be read.
     """
     try:
-        return decode(LeaseHolder, json.loads(text)) if text else None
+        return decode(LockHolder, json.loads(text)) if text else None
     except (TypeError, ValueError) as error:
-        raise Malformed(f"who has the lease cannot be read: {error}") from error
+        raise Malformed(f"who has the lock cannot be read: {error}") from error

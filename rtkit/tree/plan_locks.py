@@ -1,4 +1,4 @@
-"""Takes the leases of the managers at which a plan is carried out, and gives them back."""
+"""Takes the locks of the managers at which a plan is carried out, and gives them back."""
 
 from __future__ import annotations
 
@@ -9,22 +9,22 @@ from collections.abc import Callable
 from contextlib import suppress
 
 from rtkit.closing import Closing
-from rtkit.deployment.lease import LeaseHolder, holder_from_text
+from rtkit.deployment.plan_lock import LockHolder, holder_from_text
 from rtkit.errors import Malformed, NotFound, Refused, RtkitError
-from rtkit.link.ports import user_name
+from rtkit.link.port_holders import user_name
 from rtkit.link.processes import ProcessWatch
 from rtkit.rtc.serde import encode
 from rtkit.tree.client import Tree
 
 _ASK_AGAIN_S = 0.2
-"""After how long is asked again, in case a lease was given back by who goes on living [s]."""
+"""After how long is asked again, in case a lock was given back by who goes on living [s]."""
 
 
-class Leases(Closing):
-    """The leases of this process; managers end them by themselves when it ends."""
+class PlanLocks(Closing):
+    """The locks of this process; managers end them by themselves when it ends."""
 
     def __init__(self, command: str, wait_s: float, tell: Callable[[str], object]) -> None:
-        """Prepare to take leases.
+        """Prepare to take locks.
 
         Args:
             command: What they are for, as others see it.
@@ -32,13 +32,13 @@ class Leases(Closing):
             tell: Receives for whom it waits, and who gives none.
         """
         pid, user = os.getpid(), user_name(os.getuid())
-        self._holder = LeaseHolder(uuid.uuid4().hex, command, user, os.uname().nodename, pid)
+        self._holder = LockHolder(uuid.uuid4().hex, command, user, os.uname().nodename, pid)
         self._wait_s = wait_s
         self._tell = tell
         self._taken: list[Tree] = []
 
     def take(self, *trees: Tree) -> None:
-        """Take the leases of managers, all or none.
+        """Take the locks of managers, all or none.
 
         Raises:
             Refused: Somebody has one, and had it all the time that there was to wait.
@@ -66,12 +66,12 @@ class Leases(Closing):
         self._give([*self._taken])
 
     def _try(self, trees: list[Tree]) -> tuple[Tree, str] | None:
-        """Take leases, all or none; return a manager whose lease somebody has, and who."""
+        """Take locks, all or none; return a manager whose lock somebody has, and who."""
         known = len(self._taken)
         for tree in trees:
             since = time.time()
             try:
-                tree.lease({"take": {**encode(self._holder), "since": since}})
+                tree.plan_lock({"take": {**encode(self._holder), "since": since}})
                 self._taken.append(tree)
             except Refused as error:
                 self._give(self._taken[known:])
@@ -85,8 +85,8 @@ class Leases(Closing):
 
     @staticmethod
     def _await(tree: Tree, timeout_s: float) -> None:
-        """Wait until the process ends that has the lease of a manager, but not for long."""
-        holder = holder_from_text(tree.lease())
+        """Wait until the process ends that has the lock of a manager, but not for long."""
+        holder = holder_from_text(tree.plan_lock())
         if holder is None:
             return  # it has just been given back
         if holder.host != os.uname().nodename:
@@ -105,4 +105,4 @@ class Leases(Closing):
         for tree in trees:
             self._taken.remove(tree)
             with suppress(RtkitError):
-                tree.lease({"give": self._holder.id})
+                tree.plan_lock({"give": self._holder.id})
