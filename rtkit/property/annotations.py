@@ -47,10 +47,7 @@ def hints_of(cls: type) -> dict[str, Any]:
     for base in reversed(cls.__mro__):
         init = vars(base).get("__init__")
         found |= _of_init(init) if isinstance(init, types.FunctionType) else {}
-    try:
-        return found | typing.get_type_hints(cls, include_extras=True)
-    except (NameError, TypeError, AttributeError):
-        return found
+    return found | hints_of_function(cls)
 
 
 @lru_cache(256)
@@ -83,20 +80,22 @@ def _evaluated(annotation: str, function: types.FunctionType) -> Any:
     return typing.get_type_hints(holder, function.__globals__, include_extras=True)["it"]
 
 
+def hints_of_function(function: object) -> dict[str, Any]:
+    """Return the annotations of a function; none where one names what cannot be found."""
+    try:
+        return typing.get_type_hints(function, include_extras=True)
+    except (NameError, TypeError, AttributeError):
+        return {}
+
+
 def returned(function: object) -> Any:
     """Return the annotation of what a function returns, None if it has none."""
-    try:
-        return typing.get_type_hints(function, include_extras=True).get("return")
-    except (NameError, TypeError, AttributeError):
-        return None
+    return hints_of_function(function).get("return")
 
 
 def taken(function: object) -> Any:
     """Return the annotation of the only argument of a function, None if it has none."""
-    try:
-        hints = typing.get_type_hints(function, include_extras=True)
-    except (NameError, TypeError, AttributeError):
-        return None
+    hints = hints_of_function(function)
     return next((hint for name, hint in hints.items() if name != "return"), None)
 
 

@@ -14,7 +14,7 @@ from types import MappingProxyType
 from typing import Any, NamedTuple
 
 from rtkit.guard import guarded
-from rtkit.property.annotations import bare, choices_of, spec_of, type_of
+from rtkit.property.annotations import bare, choices_of, hints_of_function, spec_of, type_of
 from rtkit.property.codes import PropertyError
 from rtkit.property.conversion import is_builtin, to_value
 from rtkit.property.fitting import from_value
@@ -317,16 +317,11 @@ def _parameters(
     method: Callable[..., object],
 ) -> tuple[tuple[RequestParameter, ...] | None, dict[str, Any]]:
     """Return the arguments of a method, None if they are unknown or of any number."""
-    import typing
-
     try:
         parameters = inspect.signature(method).parameters.values()
     except (ValueError, TypeError):
         return None, {}
-    try:
-        hints = typing.get_type_hints(method, include_extras=True)
-    except (NameError, TypeError, AttributeError):
-        hints = {}
+    hints = hints_of_function(method)
     if any(each.kind in (each.VAR_POSITIONAL, each.POSITIONAL_ONLY) for each in parameters):
         return None, {}
     named = [each for each in parameters if each.kind != each.VAR_KEYWORD]

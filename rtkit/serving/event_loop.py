@@ -5,7 +5,6 @@ Whoever touches a service holds the lock of the host; user code runs on workers,
 
 from __future__ import annotations
 
-import contextlib
 import select
 import socket
 import threading
@@ -16,6 +15,7 @@ from collections.abc import Callable
 from typing import Any, Protocol
 
 from rtkit.guard import GuardedResult, guarded
+from rtkit.link.wakeup import Wakeup
 from rtkit.property.access import AccessPolicy
 from rtkit.property.codes import PropertyError
 from rtkit.serving.dedicated_worker import DedicatedWorkers, WorkerExit
@@ -84,10 +84,8 @@ class PropertyEventLoop:
         self.user_code = Workers(self.lock, self.post)
         self._workers = DedicatedWorkers(self.lock)
         self._epoll = select.epoll()
-        self._wake, self._waker = socket.socketpair()
-        for end in (self._wake, self._waker):
-            end.setblocking(False)
-        self._epoll.register(self._wake, select.EPOLLIN)
+        self._wakeup = Wakeup()
+        self._epoll.register(self._wakeup, select.EPOLLIN)
         self._posted: deque[Callable[[], object]] = deque()
         self._dirty: set[IOHandler] = set()
         self._handlers: dict[int, IOHandler] = {}
@@ -146,8 +144,7 @@ class PropertyEventLoop:
         """Wake the loop to check for work; from any thread."""
         if not self._is_woken:
             self._is_woken = True
-            with contextlib.suppress(BlockingIOError, OSError):
-                self._waker.send(b"\0")
+            self._wakeup.ring()
 
     # Sockets
 
@@ -209,7 +206,7 @@ class PropertyEventLoop:
         """Serve until the host is closed."""
         wait_s: float | None = 0.0
         tidy_at = 0.0
-        own = self._wake.fileno()
+        own = self._wakeup.fileno()
         poll, handlers, lock = self._epoll.poll, self._handlers, self.lock
         while not self._is_ended.is_set():
             ready = poll(wait_s)
@@ -221,8 +218,7 @@ class PropertyEventLoop:
                         is_quiet = bool(handler.ready(mask)) and is_quiet
                     elif number == own:
                         is_quiet = False
-                        with contextlib.suppress(BlockingIOError):
-                            self._wake.recv(4096)
+                        self._wakeup.hush()
                         # Only now: an earlier wake-up is lost, but its work has been posted.
                         self._is_woken = False
                 now = time.monotonic()
@@ -292,6 +288,7 @@ class PropertyEventLoop:
         while self._closers:
             self._closers.pop()()
         self._workers.close()
-        for end in [*self._sockets.values(), self._wake, self._waker]:
+        for end in self._sockets.values():
             end.close()
+        self._wakeup.close()
         self._epoll.close()

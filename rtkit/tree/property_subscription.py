@@ -8,9 +8,9 @@ from collections.abc import Sequence
 
 from rtkit.closing import Closing
 from rtkit.errors import RtkitError
+from rtkit.link.wakeup import Wakeup
 from rtkit.property.messages import PropertyEvent
 from rtkit.tree.property_connections import PropertyConnections, printed_error
-from rtkit.tree.wakeup import Wakeup
 from rtkit.wires.property_client import PropertyClient
 
 _Heard = tuple[str, PropertyEvent | Exception]

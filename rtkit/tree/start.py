@@ -17,12 +17,12 @@ from rtkit.deployment.facts import Snapshot
 from rtkit.deployment.runner import Count, Talk
 from rtkit.deployment.start_schedule import ScheduledAction, StartPlan, look
 from rtkit.errors import Refused, RtkitError, Unreachable
+from rtkit.link.wakeup import Wakeup
 from rtkit.tree import grace
 from rtkit.tree.client import Tree, bounded
 from rtkit.tree.grace import uninterrupted
 from rtkit.tree.manager_set import ManagerSetSubscription, subscription_at
 from rtkit.tree.subscription import ManagerSubscription, SubscriptionEnded
-from rtkit.tree.wakeup import Wakeup
 
 
 class Starter:

@@ -27,8 +27,8 @@ from rtkit.deployment.facts import Snapshot
 from rtkit.deployment.metrics import METRICS, Metrics, metrics_from_text
 from rtkit.deployment.user_events import UserEvent, user_events
 from rtkit.errors import Unreachable
+from rtkit.link.wakeup import Wakeup
 from rtkit.tree.client import Tree
-from rtkit.tree.wakeup import Wakeup
 
 QUEUE = 4096
 """How many deltas a subscriber may be behind."""

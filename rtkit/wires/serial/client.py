@@ -13,7 +13,6 @@ from __future__ import annotations
 import math
 import os
 import select
-import threading
 import time
 from collections.abc import Iterator
 from hashlib import blake2b
@@ -22,6 +21,7 @@ from time import monotonic
 from rtkit.closing import Closing
 from rtkit.errors import Unreachable
 from rtkit.link.deadline import with_deadline
+from rtkit.link.wakeup import Wakeup
 from rtkit.property.checked import HELLO, CheckedReplies, frame
 from rtkit.property.codes import PASSING, PropertyError
 from rtkit.property.exchange import NOT_BEGUN
@@ -74,8 +74,7 @@ class SerialClient(Closing):
         self._usual_s = _PATIENCE_S / _TIMES_USUAL
         self._seen: dict[str, Mark] = {}
         self._leases: dict[str, float] = {}
-        self._closing = threading.Lock()
-        self._waker = os.eventfd(0, os.EFD_NONBLOCK | os.EFD_CLOEXEC)
+        self._wakeup = Wakeup()
 
     @property
     def has_checks(self) -> bool:
@@ -237,9 +236,7 @@ class SerialClient(Closing):
 
     def wake(self) -> None:
         """Make `event` return None at once, or as soon as it is called; from any thread."""
-        with self._closing:
-            if self._waker >= 0:
-                os.eventfd_write(self._waker, 1)
+        self._wakeup.ring()
 
     def event(self, timeout_s: float | None = None) -> PropertyEvent | None:
         """See `PropertyClient.event`."""
@@ -250,7 +247,7 @@ class SerialClient(Closing):
             if known is not None:
                 return known
             now = monotonic()
-            if self._is_woken() or (deadline is not None and now >= deadline):
+            if self._wakeup.hush() or (deadline is not None and now >= deadline):
                 return None
             times = [each for each in (deadline, *self._leases.values()) if each is not None]
             received = self._receive(min(times, default=None), may_wake=True)
@@ -291,12 +288,6 @@ class SerialClient(Closing):
                 return
             if isinstance(received, PropertyEvent):
                 self._keep(received)
-
-    def _is_woken(self) -> bool:
-        try:
-            return os.eventfd_read(self._waker) > 0
-        except BlockingIOError:
-            return False
 
     def _receive(self, until: float | None, *, may_wake: bool = False) -> _Told | None:
         while True:
@@ -344,17 +335,14 @@ class SerialClient(Closing):
         poll = select.poll()
         poll.register(self._end, mask)
         if may_wake:
-            poll.register(self._waker, select.POLLIN)
+            poll.register(self._wakeup, select.POLLIN)
         ready = poll.poll(None if wait_s is None else wait_s * 1000)
-        return any(number != self._waker for number, _ in ready)
+        return any(number != self._wakeup.fileno() for number, _ in ready)
 
     def close(self) -> None:
         """End the conversation."""
-        with self._closing:
-            if self._waker >= 0:
-                self._end.close()
-                os.close(self._waker)
-                self._waker = -1
+        self._end.close()
+        self._wakeup.close()
 
 
 def _short(id: str) -> str:

@@ -15,10 +15,10 @@ from rtkit.cli.system import rtcheck, rtresurrect, rtstart, rtstop
 from rtkit.deployment import actions as act
 from rtkit.deployment.actions import Result
 from rtkit.errors import Unreachable
+from rtkit.link.wakeup import Wakeup
 from rtkit.rtc.enums import ReturnCode
 from rtkit.rtc.pattern import ComponentPattern
 from rtkit.rtc.profiles import TypeProfile
-from rtkit.tree.wakeup import Wakeup
 
 COMMANDS = {
     "rtact": rtact,
@@ -290,7 +290,7 @@ def test_interrupted_while_it_waits(
             raise KeyboardInterrupt
         return wait(wakeup, others, timeout_s)
 
-    monkeypatch.setattr("rtkit.tree.wakeup.Wakeup.wait", interrupted)
+    monkeypatch.setattr("rtkit.link.wakeup.Wakeup.wait", interrupted)
     path = file(entry("B", 1, wait=600_000), entry("C", 2, after="B"))
     status, _, err = run("rtstart", path)
     assert status == 130

@@ -17,13 +17,13 @@ from rtkit.deployment.live import LiveIndex
 from rtkit.deployment.running import start_plan, stop_plan
 from rtkit.deployment.system import WantedComponent, WantedSystem
 from rtkit.errors import Refused, Unreachable
+from rtkit.link.wakeup import Wakeup
 from rtkit.rtc.enums import LifeCycleState, ReturnCode
 from rtkit.rtc.pattern import ComponentPattern, ContextPattern
 from rtkit.rtc.profiles import TypeProfile
 from rtkit.tree import grace
 from rtkit.tree.client import Tree
 from rtkit.tree.start import Starter
-from rtkit.tree.wakeup import Wakeup
 
 NAMES = "ABCD"
 NO = Result(ReturnCode.ERROR, "refused", "no luck")

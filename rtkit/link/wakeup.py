@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 import select
 from collections.abc import Iterable
-from contextlib import suppress
 from threading import Lock
 
 
@@ -30,10 +29,12 @@ class Wakeup:
             if self._descriptor >= 0:
                 os.eventfd_write(self._descriptor, 1)
 
-    def hush(self) -> None:
-        """Have it turn readable only when it is rung again."""
-        with suppress(BlockingIOError):
-            os.eventfd_read(self._descriptor)
+    def hush(self) -> bool:
+        """Have it turn readable only when it is rung again; return whether it was rung."""
+        try:
+            return os.eventfd_read(self._descriptor) > 0
+        except BlockingIOError:
+            return False
 
     def wait(self, others: Iterable[int], timeout_s: float | None) -> bool:
         """Wait until it rings, or one of the others can be read; False when the time is up."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import select
 
-from rtkit.tree.wakeup import Wakeup
+from rtkit.link.wakeup import Wakeup
 
 
 def is_ringing(descriptor: int) -> bool:
