@@ -244,7 +244,6 @@ def _setting(setting: GeneratedParameter) -> list[str]:
 
 
 def _callbacks(subject: GeneratedComponent) -> Iterator[list[str]]:
-    names = [each.name for each in subject.callbacks]
     for each in subject.callbacks:
         given = "" if each.name in _UNHURRIED else ", context: str"
         is_driven = subject.machine is not None and each.name in _DRIVEN
@@ -255,7 +254,7 @@ def _callbacks(subject: GeneratedComponent) -> Iterator[list[str]]:
             *([f"{BODY}super().{each.name}(context)"] if is_driven else []),
         ]
     if subject.machine:
-        yield from _machine_callbacks(subject.machine, names)
+        yield from _machine_callbacks(subject.machine)
 
 
 def _beginning(subject: GeneratedComponent, callback: str) -> list[str]:
@@ -284,20 +283,15 @@ def callback_doc(name: str, doc: ActionDoc | None) -> list[str]:
     return docstring(SUMMARIES[name], told(doc, "description"), more, BODY)
 
 
-def _machine_callbacks(machine: GeneratedStateMachine, names: list[str]) -> Iterator[list[str]]:
+def _machine_callbacks(machine: GeneratedStateMachine) -> Iterator[list[str]]:
     conditions = ["Conditions of the profile:\n" + "\n".join(machine.conditions)]
-    yield [
-        f"{INDENT}def on_entry(self, state: str) -> None:",
-        f'{BODY}"""Enter a state."""',
-        *region("on_entry", BODY),
-        f"{BODY}super().on_entry(state)",
-    ]
-    yield [
-        f"{INDENT}def on_exit(self, state: str) -> None:",
-        f'{BODY}"""Leave a state."""',
-        *region("on_exit", BODY),
-        f"{BODY}super().on_exit(state)",
-    ]
+    for name, summary in (("on_entry", "Enter a state."), ("on_exit", "Leave a state.")):
+        yield [
+            f"{INDENT}def {name}(self, state: str) -> None:",
+            f'{BODY}"""{summary}"""',
+            *region(name, BODY),
+            f"{BODY}super().{name}(state)",
+        ]
     yield [
         f"{INDENT}def on_event(self, event: str, value: Any) -> str | None:",
         *docstring(

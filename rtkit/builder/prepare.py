@@ -81,14 +81,16 @@ def idl_files(profile: RtcProfile) -> Iterator[str]:
 
 def undefined(profile: RtcProfile, definitions: Definitions) -> list[str]:
     """Return the types that ports and services name, and that nothing known declares."""
-    texts = [
-        each
-        for port in profile.data_ports
-        for each in (port.type, *(event.type or "" for event in port.events))
-    ]
-    services = profile.service_ports
-    texts += [each.type for port in services for each in port.service_interfaces]
+    services = (each for port in profile.service_ports for each in port.service_interfaces)
+    texts = [*_data_types(profile), *(each.type for each in services)]
     return [text for text in dict.fromkeys(texts) if not is_declared(text, definitions)]
+
+
+def _data_types(profile: RtcProfile) -> Iterator[str]:
+    """Yield the types of all data ports and events, as the profile names them."""
+    for port in profile.data_ports:
+        yield port.type
+        yield from (event.type or "" for event in port.events)
 
 
 def is_declared(text: str, definitions: Definitions) -> bool:
@@ -109,6 +111,10 @@ class _Preparation:
     notes: list[str] = field(default_factory=list)
     classes: set[str] = field(default_factory=set)
     event_port: DataPortDeclaration | None = None
+    names: set[str] = field(default_factory=set)
+    methods: set[str] = field(default_factory=set)
+    types: TypesCode = field(init=False)
+    taken: Taken = field(init=False)
 
     def run(self) -> tuple[GeneratedComponent, TypesCode]:
         profile = self.profile
@@ -116,13 +122,12 @@ class _Preparation:
         if profile.basic_info is None:
             self.notes.append(f"a fragment: it is called {info.name} after its file")
         own = self._type_name(info)
-        types = TypesCode(self.sources.definitions, self._wanted())
+        self.types = TypesCode(self.sources.definitions, self._wanted())
         self.classes.add(class_name(own))
-        machine = self._machine(types)
-        taken = Taken([*_attributes(machine is not None), *_IN_CLASS, class_name(own)])
-        names: set[str] = {machine.port} if machine else set()
-        ports = tuple(self._ports(types, taken, names))
-        services = tuple(self._services(types, taken, names))
+        machine = self._machine()
+        self.taken = Taken([*_attributes(machine is not None), *_IN_CLASS, class_name(own)])
+        self.names |= {machine.port} if machine else set()
+        ports, services = tuple(self._ports()), tuple(self._services())
         subject = GeneratedComponent(
             profile=profile,
             info=info,
@@ -134,13 +139,13 @@ class _Preparation:
             rate=self._rate(info),
             ports=ports,
             services=services,
-            settings=settings_of(profile, taken, self.notes.append),
+            settings=settings_of(profile, self.taken, self.notes.append),
             callbacks=tuple(_callbacks(profile.actions, machine is not None)),
             machine=machine,
             has_types=_uses_types(ports, services, machine),
             notes=tuple(dict.fromkeys(self.notes)),
         )
-        return subject, types
+        return subject, self.types
 
     def _type_name(self, info: BasicInfo) -> str:
         name = type_name(info.name, class_name(self.sources.stem))
@@ -152,11 +157,10 @@ class _Preparation:
     def _wanted(self) -> Iterator[Path]:
         """Yield the needed declarations of the interface definitions that rtkit can carry."""
         definitions = self.sources.definitions
-        for port in self.profile.data_ports:
-            for text in [port.type, *(event.type or "" for event in port.events)]:
-                path = self._declared(text)
-                if path and not of_type(definitions, Named(path)):
-                    yield path
+        for text in _data_types(self.profile):
+            path = self._declared(text)
+            if path and not of_type(definitions, Named(path)):
+                yield path
         for service in self.profile.service_ports:
             for each in service.service_interfaces:
                 found = self._interface(each)
@@ -190,13 +194,13 @@ class _Preparation:
             self.notes.append(f"a rate of {rate:g} Hz is none; it is left out")
         return max(rate, 0.0)
 
-    def _machine(self, types: TypesCode) -> GeneratedStateMachine | None:
+    def _machine(self) -> GeneratedStateMachine | None:
         """Return the machine of the first event port that has one."""
         for port in self._event_ports():
             found = machine_of(
                 port,
                 self.sources.drawn,
-                lambda text: self._type(text, "an event", types)[0],
+                lambda text: self._type(text, "an event")[0],
                 self.notes.append,
             )
             if found is not None:
@@ -217,30 +221,29 @@ class _Preparation:
     def _event_ports(self) -> list[DataPortDeclaration]:
         return [each for each in self.profile.data_ports if each.port_type == EVENT_PORT]
 
-    def _ports(self, types: TypesCode, taken: Taken, names: set[str]) -> Iterator[GeneratedPort]:
+    def _ports(self) -> Iterator[GeneratedPort]:
         for each in self.profile.data_ports:
             if each is self.event_port:
                 continue
-            name = self._port_name(each, names)
+            name, attribute = self._port_name(each)
             text = "" if each.port_type == EVENT_PORT else each.type
-            type, type_name = self._type(text, f"port {name}", types)
-            attribute = taken.add(attribute_name(name, "port"))
-            self.notes += cut("port", name, attribute)
+            type, type_name = self._type(text, f"port {name}")
             yield GeneratedPort(attribute, name, _KINDS[each.port_type], type, type_name, each)
 
-    def _port_name(
-        self, each: DataPortDeclaration | ServicePortDeclaration, names: set[str]
-    ) -> str:
+    def _port_name(self, each: DataPortDeclaration | ServicePortDeclaration) -> tuple[str, str]:
+        """Return the name that a port has, and that of its attribute."""
         allowed = near_port_name(each.name)
-        name = unused(allowed or "port", names)
+        name = unused(allowed or "port", self.names)
         if name != each.name:
             why = "its name is taken" if each.name else "it has no name"
             if allowed != each.name:
                 why = "no port may be called so"
             self.notes.append(f"port {each.name!r} is called {name}: {why}")
-        return name
+        attribute = self.taken.add(attribute_name(name, "port"))
+        self.notes += cut("port", name, attribute)
+        return name, attribute
 
-    def _type(self, text: str, where: str, types: TypesCode) -> tuple[str, str]:
+    def _type(self, text: str, where: str) -> tuple[str, str]:
         """Return the expression of a data type, and the name that its values travel under."""
         path = standard_types.path_of(text)
         if not path:
@@ -252,33 +255,18 @@ class _Preparation:
             return known, name
         why = of_type(self.sources.definitions, Named(full))
         if not why:
-            return f"idl.{types.name(full)}", name
+            return f"idl.{self.types.name(full)}", name
         help = "" if is_declared(text, self.sources.definitions) else f" ({_HELP})"
         self.notes.append(f"{where}: {why}; values of that type pass as bytes{help}")
         return "bytes", name
 
-    def _services(
-        self, types: TypesCode, taken: Taken, names: set[str]
-    ) -> Iterator[GeneratedServicePort]:
-        done: set[str] = set()
+    def _services(self) -> Iterator[GeneratedServicePort]:
         for each in self.profile.service_ports:
-            name = self._port_name(each, names)
-            attribute = taken.add(attribute_name(name, "port"))
-            self.notes += cut("port", name, attribute)
-            offers = [
-                self._offer(interface, name, types, taken, done)
-                for interface in each.service_interfaces
-            ]
-            yield GeneratedServicePort(attribute, name, tuple(offers), each)
+            name, attribute = self._port_name(each)
+            offers = tuple(self._offer(offer, name) for offer in each.service_interfaces)
+            yield GeneratedServicePort(attribute, name, offers, each)
 
-    def _offer(
-        self,
-        each: ServiceInterface,
-        port: str,
-        types: TypesCode,
-        taken: Taken,
-        done: set[str],
-    ) -> GeneratedInterface:
+    def _offer(self, each: ServiceInterface, port: str) -> GeneratedInterface:
         is_provided = each.direction == "Provided"
         name, type_name = each.name, "::".join(standard_types.path_of(each.type))
         found = self._interface(each)
@@ -290,14 +278,14 @@ class _Preparation:
         if found is None or why:
             self.notes.append(f"port {port}: {type_name or '(no type)'}: {why}; described only")
             return GeneratedInterface(name, type_name or "Unknown", is_provided)
-        methods = tuple(types.methods(found.path)) if is_provided else ()
+        methods = tuple(self.types.methods(found.path)) if is_provided else ()
         servant = ""
-        if any(method.name in taken or method.name in done for method in methods):
+        if any(method.name in self.taken or method.name in self.methods for method in methods):
             preferred = f"{class_name(port)}{class_name(found.path[-1])}"
             servant = unused(preferred, self.classes, "")
         else:
-            done |= {taken.add(method.name) for method in methods}
-        protocol = f"idl.{types.name(found.path)}"
+            self.methods |= {self.taken.add(method.name) for method in methods}
+        protocol = f"idl.{self.types.name(found.path)}"
         return GeneratedInterface(
             name, "::".join(found.path), is_provided, protocol, methods, servant
         )

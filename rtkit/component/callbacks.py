@@ -72,9 +72,8 @@ def near_misses(cls: type[Callbacks]) -> list[str]:
     ours = {
         name for each in cls.__mro__ if each.__module__.startswith(_HOME) for name in vars(each)
     }
-    known = [name for name in vars(Callbacks) if name.startswith("on_")]
     own = {
-        name: nearest(name, known, 1, _ALIKE)
+        name: nearest(name, CALLBACKS, 1, _ALIKE)
         for each in cls.__mro__
         for name, value in vars(each).items()
         if name not in ours and name.lower().startswith("on") and callable(value)

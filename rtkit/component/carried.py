@@ -16,6 +16,7 @@ from enum import Flag
 from typing import Any
 
 from rtkit.component.codec import codec_for, encoder_for
+from rtkit.component.codegen import Source
 from rtkit.component.type_layout import (
     ArrayLayout,
     BasicLayout,
@@ -85,7 +86,7 @@ def compile_test(layout: Layout) -> Test:
     """Return the test for values of a layout."""
     if is_changeable(layout):
         return _never
-    return _Writer().compile(layout)
+    return _Tester().compile(layout)
 
 
 def _is_frozen(cls: Any) -> bool:
@@ -100,69 +101,51 @@ def _never(value: Any) -> bool:
     return False
 
 
-class _Writer:
+class _Tester(Source):
     """Writes a test as one expression; each of its parts evaluates its source once."""
 
-    def __init__(self) -> None:
-        self._scope: dict[str, Any] = {}
-        self._count = 0
-
     def compile(self, layout: Layout) -> Test:
-        code = f"def test(value):\n    return {self._of(layout, 'value')}"
-        exec(code, self._scope)
-        test: Test = self._scope["test"]
+        self.add(f"return {self._of(layout, 'value')}")
+        test: Test = self.finish("def coder(value):")
         return test
 
     def _of(self, layout: Layout, source: str) -> str:
         if isinstance(layout, StructLayout):
-            name = self._name()
-            head = f"({name} := {source}).__class__ is {self._named(layout.cls)}"
-            return self._all(
-                head, *(self._of(item, f"{name}.{field}") for field, item in layout.fields)
-            )
+            name = self.name()
+            head = f"({name} := {source}).__class__ is {self.name(layout.cls)}"
+            tests = [self._of(item, f"{name}.{field}") for field, item in layout.fields]
+            return " and ".join([head, *tests])
         if isinstance(layout, ArrayLayout):
-            name = self._name()
+            name = self.name()
             head = f"({name} := {source}).__class__ is tuple and len({name}) == {len(layout.items)}"
-            items = (self._of(item, f"{name}[{at}]") for at, item in enumerate(layout.items))
-            return self._all(head, *items)
+            tests = [self._of(item, f"{name}[{at}]") for at, item in enumerate(layout.items)]
+            return " and ".join([head, *tests])
         if isinstance(layout, ItemsLayout):
-            name = self._name()
-            return self._all(f"({name} := {source}).__class__ is tuple", self._each(layout, name))
+            name = self.name()
+            return f"({name} := {source}).__class__ is tuple and {self._each(layout, name)}"
         return self._scalar(layout, source)
 
     def _each(self, layout: ItemsLayout, name: str) -> str:
         """Return a test of a tuple's items without a step of Python for each, where possible."""
         item = layout.item
         if isinstance(item, (StructLayout, ArrayLayout, ItemsLayout)):
-            return f"all(map({self._named(compile_test(item))}, {name}))"
-        are_all = f"(not {name} or set(map(type, {name})) == {{{self._named(item.cls)}}}"
+            return f"all(map({self.name(compile_test(item))}, {name}))"
+        are_all = f"(not {name} or set(map(type, {name})) == {{{self.name(item.cls)}}}"
         if item.cls is int and isinstance(item, BasicLayout):
             low, high = item.bounds
             return f"{are_all} and {low} <= min({name}) and max({name}) <= {high})"
         leaf = _leaf(item)
-        return f"{are_all} and all(map({self._named(leaf)}, {name})))" if leaf else f"{are_all})"
+        return f"{are_all} and all(map({self.name(leaf)}, {name})))" if leaf else f"{are_all})"
 
     def _scalar(self, layout: BasicLayout | EnumLayout, source: str) -> str:
-        kind, name = self._named(layout.cls), self._name()
+        kind, name = self.name(layout.cls), self.name()
         if layout.cls is int and isinstance(layout, BasicLayout):
             low, high = layout.bounds
             return f"({name} := {source}).__class__ is {kind} and {low} <= {name} <= {high}"
         leaf = _leaf(layout)
         if leaf is None:
             return f"{source}.__class__ is {kind}"
-        return f"({name} := {source}).__class__ is {kind} and {self._named(leaf)}({name})"
-
-    def _all(self, *tests: str) -> str:
-        return " and ".join(tests)
-
-    def _named(self, value: Any) -> str:
-        name = self._name()
-        self._scope[name] = value
-        return name
-
-    def _name(self) -> str:
-        self._count += 1
-        return f"v{self._count}"
+        return f"({name} := {source}).__class__ is {kind} and {self.name(leaf)}({name})"
 
 
 def _leaf(layout: BasicLayout | EnumLayout) -> Test | None:

@@ -74,21 +74,17 @@ def _padded(codes: str, order: str, position: int) -> struct.Struct:
     return struct.Struct(form)
 
 
-class _Source:
+class Source:
     """Lines of a function under construction, with the objects that they refer to."""
 
-    def __init__(self, order: str) -> None:
-        self.order = order
+    def __init__(self, **scope: Any) -> None:
         self.lines: list[str] = []
-        header = b"\x00\x01\x00\x00" if order == "<" else bytes(_HEADER)
-        self.scope: dict[str, Any] = {**_HELPERS, "_header": header}
-        self.is_fixed = True
+        self.scope = scope
         self.depth = 1
-        self.codes = ""
-        self.names: list[str] = []
         self._count = 0
 
     def name(self, value: Any = None, stem: str = "v") -> str:
+        """Return a new name, of an object where one is given."""
         self._count += 1
         name = f"{stem}{self._count}"
         if value is not None:
@@ -96,7 +92,31 @@ class _Source:
         return name
 
     def add(self, line: str) -> None:
+        """Add a line, indented by the present depth."""
         self.lines.append(_INDENT * self.depth + line)
+
+    def finish(self, head: str) -> Any:
+        """Return the function ``coder`` that begins with `head`."""
+        source = "\n".join([head, *self.lines])
+        exec(source, self.scope)
+        return self.scope["coder"]
+
+
+class _Cdr(Source):
+    """Code that writes or reads CDR: scalars wait until they can be packed in one run.
+
+    Attributes:
+        is_fixed: Whether the position is still known, counted from the beginning.
+        codes: Format characters of the scalars that wait, whose expressions are `names`.
+    """
+
+    def __init__(self, order: str) -> None:
+        header = b"\x00\x01\x00\x00" if order == "<" else bytes(_HEADER)
+        super().__init__(**_HELPERS, _header=header)
+        self.order = order
+        self.is_fixed = True
+        self.codes = ""
+        self.names: list[str] = []
 
     def run(self) -> str:
         """Return the name of the table of structs for the scalars that are waiting."""
@@ -111,13 +131,8 @@ class _Source:
         """Emit what waits, if anything: from here on ``at`` is the position."""
         raise NotImplementedError
 
-    def finish(self, head: str) -> Any:
-        source = "\n".join([head, *self.lines])
-        exec(source, self.scope)
-        return self.scope["coder"]
 
-
-class _Encoder(_Source):
+class _Encoder(_Cdr):
     def compile(self, layout: StructLayout) -> Callable[[Any], bytes]:
         self.write(layout, "value")
         if self.is_fixed:
@@ -239,7 +254,7 @@ class _Encoder(_Source):
         return f"{self.name(form, 'run')}.pack(_header, {', '.join(self.names)})", form.size
 
 
-class _Decoder(_Source):
+class _Decoder(_Cdr):
     def compile(self, layout: StructLayout) -> Callable[[bytes], tuple[Any, int]]:
         result = self.read(layout)
         self.flush()
@@ -386,8 +401,7 @@ def _maker(layout: StructLayout) -> Callable[..., Any]:
 
     The constructor of a frozen dataclass looks up and checks each field by its name.
     """
-    source = _Source("<")
-    source.scope.update(new=object.__new__, cls=layout.cls)
+    source = Source(new=object.__new__, cls=layout.cls)
     source.add("made = new(cls)")
     for index, (field, _) in enumerate(layout.fields):
         setter = source.name(getattr(layout.cls, field).__set__, "set")
