@@ -228,6 +228,21 @@ def write_attributes(event: PropertyEvent) -> str:
     return ";".join(attributes)
 
 
+def write_named(event: PropertyEvent) -> str:
+    """Return what an event carries beside the value, and the name behind it."""
+    return f"{write_attributes(event)};name={event.name}"
+
+
+def read_named(payload: Payload, attributes: str) -> PropertyEvent:
+    """Return the event that arrived with what `write_named` returns.
+
+    Raises:
+        PropertyError: ``syntax``.
+    """
+    head, _, name = attributes.partition(";name=")
+    return read_event(name, payload, head)
+
+
 def read_event(name: str, payload: Payload, attributes: str) -> PropertyEvent:
     """Return the event that arrived.
 

@@ -76,23 +76,14 @@ class ManagerSet(Tree):
             tree.close()
 
     def at(self, manager: str) -> Tree:
-        """Return the connection to one of the managers.
-
-        Raises:
-            Unreachable: It does not run.
-        """
+        """See `Tree.at`; `Unreachable` if it does not run."""
         name = manager or self.manager
         if name not in self.trees:
             raise Unreachable(f"manager {name!r} is not running")
         return self.trees[name]
 
     def start(self, manager: str) -> None:
-        """Start one of the managers.
-
-        Raises:
-            Refused: It cannot be started, or that is for others to do.
-            Unreachable: It was not ready in time.
-        """
+        """See `Tree.start`; `Unreachable` if it was not ready in time."""
         if self._start is None:
             super().start(manager)
             return
@@ -105,7 +96,7 @@ class ManagerSet(Tree):
         self._started[manager] = not (found.components or found.modules)
 
     def end_started(self) -> list[str]:
-        """End the managers that were started and held nothing then; return the others."""
+        """See `Tree.end_started`: those that held something when they were started run on."""
         from rtkit.tree import managers
 
         left = []
@@ -123,19 +114,11 @@ class ManagerSet(Tree):
         return left
 
     def snapshot(self) -> Snapshot:
-        """Return what all of them know.
-
-        Raises:
-            Unreachable: One that was running does not answer in time.
-        """
+        """See `Tree.snapshot`: what all of them know."""
         return self._joined([self._look(name) for name in self.names])
 
     def remains(self) -> Snapshot:
-        """Return what can still be seen after a failure: a manager that ended holds nothing.
-
-        Raises:
-            Unreachable: One that runs does not answer in time.
-        """
+        """See `Tree.remains`: a manager that ended holds nothing."""
         return self._joined([self._look(name, may_be_gone=True) for name in self.names])
 
     def _look(self, name: str, *, may_be_gone: bool = False) -> Snapshot:
@@ -166,10 +149,7 @@ class ManagerSet(Tree):
         is_ordered: bool = True,
         timeout_s: float | None = None,
     ) -> Answer:
-        """Send each manager its part of a batch and return what awaits the results.
-
-        In order, a manager is sent its part when the one before has done what it was sent.
-        """
+        """See `Tree.begin`; a manager gets its part when the one before has done its own."""
         asked = [(self._manager_for(action), action) for action in actions]
         if is_ordered:
             parts = [(name, [a for _, a in part]) for name, part in groupby(asked, lambda x: x[0])]

@@ -13,20 +13,20 @@ BOUND_S = 30.0
 def test_what_is_posted_while_it_wakes_does_not_deafen_it() -> None:
     host = PropertyEventLoop()
     first, second = threading.Event(), threading.Event()
-    awaken = host._wake
+    awaken = host._wakeup
 
     class Waking:
         """Another thread posts at the worst moment: while the wake-up is being taken."""
 
-        def recv(self, size: int) -> bytes:
+        ring = awaken.ring
+        fileno = awaken.fileno
+
+        def hush(self) -> bool:
             host.post(first.set)
-            host._wake = awaken
-            return awaken.recv(size)
+            host._wakeup = awaken
+            return awaken.hush()
 
-        def fileno(self) -> int:
-            return awaken.fileno()
-
-    host._wake = Waking()  # type: ignore[assignment]
+    host._wakeup = Waking()  # type: ignore[assignment]
     host.start()
     host.post(lambda: None)
     assert first.wait(BOUND_S)

@@ -21,7 +21,7 @@ from rtkit.link.deadline import deadline_at
 from rtkit.link.secret import Secret
 from rtkit.property.codes import PropertyError
 from rtkit.property.exchange import NOT_BEGUN
-from rtkit.property.line import read_event
+from rtkit.property.line import read_named
 from rtkit.property.messages import Answer, Payload, PropertyEvent
 from rtkit.property.naming import parse_target
 from rtkit.wires.http import digest
@@ -247,6 +247,8 @@ class HttpClient(Closing):
         poll = select.poll()
         by_number = {each.end.fileno(): each for each in self._streams}
         for number in by_number:
+            if number < 0:
+                raise Unreachable("the connection was closed")  # by another thread
             poll.register(number, select.POLLIN)
         for each in self._streams:
             if each.has_more:
@@ -338,14 +340,11 @@ def _read_sse(block: bytes) -> PropertyEvent | None:
     if b"data" not in fields:
         return None
     kind = fields.get(b"event", [b""])[0]
-    attributes, _, name = fields.get(b"id", [b""])[0].decode().partition(";name=")
-    raw = b"\n".join(fields[b"data"])
-    if kind == b"end":
-        return read_event(name, "", attributes)
+    raw = b"" if kind == b"end" else b"\n".join(fields[b"data"])
     if kind in (b"base64", b"base64-text"):
         raw = b64decode(raw)
-    is_bytes = kind == b"base64"
-    return read_event(name, raw if is_bytes else raw.decode("utf-8", "replace"), attributes)
+    payload = raw if kind == b"base64" else raw.decode("utf-8", "replace")
+    return read_named(payload, fields.get(b"id", [b""])[0].decode())
 
 
 def _close_if_hung_up(http: _BoundedConnection) -> None:

@@ -10,13 +10,13 @@ from __future__ import annotations
 
 from base64 import b64encode
 
-from rtkit.property.line import read_event, write_attributes
+from rtkit.property.line import read_event, write_named
 from rtkit.property.messages import PropertyEvent
 
 
 def write_sse(event: PropertyEvent) -> bytes:
     """Return an event as it is sent."""
-    head = f"id: {write_attributes(event)};name={event.name}\n".encode()
+    head = f"id: {write_named(event)}\n".encode()
     payload = event.payload
     if event.code:
         return b"%bevent: end\ndata: %b\n\n" % (head, event.code.encode())

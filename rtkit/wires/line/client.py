@@ -171,7 +171,10 @@ class LineClient(Closing):
 
     def _is_readable(self, wait_s: float | None) -> bool:
         poll = select.poll()
-        poll.register(self._end, select.POLLIN)
+        try:
+            poll.register(self._end, select.POLLIN)
+        except ValueError:
+            raise Unreachable("the connection has ended: it was closed here") from None
         return bool(poll.poll(None if wait_s is None else max(0, wait_s) * 1000))
 
     def detach(self) -> socket.socket:

@@ -10,7 +10,7 @@ import itertools
 from logging import getLogger
 
 from rtkit.link.deadline import deadline_from_text
-from rtkit.property.line import write_attributes
+from rtkit.property.line import write_named
 from rtkit.property.messages import Answer, Payload, PropertyEvent
 from rtkit.serving.event_loop import PropertyEventLoop
 from rtkit.serving.provider import PropertyProvider
@@ -100,8 +100,7 @@ class MqttEndpoint:
         self._session.publish(message)
 
     def _send(self, subscription: str, event: PropertyEvent, at: EventPosition) -> None:
-        attributes = f"{write_attributes(event)};name={event.name}"
-        self._publish(Message(subscription, event.payload, more=(("event", attributes),)))
+        self._publish(Message(subscription, event.payload, more=(("event", write_named(event)),)))
 
     # Requests
 

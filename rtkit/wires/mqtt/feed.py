@@ -10,7 +10,7 @@ import threading
 from collections.abc import Callable
 
 from rtkit.property.codes import PASSING
-from rtkit.property.line import write_attributes
+from rtkit.property.line import write_named
 from rtkit.property.messages import Answer, PropertyEvent
 from rtkit.property.naming import canonical
 from rtkit.property.reading import read
@@ -89,7 +89,7 @@ class Feed:
             self._listened.discard(event.name)
             self._put(topic_of(event.name), "")
         else:
-            more = (("event", f"{write_attributes(event)};name={event.name}"),)
+            more = (("event", write_named(event)),)
             topic = f"{self._root}/{topic_of(event.name)}"
             self._publish(Message(topic, event.payload, more=more, is_kept=True))
 

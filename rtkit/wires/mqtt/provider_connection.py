@@ -9,7 +9,7 @@ from math import inf
 from rtkit.errors import Unreachable
 from rtkit.link.deadline import deadline_at
 from rtkit.property.codes import PropertyError
-from rtkit.property.line import read_event
+from rtkit.property.line import read_named
 from rtkit.property.messages import Answer, Payload, PropertyEvent
 from rtkit.property.naming import parse_target
 from rtkit.property.subscription import leased, listen_target
@@ -124,8 +124,7 @@ class MqttConnection(LeasedConnection):
                 reply = Answer(reply.payload.decode("utf-8", "replace"), reply.error)
             self._host.post(lambda: self._answered(message.mark, reply))
             return
-        head, _, name = attributes.partition(";name=")
-        event = read_event(name, message.payload, head)
+        event = read_named(message.payload, attributes)
         self._host.post(lambda: self._take(message.topic, event))
 
     def _answered(self, mark: bytes, reply: Answer) -> None:

@@ -14,7 +14,6 @@ import math
 import os
 import select
 import time
-from collections.abc import Iterator
 from hashlib import blake2b
 from time import monotonic
 
@@ -255,11 +254,6 @@ class SerialClient(Closing):
                 self._keep(received)
             self._renew()
 
-    def events(self) -> Iterator[PropertyEvent]:
-        """Yield events for ever."""
-        while (event := self.event()) is not None:
-            yield event
-
     def _renew(self) -> None:
         """Go on listening; the far side then repeats its last event, in case it was lost."""
         now = monotonic()
@@ -333,9 +327,12 @@ class SerialClient(Closing):
 
     def _is_ready(self, mask: int, wait_s: float | None, *, may_wake: bool = False) -> bool:
         poll = select.poll()
-        poll.register(self._end, mask)
-        if may_wake:
-            poll.register(self._wakeup, select.POLLIN)
+        try:
+            poll.register(self._end, mask)
+            if may_wake:
+                poll.register(self._wakeup, select.POLLIN)
+        except (ValueError, OSError):  # another thread has closed it
+            raise self._gone() from None
         ready = poll.poll(None if wait_s is None else wait_s * 1000)
         return any(number != self._wakeup.fileno() for number, _ in ready)
 
