@@ -36,7 +36,7 @@ def machine_of(
     known = {event for moves in states.values() for event in moves}
     types: dict[str, str] = {}
     for each in port.events:
-        name = _event(each.name)
+        name = one_line(each.name)
         if name in known:
             types.setdefault(name, type_of(each.type or ""))
     missing = [event for moves in states.values() for event in moves if event not in types]
@@ -53,7 +53,7 @@ def _states(events: Iterable[rtc_model.FsmTransition], note: _Note) -> dict[str,
     states: dict[str, dict[str, str]] = {}
     first = ""
     for each in events:
-        source, target, name = _state(each.source), _state(each.target), _event(each.name)
+        source, target, name = _state(each.source), _state(each.target), one_line(each.name)
         if source == INITIAL and not name:
             first = first or target
             continue
@@ -77,10 +77,6 @@ def _state(name: str) -> str:
     return plain if all(part.strip() for part in plain.split(".")) else plain.replace(".", "_")
 
 
-def _event(name: str) -> str:
-    return one_line(name)
-
-
 def _condition(event: rtc_model.FsmTransition) -> str:
     condition = one_line(event.condition)
-    return f"{_event(event.name)} in {_state(event.source)}: {condition}" if condition else ""
+    return f"{one_line(event.name)} in {_state(event.source)}: {condition}" if condition else ""

@@ -70,10 +70,6 @@ class TypesCode:
         """Return the name of a declaration in the module."""
         return self._types.names[path]
 
-    def annotation(self, type: Type) -> str:
-        """Return the annotation of a type, with ``§`` before names of the module."""
-        return self._types.of(type)
-
     def methods(self, path: Path) -> list[GeneratedMethod]:
         """Return the methods of an interface, those of its bases first."""
         declared = self._definitions.by_path[path]
