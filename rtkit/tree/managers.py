@@ -61,6 +61,8 @@ def restart(
 ) -> tuple[int, list[str]]:
     """Have a manager end everything and start again; return its pid and what `hear` received of it.
 
+    It has `timeout_s` [s] for the end, where what hangs has its graces, and again for the start.
+
     Raises:
         Unreachable: It does not run, or was not ready in time.
     """
@@ -70,9 +72,9 @@ def restart(
             pid = int(tree.set("restart", f"/proc/{os.getpid()}/fd/{write}"))
         os.close(write)
         write = -1
-        told = hear(read, timeout_s)
+        told = hear(read, 2 * timeout_s)
         if told is None:
-            raise Unreachable(f"manager {name!r} was not ready again within {timeout_s:g} s")
+            raise Unreachable(f"manager {name!r} was not ready again within {2 * timeout_s:g} s")
         return pid, told
     finally:
         os.close(read)
