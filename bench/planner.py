@@ -23,8 +23,8 @@ from rtkit.deployment.planning.model import (
     ParameterVariable,
     Wish,
 )
+from rtkit.deployment.planning.operators import judge
 from rtkit.deployment.planning.plan import make_plan
-from rtkit.deployment.planning.reference_model import judge
 from rtkit.deployment.planning.rendering import quality
 from rtkit.errors import LimitReached
 from rtkit.planner import Limits, Problem, State, plan

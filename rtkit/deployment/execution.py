@@ -80,11 +80,6 @@ class StartExecution:
         targets = {target for target, is_sync in entries if is_sync}
         return tuple(turn for turn in self.plan.turns if turn.target in targets)
 
-    @property
-    def lacks_a_state(self) -> bool:
-        """Return whether an action waits for a state that is not reached."""
-        return any(condition.is_sync for _, condition in self._unmet_since)
-
     def saw(self, states: Mapping[OrderTarget, str]) -> None:
         """Take what is seen of all that is `watched`."""
         self._states = states

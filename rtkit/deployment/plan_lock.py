@@ -28,15 +28,6 @@ class HolderLife(Protocol):
         ...
 
 
-class Immortal:
-    """A life without end: of one who gives the lock back himself, whatever comes."""
-
-    is_over = False
-
-    def close(self) -> None:
-        """Do nothing."""
-
-
 @dataclass(frozen=True, slots=True)
 class LockHolder:
     """A command that carries a plan out.

@@ -66,11 +66,6 @@ class Plan:
     statistics: Statistics
 
     @property
-    def is_optimal(self) -> bool:
-        """Return whether it is proved that no plan is cheaper."""
-        return self.cost <= self.lower_bound
-
-    @property
     def commands(self) -> tuple[str, ...]:
         """The commands, as they are shown."""
         return tuple(str(step.command) for step in self.steps)

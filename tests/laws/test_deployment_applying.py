@@ -17,7 +17,7 @@ from rtkit.deployment.check import deviations
 from rtkit.deployment.facts import Snapshot
 from rtkit.deployment.goal import DeploymentGoal
 from rtkit.deployment.live import LiveIndex
-from rtkit.deployment.planning.reference_model import judge
+from rtkit.deployment.planning.operators import judge
 from rtkit.deployment.wanted import wanted
 from rtkit.errors import RtkitError
 from rtkit.rtc.create import parse_create

@@ -7,6 +7,7 @@ from collections.abc import Mapping
 
 import pytest
 from fake_manager import FakeManager
+from stated import Stated, stated
 
 from rtkit.deployment.capture import SystemHeading, capture
 from rtkit.deployment.check import deviations
@@ -14,7 +15,6 @@ from rtkit.deployment.creation import creation_plan
 from rtkit.deployment.live import LiveIndex
 from rtkit.deployment.plan import merged
 from rtkit.deployment.running import start_plan, stop_plan, teardown_plan
-from rtkit.deployment.stated import Stated, stated
 from rtkit.deployment.wanted import wanted
 from rtkit.deployment.wiring import wiring_plan
 from rtkit.profile.read import read_rts

@@ -17,7 +17,7 @@ from rtkit.deployment.check import deviations
 from rtkit.deployment.goal import DeploymentGoal
 from rtkit.deployment.live import LiveIndex
 from rtkit.deployment.multi_manager import homes_in
-from rtkit.deployment.planning.reference_model import judge
+from rtkit.deployment.planning.operators import judge
 from rtkit.deployment.runner import PlanRunner
 from rtkit.deployment.running import start_plan, stop_plan, teardown_plan
 from rtkit.deployment.wanted import wanted

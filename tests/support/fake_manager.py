@@ -15,7 +15,7 @@ from fake_shell import FakeCall, FakeShell
 
 from rtkit.deployment.actions import Action, Result
 from rtkit.deployment.facts import ComponentFacts, Followed, ProcessFacts, Snapshot
-from rtkit.deployment.plan_lock import Immortal, PlanLock
+from rtkit.deployment.plan_lock import PlanLock
 from rtkit.errors import RtkitError
 from rtkit.manager.core import events as ev
 from rtkit.manager.core.events import OWN_PROCESS
@@ -40,6 +40,15 @@ class _Shell(FakeShell):
             self._world.hear(instruction.key, instruction.message)
         elif isinstance(instruction, ev.Publish):
             self._world.publish(instruction)
+
+
+class Immortal:
+    """A life without end: of a lease holder that nobody watches."""
+
+    is_over = False
+
+    def close(self) -> None:
+        """Do nothing."""
 
 
 class FakeManager:

@@ -8,9 +8,9 @@ from collections.abc import Callable, Iterator
 from typing import Any
 
 import pytest
+from stated import Stated, stated
 
 from rtkit.cli.shared.commands import load
-from rtkit.deployment.stated import Stated, stated
 from rtkit.profile.read import read_rts
 from rtkit.tree.connect import connect
 

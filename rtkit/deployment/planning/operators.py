@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Sequence
 from typing import NamedTuple
 
 from rtkit.deployment.planning.model import (
@@ -194,42 +194,22 @@ class Operators:
         cost = self._model.cost(kind, subject)
         return Operator(kind, subject, text, tuple(needs), changes, cost, value, heeds)
 
-    def every(self) -> Iterator[Operator]:
-        """Yield every command that may be possible at some time; for models that are small."""
-        model = self._model
-        yield from (self.start(manager) for manager in model.managers)
-        for variable in model.variables():
-            if variable.startswith("mod:"):
-                if self.finds(variable[4:]):
-                    yield self.load(variable[4:])
-                yield self.unload(variable[4:])
-        for name, unit in model.units.items():
-            for place in unit.places:
-                # What must be loaded before is looked for when it is loaded.
-                if (
-                    not unit.module
-                    or model.needed_module(unit, place)
-                    or self.finds(f"{manager_of(place)}/{unit.module}")
-                ):
-                    yield self.create(name, place)
-            yield from (self.delete(name), self.activate(name))
-            yield from (self.deactivate(name), self.reset(name))
-        for key in (each for each in model.keys if not model.keys[each].is_fixed):
-            yield from (self.configure(key, value) for value in self._values(key))
-        for name, connector in model.wires.items():
-            yield self.disconnect(name)
-            if not connector.why_not:
-                yield self.connect(name)
-
     def _told(self, name: str) -> str:
         return self._model.wires[name].text or name
 
-    def finds(self, name: str) -> bool:
-        """Return whether a manager finds a module: ``M/X``."""
-        manager, _, module = name.partition("/")
-        found = self._model.managers.get(manager, frozenset())
-        return found is None or module in found
 
-    def _values(self, key: str) -> list[str]:
-        desired = self._model.desired.get(f"cfg:{key}", ())
-        return [desired] if isinstance(desired, str) else list(desired)
+def judge(model: Model, moves: Iterable[Operator]) -> str:
+    """Return the first thing that is wrong with a plan, by the number of its step; or nothing.
+
+    Has the same result as verifying it on the whole problem, and checks only what steps touch.
+    """
+    state = {variable: model.now(variable) for variable in model.variables()}
+    for number, move in enumerate(moves, 1):
+        broken = next((need for need in move.needs if not need.holds(state[need.variable])), None)
+        if broken is not None:
+            return f"step {number} ({move.text}): does not hold: {broken}"
+        state.update(move.changes)
+    for variable, value in state.items():
+        if not model.allows(variable, value):
+            return f"what is desired does not hold at the end: {variable}={value}"
+    return ""

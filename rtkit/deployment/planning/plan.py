@@ -10,8 +10,7 @@ from time import perf_counter
 from rtkit.deployment.planning.decide import check_managers, decide
 from rtkit.deployment.planning.explain import explained
 from rtkit.deployment.planning.model import ABSENT, NO, UP, Model
-from rtkit.deployment.planning.operators import Operator
-from rtkit.deployment.planning.reference_model import judge
+from rtkit.deployment.planning.operators import Operator, judge
 from rtkit.deployment.planning.sequencing import order, sequence
 from rtkit.errors import Impossible
 from rtkit.planner import layers

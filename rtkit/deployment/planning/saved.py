@@ -19,9 +19,8 @@ from rtkit.deployment.planning.model import (
     ParameterVariable,
     owner_of,
 )
-from rtkit.deployment.planning.operators import Operator, Operators
+from rtkit.deployment.planning.operators import Operator, Operators, judge
 from rtkit.deployment.planning.plan import DeploymentPlan
-from rtkit.deployment.planning.reference_model import judge
 from rtkit.deployment.planning.rendering import as_plain
 from rtkit.deployment.planning.rollback import difference
 from rtkit.deployment.planning.sequencing import order

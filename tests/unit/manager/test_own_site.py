@@ -7,11 +7,12 @@ from queue import Queue
 from threading import Thread
 
 import pytest
+from fake_manager import Immortal
 from fake_shell import FakeShell
 
 from rtkit.deployment.actions import Delete
 from rtkit.deployment.batch import results_to_text
-from rtkit.deployment.plan_lock import Immortal, PlanLock
+from rtkit.deployment.plan_lock import PlanLock
 from rtkit.errors import Refused
 from rtkit.manager.core.events import BatchRequested
 from rtkit.manager.core.requests import PendingRequests

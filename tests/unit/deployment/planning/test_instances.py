@@ -8,10 +8,11 @@ from pathlib import Path
 
 import pytest
 from deployments import large, model_from
+from reference_model import plan_of, problem_of
 
 from rtkit.deployment.planning.explain import NoPlan
+from rtkit.deployment.planning.operators import judge
 from rtkit.deployment.planning.plan import make_plan
-from rtkit.deployment.planning.reference_model import judge, plan_of, problem_of
 from rtkit.planner import verify
 
 FILE = json.loads(Path(__file__).with_name("instances.json").read_text())

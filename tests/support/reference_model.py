@@ -1,13 +1,13 @@
 """Reference model: the same deployment as one problem of the planner, with all variables.
 
-It verifies plans, and it serves as comparison: its search knows nothing of how plans are made.
+It serves as comparison: its search knows nothing of how plans are made.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 
-from rtkit.deployment.planning.model import Model
+from rtkit.deployment.planning.model import Model, manager_of
 from rtkit.deployment.planning.operators import Operator, Operators, Requirement
 from rtkit.planner import Command, Condition, Plan, Problem, State, Statistics, Step
 
@@ -24,7 +24,7 @@ def problem_of(model: Model, moves: Iterable[Operator] | None = None) -> Problem
     variables = list(model.variables())
     places = {variable: place for place, variable in enumerate(variables)}
     commands, costs = [], {}
-    for move in Operators(model).every() if moves is None else moves:
+    for move in every_move(model) if moves is None else moves:
         commands.append(_command(move, places))
         costs[move.text] = move.cost
     start = tuple(model.now(variable) for variable in variables)
@@ -37,21 +37,41 @@ def problem_of(model: Model, moves: Iterable[Operator] | None = None) -> Problem
     return Problem(dict.fromkeys(variables, domain), start, is_goal, commands, costs)
 
 
-def judge(model: Model, moves: Iterable[Operator]) -> str:
-    """Return the first thing that is wrong with a plan, by the number of its step; or nothing.
+def every_move(model: Model) -> Iterator[Operator]:
+    """Yield every command that may be possible at some time; for models that are small."""
+    operators = Operators(model)
+    yield from (operators.start(manager) for manager in model.managers)
+    for variable in model.variables():
+        if variable.startswith("mod:"):
+            if _finds(model, variable[4:]):
+                yield operators.load(variable[4:])
+            yield operators.unload(variable[4:])
+    for name, unit in model.units.items():
+        for place in unit.places:
+            # What must be loaded before is looked for when it is loaded.
+            if (
+                not unit.module
+                or model.needed_module(unit, place)
+                or _finds(model, f"{manager_of(place)}/{unit.module}")
+            ):
+                yield operators.create(name, place)
+        yield from (operators.delete(name), operators.activate(name))
+        yield from (operators.deactivate(name), operators.reset(name))
+    for key in (each for each in model.keys if not model.keys[each].is_fixed):
+        desired = model.desired.get(f"cfg:{key}", ())
+        values = [desired] if isinstance(desired, str) else desired
+        yield from (operators.configure(key, value) for value in values)
+    for name, connector in model.wires.items():
+        yield operators.disconnect(name)
+        if not connector.why_not:
+            yield operators.connect(name)
 
-    Has the same result as verifying it on the whole problem, and checks only what steps touch.
-    """
-    state = {variable: model.now(variable) for variable in model.variables()}
-    for number, move in enumerate(moves, 1):
-        broken = next((need for need in move.needs if not need.holds(state[need.variable])), None)
-        if broken is not None:
-            return f"step {number} ({move.text}): does not hold: {broken}"
-        state.update(move.changes)
-    for variable, value in state.items():
-        if not model.allows(variable, value):
-            return f"what is desired does not hold at the end: {variable}={value}"
-    return ""
+
+def _finds(model: Model, name: str) -> bool:
+    """Return whether a manager finds a module: ``M/X``."""
+    manager, _, module = name.partition("/")
+    found = model.managers.get(manager, frozenset())
+    return found is None or module in found
 
 
 def plan_of(problem: Problem, moves: Sequence[Operator]) -> Plan:
