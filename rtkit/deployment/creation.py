@@ -39,7 +39,7 @@ def creation_plan(
         except Malformed as error:
             raise BadComponent(system.components.index(component), str(error)) from error
     pending = {c.instance for c in missing}
-    unmakable = {c.instance for c in system.components if may_create and not _how(c, live)}
+    unmakable = {c.instance for c in system.components if may_create and not live.create_of(c)}
     return LayeredPlan(
         (*checks(system, live, pending, unmakable), *_lacking(missing, lacks)),
         (
@@ -63,7 +63,7 @@ def _creations(
     missing: Iterable[WantedComponent], live: LiveIndex, lacks: Mapping[str, str]
 ) -> Iterator[Layer]:
     """Yield the creation of all at once, then that of composites, inner ones first."""
-    members = {c.instance: _members(_how(c, live)) for c in missing}
+    members = {c.instance: parse_create(live.create_of(c)).members for c in missing}
     left = {c.instance: c for c in missing}
     name = "create"
     while left:
@@ -86,11 +86,6 @@ def _attachments(system: WantedSystem, live: LiveIndex) -> Iterator[PlannedActio
             else:
                 attach = Attach(component.instance, context, guest)
                 yield PlannedAction(text, attach, where=component.path)
-
-
-def _members(create: str) -> list[str]:
-    text = parse_create(create).options.get("members", "") if create else ""
-    return [name.strip() for name in text.split(",") if name.strip()]
 
 
 def checks(
@@ -148,7 +143,7 @@ def _is_to_be_made(component: WantedComponent, live: LiveIndex) -> bool:
     other = live.namesake(component.instance)
     if other is not None and not other.zombie:
         return False
-    if not _how(component, live):
+    if not live.create_of(component):
         return False
     if component.unknown_host:
         raise NotFound(
@@ -178,16 +173,8 @@ def is_loaded(known: ModuleProfile, path: str, init: str) -> bool:
     return known.is_at(path) and init in ("", known.init)
 
 
-def _how(component: WantedComponent, live: LiveIndex) -> str:
-    """Return the create string of a component: the profile's, else that of its zombie."""
-    entry = live.entry(component.instance)
-    if component.create or entry is None or entry.is_stand_in:
-        return component.create
-    return entry.create
-
-
 def _creation(component: WantedComponent, live: LiveIndex, lack: str | None) -> PlannedAction:
-    create = _how(component, live)
+    create = live.create_of(component)
     place = parse_create(create).place
     manager = f"manager {component.manager}" if component.manager else "the manager"
     where = f"in slave {place}" if place else f"in {manager}"

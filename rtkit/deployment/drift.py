@@ -16,7 +16,7 @@ from rtkit.deployment.facts import ComponentFacts
 from rtkit.deployment.live import own_context_of
 from rtkit.deployment.system import HIDDEN, WantedComponent
 from rtkit.errors import Malformed
-from rtkit.rtc.create import CreateString, parse_create
+from rtkit.rtc.create import CreateString, readable_create
 from rtkit.rtc.data_types import is_same_type
 from rtkit.rtc.enums import ExecutionKind
 
@@ -119,10 +119,7 @@ def otherwise_made(component: WantedComponent, facts: ComponentFacts) -> Iterato
 
 def essence(text: str) -> str:
     """Return of a create string what is compared with nothing else; empty if it cannot be read."""
-    try:
-        create = parse_create(text)
-    except Malformed:
-        return ""
+    create = readable_create(text)
     left = {
         key: create.options[key]
         for key in sorted(create.options)

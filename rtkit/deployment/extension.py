@@ -11,7 +11,7 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 from rtkit.errors import Malformed
-from rtkit.rtc.create import parse_create
+from rtkit.rtc.create import parse_create, readable_create
 
 if TYPE_CHECKING:
     from rtkit.deployment.facts import ComponentFacts
@@ -83,10 +83,7 @@ def is_policy(key: str) -> bool:
 
 def policy_in(create: str) -> dict[str, str]:
     """Return the properties of a policy in a create string; none in one that cannot be read."""
-    try:
-        options = parse_create(create).options if create else {}
-    except Malformed:
-        return {}
+    options = readable_create(create).options
     return {key: value for key, value in options.items() if is_policy(key)}
 
 
@@ -105,10 +102,7 @@ def with_policy(create: str, policy: Mapping[str, str]) -> str:
 
 def options_of(facts: ComponentFacts) -> Mapping[str, str]:
     """Return the options of the create string that made a component."""
-    try:
-        return parse_create(facts.create).options if facts.create else {}
-    except Malformed:
-        return {}
+    return readable_create(facts.create).options
 
 
 def stated_id(facts: ComponentFacts) -> str:

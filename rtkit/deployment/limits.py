@@ -18,7 +18,7 @@ from rtkit.deployment.facts import ComponentFacts
 from rtkit.deployment.system import WantedSystem
 from rtkit.errors import Malformed
 from rtkit.fast_dataclass import dataclass
-from rtkit.rtc.create import parse_create
+from rtkit.rtc.create import readable_create
 from rtkit.rtc.nearest import did_you_mean
 
 WINDOW_S = 5.0
@@ -101,7 +101,7 @@ def limits_in(create: str) -> SlaveLimits:
     if LIMIT not in create:
         return NO_LIMITS
     try:
-        return read_limits(parse_create(create).options)
+        return read_limits(readable_create(create).options)
     except Malformed:
         return NO_LIMITS
 

@@ -59,6 +59,13 @@ class LiveIndex:
         """Return the component of that instance name wherever it is registered, or None."""
         return self._instances.get(instance)
 
+    def create_of(self, wanted: WantedComponent) -> str:
+        """Return the create string of a component: what is wanted, else what made what is there."""
+        entry = self.entry(wanted.instance)
+        if wanted.create or entry is None or entry.is_stand_in:
+            return wanted.create
+        return entry.create
+
     def home(self, instance: str) -> str:
         """Return the manager that a component lives in, or belongs to."""
         belongs = self._belongs.get(instance, self.snapshot.manager)

@@ -44,7 +44,7 @@ from rtkit.profile.rts_model import (
 )
 from rtkit.profile.words import strip_instance
 from rtkit.rtc.connector_properties import PUSH_INTERVAL
-from rtkit.rtc.create import CreateString, parse_create
+from rtkit.rtc.create import CreateString, listed_names, parse_create, readable_create
 from rtkit.rtc.enums import Polarity, PortType
 from rtkit.rtc.pattern import ComponentPattern
 from rtkit.rtc.port_types import are_reversed
@@ -201,7 +201,7 @@ def _component(
         contexts=contexts_of(component.execution_contexts),
         unknown_host=where.unknown_host,
         guests=guests_of(component),
-        hot=tuple(filter(None, map(str.strip, own.get(extension.HOT, "").split(",")))),
+        hot=listed_names(own.get(extension.HOT, "")),
         costs=_costs(component.instance_name, own.get(extension.COST, "")),
         manager=where.manager,
         rates=rates_of(component.execution_contexts),
@@ -232,8 +232,7 @@ def _limited(create: CreateString) -> str:
         Malformed: It has limits, but its component would not be in a slave.
     """
     text = str(create)
-    is_in_slave = create.place or create.address or create.options.get("members")
-    if extension.LIMIT in text and not is_in_slave:
+    if extension.LIMIT in text and not (create.place or create.is_place_open):
         from rtkit.deployment.limits import needs_slave, read_limits
 
         if read_limits(create.options):
@@ -289,7 +288,7 @@ def _costs(instance: str, text: str) -> dict[str, float]:
         return costs
     from rtkit.deployment.planning.model import DEFAULT_COSTS, INTERRUPTIONS, is_cost
 
-    for item in filter(None, map(str.strip, text.split(","))):
+    for item in listed_names(text):
         kind, equals, number = item.rpartition("=")
         kinds = (kind.strip(),) if equals else INTERRUPTIONS
         try:
@@ -423,10 +422,7 @@ def _own(
         if component is None:
             return ()
         values = component.sets.get(component.active_set or "default", {})
-        text = values.get("members", "")
-        if not text and component.create:
-            text = parse_create(component.create).options.get("members", "")
-        return [name.strip() for name in text.split(",") if name.strip()]
+        return listed_names(values.get("members", "")) or readable_create(component.create).members
 
     def has_port(end: PortRef) -> bool:
         component = components.get(end.instance)

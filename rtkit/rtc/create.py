@@ -51,6 +51,16 @@ class CreateString:
         """``host:port`` of the manager that is to hold it; empty for the receiving manager."""
         return self.options.get("manager_address", "") or self.options.get("manager", "")
 
+    @property
+    def members(self) -> tuple[str, ...]:
+        """Instance names of what a composite is made of, in order of execution."""
+        return listed_names(self.options.get("members", ""))
+
+    @property
+    def is_place_open(self) -> bool:
+        """Whether the manager chooses the process: by the stated address, or by the members."""
+        return not self.place and bool(self.address or self.options.get("members"))
+
     def with_options(self, **options: str) -> CreateString:
         """Return the same with these options set, or removed where empty."""
         merged = {**self.options, **options}
@@ -91,6 +101,19 @@ def parse_create(text: str) -> CreateString:
     if not identity["implementation_id"].strip():
         raise Malformed(f"create string names no component type: {text!r}")
     return CreateString(options=options, **identity)
+
+
+def readable_create(text: str) -> CreateString:
+    """Read a create string; one that cannot be read, or none, has no type and no options."""
+    try:
+        return parse_create(text) if text else CreateString("")
+    except Malformed:
+        return CreateString("")
+
+
+def listed_names(text: str) -> tuple[str, ...]:
+    """Return the names of a list that is separated by commas."""
+    return tuple(filter(None, map(str.strip, text.split(","))))
 
 
 def _options(tail: str, text: str) -> dict[str, str]:

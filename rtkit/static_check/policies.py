@@ -25,7 +25,6 @@ from rtkit.deployment.states.machine import machine_of
 from rtkit.deployment.supervision import read_policy, restart_of
 from rtkit.errors import Malformed
 from rtkit.report.finding import ERROR, WARNING
-from rtkit.rtc.create import parse_create
 from rtkit.static_check.finding import TOP, ProfileLocation, StaticFinding
 from rtkit.static_check.view import CheckedComponent, View, property_place
 
@@ -59,12 +58,7 @@ def restart_findings(view: View) -> Iterator[StaticFinding]:
 
 def _slaves(view: View) -> set[str]:
     """Return the slaves in which components are made, as far as the profile states it."""
-    texts = (properties_of(part.component.properties).get(CREATE, "") for part in view.parts)
-    found = set()
-    for text in filter(None, texts):
-        with suppress(Malformed):  # reported by another rule
-            found.add(parse_create(text).place)
-    return found
+    return {part.create.place for part in view.parts if part.create.implementation_id}
 
 
 def _states(view: View) -> Iterator[StaticFinding]:
@@ -108,14 +102,8 @@ def _limits(part: CheckedComponent) -> SlaveLimits:
 
 
 def _is_in_slave(part: CheckedComponent) -> bool:
-    text = properties_of(part.component.properties).get(CREATE, "")
-    if not text:
-        return True  # how it is created is not stated here
-    try:
-        create = parse_create(text)
-    except Malformed:
-        return True
-    return bool(create.place or create.address or create.options.get("members"))
+    create = part.create  # without a type how it is created is not stated here
+    return not create.implementation_id or bool(create.place) or create.is_place_open
 
 
 def property_remarks(view: View) -> Iterator[StaticFinding]:

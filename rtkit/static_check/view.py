@@ -7,11 +7,10 @@ from typing import NamedTuple
 
 from rtkit.deployment.described import properties_of
 from rtkit.deployment.extension import CREATE
-from rtkit.errors import Malformed
 from rtkit.profile.common import ExtensionProperty
 from rtkit.profile.rts_model import ComponentInstance, RtsProfile, TargetPort
 from rtkit.profile.words import strip_instance
-from rtkit.rtc.create import FRESH_SLAVE, parse_create
+from rtkit.rtc.create import FRESH_SLAVE, CreateString, readable_create
 from rtkit.rtc.enums import PortType
 from rtkit.rtc.port_types import stated_port_type
 from rtkit.rtc.profiles import PortInterfaceProfile
@@ -36,6 +35,11 @@ class CheckedComponent(NamedTuple):
     def name(self) -> str:
         """Its instance name."""
         return self.component.instance_name
+
+    @property
+    def create(self) -> CreateString:
+        """Its create string; one without a type where none is stated, or it cannot be read."""
+        return readable_create(properties_of(self.component.properties).get(CREATE, ""))
 
     @property
     def is_composite(self) -> bool:
@@ -130,11 +134,9 @@ class View:
     def process_of(self, name: str) -> str | None:
         """Return the slave in which a component is made, empty for the manager; None if unknown."""
         part = self._by_name.get(name)
-        text = properties_of(part.component.properties).get(CREATE, "") if part else ""
-        try:
-            place = parse_create(text).place if text else None
-        except Malformed:
+        if part is None or not part.create.implementation_id:
             return None
+        place = part.create.place
         return f"a slave of its own ({name})" if place == FRESH_SLAVE else place
 
     def has_port(self, part: CheckedComponent, name: str) -> bool:

@@ -166,10 +166,8 @@ def _check_nothing_else(app: App, options: dict[str, Any]) -> None:
 def _makings(system: WantedSystem, snapshot: Snapshot) -> dict[str, list[str]]:
     """Return the inputs of components' creation, by component name."""
     from rtkit.deployment.live import LiveIndex
-    from rtkit.deployment.planning.feasibility import create_text
 
     live = LiveIndex(snapshot, system)
     return {
-        each.instance: [create_text(each, live), each.module, each.name]
-        for each in system.components
+        each.instance: [live.create_of(each), each.module, each.name] for each in system.components
     }

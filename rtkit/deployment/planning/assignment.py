@@ -11,20 +11,8 @@ from collections.abc import Iterator
 from math import inf
 from typing import NamedTuple
 
-from rtkit.deployment.planning.model import (
-    ABSENT,
-    ACTIVE,
-    ERROR,
-    INACTIVE,
-    LOADED,
-    NO,
-    UP,
-    YES,
-    ComponentVariable,
-    Model,
-    is_inproc,
-    manager_of,
-)
+from rtkit.deployment.planning import model as var
+from rtkit.deployment.planning.model import ComponentVariable, Model, is_inproc, manager_of
 
 
 class Assignment(NamedTuple):
@@ -47,7 +35,7 @@ class Assignment(NamedTuple):
     @property
     def is_there(self) -> bool:
         """Return whether it is there at the end."""
-        return self.place != ABSENT
+        return self.place != var.ABSENT
 
 
 class Assignments:
@@ -63,11 +51,11 @@ class Assignments:
     def _all(self, unit: ComponentVariable) -> Iterator[Assignment]:
         model = self._model
         now = model.now(f"cmp:{unit.name}")
-        lives = now != ABSENT
+        lives = now != var.ABSENT
         if lives and model.allows(f"cmp:{unit.name}", now):
             yield Assignment(now, False, False, self._staying(unit))
-        if model.allows(f"cmp:{unit.name}", ABSENT) and self._allows_usual(unit.name):
-            yield Assignment(ABSENT, False, lives, self._ending(unit) if lives else 0)
+        if model.allows(f"cmp:{unit.name}", var.ABSENT) and self._allows_usual(unit.name):
+            yield Assignment(var.ABSENT, False, lives, self._ending(unit) if lives else 0)
         if unit.why_not:
             return
         for place in unit.places:
@@ -79,7 +67,7 @@ class Assignments:
         """Return whether the desired state of a component can hold without it."""
         model = self._model
         keys = (f"cfg:{key}" for key in model.keys_of[name])
-        return model.allows(f"act:{name}", INACTIVE) and all(
+        return model.allows(f"act:{name}", var.INACTIVE) and all(
             model.allows(key, model.usual(key)) for key in keys
         )
 
@@ -100,17 +88,19 @@ class Assignments:
         model = self._model
         if not is_rest_needed and model.allows(f"act:{name}", now):
             return 0
-        cost = {ACTIVE: model.cost("deactivate", name), ERROR: model.cost("reset", name)}
+        cost = {var.ACTIVE: model.cost("deactivate", name), var.ERROR: model.cost("reset", name)}
         to_rest = cost.get(now, 0)
-        if model.allows(f"act:{name}", INACTIVE):
+        if model.allows(f"act:{name}", var.INACTIVE):
             return to_rest
         return (
-            to_rest + model.cost("activate", name) if model.allows(f"act:{name}", ACTIVE) else inf
+            to_rest + model.cost("activate", name)
+            if model.allows(f"act:{name}", var.ACTIVE)
+            else inf
         )
 
     def _ending(self, unit: ComponentVariable) -> float:
         model = self._model
-        is_active = model.now(f"act:{unit.name}") == ACTIVE
+        is_active = model.now(f"act:{unit.name}") == var.ACTIVE
         rest = model.cost("deactivate", unit.name) if is_active else 0
         return rest + model.cost("delete", unit.name)
 
@@ -121,11 +111,11 @@ class Assignments:
         if manager_of(place) not in model.managers:
             return inf
         is_found = not unit.module or manager is None or unit.module in manager
-        if not is_found and not (needed and model.now(f"mod:{needed}") == LOADED):
+        if not is_found and not (needed and model.now(f"mod:{needed}") == var.LOADED):
             return inf
-        if needed and is_inproc(place) and not model.allows(f"mod:{needed}", LOADED):
+        if needed and is_inproc(place) and not model.allows(f"mod:{needed}", var.LOADED):
             return inf
-        if not model.allows(f"mgr:{manager_of(place)}", UP):
+        if not model.allows(f"mgr:{manager_of(place)}", var.UP):
             return inf
         cost = model.cost("create" if is_inproc(place) else "create_slave", name)
         for key in model.keys_of[name]:
@@ -133,13 +123,13 @@ class Assignments:
                 if model.keys[key].is_fixed:
                     return inf
                 cost += model.cost("configure", key)
-        return cost + self._turning(name, INACTIVE, is_rest_needed=False)
+        return cost + self._turning(name, var.INACTIVE, is_rest_needed=False)
 
     def _uses(self, unit: ComponentVariable, place: str) -> frozenset[str]:
         model = self._model
         needed = model.needed_module(unit, place)
         uses = {f"mgr:{manager_of(place)}"} | ({f"mod:{needed}"} if needed else set())
-        return frozenset(use for use in uses if model.now(use) not in (UP, LOADED))
+        return frozenset(use for use in uses if model.now(use) not in (var.UP, var.LOADED))
 
     # with others
 
@@ -148,17 +138,17 @@ class Assignments:
         model = self._model
         variable = f"con:{name}"
         now = model.now(variable)
-        may_be = now != NO and model.allows(variable, now)
+        may_be = now != var.NO and model.allows(variable, now)
         is_broken = any(assignment.is_ended for assignment in assignments)
         if may_be and not is_broken:
             return 0
-        to_no = model.cost("disconnect", name) if now != NO else 0
-        if model.allows(variable, NO):
+        to_no = model.cost("disconnect", name) if now != var.NO else 0
+        if model.allows(variable, var.NO):
             return to_no
         can_be = (
             all(assignment.is_there for assignment in assignments) and not model.wires[name].why_not
         )
-        can_be = can_be and model.allows(variable, YES)
+        can_be = can_be and model.allows(variable, var.YES)
         return to_no + model.cost("connect", name) if can_be else inf
 
     def whole(self, member: Assignment, whole: Assignment, *, lives: bool) -> float:

@@ -6,9 +6,9 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 from rtkit.deployment.live import LiveIndex
-from rtkit.deployment.system import WantedComponent, WantedSystem
+from rtkit.deployment.system import WantedSystem
 from rtkit.fast_dataclass import dataclass, field
-from rtkit.rtc.create import FRESH_SLAVE, CreateString, parse_create
+from rtkit.rtc.create import FRESH_SLAVE, parse_create
 from rtkit.rtc.profiles import PortProfile
 
 if TYPE_CHECKING:
@@ -47,19 +47,6 @@ def place_name(manager: str, process: str) -> str:
     return f"{manager}:slave" if process == FRESH_SLAVE else f"{manager}:slave/{process}"
 
 
-def create_text(component: WantedComponent, live: LiveIndex) -> str:
-    """Return the create string of a component: what is wanted, else what made what lives."""
-    entry = live.entry(component.instance)
-    if component.create or entry is None or entry.is_stand_in:
-        return component.create
-    return entry.create
-
-
-def is_place_open(create: CreateString) -> bool:
-    """Return whether the manager chooses the process: by the address stated, or by the members."""
-    return not create.place and bool(create.address or create.options.get("members"))
-
-
 def makings(system: WantedSystem, live: LiveIndex) -> dict[str, Making]:
     """Return what those components are made of that are not there, or not where they are wanted.
 
@@ -67,14 +54,14 @@ def makings(system: WantedSystem, live: LiveIndex) -> dict[str, Making]:
     """
     found = {}
     for component in system.components:
-        text = create_text(component, live)
+        text = live.create_of(component)
         if component.pattern is not None or not text:
             continue
         create = parse_create(text)
         facts = live.at(component.instance)
         manager = live.home(component.instance)
         is_there = facts is not None and (
-            is_place_open(create)
+            create.is_place_open
             or place_name(manager, facts.process) == place_name(manager, create.place)
         )
         if not is_there:

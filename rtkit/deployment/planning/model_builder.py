@@ -10,28 +10,11 @@ from rtkit.deployment.creation import is_loaded
 from rtkit.deployment.facts import ComponentFacts, Snapshot
 from rtkit.deployment.live import LiveIndex, absence, mismatch, states_of
 from rtkit.deployment.planning import component_settings
+from rtkit.deployment.planning import model as var
 from rtkit.deployment.planning.component_settings import ComponentSetting
-from rtkit.deployment.planning.feasibility import (
-    NOTHING_KNOWN,
-    Feasibility,
-    create_text,
-    is_place_open,
-    place_name,
-)
+from rtkit.deployment.planning.costs import USUAL, Costs
+from rtkit.deployment.planning.feasibility import NOTHING_KNOWN, Feasibility, place_name
 from rtkit.deployment.planning.model import (
-    ABSENT,
-    ACTIVE,
-    ANY,
-    DEFAULT_COSTS,
-    DOWN,
-    ERROR,
-    INACTIVE,
-    LOADED,
-    NO,
-    OTHER,
-    UNKNOWN,
-    UP,
-    YES,
     ComponentVariable,
     ConnectionVariable,
     Model,
@@ -50,11 +33,9 @@ from rtkit.deployment.system import (
 )
 from rtkit.deployment.wiring import is_same_wire, missing_end, parting
 from rtkit.errors import Impossible
-from rtkit.rtc.create import parse_create
+from rtkit.rtc.create import CreateString, parse_create
 from rtkit.rtc.enums import LifeCycleState
 from rtkit.rtc.profiles import ConnectorProfile, PortProfile, PortRef, split_module
-
-NO_STATES: Mapping[str, LifeCycleState | None] = {}
 
 
 @dataclass(frozen=True)
@@ -71,40 +52,61 @@ class BuiltModel:
     unmet: tuple[str, ...] = ()
 
 
-@dataclass
-class ModelBuilder:
-    """Builds the model of a wanted system over what lives.
+@dataclass(frozen=True)
+class WantedDeployment:
+    """A wanted system, and how it is to be reached.
 
     Attributes:
-        system: What is wanted.
-        live: What lives.
-        state: Active or Inactive, in which every component is to be; None for as it is.
-        costs: Of commands.
-        began: What lived when it began; who moves keeps connections and values of then.
+        state: In which every component is to be; None for as it is.
+        ranks: Components of lower numbers are activated before those of higher ones.
+        parallel: Most actions that are under way at once; 0 for no bound.
         feasibility: What is known of components that do not live yet.
         states: In which single components are to be, instead of `state`.
         absent: Components that are not to be there, by name.
         replaces: What cannot be changed in place is created again.
-        prunes: What is not in the wanted system is not to be there.
-        is_back: For the way back: what turned out to be another than wanted is taken in too.
+        prunes: What is not in the system is not to be there.
+        is_strict: What would be made with a note on it is to fail instead.
     """
 
     system: WantedSystem
-    live: LiveIndex
     state: LifeCycleState | None = LifeCycleState.ACTIVE
-    costs: Mapping[str, float] = field(default_factory=lambda: DEFAULT_COSTS)
-    began: Snapshot | None = None
+    ranks: Mapping[str, int] = field(default_factory=dict)
+    costs: Costs = USUAL
+    parallel: int = 0
     feasibility: Feasibility = NOTHING_KNOWN
-    states: Mapping[str, LifeCycleState | None] = field(default_factory=lambda: NO_STATES)
+    states: Mapping[str, LifeCycleState | None] = field(default_factory=dict)
     absent: frozenset[str] = frozenset()
     replaces: bool = False
     prunes: bool = False
-    is_back: bool = False
+    is_strict: bool = False
 
-    def __post_init__(self) -> None:
-        self._began = self.began or self.live.snapshot
+
+class ModelBuilder:
+    """Builds the model of a wanted deployment over what lives."""
+
+    def __init__(
+        self,
+        wanted: WantedDeployment,
+        live: LiveIndex,
+        began: Snapshot | None = None,
+        *,
+        is_back: bool = False,
+    ) -> None:
+        """Begin with nothing in the model.
+
+        Args:
+            wanted: What is wanted.
+            live: What lives.
+            began: What lived when it began; who moves keeps connections and values of then.
+            is_back: For the way back: what turned out to be another than wanted is taken in too.
+        """
+        self.wanted = wanted
+        self.system = wanted.system
+        self.live = live
+        self.is_back = is_back
+        self._began = began or live.snapshot
         # What was otherwise before is to be so again, and what was not there is to go again.
-        self.replaces = self.replaces or self.is_back
+        self.replaces = wanted.replaces or is_back
         self._joined = {connector.connector_id: connector for connector in self._began.connectors}
         self._before = {facts.instance: facts for facts in self._began.components}
         self._units: dict[str, ComponentVariable] = {}
@@ -117,7 +119,7 @@ class ModelBuilder:
         self._unmet: list[str] = []
         self._named = {component.instance for component in self.system.components}
         self._replaced: set[str] = set()
-        self._stale = Stale(self.live, self._named, self.feasibility.code)
+        self._stale = Stale(self.live, self._named, self.wanted.feasibility.code)
 
     def run(self) -> BuiltModel:
         """Return the model.
@@ -128,12 +130,12 @@ class ModelBuilder:
         """
         managers = self.live.managers
         for name, told in managers.items():
-            self._live[f"mgr:{name}"] = UP if told.pid else DOWN
+            self._live[f"mgr:{name}"] = var.UP if told.pid else var.DOWN
         for component in self.system.components:
             self._component(component)
         for connector in self.system.connectors:
             self._connector(connector)
-        if self.prunes:
+        if self.wanted.prunes:
             self._prune()
         self._surplus([*self.live.snapshot.connectors, *self._began.connectors])
         for component in self.system.components:
@@ -147,7 +149,7 @@ class ModelBuilder:
             self._keys,
             self._live,
             self._desired,
-            self.costs,
+            self.wanted.costs.values,
             slaves_need_modules=True,
         )
         return BuiltModel(model, tuple(self._notes), tuple(self._unmet))
@@ -158,7 +160,7 @@ class ModelBuilder:
         entry = self.live.entry(component.instance)
         facts = self.live.at(component.instance)
         wrong = mismatch(component, facts) if facts is not None else ""
-        if component.instance in self.absent:
+        if component.instance in self.wanted.absent:
             if facts is not None and not wrong:
                 self._leaving(component, facts)
             return
@@ -178,20 +180,17 @@ class ModelBuilder:
         if is_another:
             self._replaced.add(component.instance)
         name = component.instance
-        create = create_text(component, self.live)
-        made = parse_create(create) if create else None
-        options = made.options if made is not None else {}
-        members = tuple(m.strip() for m in options.get("members", "").split(",") if m.strip())
-        place = self._place(name, options.get("manager_name", ""))
+        create = self.live.create_of(component)
+        made = parse_create(create) if create else CreateString("")
+        place = self._place(name, made.place)
         lack = why_not or self._lack(component)
         places = () if lack or not create else (place,)
         why = lack or ("" if create else f"nothing tells how to make {component.path}")
         mates = self._stale.mates(name)
         self._units[name] = ComponentVariable(
-            name, self._module(component), places, why, members, mates
+            name, self._module(component), places, why, made.members, mates
         )
-        is_stated = bool(component.create) or entry is None
-        is_stated = is_stated and not (made is not None and is_place_open(made))
+        is_stated = (bool(component.create) or entry is None) and not made.is_place_open
         self._desired[f"cmp:{name}"] = self._desired_place(component, facts, place, is_stated)
         if facts is not None:
             self._live[f"cmp:{name}"] = self._place(name, facts.process)
@@ -243,7 +242,7 @@ class ModelBuilder:
             if name in self._named or facts.zombie or self.live.is_guest(facts):
                 continue
             self._units[name] = ComponentVariable(name, members=facts.members)
-            self._desired[f"cmp:{name}"] = ABSENT
+            self._desired[f"cmp:{name}"] = var.ABSENT
             if name in alive:
                 self._live[f"cmp:{name}"] = self._place(name, facts.process)
                 self._live_state(name, {context.state for context in facts.contexts})
@@ -262,7 +261,7 @@ class ModelBuilder:
         name = component.instance
         self._units[name] = ComponentVariable(name, self._module(component))
         self._live[f"cmp:{name}"] = self._place(name, facts.process)
-        self._desired[f"cmp:{name}"] = ABSENT
+        self._desired[f"cmp:{name}"] = var.ABSENT
         self._live_state(name, set(states_of(component, facts)))
 
     def _why_not(self, component: WantedComponent) -> str:
@@ -271,7 +270,7 @@ class ModelBuilder:
         other = live.namesake(component.instance)
         if other is not None and not other.zombie:
             return absence(component, live)
-        if not create_text(component, live):
+        if not live.create_of(component):
             hint = "nothing tells how to make it; --stand-in generates it"
             return f"{absence(component, live)} ({hint})"
         if component.unknown_host:
@@ -282,18 +281,18 @@ class ModelBuilder:
 
     def _lack(self, component: WantedComponent) -> str:
         """Return why nothing could be made of a component's type; empty when it may be."""
-        lack = self.feasibility.lacks.get(component.instance, "")
+        lack = self.wanted.feasibility.lacks.get(component.instance, "")
         return f"{component.path}: {lack}" if lack else ""
 
     def _desired_place(
         self, component: WantedComponent, facts: ComponentFacts | None, place: str, is_stated: bool
     ) -> Wish:
         if facts is None:
-            return place if is_stated and self._units[component.instance].places else ANY
+            return place if is_stated and self._units[component.instance].places else var.ANY
         manager = self.live.home(component.instance)
         now = place_name(manager, facts.process)
         if not is_stated:
-            return ANY
+            return var.ANY
         lack = self._lack(component)
         if lack and not component.is_required:
             self._notes.append(f"{lack}; it stays where it is")
@@ -312,12 +311,12 @@ class ModelBuilder:
         path, init = split_module(component.module)
         loaded = self.live.managers[manager].modules
         if any(is_loaded(known, path, init) for known in loaded):
-            self._live[f"mod:{manager}/{component.module}"] = LOADED
+            self._live[f"mod:{manager}/{component.module}"] = var.LOADED
         return component.module
 
     def _parameters(self, component: WantedComponent, facts: ComponentFacts | None) -> None:
         was = self._before.get(component.instance)
-        declared = self.feasibility.parameters.get(component.instance)
+        declared = self.wanted.feasibility.parameters.get(component.instance)
         values = Values(component, facts, was, declared)
         missing = [*values.missing, *component_settings.unlike(component, facts)]
         self._notes += missing
@@ -337,29 +336,31 @@ class ModelBuilder:
 
     def _activity(self, component: WantedComponent, facts: ComponentFacts | None) -> None:
         variable = f"act:{component.instance}"
-        state = self.states.get(component.instance, self.state)
+        state = self.wanted.states.get(component.instance, self.wanted.state)
         is_wished = state is not None and bool(component.contexts)
         if facts is not None and is_wished and len(list(states_of(component, facts))) == 0:
             self._notes.append(f"Component {component.path} has no execution context")
             is_wished = False
         if is_wished:
             is_up = state is LifeCycleState.ACTIVE
-            self._desired[variable] = ACTIVE if is_up else INACTIVE
+            self._desired[variable] = var.ACTIVE if is_up else var.INACTIVE
         if facts is not None:
             self._live_state(component.instance, set(states_of(component, facts)))
 
     def _live_state(self, name: str, states: set[LifeCycleState]) -> None:
         variable = f"act:{name}"
         if LifeCycleState.ERROR in states:
-            self._live[variable] = ERROR
+            self._live[variable] = var.ERROR
         elif LifeCycleState.ACTIVE in states:
             # In some contexts only: it counts as what has to be done with it.
-            is_partly = len(states) > 1 and self._desired.get(variable) == ACTIVE
-            self._live[variable] = INACTIVE if is_partly and self._is_settled(name) else ACTIVE
+            is_partly = len(states) > 1 and self._desired.get(variable) == var.ACTIVE
+            self._live[variable] = (
+                var.INACTIVE if is_partly and self._is_settled(name) else var.ACTIVE
+            )
 
     def _is_settled(self, name: str) -> bool:
         keys = (v for v in self._desired if v.startswith(f"cfg:{key_of(name, '')}"))
-        return all(is_granted(self._desired[v], self._live.get(v, UNKNOWN)) for v in keys)
+        return all(is_granted(self._desired[v], self._live.get(v, var.UNKNOWN)) for v in keys)
 
     # connections
 
@@ -378,15 +379,15 @@ class ModelBuilder:
             return
         ends = tuple(end.instance for end in connector.ports)
         self._wires[id] = ConnectionVariable(ends, why, self._wire_text(id, connector.ports))
-        if self.absent.isdisjoint(ends):
-            self._desired[f"con:{id}"] = YES
+        if self.wanted.absent.isdisjoint(ends):
+            self._desired[f"con:{id}"] = var.YES
         for other in filter(None, (known, self._joined.get(id))):
             # Who is joined by it now, or was, has to do with it.
             for end in other.ports:
                 if end.instance not in self._units and not self._is_gone(end.instance):
                     self._bystander(end.instance)
         if known is not None:
-            self._live[f"con:{id}"] = YES if is_same_wire(known, connector) else OTHER
+            self._live[f"con:{id}"] = var.YES if is_same_wire(known, connector) else var.OTHER
 
     def _wire_text(self, id: str, ports: tuple[PortRef, ...]) -> str:
         return f"{' to '.join(map(str, ports))} ({id})"
@@ -397,7 +398,9 @@ class ModelBuilder:
         for end in wanted.profile.ports:
             port = self._port(end, is_pending=end.instance in pending)
             if port is None:
-                is_known = end.instance in pending and end.instance in self.feasibility.described
+                is_known = (
+                    end.instance in pending and end.instance in self.wanted.feasibility.described
+                )
                 path = address(self.system, end)
                 return f"port missing: {path} (its type has none)" if is_known else ""
             found.append(port)
@@ -413,7 +416,7 @@ class ModelBuilder:
         component = self.system.component(end.instance)
         if component.pattern is not None:
             return component.port(end.port)
-        known = self.feasibility.ports.get(end.instance, ())
+        known = self.wanted.feasibility.ports.get(end.instance, ())
         return next((port for port in known if port.name == end.port), None)
 
     def _surplus(self, wires: Iterable[ConnectorProfile]) -> None:
@@ -431,10 +434,10 @@ class ModelBuilder:
             self._wires[id] = ConnectionVariable(
                 tuple(names), "", self._wire_text(id, connector.ports)
             )
-            is_kept = not self.prunes or any(self._units[name].why_not for name in names)
-            if self.absent.isdisjoint(names):
-                self._desired[f"con:{id}"] = YES if is_kept else NO
-            self._live[f"con:{id}"] = NO if self.live.wire(id) is None else YES
+            is_kept = not self.wanted.prunes or any(self._units[name].why_not for name in names)
+            if self.wanted.absent.isdisjoint(names):
+                self._desired[f"con:{id}"] = var.YES if is_kept else var.NO
+            self._live[f"con:{id}"] = var.NO if self.live.wire(id) is None else var.YES
 
     def _is_gone(self, name: str) -> bool:
         facts = self.live.namesake(name)
@@ -445,7 +448,7 @@ class ModelBuilder:
         process = facts.process if facts is not None else ""
         self._units[name] = ComponentVariable(name, why_not=f"{name} is not in the profile")
         self._live[f"cmp:{name}"] = self._place(name, process)
-        self._desired[f"cmp:{name}"] = ANY
+        self._desired[f"cmp:{name}"] = var.ANY
 
     def _attachments(self, component: WantedComponent) -> None:
         facts = self.live.at(component.instance)
@@ -456,9 +459,9 @@ class ModelBuilder:
             id = attachment(component.instance, context, participant)
             text = f"{participant} to execution context {context} of {component.instance}"
             self._wires[id] = ConnectionVariable((component.instance, participant), "", text)
-            if self.absent.isdisjoint((component.instance, participant)):
-                self._desired[f"con:{id}"] = YES
-            self._live[f"con:{id}"] = YES if participant in driven.get(context, ()) else NO
+            if self.wanted.absent.isdisjoint((component.instance, participant)):
+                self._desired[f"con:{id}"] = var.YES
+            self._live[f"con:{id}"] = var.YES if participant in driven.get(context, ()) else var.NO
 
 
 def attachment(owner: str, context: str, participant: str) -> str:

@@ -5,22 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from typing import NamedTuple
 
-from rtkit.deployment.planning.model import (
-    ABSENT,
-    ACTIVE,
-    DOWN,
-    ERROR,
-    INACTIVE,
-    LOADED,
-    NO,
-    OTHER,
-    UP,
-    YES,
-    Model,
-    is_inproc,
-    manager_of,
-    owner_of,
-)
+from rtkit.deployment.planning import model as var
+from rtkit.deployment.planning.model import Model, is_inproc, manager_of, owner_of
 from rtkit.fast_dataclass import dataclass
 
 
@@ -64,7 +50,7 @@ class Operator:
 
 
 def _there(name: str) -> Requirement:
-    return Requirement(f"cmp:{name}", (ABSENT,), is_not=True)
+    return Requirement(f"cmp:{name}", (var.ABSENT,), is_not=True)
 
 
 class Operators:
@@ -76,38 +62,41 @@ class Operators:
     def start(self, manager: str) -> Operator:
         """Start a manager."""
         variable, text = f"mgr:{manager}", f"start manager {manager}"
-        needs = [Requirement(variable, (DOWN,))]
-        return self._made("start_manager", manager, text, needs, (variable, UP))
+        needs = [Requirement(variable, (var.DOWN,))]
+        return self._made("start_manager", manager, text, needs, (variable, var.UP))
 
     def load(self, name: str) -> Operator:
         """Load a module: ``M/X``."""
         manager, _, module = name.partition("/")
-        needs = [Requirement(f"mgr:{manager}", (UP,)), Requirement(f"mod:{name}", (ABSENT,))]
+        needs = [
+            Requirement(f"mgr:{manager}", (var.UP,)),
+            Requirement(f"mod:{name}", (var.ABSENT,)),
+        ]
         text = f"load {module} on {manager}"
-        return self._made("load", name, text, needs, (f"mod:{name}", LOADED))
+        return self._made("load", name, text, needs, (f"mod:{name}", var.LOADED))
 
     def unload(self, name: str) -> Operator:
         """Unload a module: ``M/X``."""
         manager, _, module = name.partition("/")
-        needs = [Requirement(f"mod:{name}", (LOADED,))]
+        needs = [Requirement(f"mod:{name}", (var.LOADED,))]
         needs += [
             Requirement(f"cmp:{unit.name}", (f"{manager}:inproc",), is_not=True)
             for unit in self._model.units.values()
             if unit.module == module
         ]
         text = f"unload {module} from {manager}"
-        return self._made("unload", name, text, needs, (f"mod:{name}", ABSENT))
+        return self._made("unload", name, text, needs, (f"mod:{name}", var.ABSENT))
 
     def create(self, name: str, place: str) -> Operator:
         """Make a component at a place."""
         unit = self._model.units[name]
         needs = [
-            Requirement(f"mgr:{manager_of(place)}", (UP,)),
-            Requirement(f"cmp:{name}", (ABSENT,)),
+            Requirement(f"mgr:{manager_of(place)}", (var.UP,)),
+            Requirement(f"cmp:{name}", (var.ABSENT,)),
         ]
         module = self._model.needed_module(unit, place)
         if module:
-            needs.append(Requirement(f"mod:{module}", (LOADED,)))
+            needs.append(Requirement(f"mod:{module}", (var.LOADED,)))
         needs += map(_there, unit.members)
         manager, _, how = place.partition(":")
         slave = how.partition("/")[2]
@@ -122,34 +111,34 @@ class Operators:
         model = self._model
         needs = [
             _there(name),
-            Requirement(f"act:{name}", (INACTIVE, ERROR)),
-            *(Requirement(f"con:{connector}", (NO,)) for connector in model.wires_of[name]),
-            *(Requirement(f"cmp:{whole}", (ABSENT,)) for whole in model.wholes_of[name]),
+            Requirement(f"act:{name}", (var.INACTIVE, var.ERROR)),
+            *(Requirement(f"con:{connector}", (var.NO,)) for connector in model.wires_of[name]),
+            *(Requirement(f"cmp:{whole}", (var.ABSENT,)) for whole in model.wholes_of[name]),
         ]
-        changes = [(f"cmp:{name}", ABSENT), (f"act:{name}", INACTIVE)]
+        changes = [(f"cmp:{name}", var.ABSENT), (f"act:{name}", var.INACTIVE)]
         changes += ((f"cfg:{key}", model.keys[key].default) for key in model.keys_of[name])
         return self._made("delete", name, f"delete {name}", needs, *changes)
 
     def connect(self, name: str) -> Operator:
         """Make a connection."""
         ends = dict.fromkeys(self._model.wires[name].ends)
-        needs = [Requirement(f"con:{name}", (NO,)), *map(_there, ends)]
+        needs = [Requirement(f"con:{name}", (var.NO,)), *map(_there, ends)]
         text = f"connect {self._told(name)}"
-        return self._made("connect", name, text, needs, (f"con:{name}", YES))
+        return self._made("connect", name, text, needs, (f"con:{name}", var.YES))
 
     def disconnect(self, name: str) -> Operator:
         """Remove a connection."""
         heeds = tuple(f"act:{end}" for end in dict.fromkeys(self._model.wires[name].ends))
-        needs = [Requirement(f"con:{name}", (YES, OTHER))]
+        needs = [Requirement(f"con:{name}", (var.YES, var.OTHER))]
         text = f"disconnect {self._told(name)}"
-        return self._made("disconnect", name, text, needs, (f"con:{name}", NO), heeds=heeds)
+        return self._made("disconnect", name, text, needs, (f"con:{name}", var.NO), heeds=heeds)
 
     def configure(self, key: str, value: str) -> Operator:
         """Set a parameter: ``C.KEY``."""
         model, name = self._model, owner_of(key)
         needs = [_there(name)]
         if not model.keys[key].is_hot:
-            needs.append(Requirement(f"act:{name}", (INACTIVE,)))
+            needs.append(Requirement(f"act:{name}", (var.INACTIVE,)))
         heeds = tuple(f"cfg:{each}" for each in model.keys_of[name] if key.endswith(".@"))
         text = f"{model.keys[key].text or f'set {key}='}{value}"
         return self._made(
@@ -159,27 +148,27 @@ class Operators:
     def activate(self, name: str) -> Operator:
         """Activate a component: after its connections and its parameters."""
         model = self._model
-        needs = [_there(name), Requirement(f"act:{name}", (INACTIVE,))]
+        needs = [_there(name), Requirement(f"act:{name}", (var.INACTIVE,))]
         heeds = (
             *(f"con:{connector}" for connector in model.wires_of[name]),
             *(f"cfg:{key}" for key in model.keys_of[name]),
             *(f"cmp:{whole}" for whole in model.wholes_of[name]),
         )
-        change = (f"act:{name}", ACTIVE)
+        change = (f"act:{name}", var.ACTIVE)
         return self._made("activate", name, f"activate {name}", needs, change, heeds=heeds)
 
     def deactivate(self, name: str) -> Operator:
         """Deactivate a component."""
-        return self._to_rest("deactivate", name, ACTIVE)
+        return self._to_rest("deactivate", name, var.ACTIVE)
 
     def reset(self, name: str) -> Operator:
         """Reset a component that is in Error."""
-        return self._to_rest("reset", name, ERROR)
+        return self._to_rest("reset", name, var.ERROR)
 
     def _to_rest(self, kind: str, name: str, state: str) -> Operator:
         variable = f"act:{name}"
         needs = [Requirement(variable, (state,))]
-        return self._made(kind, name, f"{kind} {name}", needs, (variable, INACTIVE))
+        return self._made(kind, name, f"{kind} {name}", needs, (variable, var.INACTIVE))
 
     def _made(
         self,

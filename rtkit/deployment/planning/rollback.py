@@ -6,19 +6,8 @@ from collections import Counter
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 
 from rtkit.deployment.facts import Snapshot
-from rtkit.deployment.planning.model import (
-    ABSENT,
-    ERROR,
-    INACTIVE,
-    NO,
-    OTHER,
-    YES,
-    ConnectionVariable,
-    Model,
-    Wish,
-    manager_of,
-    owner_of,
-)
+from rtkit.deployment.planning import model as var
+from rtkit.deployment.planning.model import ConnectionVariable, Model, Wish, manager_of, owner_of
 from rtkit.fast_dataclass import replace
 
 
@@ -52,7 +41,7 @@ class Rollback:
         for variable in whole.desired:
             was, value = self._was.now(variable), whole.now(variable)
             is_as_wished = whole.allows(variable, value)
-            if not is_as_wished or (was == ERROR and value != ERROR):
+            if not is_as_wished or (was == var.ERROR and value != var.ERROR):
                 yield difference(whole, variable, was)
         yield from _contexts_unlike(self._before, now)
         names = {facts.instance for facts in now.components}
@@ -82,7 +71,7 @@ class Rollback:
             yield from (f"cmp:{name}", f"act:{name}")
             yield from (f"cfg:{key}" for key in model.keys_of[name])
             connectors = (f"con:{connector}" for connector in model.wires_of[name])
-            yield from (v for v in connectors if failures > 1 or model.desired.get(v) == YES)
+            yield from (v for v in connectors if failures > 1 or model.desired.get(v) == var.YES)
 
 
 def _units_of(model: Model, variable: str) -> Iterator[str]:
@@ -139,8 +128,8 @@ def difference(model: Model, variable: str, was: str) -> str:
     elif kind == "mod":
         manager, _, module = name.partition("/")
         name = f"module {module} on {manager}"
-    if ABSENT in (value, was) or NO in (value, was):
-        return f"{name} is there" if was in (ABSENT, NO) else f"{name} is not there"
+    if var.ABSENT in (value, was) or var.NO in (value, was):
+        return f"{name} is there" if was in (var.ABSENT, var.NO) else f"{name} is not there"
     return f"{name} is another" if kind == "con" else f"{name} is at {value} (was at {was})"
 
 
@@ -161,12 +150,12 @@ def rollback_goal(now: Model, before: Model, joined: Mapping[str, tuple[str, ...
             continue
         place = before.now(f"cmp:{name}")
         desired[f"cmp:{name}"] = place
-        if place == ABSENT:
+        if place == var.ABSENT:
             continue
         units[name] = replace(unit, places=(place,), why_not="")
         was = before.now(f"act:{name}")
         # Nothing leads into Error; at rest it is as near to it as can be.
-        desired[f"act:{name}"] = (ERROR, INACTIVE) if was == ERROR else was
+        desired[f"act:{name}"] = (var.ERROR, var.INACTIVE) if was == var.ERROR else was
     keys = dict(now.keys)
     for key, known in now.keys.items():
         variable = f"cfg:{key}"
@@ -179,13 +168,13 @@ def rollback_goal(now: Model, before: Model, joined: Mapping[str, tuple[str, ...
             continue
         variable = f"con:{name}"
         was = before.now(variable)
-        if was == OTHER:
+        if was == var.OTHER:
             # What was there under its name is what is desired now, and what is there the other.
-            live[variable] = {YES: OTHER, OTHER: YES}.get(now.now(variable), NO)
+            live[variable] = {var.YES: var.OTHER, var.OTHER: var.YES}.get(now.now(variable), var.NO)
             if not all(end in units for end in joined[name]):
                 continue
             wires[name] = ConnectionVariable(joined[name], text=now.wires[name].text)
-        desired[variable] = NO if was == NO else YES
+        desired[variable] = var.NO if was == var.NO else var.YES
     for variable in now.live:
         if variable.startswith("mod:"):
             desired[variable] = before.now(variable)
@@ -211,6 +200,6 @@ def without(model: Model, before: Model, managers: Collection[str]) -> Model:
 
 def _home(before: Model, now: Model, name: str) -> str:
     """Return the manager that a component was in, or is to be in."""
-    was = before.now(f"cmp:{name}") if name in before.units else ABSENT
-    places = [place for place in (was, now.now(f"cmp:{name}")) if place != ABSENT]
+    was = before.now(f"cmp:{name}") if name in before.units else var.ABSENT
+    places = [place for place in (was, now.now(f"cmp:{name}")) if place != var.ABSENT]
     return manager_of([*places, *now.units[name].places, ""][0])

@@ -5,20 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping
 from itertools import pairwise
 
+from rtkit.deployment.planning import model as var
 from rtkit.deployment.planning.assignment import Assignment
-from rtkit.deployment.planning.model import (
-    ABSENT,
-    ACTIVE,
-    DOWN,
-    ERROR,
-    INACTIVE,
-    LOADED,
-    NO,
-    UP,
-    Model,
-    Wish,
-    manager_of,
-)
+from rtkit.deployment.planning.model import Model, Wish, manager_of
 from rtkit.deployment.planning.operators import Operator, Operators
 from rtkit.planner import Touch, predecessors
 
@@ -83,7 +72,7 @@ class _Emitting:
         yield from remade
         yield from (moves.delete(name) for name in self._by_depth(self._ended, is_reversed=True))
         modules = [each[4:] for each in model.desired if each.startswith("mod:")]
-        unwished = [m for m in modules if not model.allows(f"mod:{m}", LOADED)]
+        unwished = [m for m in modules if not model.allows(f"mod:{m}", var.LOADED)]
         needed = self._needed_modules(modules)
         yield from (moves.start(name) for name in self._needed_managers(needed))
         yield from (moves.load(module) for module in needed)
@@ -91,15 +80,15 @@ class _Emitting:
             moves.create(name, self._assignments[name].place) for name in self._by_depth(self._made)
         )
         yield from (
-            moves.unload(m) for m in unwished if m in needed or model.now(f"mod:{m}") == LOADED
+            moves.unload(m) for m in unwished if m in needed or model.now(f"mod:{m}") == var.LOADED
         )
         yield from (move for _, move in self._configured)
         broken = {move.subject for move in remade}
         yield from (
             moves.connect(name)
             for name in model.wires
-            if (name in broken or model.now(f"con:{name}") == NO)
-            and not model.allows(f"con:{name}", NO)
+            if (name in broken or model.now(f"con:{name}") == var.NO)
+            and not model.allows(f"con:{name}", var.NO)
         )
         rising = [name for name in self._assignments if self._is_to_rise(name)]
         rising.sort(key=lambda name: self._ranks.get(name, _LAST_OF_ALL))
@@ -110,7 +99,7 @@ class _Emitting:
         to_rest = [name for name in reversed([*self._assignments]) if self._is_to_rest(name)]
         to_rest.sort(key=lambda name: -self._ranks.get(name, _LAST_OF_ALL))
         for name in to_rest:
-            if model.now(f"act:{name}") == ACTIVE:
+            if model.now(f"act:{name}") == var.ACTIVE:
                 yield moves.deactivate(name)
             elif not self._assignments[name].is_ended:
                 yield moves.reset(name)
@@ -118,7 +107,7 @@ class _Emitting:
     def _is_to_rest(self, name: str) -> bool:
         model = self._model
         now = model.now(f"act:{name}")
-        if now not in (ACTIVE, ERROR):
+        if now not in (var.ACTIVE, var.ERROR):
             return False
         if self._assignments[name].is_ended or not model.allows(f"act:{name}", now):
             return True
@@ -129,9 +118,11 @@ class _Emitting:
 
     def _is_to_rise(self, name: str) -> bool:
         model, assignment = self._model, self._assignments[name]
-        if not assignment.is_there or model.allows(f"act:{name}", INACTIVE):
+        if not assignment.is_there or model.allows(f"act:{name}", var.INACTIVE):
             return False
-        return assignment.is_made or self._is_to_rest(name) or model.now(f"act:{name}") == INACTIVE
+        return (
+            assignment.is_made or self._is_to_rest(name) or model.now(f"act:{name}") == var.INACTIVE
+        )
 
     def _configurations(self) -> Iterator[tuple[str, Operator]]:
         model = self._model
@@ -148,7 +139,7 @@ class _Emitting:
         for name, connector in model.wires.items():
             now = model.now(f"con:{name}")
             is_broken = not ended.isdisjoint(connector.ends) or not model.allows(f"con:{name}", now)
-            if now != NO and is_broken:
+            if now != var.NO and is_broken:
                 yield self._moves.disconnect(name)
 
     def _needed_modules(self, wished: Iterable[str]) -> list[str]:
@@ -157,15 +148,15 @@ class _Emitting:
             model.needed_module(model.units[name], self._assignments[name].place)
             for name in self._made
         ]
-        needed += [module for module in wished if not model.allows(f"mod:{module}", ABSENT)]
-        return [m for m in dict.fromkeys(needed) if m and model.now(f"mod:{m}") == ABSENT]
+        needed += [module for module in wished if not model.allows(f"mod:{module}", var.ABSENT)]
+        return [m for m in dict.fromkeys(needed) if m and model.now(f"mod:{m}") == var.ABSENT]
 
     def _needed_managers(self, modules: Iterable[str]) -> list[str]:
         model = self._model
         needed = [module.partition("/")[0] for module in modules]
         needed += [manager_of(self._assignments[name].place) for name in self._made]
-        needed += [name for name in model.managers if not model.allows(f"mgr:{name}", DOWN)]
-        return [name for name in dict.fromkeys(needed) if model.now(f"mgr:{name}") != UP]
+        needed += [name for name in model.managers if not model.allows(f"mgr:{name}", var.DOWN)]
+        return [name for name in dict.fromkeys(needed) if model.now(f"mgr:{name}") != var.UP]
 
     def _by_depth(self, names: list[str], *, is_reversed: bool = False) -> list[str]:
         """Return components in order, who is composed of others behind these; or the reverse."""

@@ -13,7 +13,6 @@ from rtkit.deployment.facts import ComponentFacts
 from rtkit.deployment.live import LiveIndex, context_of
 from rtkit.deployment.plan import Layer, PlannedAction
 from rtkit.deployment.planning.component_settings import ACTIVE_SET, NAME, NAMELESS, POLICY, RATE
-from rtkit.deployment.planning.feasibility import create_text
 from rtkit.deployment.planning.model import Model, is_inproc, owner_of
 from rtkit.deployment.planning.operators import Operator
 from rtkit.deployment.system import WantedSystem
@@ -87,8 +86,8 @@ class ActionBuilder:
     def _create(self, name: str, place: str) -> Action:
         wanted = self._wanted.get(name)
         was = self._before.namesake(name)
-        if wanted is not None and create_text(wanted, self._before):
-            text, pattern = create_text(wanted, self._before), wanted.pattern
+        if wanted is not None and self._before.create_of(wanted):
+            text, pattern = self._before.create_of(wanted), wanted.pattern
             names: tuple[str, ...] = (wanted.name,)
         else:
             assert was is not None

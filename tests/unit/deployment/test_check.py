@@ -6,7 +6,7 @@ from rtkit.deployment.creation import creation_plan
 from rtkit.deployment.drift import otherwise_made
 from rtkit.deployment.live import LiveIndex
 from rtkit.deployment.plan import merged
-from rtkit.deployment.planning.model_builder import ModelBuilder
+from rtkit.deployment.planning.model_builder import ModelBuilder, WantedDeployment
 from rtkit.deployment.wiring import wiring_plan
 from rtkit.fast_dataclass import replace
 from rtkit.rtc.enums import LifeCycleState, Transition
@@ -119,7 +119,8 @@ def test_another_data_type_is_told(make, world, system):
     assert (found.text, found.is_required) == (text, True)
     assert (found.path, found.wanted, found.found) == (path, "Me::Other", LONG)
     told = f"{path}: its data type of port out is {LONG}, not Me::Other"
-    for each in (ModelBuilder(wished, live).run().notes, ModelBuilder(wished, live).run().unmet):
+    built = ModelBuilder(WantedDeployment(wished), live).run()
+    for each in (built.notes, built.unmet):
         assert each == (f"{told}; only other code in its place changes that",)
 
 

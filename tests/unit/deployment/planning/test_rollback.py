@@ -8,7 +8,7 @@ from rtkit.deployment.actions import Create
 from rtkit.deployment.facts import Snapshot
 from rtkit.deployment.live import LiveIndex
 from rtkit.deployment.planning.model import Model
-from rtkit.deployment.planning.model_builder import ModelBuilder
+from rtkit.deployment.planning.model_builder import ModelBuilder, WantedDeployment
 from rtkit.deployment.planning.rollback import Rollback
 from rtkit.deployment.system import WantedSystem
 from rtkit.fast_dataclass import replace
@@ -32,8 +32,9 @@ def test_contexts_that_are_not_as_they_were_are_told(world: FakeManager) -> None
     snapshot = world.snapshot()
 
     def look(now: Snapshot) -> Model:
-        nothing = WantedSystem()
-        return ModelBuilder(nothing, LiveIndex(now, nothing), is_back=True).run().model
+        nothing = WantedDeployment(WantedSystem())
+        live = LiveIndex(now, nothing.system)
+        return ModelBuilder(nothing, live, is_back=True).run().model
 
     before = with_states(snapshot, ACTIVE, INACTIVE)
     way = Rollback(look, before)
