@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from itertools import product
 
 from rtkit.component.options import parse_options, remarks
@@ -25,133 +25,145 @@ _USUAL = {
     DATAFLOW: frozenset(("push", "pull")),
     SUBSCRIPTION: frozenset(SUBSCRIPTIONS),
 }
-_RULES = {INTERFACE: "interface-type", DATAFLOW: "dataflow-type", SUBSCRIPTION: "subscription-type"}
+_UNKNOWN = "unknown connector property"
+_At = tuple[ProfileLocation, str]  # and what stands there
 
 
 def connector_findings(view: View) -> Iterator[StaticFinding]:
     """Yield what is wrong with the data connectors."""
     for number, connector in enumerate(view.profile.data_port_connectors):
         place = TOP.below("data_port_connectors", number)
-        source, target = view.data_end(connector.source), view.data_end(connector.target)
-        wrong = list(_directions(connector, place, source, target))
+        yield from _CheckedConnector(view, connector, place).findings()
+
+
+class _CheckedConnector:
+    """A data connector with what is known of its ends."""
+
+    def __init__(self, view: View, connector: DataPortConnector, place: ProfileLocation) -> None:
+        self._view = view
+        self._connector = connector
+        self._place = place
+        self._id = f"connector {connector.connector_id}"
+        self._ends = (view.data_end(connector.source), view.data_end(connector.target))
+
+    def findings(self) -> Iterator[StaticFinding]:
+        wrong = list(self._directions())
         yield from wrong
         if all(each.severity == NOTE for each in wrong):
-            yield from _types(connector, place, source, target)
-        yield from _properties(connector, place)
-        yield from _direct(view, connector, place)
+            yield from self._types()
+        yield from self._properties()
+        yield from self._direct()
         for key in OFFERS:
-            if key != SUBSCRIPTION or _is_pushed(connector):
-                yield from _offers(connector, place, key, (source, target))
+            if key != SUBSCRIPTION or self._is_pushed():
+                yield from self._offers(key)
 
+    def _found(
+        self, rule: str, text: str, at: _At, allowed: str = "", by: Iterable[DataEnd] = ()
+    ) -> StaticFinding:
+        """Return a finding: an error where an RTC profile states what one of these ends is like."""
+        severity = ERROR if any(end.is_declared for end in by) else WARNING
+        return StaticFinding(severity, rule, f"{self._id}{text}", *at, allowed)
 
-def _properties(connector: DataPortConnector, place: ProfileLocation) -> Iterator[StaticFinding]:
-    """Yield properties that are not known, and values that are refused when it is made."""
-    stated_all = list(connector.properties)
-    if connector.push_interval and property_value(stated_all, PUSH_INTERVAL) is None:
-        stated_all.append(ExtensionProperty(PUSH_INTERVAL, f"{connector.push_interval:g}"))
-    for each in stated_all:
-        stated = {each.name: each.value or ""}
-        odd = [text for text in remarks(stated) if text.startswith("unknown connector property")]
-        severity = WARNING
-        try:
-            parse_options(stated)
-        except Malformed as error:
-            odd, severity = [str(error)], ERROR
-        found = property_place(place, connector.properties, each.name)
-        for text in odd:
-            where = place.at("push_interval") if found is None else found[0]
-            told = f"connector {connector.connector_id}: {text}"
-            yield StaticFinding(severity, "connector-property", told, where, each.value or "", "")
+    def _port(self, number: int) -> _At:
+        """Return where the port at one end is named, and its name."""
+        where = self._place.below(("source", "target")[number]).at("port_name")
+        return where, self._ends[number].name
 
+    def _properties(self) -> Iterator[StaticFinding]:
+        """Yield properties that are not known, and values that are refused when it is made."""
+        connector = self._connector
+        stated_all = list(connector.properties)
+        if connector.push_interval and property_value(stated_all, PUSH_INTERVAL) is None:
+            stated_all.append(ExtensionProperty(PUSH_INTERVAL, f"{connector.push_interval:g}"))
+        for each in stated_all:
+            value = each.value or ""
+            odd = [t for t in remarks({each.name: value}) if t.startswith(_UNKNOWN)]
+            severity = WARNING
+            try:
+                parse_options({each.name: value})
+            except Malformed as error:
+                odd, severity = [str(error)], ERROR
+            told = property_place(self._place, connector.properties, each.name)
+            at = self._place.at("push_interval") if told is None else told[0], value
+            for text in odd:
+                found = self._found("connector-property", f": {text}", at)
+                yield found._replace(severity=severity)
 
-def _direct(
-    view: View, connector: DataPortConnector, place: ProfileLocation
-) -> Iterator[StaticFinding]:
-    """Yield that a connector is for ports of one process, and its ends are made in two."""
-    for where, value in _stated(connector, place, "interface_type", connector.interface_type):
-        ends = [connector.source.instance_name, connector.target.instance_name]
-        places = [view.process_of(name) for name in ends]
-        if interface_name(value) == DIRECT and None not in places and places[0] != places[1]:
-            told = ", ".join(
-                f"{name} in {process or 'the manager'}"
-                for name, process in zip(ends, places, strict=True)
-            )
-            text = f"connector {connector.connector_id}: interface type direct joins ports of one"
-            yield StaticFinding(ERROR, "interface-type", f"{text} process: {told}", where, value)
+    def _direct(self) -> Iterator[StaticFinding]:
+        """Yield that it is for ports of one process, and its ends are made in two."""
+        for at in self._stated(INTERFACE):
+            ends = [self._connector.source.instance_name, self._connector.target.instance_name]
+            places = [self._view.process_of(name) for name in ends]
+            if interface_name(at[1]) == DIRECT and None not in places and places[0] != places[1]:
+                known = [place or "the manager" for place in places]
+                told = ", ".join(map("{} in {}".format, ends, known))
+                text = f": interface type direct joins ports of one process: {told}"
+                yield self._found("interface-type", text, at)._replace(severity=ERROR)
 
+    def _directions(self) -> Iterator[StaticFinding]:
+        source, target = self._ends
+        sources, targets = kinds_of(source.ports), kinds_of(target.ports)
+        fitting = [pair for pair in product(sources, targets) if types_fit(pair)]
+        if not sources or not targets or not all(map(are_reversed, fitting)):
+            return
+        if fitting:
+            from_to = f"taken from {target.name} to {source.name}"
+            text = f" names its in port {source.name} first: {from_to}"
+            found = self._found("connector-reversed", text, self._port(0), target.name)
+            yield found._replace(severity=NOTE)
+            return
+        is_out = PortType.OUT in sources
+        word, other = ("out", "in") if is_out else ("in", "out")
+        text = f" joins two {word} ports, {source.name} and {target.name}"
+        at, allowed = self._port(is_out), f"an {other} port"
+        yield self._found("connector-direction", text, at, allowed, self._ends)
 
-def _directions(
-    connector: DataPortConnector, place: ProfileLocation, source: DataEnd, target: DataEnd
-) -> Iterator[StaticFinding]:
-    sources, targets = kinds_of(source.ports), kinds_of(target.ports)
-    fitting = [pair for pair in product(sources, targets) if types_fit(pair)]
-    if not sources or not targets or not all(map(are_reversed, fitting)):
-        return
-    if fitting:
-        text = (
-            f"connector {connector.connector_id} names its in port {source.name} first:"
-            f" taken from {target.name} to {source.name}"
-        )
-        where = place.below("source").at("port_name")
-        yield StaticFinding(NOTE, "connector-reversed", text, where, source.name, target.name)
-        return
-    word = "out" if PortType.OUT in sources else "in"
-    names = f"{source.name} and {target.name}"
-    text = f"connector {connector.connector_id} joins two {word} ports, {names}"
-    end, wanted = ("target", "in") if word == "out" else ("source", "out")
-    where = place.below(end).at("port_name")
-    found = target.name if word == "out" else source.name
-    severity = ERROR if source.is_declared or target.is_declared else WARNING
-    yield StaticFinding(severity, "connector-direction", text, where, found, f"an {wanted} port")
+    def _types(self) -> Iterator[StaticFinding]:
+        source, target = self._ends
+        forced = property_value(self._connector.properties, ANY_DATA_TYPE) or ""
+        if forced.strip().upper() == "YES":
+            return
+        is_known = source.ports and target.ports
+        if is_known and not any(fits_type(port.data_type, target.ports) for port in source.ports):
+            carried, taken = type_names(source.ports), type_names(target.ports)
+            text = f": {source.name} carries {carried}, {target.name} carries {taken}"
+            yield self._found("data-type", text, (self._port(1)[0], taken), carried, self._ends)
+            return
+        for at in self._stated("data_type"):
+            for end in self._ends:
+                if (type := at[1]) and end.ports and not fits_type(type, end.ports):
+                    known = type_names(end.ports)
+                    text = f" is for {scoped_name(type)}, but {end.name} carries {known}"
+                    yield self._found("data-type", text, at, known, [end])
+                    return
 
+    def _offers(self, key: str) -> Iterator[StaticFinding]:
+        what, rule = key.replace("_", " "), key.replace("_", "-")
+        for at in self._stated(key):
+            wanted = words(key, at[1])
+            offers = [(end, end.offers(key)) for end in self._ends if wanted]
+            lacking = [end for end, each in offers if each and not wanted & each]
+            if lacking:
+                names = " and ".join(end.name for end in lacking)
+                verb = "does" if len(lacking) == 1 else "do"
+                text = f": {names} {verb} not offer {what} {at[1]}"
+                yield self._found(rule, text, at, _common(lacking, key), lacking)
+            usual = _USUAL.get(key)
+            if usual and wanted and not lacking and not wanted & usual:
+                text = f" has an unusual {what}: {at[1]}"
+                yield self._found(rule, text, at, ", ".join(sorted(usual)))
 
-def _types(
-    connector: DataPortConnector, place: ProfileLocation, source: DataEnd, target: DataEnd
-) -> Iterator[StaticFinding]:
-    forced = property_value(connector.properties, ANY_DATA_TYPE) or ""
-    if forced.strip().upper() == "YES":
-        return
-    is_known = source.ports and target.ports
-    if is_known and not any(fits_type(port.data_type, target.ports) for port in source.ports):
-        carried, taken = type_names(source.ports), type_names(target.ports)
-        text = (
-            f"connector {connector.connector_id}: {source.name} carries {carried},"
-            f" {target.name} carries {taken}"
-        )
-        severity = ERROR if source.is_declared or target.is_declared else WARNING
-        where = place.below("target").at("port_name")
-        yield StaticFinding(severity, "data-type", text, where, taken, carried)
-        return
-    for where, type in _stated(connector, place, "data_type", connector.data_type):
-        for end in (source, target):
-            if type and end.ports and not fits_type(type, end.ports):
-                known = type_names(end.ports)
-                text = (
-                    f"connector {connector.connector_id} is for {scoped_name(type)},"
-                    f" but {end.name} carries {known}"
-                )
-                severity = ERROR if end.is_declared else WARNING
-                yield StaticFinding(severity, "data-type", text, where, type, known)
-                return
+    def _stated(self, field: str) -> list[_At]:
+        """Return what is stated and where: by the property, which counts, and by the attribute."""
+        attribute = getattr(self._connector, field) or ""
+        told = property_place(self._place, self._connector.properties, f"dataport.{field}")
+        stated = [] if told is None else [told]
+        is_other = told is None or told[1].strip().lower() != attribute.strip().lower()
+        return [*stated, (self._place.at(field), attribute)] if attribute and is_other else stated
 
-
-def _offers(
-    connector: DataPortConnector, place: ProfileLocation, key: str, ends: tuple[DataEnd, ...]
-) -> Iterator[StaticFinding]:
-    what = key.replace("_", " ")
-    for where, value in _stated(connector, place, key, getattr(connector, key) or ""):
-        wanted = words(key, value)
-        lacking = [end for end in ends if wanted and not _is_offered(wanted, end.offers(key))]
-        if lacking:
-            names = " and ".join(end.name for end in lacking)
-            verb = "does" if len(lacking) == 1 else "do"
-            text = f"connector {connector.connector_id}: {names} {verb} not offer {what} {value}"
-            severity = ERROR if any(end.is_declared for end in lacking) else WARNING
-            yield StaticFinding(severity, _RULES[key], text, where, value, _common(lacking, key))
-        usual = _USUAL.get(key)
-        if usual and wanted and not lacking and not wanted & usual:
-            text = f"connector {connector.connector_id} has an unusual {what}: {value}"
-            yield StaticFinding(WARNING, _RULES[key], text, where, value, ", ".join(sorted(usual)))
+    def _is_pushed(self) -> bool:
+        told = property_value(self._connector.properties, "dataport.dataflow_type")
+        return (told or self._connector.dataflow_type).strip().lower() in ("push", "")
 
 
 def _common(ends: list[DataEnd], key: str) -> str:
@@ -159,22 +171,3 @@ def _common(ends: list[DataEnd], key: str) -> str:
     offers = [end.offers(key) for end in ends]
     both = frozenset.intersection(*offers)
     return ", ".join(sorted(both)) or "; ".join(", ".join(sorted(each)) for each in offers)
-
-
-def _is_offered(wanted: frozenset[str], offered: frozenset[str]) -> bool:
-    return not offered or bool(wanted & offered)
-
-
-def _stated(
-    connector: DataPortConnector, place: ProfileLocation, field: str, attribute: str
-) -> list[tuple[ProfileLocation, str]]:
-    """Return what is stated and where: by the property, which counts, and by the attribute."""
-    told = property_place(place, connector.properties, f"dataport.{field}")
-    stated = [] if told is None else [told]
-    is_other = told is None or told[1].strip().lower() != attribute.strip().lower()
-    return [*stated, (place.at(field), attribute)] if attribute and is_other else stated
-
-
-def _is_pushed(connector: DataPortConnector) -> bool:
-    told = property_value(connector.properties, "dataport.dataflow_type")
-    return (told or connector.dataflow_type).strip().lower() in ("push", "")
