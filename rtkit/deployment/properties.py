@@ -6,7 +6,7 @@ Values of parameters are text: only the component that has them reads them.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from rtkit.deployment.facts import ComponentFacts, Snapshot
 from rtkit.deployment.metrics import ComponentMetrics
@@ -80,16 +80,21 @@ def of_component(
     return shown + _ports(facts, wires, metrics, ends or {})
 
 
+def _actions() -> Any:
+    """Return the actions, which nobody needs who only reads."""
+    from rtkit.deployment import actions
+
+    return actions
+
+
 def _state_change(facts: ComponentFacts) -> Change:
     def change(value: Content) -> Sequence[Action]:
-        from rtkit.deployment.actions import ChangeState
-
         if value == Word(facts.state):
             return ()
         transition = _TRANSITIONS.get((facts.state, str(value)))
         if transition is None or not facts.contexts:
             raise PropertyError("conflict", f"it is {facts.state}, it cannot become {value!s}")
-        return (ChangeState(facts.instance, facts.contexts[0].id, transition),)
+        return (_actions().ChangeState(facts.instance, facts.contexts[0].id, transition),)
 
     return change
 
@@ -115,23 +120,18 @@ def parameter_path(set_id: str, name: str) -> str:
 
 def _activation(facts: ComponentFacts, choices: Sequence[str]) -> Change:
     def change(value: Content) -> Sequence[Action]:
-        from rtkit.deployment.actions import ActivateSet
-
         if str(value) not in map(str, choices):
             raise PropertyError("bad-value", f"expected one of {' '.join(choices)}")
-        return (ActivateSet(facts.instance, str(value)),)
+        return (_actions().ActivateSet(facts.instance, str(value)),)
 
     return change
 
 
 def _parameter(facts: ComponentFacts, set_id: str, name: str) -> Change:
     def change(value: Content) -> Sequence[Action]:
-        from rtkit.deployment.actions import ActivateSet, SetParameters
-
-        setting = SetParameters(facts.instance, set_id, {name: str(value)})
-        if set_id != facts.active_set:
-            return (setting,)
-        return (setting, ActivateSet(facts.instance, set_id))
+        setting = _actions().SetParameters(facts.instance, set_id, {name: str(value)})
+        is_active = set_id == facts.active_set
+        return (setting, *([_actions().ActivateSet(facts.instance, set_id)] if is_active else ()))
 
     return change
 
@@ -153,13 +153,7 @@ def _contexts(facts: ComponentFacts) -> list[Shown]:
 
 
 def _rate(facts: ComponentFacts, context: ExecutionContextProfile) -> Change:
-    def change(value: Content) -> Sequence[Action]:
-        from rtkit.deployment.actions import SetRate
-
-        assert isinstance(value, int | float)
-        return (SetRate(facts.instance, context.id, float(value)),)
-
-    return change
+    return lambda value: (_actions().SetRate(facts.instance, context.id, float(str(value))),)
 
 
 _DIRECTIONS = {PortType.IN: "in", PortType.OUT: "out", PortType.SERVICE: "service"}

@@ -5,39 +5,29 @@ A connection is always one of the member's own port, whichever name the request 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
+from typing import Protocol
 
 from rtkit.deployment.facts import ComponentFacts, Snapshot
 from rtkit.fast_dataclass import replace
-from rtkit.rtc.profiles import ConnectorProfile, PortRef
+from rtkit.rtc.profiles import ConnectorProfile, PortProfile, PortRef
 
 
-def own_end(
-    end: PortRef, members: Callable[[str], Sequence[str]], has_port: Callable[[PortRef], bool]
-) -> PortRef:
-    """Return a port by its own name: that of the member, where a composite shows it."""
-    for member in members(end.instance):
-        port = end.port.removeprefix(f"{member}.")
-        inner = PortRef(member, port)
-        if port != end.port and has_port(inner):
-            return own_end(inner, members, has_port)
-    return end
+class ComponentPorts(Protocol):
+    """A component, as far as it says whose ports it shows."""
 
+    @property
+    def members(self) -> Sequence[str]:
+        """Instance names of its members."""
 
-def own_wire(
-    connector: ConnectorProfile,
-    members: Callable[[str], Sequence[str]],
-    has_port: Callable[[PortRef], bool],
-) -> ConnectorProfile:
-    """Return a connector that joins ports by their own names."""
-    ends = tuple(own_end(end, members, has_port) for end in connector.ports)
-    return connector if ends == connector.ports else replace(connector, ports=ends)
+    def port(self, name: str) -> PortProfile | None:
+        """Return its port of that name, or None."""
 
 
 class OwnEnds:
-    """Finds the own names of ports, by the facts of components."""
+    """Finds the own names of ports: those of members, where composites show them."""
 
-    def __init__(self, components: Mapping[str, ComponentFacts]) -> None:
+    def __init__(self, components: Mapping[str, ComponentPorts]) -> None:
         self._components = components
 
     @classmethod
@@ -47,22 +37,28 @@ class OwnEnds:
 
     def end(self, end: PortRef) -> PortRef:
         """Return a port by its own name."""
-        return own_end(end, self._members, self._has_port)
+        for member in self._members(end.instance):
+            port = end.port.removeprefix(f"{member}.")
+            component = self._components.get(member)
+            if port != end.port and component is not None and component.port(port) is not None:
+                return self.end(PortRef(member, port))
+        return end
 
-    def wire(self, connector: ConnectorProfile) -> ConnectorProfile:
+    def connector(self, connector: ConnectorProfile) -> ConnectorProfile:
         """Return a connector that joins ports by their own names."""
-        return own_wire(connector, self._members, self._has_port)
+        ends = tuple(map(self.end, connector.ports))
+        return connector if ends == connector.ports else replace(connector, ports=ends)
 
     def ends(self, facts: ComponentFacts) -> dict[str, PortRef]:
         """Return the ports of a component by their own names."""
         return {port.name: self.end(PortRef(facts.instance, port.name)) for port in facts.ports}
 
-    def wires(
-        self, facts: ComponentFacts, wires: Collection[ConnectorProfile]
+    def connectors(
+        self, facts: ComponentFacts, connectors: Collection[ConnectorProfile]
     ) -> list[ConnectorProfile]:
         """Return those connectors that have an end at a port of a component."""
         ends = set(self.ends(facts).values())
-        return [connector for connector in wires if not ends.isdisjoint(connector.ports)]
+        return [connector for connector in connectors if not ends.isdisjoint(connector.ports)]
 
     def inner(self, instance: str) -> set[str]:
         """Return the members of a component, and theirs."""
@@ -70,9 +66,5 @@ class OwnEnds:
         return {*members}.union(*map(self.inner, members))
 
     def _members(self, instance: str) -> Sequence[str]:
-        facts = self._components.get(instance)
-        return facts.members if facts is not None else ()
-
-    def _has_port(self, end: PortRef) -> bool:
-        facts = self._components.get(end.instance)
-        return facts is not None and facts.port(end.port) is not None
+        component = self._components.get(instance)
+        return component.members if component is not None else ()

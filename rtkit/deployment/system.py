@@ -6,6 +6,7 @@ from collections.abc import Mapping
 
 from rtkit.errors import Malformed
 from rtkit.fast_dataclass import dataclass, field
+from rtkit.rtc.create import listed_names, readable_create
 from rtkit.rtc.pattern import ComponentPattern, ContextPattern
 from rtkit.rtc.profiles import ConnectorProfile, PortProfile, PortRef
 
@@ -82,6 +83,12 @@ class WantedComponent:
     policy: Mapping[str, str] | None = None
     is_create_stated: bool = False
     kept: frozenset[tuple[str, str]] = frozenset()
+
+    @property
+    def members(self) -> tuple[str, ...]:
+        """Instance names of its members, by its active set, else by its create string."""
+        values = self.sets.get(self.active_set or "default", {})
+        return listed_names(values.get("members", "")) or readable_create(self.create).members
 
     def port(self, name: str) -> PortProfile | None:
         """Return the port of that name, or None."""

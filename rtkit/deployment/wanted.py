@@ -5,7 +5,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping
 
 from rtkit.deployment import extension
 from rtkit.deployment.described import (
@@ -25,7 +25,7 @@ from rtkit.deployment.described import (
 )
 from rtkit.deployment.place import Hosts, check_map, place
 from rtkit.deployment.port_types import settle_types
-from rtkit.deployment.shown_ports import own_wire
+from rtkit.deployment.shown_ports import OwnEnds
 from rtkit.deployment.system import (
     BadComponent,
     KnownType,
@@ -44,7 +44,7 @@ from rtkit.profile.rts_model import (
 )
 from rtkit.profile.words import strip_instance
 from rtkit.rtc.connector_properties import PUSH_INTERVAL
-from rtkit.rtc.create import CreateString, listed_names, parse_create, readable_create
+from rtkit.rtc.create import CreateString, listed_names, parse_create
 from rtkit.rtc.enums import Polarity, PortType
 from rtkit.rtc.pattern import ComponentPattern
 from rtkit.rtc.port_types import are_reversed
@@ -106,12 +106,13 @@ def wanted(
     choices = _Choices(stand_in, transmit, hosts, known_types or {}, stand_ins, restarts)
     _check_instances(profile.components)
     components, notes = _components(profile, choices)
-    wires = [
+    own = OwnEnds(components)
+    stated = [
         *map(_data, profile.data_port_connectors),
         *map(_service, profile.service_port_connectors),
     ]
     connectors = [
-        _turned(_own(connector, components), components, is_data) for connector, is_data in wires
+        _turned(own.connector(connector), components, is_data) for connector, is_data in stated
     ]
     settled, type_notes = settle_types(components, connectors)
     return WantedSystem(tuple(settled.values()), tuple(connectors), (*notes, *type_notes))
@@ -410,25 +411,6 @@ def _service(connector: ServicePortConnector) -> tuple[ConnectorProfile, bool]:
     merged.update(lasting(properties_of(connector.properties)))
     ends = (_ref(connector.source), _ref(connector.target))
     return ConnectorProfile(connector.connector_id, connector.name, ends, merged), False
-
-
-def _own(
-    connector: ConnectorProfile, components: Mapping[str, WantedComponent]
-) -> ConnectorProfile:
-    """Have a connector join a member's port where the profile names it as its composite does."""
-
-    def members(instance: str) -> Sequence[str]:
-        component = components.get(instance)
-        if component is None:
-            return ()
-        values = component.sets.get(component.active_set or "default", {})
-        return listed_names(values.get("members", "")) or readable_create(component.create).members
-
-    def has_port(end: PortRef) -> bool:
-        component = components.get(end.instance)
-        return component is not None and component.port(end.port) is not None
-
-    return own_wire(connector, members, has_port)
 
 
 def _turned(

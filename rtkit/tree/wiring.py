@@ -148,4 +148,4 @@ def between(
 def of_component(snapshot: Snapshot, instance: str) -> list[ConnectorProfile]:
     """Return the connections of every port of a component."""
     facts = snapshot.component(instance)
-    return OwnEnds.of(snapshot).wires(facts, snapshot.connectors) if facts is not None else []
+    return OwnEnds.of(snapshot).connectors(facts, snapshot.connectors) if facts is not None else []

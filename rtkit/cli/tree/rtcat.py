@@ -117,7 +117,7 @@ def _component_record(snapshot: Snapshot, facts: ComponentFacts) -> dict[str, An
     from rtkit.deployment.shown_ports import OwnEnds
     from rtkit.rtc.serde import encode
 
-    connectors = OwnEnds.of(snapshot).wires(facts, snapshot.connectors)
+    connectors = OwnEnds.of(snapshot).connectors(facts, snapshot.connectors)
     return {
         "state": facts.state,
         **encode(facts),

@@ -45,14 +45,14 @@ def connect(state: ManagerState, action: act.Connect) -> Procedure:
     known = state.connectors.get(connector_id)
     own = OwnEnds(state.components)
     if known is not None:
-        return _same(known, own.wire(connector))
+        return _same(known, own.connector(connector))
     if not connector_id or any(ord(c) < 32 for c in connector_id):
         raise Malformed(f"connector id is empty or has control characters: {connector_id!r}")
     ports = _ports(state, connector)
     text = refusal(ports, connector.properties)
     if text or are_reversed([port.port_type for port in ports]):
         raise Refused(text or WRONG_TYPE)
-    connector = own.wire(connector)
+    connector = own.connector(connector)
     ends = [living(state, end.instance) for end in connector.ports]
     opening = state.openings[connector_id] = Opening(connector)
     try:

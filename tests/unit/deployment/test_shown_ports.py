@@ -56,7 +56,7 @@ def test_a_connector_is_seen_at_all_who_show_its_port():
     for instance, count in (("Outer", 2), ("Inner", 2), ("A", 1), ("C", 2)):
         part = part_of(joined, [instance])
         here = part.component(instance)
-        assert len(OwnEnds.of(part).wires(here, part.connectors)) == count
+        assert len(OwnEnds.of(part).connectors(here, part.connectors)) == count
 
 
 def test_the_properties_of_a_composite_tell_who_is_connected():
