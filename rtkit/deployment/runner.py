@@ -8,7 +8,7 @@ from functools import partial
 
 from rtkit.deployment.actions import Action, Result, strict
 from rtkit.deployment.facts import Snapshot
-from rtkit.deployment.plan import Check, Layer, LayeredPlan, PlannedAction, merged
+from rtkit.deployment.plan import Check, LayeredPlan, PlannedAction, merged
 from rtkit.deployment.rollback import traces
 from rtkit.deployment.site import UNFINISHED, Careful, Site, at_once
 from rtkit.errors import Refused, RtkitError, Unreachable
@@ -93,10 +93,8 @@ class PlanRunner:
             self._count(self._passed, self._known)
             todo = sum(step.action is not None for step in layer.steps)
             self._progress(f"{layer.name}: {todo} of {len(layer.steps)} to be done")
-            if layer.is_ordered:
-                self._run_in_order(layer)
-            else:
-                self._run_at_once(layer.steps)
+            for steps in [[step] for step in layer.steps] if layer.is_ordered else [layer.steps]:
+                self._run_at_once(steps)
             self._passed += len(layer.steps)
         self._count(self._passed, self._known)
 
@@ -106,9 +104,7 @@ class PlanRunner:
                 self._failed([step], step.blocked)
         sent = merged(steps)
         failures = []
-        for (_, together), result in zip(
-            sent, self._send([a for a, _ in sent], is_ordered=False), strict=True
-        ):
+        for (_, together), result in zip(sent, self._send([a for a, _ in sent]), strict=True):
             if result.ok:
                 self.done += together
             elif any(step.is_required for step in together):
@@ -117,19 +113,6 @@ class PlanRunner:
             else:
                 self._failed(together, together[0].told(result.why))
         self._refuse(failures)
-
-    def _run_in_order(self, layer: Layer) -> None:
-        for step in layer.steps:
-            if step.blocked:
-                self._failed([step], step.blocked)
-                continue
-            if step.action is None:
-                continue
-            (result,) = self._send([step.action], is_ordered=True)
-            if result.ok:
-                self.done.append(step)
-            else:
-                self._failed([step], step.told(result.why))
 
     def _failed(self, steps: Sequence[PlannedAction], why: str) -> None:
         if any(step.is_required for step in steps):
@@ -142,13 +125,13 @@ class PlanRunner:
             self._told.add(why)
             self._report(f"Action failed: {why}")
 
-    def _send(self, actions: Sequence[Action], *, is_ordered: bool) -> tuple[Result, ...]:
+    def _send(self, actions: Sequence[Action]) -> tuple[Result, ...]:
         if not actions:
             return ()
         if self._is_strict:
             actions = [strict(action) for action in actions]
         self.attempted += actions
-        results = self._careful(lambda: self._site.apply(actions, is_ordered=is_ordered))
+        results = self._careful(lambda: self._site.apply(actions, is_ordered=False))
         for note in filter(None, (result.note for result in results)):
             self._report(f"note: {note}")
         done = zip(actions, results, strict=False)  # what follows a failure has no result

@@ -8,8 +8,7 @@ from collections.abc import Callable
 from rtkit.cli.shared.app import App
 from rtkit.cli.system import step_times
 from rtkit.deployment.applying import Applier
-from rtkit.deployment.states.following import SystemTransition
-from rtkit.deployment.states.leading import Leader
+from rtkit.deployment.states.leading import Leader, SystemTransition
 from rtkit.deployment.states.states import States
 from rtkit.tree.grace import uninterrupted
 

@@ -127,7 +127,7 @@ def main(
         terminal.write(map(terminal.printable, lines(goal.plan(snapshot), goal.costs)))
         return 0
     from rtkit.cli.system.leading import leader
-    from rtkit.deployment.states.following import SystemTransition
+    from rtkit.deployment.states.leading import SystemTransition
 
     leading = leader(app, states, app.say, rolls_back=rollback)
     _, _, reached = leading.lead(SystemTransition(now, event or "goto", target))

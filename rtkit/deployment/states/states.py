@@ -8,7 +8,6 @@ from typing import NamedTuple
 from rtkit.deployment.facts import Snapshot
 from rtkit.deployment.goal import DeploymentGoal
 from rtkit.deployment.planning.plan import DeploymentPlan
-from rtkit.deployment.states.following import state_now
 from rtkit.deployment.states.machine import SystemStates
 from rtkit.deployment.states.variants import variant
 from rtkit.errors import Impossible
@@ -46,8 +45,14 @@ class States:
         return self._goals[state]
 
     def now(self, snapshot: Snapshot, last: str = "") -> str:
-        """Return the state that the system is in; empty for none."""
-        return state_now(self.machine, self.holds, snapshot, last)
+        """Return the state that the system is in; empty for none.
+
+        Of several that hold it is the `last` one, else the one with the most desired values.
+        """
+        held = [name for name in self.machine.table if self.holds(name, snapshot)]
+        if last in held:
+            return last
+        return max(held, key=lambda name: len(self.machine.wishes[name]), default="")
 
     def holds(self, state: str, snapshot: Snapshot) -> bool:
         """Return whether the desired state of the system in one of its states holds."""

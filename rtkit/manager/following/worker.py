@@ -31,8 +31,7 @@ from rtkit.rtc.serde import decode, encode
 
 if TYPE_CHECKING:
     from rtkit.deployment.metrics import ComponentMetrics
-    from rtkit.deployment.states.following import SystemTransition
-    from rtkit.deployment.states.leading import Leader
+    from rtkit.deployment.states.leading import Leader, SystemTransition
 
 _log = logging.getLogger(__name__)
 _PAUSE_S, _LONGEST_PAUSE_S = 0.05, 1.0
@@ -116,8 +115,7 @@ class FollowingWorker(Thread):
             _log.error("that could not be kept: %s", error)
 
     def _follow(self) -> None:
-        from rtkit.deployment.states.following import SystemTransition
-        from rtkit.deployment.states.leading import Leader
+        from rtkit.deployment.states.leading import Leader, SystemTransition
 
         self._states, self._rolls_back = spec_from_text(self._text)
         leader = Leader(self._states, self._reach, self._failed, time.monotonic)
@@ -128,7 +126,7 @@ class FollowingWorker(Thread):
         if last.is_led:
             self._came(leader.lead(SystemTransition(last.before, last.event, last.state)))
         elif last.state:
-            leader.follower.state = last.state
+            leader.state = last.state
         else:
             while self._site.holder() is not None:
                 self._site.pause()
@@ -153,7 +151,7 @@ class FollowingWorker(Thread):
         holder = self._site.holder()
         if holder is None:
             return False
-        if str(holder) != self.told.waits and leader.follower.due(
+        if str(holder) != self.told.waits and leader.due(
             self._site.snapshot(), self._metrics
         ):
             self._tell(waits=str(holder))

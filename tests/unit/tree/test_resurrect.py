@@ -153,8 +153,8 @@ def test_unknown_hosts_are_named_before_anything_changes(world, bring_up):
 @pytest.mark.parametrize("kind", [act.Create, act.Connect, act.SetParameters, act.ActivateSet])
 def test_an_interruption_leaves_nothing(world, bring_up, kind, monkeypatch):
     class Impatient(PlanRunner):
-        def _send(self, actions, *, is_ordered):
-            results = super()._send(actions, is_ordered=is_ordered)
+        def _send(self, actions):
+            results = super()._send(actions)
             if any(isinstance(action, kind) for action in actions):
                 raise KeyboardInterrupt
             return results

@@ -8,8 +8,7 @@ from fake_manager import FakeManager
 from fake_tree import fake_tree
 
 from rtkit.deployment.applying import Applier
-from rtkit.deployment.states.following import SystemTransition
-from rtkit.deployment.states.leading import Leader
+from rtkit.deployment.states.leading import Leader, SystemTransition
 from rtkit.deployment.states.states import States
 from rtkit.errors import Refused
 

@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
+from itertools import count
+
 import pytest
 
 from rtkit.deployment.facts import ComponentFacts, Snapshot
+from rtkit.deployment.goal import DeploymentGoal
 from rtkit.deployment.metrics import ComponentMetrics
 from rtkit.deployment.states.events import condition
-from rtkit.deployment.states.following import Follower, SystemTransition
+from rtkit.deployment.states.leading import Leader, SystemTransition
 from rtkit.deployment.states.machine import SystemStates, machine_of
+from rtkit.deployment.states.states import States
 from rtkit.deployment.states.variants import StateDifference, differences_of
+from rtkit.deployment.system import WantedSystem
 from rtkit.errors import Malformed, Refused
 from rtkit.rtc.enums import ExecutionKind, LifeCycleState, PortType
 from rtkit.rtc.profiles import ExecutionContextProfile, PortProfile, TypeProfile
@@ -159,26 +164,42 @@ def test_figures_and_zombies() -> None:
 LOOP = "standby -on-> explore; explore -off-> standby; * -x-> dock"
 
 
-def test_a_follower_goes_where_events_lead_and_where_others_led() -> None:
-    held = {"standby"}
-    follower = Follower(machine(), lambda state, _: state in held)
-    follower.state = "standby"
-    assert follower.look(world(), {}, 0.0) is None
-    held = {"explore"}
+class Held(States):
+    """The states of a system of which those hold that are named."""
+
+    def __init__(self, machine: SystemStates, *held: str) -> None:
+        super().__init__("S", machine, DeploymentGoal(WantedSystem()))
+        self.held = held
+
+    def holds(self, state: str, snapshot: Snapshot) -> bool:
+        return state in self.held
+
+
+def led(states: Held, state: str, every_s: float = 1.0) -> Leader:
+    """Return who leads a system from a state, as if each step took so long."""
+    moments = count()
+    made = Leader(states, lambda _: None, lambda _: None, lambda: next(moments) * every_s)
+    made.state = state
+    return made
+
+
+def test_a_leader_goes_where_events_lead_and_where_others_led() -> None:
+    leader = led(states := Held(machine(), "standby"), "standby")
+    assert leader.step(world(), {}) is None
+    states.held = ("explore",)
     # Its event holds at once: it is followed in the next look, after the state was seen.
-    assert follower.look(world(), {}, 1.0) == SystemTransition("standby", "", "explore")
-    assert follower.look(world(), {}, 2.0) == SystemTransition("explore", "tired", "dock")
-    held = {"dock"}
-    assert follower.look(world(), {}, 3.0) is None
-    held = set()
-    assert follower.look(world(), {}, 4.0) is None
-    assert follower.state == "dock"
+    assert leader.step(world(), {}) == SystemTransition("standby", "by others", "explore")
+    assert leader.step(world(), {}) == SystemTransition("explore", "tired", "dock")
+    states.held = ("dock",)
+    assert leader.step(world(), {}) is None
+    states.held = ()
+    assert leader.step(world(), {}) is None
+    assert leader.state == "dock"
 
 
 def test_where_an_event_led_by_itself_it_counts_as_that_event() -> None:
-    follower = Follower(machine(), lambda state, _: state == "dock")
-    follower.state = "explore"
-    assert follower.look(world(), {}, 0.0) == SystemTransition("explore", "tired", "dock")
+    leader = led(Held(machine(), "dock"), "explore")
+    assert leader.step(world(), {}) == SystemTransition("explore", "tired", "dock")
 
 
 def test_states_that_lead_to_one_another_without_end_are_refused() -> None:
@@ -193,13 +214,11 @@ def test_states_that_lead_to_one_another_without_end_are_refused() -> None:
         SETS,
     )
     assert found is not None
-    follower = Follower(found, lambda *_: False)
-    follower.state = "standby"
-    for moment in range(19):
-        assert follower.look(world(), {}, moment * 0.1) is not None
+    leader = led(Held(found), "standby", 0.1)
+    for _ in range(19):
+        assert leader.step(world(), {}) is not None
     with pytest.raises(Refused, match="without an end"):
-        follower.look(world(), {}, 2.0)
-    slow = Follower(found, lambda *_: False)
-    slow.state = "standby"
-    for moment in range(30):
-        assert slow.look(world(), {}, moment * 1.0) is not None
+        leader.step(world(), {})
+    slow = led(Held(found), "standby", 1.0)
+    for _ in range(30):
+        assert slow.step(world(), {}) is not None
