@@ -10,7 +10,7 @@ from typing import Any, get_args
 from rtkit.deployment.actions import Action, Result
 from rtkit.errors import Malformed
 from rtkit.fast_dataclass import dataclass
-from rtkit.rtc.serde import decode, encode
+from rtkit.rtc.serde import decode, encode, parse_json
 
 _NAMES: dict[type, str] = {cls: cls.__name__ for cls in get_args(Action)}
 _TYPES: dict[str, type] = {name: cls for cls, name in _NAMES.items()}
@@ -95,7 +95,7 @@ def batch_from_text(text: str) -> Batch:
     Raises:
         Malformed: The text is no batch.
     """
-    data = _load(text)
+    data = parse_json(text)
     try:
         actions = tuple(action_from_plain(item) for item in data["actions"])
         timeout_s = float(data["timeout"])
@@ -121,14 +121,7 @@ def results_from_text(text: str) -> tuple[Result, ...]:
     Raises:
         Malformed: The text is no list of results.
     """
-    data = _load(text)
+    data = parse_json(text)
     if not isinstance(data, list):
         raise Malformed("not a list of results")
     return tuple(decode(Result, item) for item in data)
-
-
-def _load(text: str) -> Any:
-    try:
-        return json.loads(text)
-    except (ValueError, RecursionError) as error:
-        raise Malformed(f"not JSON: {error}") from error

@@ -7,15 +7,12 @@ a new snapshot.
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterable
 from typing import Any, TypeVar
 
 from rtkit.deployment.facts import ComponentFacts, Followed, ProcessFacts, Snapshot
-from rtkit.errors import Malformed
 from rtkit.fast_dataclass import dataclass, replace
 from rtkit.rtc.profiles import ConnectorProfile
-from rtkit.rtc.serde import decode, encode
 
 TREE = "tree"
 """The line on which news of the tree are told."""
@@ -119,33 +116,3 @@ def _merged(
     for each in fresh:
         known[getattr(each, key)] = each
     return tuple(known.values())
-
-
-def snapshot_to_text(picture: FullSnapshot) -> str:
-    """Return a snapshot as the text that travels."""
-    return json.dumps(encode(picture), separators=(",", ":"))
-
-
-def snapshot_from_text(text: str) -> FullSnapshot:
-    """Rebuild a snapshot.
-
-    Raises:
-        Malformed: The text is none.
-    """
-    return decode(FullSnapshot, _load(text))
-
-
-def delta_from_text(text: str) -> Delta:
-    """Rebuild a delta.
-
-    Raises:
-        Malformed: The text is none.
-    """
-    return decode(Delta, _load(text))
-
-
-def _load(text: str) -> object:
-    try:
-        return json.loads(text)
-    except (ValueError, RecursionError) as error:
-        raise Malformed(f"not JSON: {error}") from error

@@ -5,12 +5,9 @@ Metrics are counters, so a lost report costs detail only: rates are differences.
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping
 
-from rtkit.errors import Malformed
 from rtkit.fast_dataclass import dataclass, field
-from rtkit.rtc.serde import decode
 
 METRICS = "figures"
 """The topic on which metrics are sent."""
@@ -88,15 +85,3 @@ class Metrics:
     processes: tuple[ProcessMetrics, ...]
     time: float = 0.0
     at_s: float = 0.0
-
-
-def metrics_from_text(text: str) -> Metrics:
-    """Rebuild metrics.
-
-    Raises:
-        Malformed: The text is none.
-    """
-    try:
-        return decode(Metrics, json.loads(text))
-    except (ValueError, RecursionError) as error:
-        raise Malformed(f"not figures: {error}") from error

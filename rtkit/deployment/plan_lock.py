@@ -12,7 +12,7 @@ from typing import Any, Protocol
 
 from rtkit.errors import Malformed, Refused
 from rtkit.fast_dataclass import dataclass
-from rtkit.rtc.serde import decode, encode
+from rtkit.rtc.serde import decode, decode_text, encode_text
 
 
 class HolderLife(Protocol):
@@ -73,7 +73,7 @@ class PlanLock:
             Refused: Somebody else has it; names the holder.
         """
         if text is None:
-            return json.dumps(encode(self.holder)) if self.holder is not None else ""
+            return encode_text(self.holder) if self.holder is not None else ""
         try:
             asked: dict[str, Any] = json.loads(text)
             wanted = decode(LockHolder, asked["take"]) if "take" in asked else None
@@ -108,7 +108,4 @@ def holder_from_text(text: str) -> LockHolder | None:
     Raises:
         Malformed: It cannot be read.
     """
-    try:
-        return decode(LockHolder, json.loads(text)) if text else None
-    except (TypeError, ValueError) as error:
-        raise Malformed(f"who has the lock cannot be read: {error}") from error
+    return decode_text(LockHolder, text) if text else None

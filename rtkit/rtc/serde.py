@@ -6,6 +6,7 @@ Data from another process is not trusted: `decode` checks every field.
 from __future__ import annotations
 
 import builtins
+import json
 import sys
 from collections.abc import Callable, Mapping
 from enum import Enum
@@ -35,6 +36,32 @@ def decode(cls: type[T], data: object) -> T:
         Malformed: The data does not have the shape of the type.
     """
     return cast(T, _decoder(cls)(data))
+
+
+def encode_text(value: object) -> str:
+    """Return a record as one line of JSON."""
+    return json.dumps(encode(value), separators=(",", ":"))
+
+
+def decode_text(cls: type[T], text: str) -> T:
+    """Rebuild a record from JSON.
+
+    Raises:
+        Malformed: The text is no JSON, or has not the shape of the type.
+    """
+    return decode(cls, parse_json(text))
+
+
+def parse_json(text: str | bytes) -> Any:
+    """Return the plain data of a JSON text.
+
+    Raises:
+        Malformed: It is none.
+    """
+    try:
+        return json.loads(text)
+    except (ValueError, RecursionError) as error:
+        raise Malformed(f"not JSON: {error}") from error
 
 
 def _same(value: Any) -> Any:

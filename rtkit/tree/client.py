@@ -246,9 +246,10 @@ class Tree(ByPath, Closing):
         Raises:
             Unreachable: The manager does not answer in time.
         """
-        from rtkit.deployment.delta import snapshot_from_text
+        from rtkit.deployment.delta import FullSnapshot
+        from rtkit.rtc.serde import decode_text
 
-        return snapshot_from_text(self._ask(keys.extension_key(self._service, "picture")))
+        return decode_text(FullSnapshot, self._ask(keys.extension_key(self._service, "picture")))
 
     def listen(self, line: str, heard: Callable[[str], object]) -> Callable[[], object]:
         """Have `heard` called with what the manager sends on a topic; return what ends that.

@@ -21,13 +21,13 @@ from rtkit.deployment.delta import (
     FullSnapshot,
     applied,
     delta_between,
-    delta_from_text,
 )
 from rtkit.deployment.facts import Snapshot
-from rtkit.deployment.metrics import METRICS, Metrics, metrics_from_text
+from rtkit.deployment.metrics import METRICS, Metrics
 from rtkit.deployment.user_events import UserEvent, user_events
 from rtkit.errors import Unreachable
 from rtkit.link.wakeup import Wakeup
+from rtkit.rtc.serde import decode_text
 from rtkit.tree.client import Tree
 
 QUEUE = 4096
@@ -125,9 +125,9 @@ class ManagerSubscription(Closing):
         while self._heard and not self._is_over:
             line, text = self._heard.popleft()
             if line == METRICS:
-                heard.append(metrics_from_text(text))
+                heard.append(decode_text(Metrics, text))
             else:
-                heard += self._delta(delta_from_text(text))
+                heard += self._delta(decode_text(Delta, text))
         if not self._is_over and self._is_gone():
             heard.append(self._end("was killed"))
         return heard

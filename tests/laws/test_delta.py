@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import random
 from collections.abc import Callable
 from typing import Any
@@ -10,7 +9,7 @@ from typing import Any
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rtkit.deployment.delta import Delta, applied, delta_between, delta_from_text
+from rtkit.deployment.delta import Delta, applied, delta_between
 from rtkit.deployment.facts import ComponentFacts, ProcessFacts, Snapshot
 from rtkit.deployment.user_events import KINDS, user_events
 from rtkit.rtc.enums import ExecutionKind, LifeCycleState, PortType
@@ -21,7 +20,7 @@ from rtkit.rtc.profiles import (
     PortRef,
     TypeProfile,
 )
-from rtkit.rtc.serde import encode
+from rtkit.rtc.serde import decode_text, encode_text
 
 NAMES = ("A", "B", "C")
 STATES = tuple(LifeCycleState)
@@ -95,7 +94,7 @@ def known(facts: Snapshot) -> Any:
 @given(snapshots(), snapshots())
 def test_news_lead_from_one_picture_to_the_next(before: Snapshot, after: Snapshot) -> None:
     delta = delta_between(before, after, "run", 7)
-    assert delta_from_text(json.dumps(encode(delta))) == delta
+    assert decode_text(Delta, encode_text(delta)) == delta
     assert known(applied(before, delta)) == known(after)
 
 

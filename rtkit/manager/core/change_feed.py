@@ -7,14 +7,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from rtkit.deployment.delta import TREE, Delta, FullSnapshot, delta_between, snapshot_to_text
+from rtkit.deployment.delta import TREE, Delta, FullSnapshot, delta_between
 from rtkit.deployment.facts import ComponentFacts, Snapshot
 from rtkit.fast_dataclass import replace
 from rtkit.manager.core.events import AnswerClient, Instruction, Publish
 from rtkit.manager.core.state import ManagerState
 from rtkit.property.exchange import Reply
 from rtkit.rtc.profiles import ConnectorProfile
-from rtkit.rtc.serde import encode
+from rtkit.rtc.serde import encode, encode_text
 
 
 class ChangeFeed:
@@ -70,7 +70,7 @@ class ChangeFeed:
         assert self._known is not None
         self._publish(Delta(self.run_id, self._number + 1))
         whole = FullSnapshot(self.run_id, self._number, self._known)
-        self._out.append(AnswerClient(request, Reply(snapshot_to_text(whole))))
+        self._out.append(AnswerClient(request, Reply(encode_text(whole))))
 
     def run(self) -> None:
         """Publish what has changed since the last time, if there are subscribers."""

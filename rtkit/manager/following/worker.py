@@ -27,7 +27,7 @@ from rtkit.errors import Refused, RtkitError
 from rtkit.fast_dataclass import replace
 from rtkit.link.port_holders import user_name
 from rtkit.property.exchange import Reply, Request
-from rtkit.rtc.serde import decode, encode
+from rtkit.rtc.serde import decode_text, encode
 
 if TYPE_CHECKING:
     from rtkit.deployment.metrics import ComponentMetrics
@@ -238,7 +238,7 @@ class OwnSite:
 
     def snapshot(self) -> Snapshot:
         """Return everything that the manager knows."""
-        return decode(Snapshot, json.loads(self._ask("snapshot", is_extension=True)))
+        return decode_text(Snapshot, self._ask("snapshot", is_extension=True))
 
     remains = snapshot
 

@@ -7,11 +7,11 @@ from typing import Any
 import pytest
 from fake_shell import OWN, FakeShell, facts
 
-from rtkit.deployment.delta import TREE, Delta, FullSnapshot, snapshot_from_text
+from rtkit.deployment.delta import TREE, Delta, FullSnapshot
 from rtkit.deployment.metrics import METRICS, Metrics
 from rtkit.manager.core import events as ev
 from rtkit.property.exchange import Reply
-from rtkit.rtc.serde import decode
+from rtkit.rtc.serde import decode, decode_text
 
 
 class Listener:
@@ -32,7 +32,7 @@ class Listener:
     def full_snapshot(self) -> FullSnapshot:
         replies: list[Reply] = []
         self.shell.feed(ev.SnapshotRequested(self.shell.requests.add(replies.append)))
-        return snapshot_from_text(replies[0].value())
+        return decode_text(FullSnapshot, replies[0].value())
 
     def delta(self) -> list[Delta]:
         told = [decode(Delta, message) for line, message in self.messages if line == TREE]

@@ -7,14 +7,14 @@ import json
 import statekit
 from fake_shell import FakeShell
 
-from rtkit.deployment.delta import TREE, Delta, snapshot_from_text
+from rtkit.deployment.delta import TREE, Delta, FullSnapshot
 from rtkit.deployment.facts import Followed
 from rtkit.deployment.states.spec import spec_to_text
 from rtkit.deployment.user_events import user_events
 from rtkit.manager.core import events as ev
 from rtkit.manager.core.follows import told
 from rtkit.property.exchange import Reply
-from rtkit.rtc.serde import decode
+from rtkit.rtc.serde import decode, decode_text
 
 NAME = statekit.SYSTEM
 TEXT = spec_to_text(statekit.robot(), ["robot.xml", "1"])
@@ -123,7 +123,7 @@ def test_each_transition_is_an_event_for_those_who_listen() -> None:
     published: list[Delta] = []
     replies: list[Reply] = []
     shell.feed(ev.SnapshotRequested(shell.requests.add(replies.append)))
-    facts = snapshot_from_text(replies[0].value()).facts
+    facts = decode_text(FullSnapshot, replies[0].value()).facts
     told: list[tuple[str, str]] = []
     for event in (
         ev.FollowAsked(NAME, TEXT, shell.requests.add(replies.append)),

@@ -7,13 +7,13 @@ from endings import come_back, do, heir, in_error, make, pass_time, restore
 from fake_shell import FakeShell, facts
 
 from rtkit.deployment import actions as act
-from rtkit.deployment.delta import TREE, Delta, applied, delta_between, snapshot_from_text
+from rtkit.deployment.delta import TREE, Delta, FullSnapshot, applied, delta_between
 from rtkit.deployment.facts import RestartStatus
 from rtkit.deployment.user_events import SUPERVISION, UserEvent, user_events
 from rtkit.manager.core import events as ev
 from rtkit.property.exchange import Reply
 from rtkit.rtc.enums import LifeCycleState, Transition
-from rtkit.rtc.serde import decode
+from rtkit.rtc.serde import decode, decode_text
 
 
 def restart_status(shell: FakeShell, instance: str = "A") -> RestartStatus:
@@ -25,7 +25,7 @@ def listen(shell: FakeShell, monkeypatch: pytest.MonkeyPatch) -> list[UserEvent]
     heard: list[UserEvent] = []
     replies: list[Reply] = []
     shell.feed(ev.SnapshotRequested(shell.requests.add(replies.append)))
-    known = snapshot_from_text(replies[0].value()).facts
+    known = decode_text(FullSnapshot, replies[0].value()).facts
     carry_out = shell._carry_out
 
     def hear(instruction: ev.Instruction) -> None:
@@ -269,5 +269,5 @@ def test_nothing_seems_to_have_ended_that_outlived_its_manager() -> None:
     other.feed(ev.SlaveFound(pid, "s", [held], []))
     restore(other)
     (reply,) = replies
-    after = snapshot_from_text(reply.value()).facts
+    after = decode_text(FullSnapshot, reply.value()).facts
     assert list(user_events(before, delta_between(before, after, "", 1))) == []
