@@ -13,13 +13,14 @@ import operator
 from collections.abc import Callable, Iterator, Mapping
 from enum import StrEnum
 from functools import lru_cache
-from math import inf, isfinite
+from math import inf
 from typing import NamedTuple
 
 from rtkit.deployment.extension import HEALTH
 from rtkit.deployment.metrics import ComponentMetrics
 from rtkit.errors import Malformed
 from rtkit.fast_dataclass import dataclass
+from rtkit.rtc.connector_properties import finite
 
 STUCK = f"{HEALTH}stuck"
 
@@ -95,7 +96,7 @@ def _read(told: tuple[tuple[str, str], ...]) -> tuple[HealthRule, ...]:
 def _parts(key: str, text: str) -> tuple[str, Reaction]:
     said, colon, word = text.rpartition(":")
     if not colon:
-        is_word = key == STUCK and not _is_number(text)
+        is_word = key == STUCK and finite(text) is None
         said, word = ("", text) if is_word else (text, Reaction.LOG)
     try:
         return said.strip(), Reaction(word.strip().lower())
@@ -123,7 +124,7 @@ def _rule(key: str, said: str, reaction: Reaction) -> HealthRule:
     if kind == "value" and name:
         sign = next((each for each in (*COMPARE, "=") if said.startswith(each)), "")
         value = said.removeprefix(sign).strip()
-        if not sign or (sign != "=" and not _is_number(value)):
+        if not sign or (sign != "=" and finite(value) is None):
             raise Malformed(f"{key}: not <, <=, >, >= and a number, or = and a value: {said}")
         return HealthRule(kind, reaction, name, condition=(sign, value))
     known = "stuck, overrun, rate.PORT, value.PARAMETER"
@@ -131,16 +132,10 @@ def _rule(key: str, said: str, reaction: Reaction) -> HealthRule:
 
 
 def _number(key: str, text: str, unit: str) -> float:
-    if not _is_number(text) or float(text) < 0:
+    value = finite(text)
+    if value is None or value < 0:
         raise Malformed(f"{key}: not a number of 0 or more [{unit}]: {text.strip()}")
-    return float(text)
-
-
-def _is_number(text: str) -> bool:
-    try:
-        return isfinite(float(text))
-    except ValueError:
-        return False
+    return value
 
 
 def broken(
@@ -181,7 +176,7 @@ def _value(rule: HealthRule, _before: Sample | None, now: Sample) -> str:
     if sign == "=":
         is_so = value == wanted
     else:
-        is_so = _is_number(value) and COMPARE[sign](float(value), float(wanted))
+        is_so = finite(value) is not None and COMPARE[sign](float(value), float(wanted))
     return "" if is_so else f"{rule.name} is {value}, not {sign}{wanted}"
 
 

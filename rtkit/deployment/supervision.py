@@ -10,7 +10,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from enum import StrEnum
-from math import isfinite
 
 from rtkit.deployment.extension import (
     CRITICAL,
@@ -23,6 +22,7 @@ from rtkit.deployment.extension import (
 )
 from rtkit.errors import Malformed
 from rtkit.fast_dataclass import dataclass, replace
+from rtkit.rtc.connector_properties import finite
 
 _KEYS = (RESTART, RESTART_DELAY, RESTART_LIMIT, CRITICAL)
 
@@ -107,11 +107,8 @@ def restart_of(key: str, text: str, default: RestartRule = RestartRule.NEVER) ->
 
 
 def _number(key: str, text: str, least: float, most: float, unit: str) -> float:
-    try:
-        value = float(text)
-    except ValueError:
-        value = float("nan")
-    if not (isfinite(value) and least <= value <= most):
+    value = finite(text)
+    if value is None or not least <= value <= most:
         raise Malformed(f"{key}: not a number from {least:g} to {most:g} [{unit}]: {text}")
     return value
 

@@ -43,7 +43,7 @@ from rtkit.profile.rts_model import (
     TargetPort,
 )
 from rtkit.profile.words import strip_instance
-from rtkit.rtc.connector_properties import PUSH_INTERVAL
+from rtkit.rtc.connector_properties import PUSH_INTERVAL, finite
 from rtkit.rtc.create import CreateString, listed_names, parse_create
 from rtkit.rtc.enums import Polarity, PortType
 from rtkit.rtc.pattern import ComponentPattern
@@ -292,10 +292,7 @@ def _costs(instance: str, text: str) -> dict[str, float]:
     for item in listed_names(text):
         kind, equals, number = item.rpartition("=")
         kinds = (kind.strip(),) if equals else INTERRUPTIONS
-        try:
-            cost = float(number)
-        except ValueError:
-            cost = 0.0
+        cost = finite(number) or 0.0
         if not is_cost(cost):
             raise Malformed(f"{instance}: {extension.COST}: not a number above 0: {item}")
         if not set(kinds) <= DEFAULT_COSTS.keys():
@@ -397,20 +394,22 @@ def _data(connector: DataPortConnector) -> tuple[ConnectorProfile, bool]:
         connector.dataflow_type,
         connector.subscription_type,
     )
-    stated = dict(zip(DATA_ATTRIBUTES, told, strict=True))
+    stated = {key: value for key, value in zip(DATA_ATTRIBUTES, told, strict=True) if value}
     if connector.push_interval:
         stated[PUSH_INTERVAL] = repr(connector.push_interval).removesuffix(".0")
-    merged = {key: value for key, value in stated.items() if value}
-    merged.update(lasting(properties_of(connector.properties)))
-    ends = (_ref(connector.source), _ref(connector.target))
-    return ConnectorProfile(connector.connector_id, connector.name, ends, merged), True
+    return _connector(connector, stated), True
 
 
 def _service(connector: ServicePortConnector) -> tuple[ConnectorProfile, bool]:
-    merged = {"port.port_type": PortType.SERVICE.value}
-    merged.update(lasting(properties_of(connector.properties)))
+    return _connector(connector, {"port.port_type": PortType.SERVICE.value}), False
+
+
+def _connector(
+    connector: DataPortConnector | ServicePortConnector, stated: Mapping[str, str]
+) -> ConnectorProfile:
     ends = (_ref(connector.source), _ref(connector.target))
-    return ConnectorProfile(connector.connector_id, connector.name, ends, merged), False
+    merged = {**stated, **lasting(properties_of(connector.properties))}
+    return ConnectorProfile(connector.connector_id, connector.name, ends, merged)
 
 
 def _turned(

@@ -40,7 +40,7 @@ def problem_of(model: Model, moves: Iterable[Operator] | None = None) -> Problem
 def every_move(model: Model) -> Iterator[Operator]:
     """Yield every command that may be possible at some time; for models that are small."""
     operators = Operators(model)
-    yield from (operators.start(manager) for manager in model.managers)
+    yield from (operators.start_manager(manager) for manager in model.managers)
     for variable in model.variables():
         if variable.startswith("mod:"):
             if _finds(model, variable[4:]):

@@ -92,21 +92,18 @@ def _words(model: Model, desired: Wished) -> str:
     variable, values = desired
     kind, _, name = variable.partition(":")
     value = values if isinstance(values, str) else " or ".join(values)
+    told = model.text_of(variable)
     match kind:
         case "cmp":
             return {ANY: name, ABSENT: f"no {name}"}.get(value, f"{name} at {value}")
-        case "act":
-            return f"{name} {value}"
         case "cfg":
-            text = model.keys[name].text.removeprefix("set ") or f"{name}="
-            return f"{text}{value}"
+            return f"{told}{value}"
         case "con":
-            told = f"connection {model.wires[name].text or name}"
             return told if value == YES else f"no {told}"
         case "mod":
-            manager, _, module = name.partition("/")
-            return f"module {module} {value} on {manager}"
-    return f"manager {name} {value}"
+            module, _, manager = told.rpartition(" on ")
+            return f"{module} {value} on {manager}"
+    return f"{told} {value}"
 
 
 def _reasons(model: Model, wishes: Sequence[Wished]) -> Iterator[str]:

@@ -179,6 +179,19 @@ class Model:
             return ""
         return f"{manager_of(place)}/{unit.module}"
 
+    def text_of(self, variable: str) -> str:
+        """Return words for a variable; those for a parameter go before its value."""
+        kind, _, name = variable.partition(":")
+        match kind:
+            case "cfg":
+                return self.keys[name].text.removeprefix("set ") or f"{name}="
+            case "con":
+                return f"connection {self.wires[name].text or name}"
+            case "mod":
+                manager, _, module = name.partition("/")
+                return f"module {module} on {manager}"
+        return f"manager {name}" if kind == "mgr" else name
+
     def wishing(self, desired: Iterable[tuple[str, Wish]]) -> Model:
         """Return the same with other desired values."""
         return replace(self, desired=dict(desired))

@@ -59,7 +59,7 @@ class Operators:
     def __init__(self, model: Model) -> None:
         self._model = model
 
-    def start(self, manager: str) -> Operator:
+    def start_manager(self, manager: str) -> Operator:
         """Start a manager."""
         variable, text = f"mgr:{manager}", f"start manager {manager}"
         needs = [Requirement(variable, (var.DOWN,))]

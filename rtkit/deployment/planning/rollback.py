@@ -116,21 +116,14 @@ def _contexts_unlike(before: Snapshot, now: Snapshot) -> Iterator[str]:
 
 def difference(model: Model, variable: str, was: str) -> str:
     """Return in words how a variable is, and how it was."""
-    kind, _, name = variable.partition(":")
-    value = model.now(variable)
+    kind, told, value = variable[:3], model.text_of(variable), model.now(variable)
     if kind == "cfg":
-        text = model.keys[name].text.removeprefix("set ") or f"{name}="
-        return f"{text}{value} (was {was})"
+        return f"{told}{value} (was {was})"
     if kind in ("act", "mgr"):
-        return f"{'manager ' * (kind == 'mgr')}{name} is {value} (was {was})"
-    if kind == "con":
-        name = f"connection {model.wires[name].text or name}"
-    elif kind == "mod":
-        manager, _, module = name.partition("/")
-        name = f"module {module} on {manager}"
+        return f"{told} is {value} (was {was})"
     if var.ABSENT in (value, was) or var.NO in (value, was):
-        return f"{name} is there" if was in (var.ABSENT, var.NO) else f"{name} is not there"
-    return f"{name} is another" if kind == "con" else f"{name} is at {value} (was at {was})"
+        return f"{told} is there" if was in (var.ABSENT, var.NO) else f"{told} is not there"
+    return f"{told} is another" if kind == "con" else f"{told} is at {value} (was at {was})"
 
 
 def rollback_goal(now: Model, before: Model, joined: Mapping[str, tuple[str, ...]]) -> Model:

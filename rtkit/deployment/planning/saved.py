@@ -13,6 +13,7 @@ from hashlib import sha256
 from typing import Any
 
 from rtkit.deployment.planning.model import (
+    DEFAULT_COSTS,
     ComponentVariable,
     ConnectionVariable,
     Model,
@@ -29,18 +30,6 @@ from rtkit.errors import InvalidDocument, Malformed
 _SCHEMA = "rtkit.saved-plan"
 _VERSION = 1
 _TABLES = {"units": ComponentVariable, "wires": ConnectionVariable, "keys": ParameterVariable}
-_OF_SUBJECTS = (
-    "load",
-    "unload",
-    "delete",
-    "connect",
-    "disconnect",
-    "activate",
-    "deactivate",
-    "reset",
-)
-"""Kinds of steps that are told by what they are done to."""
-_FACTS = ("live", "desired", "managers")
 
 
 @dataclass(frozen=True)
@@ -93,7 +82,9 @@ def to_text(plan: DeploymentPlan, ranks: Mapping[str, int], made: str, about: An
         "ranks": dict(ranks),
         "gap": plan.gap,
         **{name: _tables(getattr(model, name)) for name in _TABLES},
-        **{name: _plain(getattr(model, name)) for name in _FACTS},
+        "live": dict(model.live),
+        "desired": dict(model.desired),
+        "managers": {n: None if m is None else sorted(m) for n, m in model.managers.items()},
         "slaves_need_modules": model.slaves_need_modules,
     }
     whole = {"schema": f"{_SCHEMA}/{_VERSION}", "digest": _digest(data), **data}
@@ -131,12 +122,16 @@ def from_text(text: bytes, source: str) -> SavedPlan:
 def changes(was: Model, now: Model) -> Iterator[str]:
     """Yield in words what is otherwise than it was when a plan was made."""
     units = set(was.units) & set(now.units)
-    for title, old, new in (
-        ("component", was.units, now.units),
-        ("connection", was.wires, now.wires),
-        ("manager", was.managers, now.managers),
+    for kind, old, new in (
+        ("cmp", was.units, now.units),
+        ("con", was.wires, now.wires),
+        ("mgr", was.managers, now.managers),
     ):
-        told = {name: _told(title, name, was, now) for name in {**old, **new}}
+        title = "component " if kind == "cmp" else ""
+        told = {
+            name: title + (now if name in new else was).text_of(f"{kind}:{name}")
+            for name in {**old, **new}
+        }
         yield from (f"{told[name]} is not there any more" for name in old if name not in new)
         yield from (f"{told[name]} is there now" for name in new if name not in old)
         yield from (
@@ -161,11 +156,6 @@ def changes(was: Model, now: Model) -> Iterator[str]:
             yield f"what is wished of {variable.partition(':')[2]} is another"
 
 
-def _told(title: str, name: str, was: Model, now: Model) -> str:
-    connector = (now.wires.get(name) or was.wires.get(name)) if title == "connection" else None
-    return f"{title} {connector.text or name if connector is not None else name}"
-
-
 def _knows(model: Model, variable: str) -> bool:
     kind, _, name = variable.partition(":")
     tables: dict[str, Mapping[str, Any]] = {"cfg": model.keys, "con": model.wires}
@@ -174,17 +164,12 @@ def _knows(model: Model, variable: str) -> bool:
 
 
 def _move(moves: Operators, kind: str, subject: str, value: str, cost: float) -> Operator:
-    match kind:
-        case "start_manager":
-            made = moves.start(subject)
-        case "create" | "create_slave":
-            made = moves.create(subject, value)
-        case "configure":
-            made = moves.configure(subject, value)
-        case _ if kind in _OF_SUBJECTS:
-            made = getattr(moves, kind)(subject)
-        case _:
-            raise KeyError(kind)
+    if kind not in DEFAULT_COSTS:
+        raise KeyError(kind)
+    if kind in ("create", "create_slave"):
+        made = moves.create(subject, value)
+    else:
+        made = getattr(moves, kind)(*([subject, value] if kind == "configure" else [subject]))
     return replace(made, cost=cost)
 
 
@@ -204,17 +189,9 @@ def _model(data: Mapping[str, Any]) -> Model:
 
 def _tables(table: Mapping[str, Any]) -> dict[str, Any]:
     return {
-        name: {each.name: _plain(getattr(record, each.name)) for each in fields(record)}
+        name: {each.name: getattr(record, each.name) for each in fields(record)}
         for name, record in table.items()
     }
-
-
-def _plain(value: Any) -> Any:
-    if isinstance(value, Mapping):
-        return {str(key): _plain(each) for key, each in value.items()}
-    if isinstance(value, frozenset):
-        return sorted(value)
-    return [_plain(each) for each in value] if isinstance(value, tuple) else value
 
 
 def _tupled(value: Any) -> Any:

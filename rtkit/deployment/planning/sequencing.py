@@ -74,7 +74,7 @@ class _Emitting:
         modules = [each[4:] for each in model.desired if each.startswith("mod:")]
         unwished = [m for m in modules if not model.allows(f"mod:{m}", var.LOADED)]
         needed = self._needed_modules(modules)
-        yield from (moves.start(name) for name in self._needed_managers(needed))
+        yield from (moves.start_manager(name) for name in self._needed_managers(needed))
         yield from (moves.load(module) for module in needed)
         yield from (
             moves.create(name, self._assignments[name].place) for name in self._by_depth(self._made)
