@@ -61,7 +61,7 @@ def deviations(
             found = "" if namesake is None else namesake.type.id
             yield _of("component", component, why, "", component.id, found)
     for connector in system.connectors:
-        yield from _wire(connector, system, live)
+        yield from _connection(connector, system, live)
     for component in system.components:
         facts = live.at(component.instance)
         if facts is not None and facts.trouble:
@@ -122,7 +122,7 @@ def surplus(system: WantedSystem, live: LiveIndex) -> Iterator[Deviation]:
     told = {
         frozenset(connector.ports)
         for connector in connectors
-        if live.wire(connector.connector_id) is None
+        if live.connector(connector.connector_id) is None
     }
     for facts in live.snapshot.components:
         if facts.instance not in names:
@@ -217,14 +217,16 @@ def _living(component: WantedComponent, live: LiveIndex) -> ComponentFacts | Non
     return None if absence(component, live) else live.at(component.instance)
 
 
-def _wire(wanted: WantedConnector, system: WantedSystem, live: LiveIndex) -> Iterator[Deviation]:
+def _connection(
+    wanted: WantedConnector, system: WantedSystem, live: LiveIndex
+) -> Iterator[Deviation]:
     connector = wanted.profile
     source, target = (address(system, end) for end in connector.ports)
     path = f"{source} {target}"
-    known = live.wire(connector.connector_id)
+    known = live.connector(connector.connector_id)
     if known is None or set(known.ports) != set(connector.ports):
         text = f"No connection between {source} and {target}"
-        ids = ", ".join(other.connector_id for other in live.wires_between(connector.ports))
+        ids = ", ".join(other.connector_id for other in live.connectors_between(connector.ports))
         if ids:
             text += f" with ID {connector.connector_id} (there is {ids})"
         yield Deviation(

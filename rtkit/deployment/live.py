@@ -89,11 +89,11 @@ class LiveIndex:
 
         return parted(connector, {**self._lives, **self._belongs}, self.snapshot.manager)
 
-    def wire(self, connector_id: str) -> ConnectorProfile | None:
+    def connector(self, connector_id: str) -> ConnectorProfile | None:
         """Return the connection of that id, or None."""
         return self._connectors.get(connector_id)
 
-    def wires_between(self, ends: tuple[PortRef, ...]) -> list[ConnectorProfile]:
+    def connectors_between(self, ends: tuple[PortRef, ...]) -> list[ConnectorProfile]:
         """Return the connections that join just these ports."""
         return [
             connector

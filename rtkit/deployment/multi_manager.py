@@ -64,7 +64,7 @@ def joined(snapshots: Sequence[Snapshot], homes: Homes) -> Snapshot:
     return JointSnapshot(**told, others=tuple(shown[1:]))
 
 
-def _part(each: Snapshot, bearers: Homes, wires: Mapping[str, str]) -> Snapshot:
+def _part(each: Snapshot, bearers: Homes, connectors: Mapping[str, str]) -> Snapshot:
     """Return what counts of one manager's facts."""
     return replace(
         each,
@@ -72,7 +72,7 @@ def _part(each: Snapshot, bearers: Homes, wires: Mapping[str, str]) -> Snapshot:
         connectors=tuple(
             connector
             for connector in _whole(each, bearers)
-            if wires[connector.connector_id] == each.manager
+            if connectors[connector.connector_id] == each.manager
         ),
     )
 
@@ -122,13 +122,15 @@ def down(host: str, manager: str) -> Snapshot:
     return Snapshot(host, manager, 0, "")
 
 
-def manager_for(action: Action, homes: Homes, wires: Iterable[ConnectorProfile], usual: str) -> str:
+def manager_for(
+    action: Action, homes: Homes, connectors: Iterable[ConnectorProfile], usual: str
+) -> str:
     """Return which manager an action is for.
 
     Args:
         action: What is to be done.
         homes: Where components live, or belong.
-        wires: The connectors that there are.
+        connectors: The connectors that there are.
         usual: The manager for what belongs to none.
 
     Raises:
@@ -142,9 +144,7 @@ def manager_for(action: Action, homes: Homes, wires: Iterable[ConnectorProfile],
         case act.Connect():
             return _one_of(action.connector, homes, usual)
         case act.Disconnect():
-            known = (
-                connector for connector in wires if connector.connector_id == action.connector_id
-            )
+            known = (each for each in connectors if each.connector_id == action.connector_id)
             connector = next(known, None)
             return usual if connector is None else homes.get(connector.ports[0].instance, usual)
         case act.Attach() | act.Detach():

@@ -23,12 +23,12 @@ def settle_types(
     """Return the components with the types of stand-ins' ports settled, and notes on changes."""
     settled = dict(components)
     notes: list[str] = []
-    wires = [connector.profile for connector in connectors if connector.is_data]
+    profiles = [connector.profile for connector in connectors if connector.is_data]
     for instance, component in components.items():
         if component.pattern is None:
             continue
         carried: dict[str, list[str]] = {}
-        for connector in wires:
+        for connector in profiles:
             types = [connector.properties.get(_TYPE, "")]
             ends = (components[end.instance].port(end.port) for end in connector.ports)
             types += [port.data_type for port in ends if port is not None]

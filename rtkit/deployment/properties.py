@@ -47,7 +47,7 @@ _TRANSITIONS: Mapping[tuple[str, str], Transition] = {
 
 def of_component(
     facts: ComponentFacts,
-    wires: Sequence[ConnectorProfile],
+    connectors: Sequence[ConnectorProfile],
     metrics: ComponentMetrics | None = None,
     ends: Mapping[str, PortRef] | None = None,
 ) -> list[Shown]:
@@ -77,7 +77,7 @@ def of_component(
         shown.append(_text("fsm_state", facts.fsm_state))
     shown += _sets(facts)
     shown += _contexts(facts)
-    return shown + _ports(facts, wires, metrics, ends or {})
+    return shown + _ports(facts, connectors, metrics, ends or {})
 
 
 def _actions() -> Any:
@@ -161,7 +161,7 @@ _DIRECTIONS = {PortType.IN: "in", PortType.OUT: "out", PortType.SERVICE: "servic
 
 def _ports(
     facts: ComponentFacts,
-    wires: Sequence[ConnectorProfile],
+    connectors: Sequence[ConnectorProfile],
     metrics: ComponentMetrics | None,
     own: Mapping[str, PortRef],
 ) -> list[Shown]:
@@ -170,7 +170,7 @@ def _ports(
     for port in facts.ports:
         path = f"ports.{segment_of(port.name)}"
         here = own.get(port.name) or PortRef(facts.instance, port.name)
-        ends = [connector.ports for connector in wires if here in connector.ports]
+        ends = [connector.ports for connector in connectors if here in connector.ports]
         others = [str(end) for both in ends for end in both if end != here]
         shown += [
             Shown(f"{path}.direction", Word(_DIRECTIONS[port.port_type]), _read_only("word")),

@@ -82,7 +82,7 @@ def active_now(system: WantedSystem, live: LiveIndex) -> str:
 def left_now(system: WantedSystem, live: LiveIndex) -> str:
     """Report what of a system is still there, for a user whose teardown broke off."""
     ids = [connector.profile.connector_id for connector in system.connectors]
-    left = [f"connection {id}" for id in ids if live.wire(id) is not None]
+    left = [f"connection {id}" for id in ids if live.connector(id) is not None]
     left += [c.path for c in system.components if live.entry(c.instance) is not None]
     return f"left now: {', '.join(left) or 'none'}"
 
@@ -129,7 +129,7 @@ def _removal(wanted: WantedConnector, system: WantedSystem, live: LiveIndex) -> 
     source, target = (address(system, end) for end in connector.ports)
     text = f"Disconnect {source} from {target} with ID {connector.connector_id}"
     blocked = missing_end(system, live, connector, ())
-    known = live.wire(connector.connector_id)
+    known = live.connector(connector.connector_id)
     if not blocked and (known is None or set(known.ports) != set(connector.ports)):
         blocked = f"No connection from {source} with ID {connector.connector_id}"
     return PlannedAction(

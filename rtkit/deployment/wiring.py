@@ -61,7 +61,7 @@ def parting(system: WantedSystem, live: LiveIndex, connector: ConnectorProfile) 
     return f"{' to '.join(address(system, end) for end in connector.ports)}: {why}" if why else ""
 
 
-def is_same_wire(known: ConnectorProfile | None, connector: ConnectorProfile) -> bool:
+def is_same_connector(known: ConnectorProfile | None, connector: ConnectorProfile) -> bool:
     """Return whether a connection exists just as wanted."""
     if known is None or set(known.ports) != set(connector.ports):
         return False
@@ -79,7 +79,11 @@ def _connection(
     )
     blocked = missing_end(system, live, connector, pending) or parting(system, live, connector)
     is_free = not {end.instance for end in connector.ports} & set(pending)
-    holds = not blocked and is_free and is_same_wire(live.wire(connector.connector_id), connector)
+    holds = (
+        not blocked
+        and is_free
+        and is_same_connector(live.connector(connector.connector_id), connector)
+    )
     action = None if blocked or holds else Connect(connector)
     return PlannedAction(text, action, wanted.is_required, blocked, holds, f"{source} to {target}")
 

@@ -88,7 +88,7 @@ def test_a_component_is_activated_after_its_connections_and_parameters(model):
     }
     for n, move in enumerate(found.moves):
         if move.kind == "activate":
-            wires = [f"con:{wire}" for wire in model.wires_of[move.subject]]
+            wires = [f"con:{wire}" for wire in model.connectors_of[move.subject]]
             keys = [f"cfg:{key}" for key in model.keys_of[move.subject]]
             assert all(changed.get(each, -1) < layer_of[n] for each in (*wires, *keys))
 

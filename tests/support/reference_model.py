@@ -61,7 +61,7 @@ def every_move(model: Model) -> Iterator[Operator]:
         desired = model.desired.get(f"cfg:{key}", ())
         values = [desired] if isinstance(desired, str) else desired
         yield from (operators.configure(key, value) for value in values)
-    for name, connector in model.wires.items():
+    for name, connector in model.connectors.items():
         yield operators.disconnect(name)
         if not connector.why_not:
             yield operators.connect(name)

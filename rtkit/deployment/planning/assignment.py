@@ -133,7 +133,7 @@ class Assignments:
 
     # with others
 
-    def wire(self, name: str, assignments: tuple[Assignment, ...]) -> float:
+    def connector(self, name: str, assignments: tuple[Assignment, ...]) -> float:
         """Return what a connection costs when this becomes of its ends."""
         model = self._model
         variable = f"con:{name}"
@@ -146,7 +146,8 @@ class Assignments:
         if model.allows(variable, var.NO):
             return to_no
         can_be = (
-            all(assignment.is_there for assignment in assignments) and not model.wires[name].why_not
+            all(assignment.is_there for assignment in assignments)
+            and not model.connectors[name].why_not
         )
         can_be = can_be and model.allows(variable, var.YES)
         return to_no + model.cost("connect", name) if can_be else inf

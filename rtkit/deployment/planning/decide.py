@@ -99,9 +99,9 @@ class _Deciding:
 
     def _all_pairs(self) -> Iterator[Pair]:
         model, assignments = self._model, self._assignments
-        for name, connector in model.wires.items():
+        for name, connector in model.connectors.items():
             one, other = connector.ends[0], connector.ends[-1]
-            yield Pair(one, other, lambda a, b, name=name: assignments.wire(name, (a, b)))  # type: ignore[misc]
+            yield Pair(one, other, lambda a, b, name=name: assignments.connector(name, (a, b)))  # type: ignore[misc]
         for unit in model.units.values():
             lives = model.now(f"cmp:{unit.name}") != ABSENT
             for member in unit.members:

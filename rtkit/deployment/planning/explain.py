@@ -69,8 +69,8 @@ def _near(model: Model, units: Collection[str]) -> set[str]:
         *(
             end
             for name in units
-            for connector in model.wires_of[name]
-            for end in model.wires[connector].ends
+            for connector in model.connectors_of[name]
+            for end in model.connectors[connector].ends
         ),
     }
 
@@ -78,7 +78,7 @@ def _near(model: Model, units: Collection[str]) -> set[str]:
 def _concerns(model: Model, variable: str, units: Collection[str]) -> bool:
     kind, _, name = variable.partition(":")
     if kind == "con":
-        return any(end in units for end in model.wires[name].ends)
+        return any(end in units for end in model.connectors[name].ends)
     return kind in ("mgr", "mod") or owner_of(name) in units
 
 
@@ -111,7 +111,7 @@ def _reasons(model: Model, wishes: Sequence[Wished]) -> Iterator[str]:
     for variable, _ in wishes:
         kind, _, name = variable.partition(":")
         if kind == "con":
-            connector = model.wires[name]
+            connector = model.connectors[name]
             if connector.why_not and not asked.allows(variable, NO):
                 yield connector.why_not
             for end in dict.fromkeys(connector.ends):

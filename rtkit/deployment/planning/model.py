@@ -118,7 +118,7 @@ class Model:
 
     managers: Mapping[str, frozenset[str] | None]
     units: Mapping[str, ComponentVariable]
-    wires: Mapping[str, ConnectionVariable] = field(default_factory=dict)
+    connectors: Mapping[str, ConnectionVariable] = field(default_factory=dict)
     keys: Mapping[str, ParameterVariable] = field(default_factory=dict)
     live: Facts = field(default_factory=dict)
     desired: Mapping[str, Wish] = field(default_factory=dict)
@@ -155,10 +155,10 @@ class Model:
         return found
 
     @cached_property
-    def wires_of(self) -> dict[str, list[str]]:
+    def connectors_of(self) -> dict[str, list[str]]:
         """The connections of each component, by its name."""
         found: dict[str, list[str]] = {name: [] for name in self.units}
-        for name, connector in self.wires.items():
+        for name, connector in self.connectors.items():
             for end in dict.fromkeys(connector.ends):
                 found[end].append(name)
         return found
@@ -186,7 +186,7 @@ class Model:
             case "cfg":
                 return self.keys[name].text.removeprefix("set ") or f"{name}="
             case "con":
-                return f"connection {self.wires[name].text or name}"
+                return f"connection {self.connectors[name].text or name}"
             case "mod":
                 manager, _, module = name.partition("/")
                 return f"module {module} on {manager}"
@@ -211,7 +211,7 @@ class Model:
             yield f"cmp:{name}"
             yield f"act:{name}"
         yield from (f"cfg:{key}" for key in self.keys)
-        yield from (f"con:{name}" for name in self.wires)
+        yield from (f"con:{name}" for name in self.connectors)
 
 
 def cost_name(costs: Container[str], kind: str, subject: str) -> str:

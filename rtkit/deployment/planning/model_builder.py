@@ -31,7 +31,7 @@ from rtkit.deployment.system import (
     WantedSystem,
     address,
 )
-from rtkit.deployment.wiring import is_same_wire, missing_end, parting
+from rtkit.deployment.wiring import is_same_connector, missing_end, parting
 from rtkit.errors import Impossible
 from rtkit.rtc.create import CreateString, parse_create
 from rtkit.rtc.enums import LifeCycleState
@@ -110,7 +110,7 @@ class ModelBuilder:
         self._joined = {connector.connector_id: connector for connector in self._began.connectors}
         self._before = {facts.instance: facts for facts in self._began.components}
         self._units: dict[str, ComponentVariable] = {}
-        self._wires: dict[str, ConnectionVariable] = {}
+        self._connectors: dict[str, ConnectionVariable] = {}
         self._keys: dict[str, ParameterVariable] = {}
         self._live: dict[str, str] = {}
         self._desired: dict[str, Wish] = {}
@@ -145,7 +145,7 @@ class ModelBuilder:
         model = Model(
             dict.fromkeys(managers),
             self._units,
-            self._wires,
+            self._connectors,
             self._keys,
             self._live,
             self._desired,
@@ -369,7 +369,7 @@ class ModelBuilder:
         id = connector.connector_id
         if any(end.instance not in self._units for end in connector.ports):
             return  # that an end is left out is reported already
-        known = live.wire(id)
+        known = live.connector(id)
         names = [end.instance for end in connector.ports]
         pending = [each for each in names if live.at(each) is None or each in self._replaced]
         why = missing_end(self.system, live, connector, pending) or self._refused(wanted, pending)
@@ -378,7 +378,7 @@ class ModelBuilder:
             self._notes.append(why)
             return
         ends = tuple(end.instance for end in connector.ports)
-        self._wires[id] = ConnectionVariable(ends, why, self._wire_text(id, connector.ports))
+        self._connectors[id] = ConnectionVariable(ends, why, self._text(id, connector.ports))
         if self.wanted.absent.isdisjoint(ends):
             self._desired[f"con:{id}"] = var.YES
         for other in filter(None, (known, self._joined.get(id))):
@@ -387,9 +387,9 @@ class ModelBuilder:
                 if end.instance not in self._units and not self._is_gone(end.instance):
                     self._bystander(end.instance)
         if known is not None:
-            self._live[f"con:{id}"] = var.YES if is_same_wire(known, connector) else var.OTHER
+            self._live[f"con:{id}"] = var.YES if is_same_connector(known, connector) else var.OTHER
 
-    def _wire_text(self, id: str, ports: tuple[PortRef, ...]) -> str:
+    def _text(self, id: str, ports: tuple[PortRef, ...]) -> str:
         return f"{' to '.join(map(str, ports))} ({id})"
 
     def _refused(self, wanted: WantedConnector, pending: list[str]) -> str:
@@ -419,25 +419,25 @@ class ModelBuilder:
         known = self.wanted.feasibility.ports.get(end.instance, ())
         return next((port for port in known if port.name == end.port), None)
 
-    def _surplus(self, wires: Iterable[ConnectorProfile]) -> None:
+    def _surplus(self, connectors: Iterable[ConnectorProfile]) -> None:
         """Take in connections of wanted components that nobody names: who moves keeps them."""
-        for connector in wires:
+        for connector in connectors:
             id = connector.connector_id
             names = [end.instance for end in connector.ports]
-            if id in self._wires or not any(name in self._units for name in names):
+            if id in self._connectors or not any(name in self._units for name in names):
                 continue
             if any(name not in self._units and self._is_gone(name) for name in names):
                 continue
             for name in names:
                 if name not in self._units:
                     self._bystander(name)
-            self._wires[id] = ConnectionVariable(
-                tuple(names), "", self._wire_text(id, connector.ports)
+            self._connectors[id] = ConnectionVariable(
+                tuple(names), "", self._text(id, connector.ports)
             )
             is_kept = not self.wanted.prunes or any(self._units[name].why_not for name in names)
             if self.wanted.absent.isdisjoint(names):
                 self._desired[f"con:{id}"] = var.YES if is_kept else var.NO
-            self._live[f"con:{id}"] = var.NO if self.live.wire(id) is None else var.YES
+            self._live[f"con:{id}"] = var.NO if self.live.connector(id) is None else var.YES
 
     def _is_gone(self, name: str) -> bool:
         facts = self.live.namesake(name)
@@ -458,7 +458,7 @@ class ModelBuilder:
                 continue
             id = attachment(component.instance, context, participant)
             text = f"{participant} to execution context {context} of {component.instance}"
-            self._wires[id] = ConnectionVariable((component.instance, participant), "", text)
+            self._connectors[id] = ConnectionVariable((component.instance, participant), "", text)
             if self.wanted.absent.isdisjoint((component.instance, participant)):
                 self._desired[f"con:{id}"] = var.YES
             self._live[f"con:{id}"] = var.YES if participant in driven.get(context, ()) else var.NO

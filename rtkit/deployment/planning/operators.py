@@ -112,7 +112,7 @@ class Operators:
         needs = [
             _there(name),
             Requirement(f"act:{name}", (var.INACTIVE, var.ERROR)),
-            *(Requirement(f"con:{connector}", (var.NO,)) for connector in model.wires_of[name]),
+            *(Requirement(f"con:{each}", (var.NO,)) for each in model.connectors_of[name]),
             *(Requirement(f"cmp:{whole}", (var.ABSENT,)) for whole in model.wholes_of[name]),
         ]
         changes = [(f"cmp:{name}", var.ABSENT), (f"act:{name}", var.INACTIVE)]
@@ -121,14 +121,14 @@ class Operators:
 
     def connect(self, name: str) -> Operator:
         """Make a connection."""
-        ends = dict.fromkeys(self._model.wires[name].ends)
+        ends = dict.fromkeys(self._model.connectors[name].ends)
         needs = [Requirement(f"con:{name}", (var.NO,)), *map(_there, ends)]
         text = f"connect {self._told(name)}"
         return self._made("connect", name, text, needs, (f"con:{name}", var.YES))
 
     def disconnect(self, name: str) -> Operator:
         """Remove a connection."""
-        heeds = tuple(f"act:{end}" for end in dict.fromkeys(self._model.wires[name].ends))
+        heeds = tuple(f"act:{end}" for end in dict.fromkeys(self._model.connectors[name].ends))
         needs = [Requirement(f"con:{name}", (var.YES, var.OTHER))]
         text = f"disconnect {self._told(name)}"
         return self._made("disconnect", name, text, needs, (f"con:{name}", var.NO), heeds=heeds)
@@ -150,7 +150,7 @@ class Operators:
         model = self._model
         needs = [_there(name), Requirement(f"act:{name}", (var.INACTIVE,))]
         heeds = (
-            *(f"con:{connector}" for connector in model.wires_of[name]),
+            *(f"con:{connector}" for connector in model.connectors_of[name]),
             *(f"cfg:{key}" for key in model.keys_of[name]),
             *(f"cmp:{whole}" for whole in model.wholes_of[name]),
         )
@@ -184,7 +184,7 @@ class Operators:
         return Operator(kind, subject, text, tuple(needs), changes, cost, value, heeds)
 
     def _told(self, name: str) -> str:
-        return self._model.wires[name].text or name
+        return self._model.connectors[name].text or name
 
 
 def judge(model: Model, moves: Iterable[Operator]) -> str:

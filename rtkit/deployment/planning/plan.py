@@ -59,7 +59,7 @@ class DeploymentPlan:
         )
         connectors = sum(
             model.now(f"con:{name}") != NO and ("disconnect", name) not in ended
-            for name in model.wires
+            for name in model.connectors
         )
         return managers, units, connectors
 

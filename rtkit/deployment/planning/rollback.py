@@ -70,7 +70,7 @@ class Rollback:
         for name in units:
             yield from (f"cmp:{name}", f"act:{name}")
             yield from (f"cfg:{key}" for key in model.keys_of[name])
-            connectors = (f"con:{connector}" for connector in model.wires_of[name])
+            connectors = (f"con:{connector}" for connector in model.connectors_of[name])
             yield from (v for v in connectors if failures > 1 or model.desired.get(v) == var.YES)
 
 
@@ -78,7 +78,7 @@ def _units_of(model: Model, variable: str) -> Iterator[str]:
     """Yield the components that a variable is about, as far as the model has them."""
     kind, _, name = variable.partition(":")
     if kind == "con":
-        yield from model.wires[name].ends
+        yield from model.connectors[name].ends
     elif kind in ("mgr", "mod"):
         manager, _, module = name.partition("/")
         for unit in model.units.values():
@@ -92,7 +92,7 @@ def _units_of(model: Model, variable: str) -> Iterator[str]:
 
 def _beside(model: Model, name: str) -> Iterator[str]:
     """Yield the components that one is connected with, composed of, or part of."""
-    yield from (end for connector in model.wires_of[name] for end in model.wires[connector].ends)
+    yield from (end for each in model.connectors_of[name] for end in model.connectors[each].ends)
     yield from model.wholes_of[name]
     yield from (each for each in model.units[name].members if each in model.units)
 
@@ -137,7 +137,7 @@ def rollback_goal(now: Model, before: Model, joined: Mapping[str, tuple[str, ...
         joined: The components that each connection joined before.
     """
     live, desired = dict(now.live), dict[str, Wish]()
-    units, wires = dict(now.units), dict(now.wires)
+    units, connectors = dict(now.units), dict(now.connectors)
     for name, unit in now.units.items():
         if name not in before.units:
             continue
@@ -156,8 +156,8 @@ def rollback_goal(now: Model, before: Model, joined: Mapping[str, tuple[str, ...
             desired[variable] = before.live[variable]
             if known.is_fixed:  # what is created again is created as it was
                 keys[key] = replace(known, default=before.live[variable])
-    for name in now.wires:
-        if name not in before.wires:
+    for name in now.connectors:
+        if name not in before.connectors:
             continue
         variable = f"con:{name}"
         was = before.now(variable)
@@ -166,12 +166,12 @@ def rollback_goal(now: Model, before: Model, joined: Mapping[str, tuple[str, ...
             live[variable] = {var.YES: var.OTHER, var.OTHER: var.YES}.get(now.now(variable), var.NO)
             if not all(end in units for end in joined[name]):
                 continue
-            wires[name] = ConnectionVariable(joined[name], text=now.wires[name].text)
+            connectors[name] = ConnectionVariable(joined[name], text=now.connectors[name].text)
         desired[variable] = var.NO if was == var.NO else var.YES
     for variable in now.live:
         if variable.startswith("mod:"):
             desired[variable] = before.now(variable)
-    return replace(now, units=units, wires=wires, keys=keys, live=live, desired=desired)
+    return replace(now, units=units, connectors=connectors, keys=keys, live=live, desired=desired)
 
 
 def without(model: Model, before: Model, managers: Collection[str]) -> Model:
@@ -183,7 +183,7 @@ def without(model: Model, before: Model, managers: Collection[str]) -> Model:
     def is_lost(variable: str) -> bool:
         kind, _, name = variable.partition(":")
         if kind == "con":
-            return not lost.isdisjoint(model.wires[name].ends)
+            return not lost.isdisjoint(model.connectors[name].ends)
         if kind in ("mgr", "mod"):
             return name.partition("/")[0] in managers
         return owner_of(name) in lost

@@ -29,7 +29,12 @@ from rtkit.errors import InvalidDocument, Malformed
 
 _SCHEMA = "rtkit.saved-plan"
 _VERSION = 1
-_TABLES = {"units": ComponentVariable, "wires": ConnectionVariable, "keys": ParameterVariable}
+_TABLES = {
+    "units": ("units", ComponentVariable),
+    "wires": ("connectors", ConnectionVariable),
+    "keys": ("keys", ParameterVariable),
+}
+"""Attribute of a model, and class, of each table in the text."""
 
 
 @dataclass(frozen=True)
@@ -81,7 +86,7 @@ def to_text(plan: DeploymentPlan, ranks: Mapping[str, int], made: str, about: An
         "steps": [[move.kind, move.subject, move.value, move.cost] for move in plan.moves],
         "ranks": dict(ranks),
         "gap": plan.gap,
-        **{name: _tables(getattr(model, name)) for name in _TABLES},
+        **{key: _tables(getattr(model, name)) for key, (name, _) in _TABLES.items()},
         "live": dict(model.live),
         "desired": dict(model.desired),
         "managers": {n: None if m is None else sorted(m) for n, m in model.managers.items()},
@@ -124,7 +129,7 @@ def changes(was: Model, now: Model) -> Iterator[str]:
     units = set(was.units) & set(now.units)
     for kind, old, new in (
         ("cmp", was.units, now.units),
-        ("con", was.wires, now.wires),
+        ("con", was.connectors, now.connectors),
         ("mgr", was.managers, now.managers),
     ):
         title = "component " if kind == "cmp" else ""
@@ -158,7 +163,7 @@ def changes(was: Model, now: Model) -> Iterator[str]:
 
 def _knows(model: Model, variable: str) -> bool:
     kind, _, name = variable.partition(":")
-    tables: dict[str, Mapping[str, Any]] = {"cfg": model.keys, "con": model.wires}
+    tables: dict[str, Mapping[str, Any]] = {"cfg": model.keys, "con": model.connectors}
     tables |= {"cmp": model.units, "act": model.units, "mgr": model.managers}
     return name in tables[kind] if kind in tables else True
 
@@ -175,8 +180,8 @@ def _move(moves: Operators, kind: str, subject: str, value: str, cost: float) ->
 
 def _model(data: Mapping[str, Any]) -> Model:
     tables = {
-        name: {key: cls(**_tupled(told)) for key, told in data[name].items()}
-        for name, cls in _TABLES.items()
+        name: {one: cls(**_tupled(told)) for one, told in data[key].items()}
+        for key, (name, cls) in _TABLES.items()
     }
     managers = {
         name: None if found is None else frozenset(found)

@@ -86,7 +86,7 @@ class _Emitting:
         broken = {move.subject for move in remade}
         yield from (
             moves.connect(name)
-            for name in model.wires
+            for name in model.connectors
             if (name in broken or model.now(f"con:{name}") == var.NO)
             and not model.allows(f"con:{name}", var.NO)
         )
@@ -136,7 +136,7 @@ class _Emitting:
     def _disconnections(self) -> Iterator[Operator]:
         model = self._model
         ended = set(self._ended)
-        for name, connector in model.wires.items():
+        for name, connector in model.connectors.items():
             now = model.now(f"con:{name}")
             is_broken = not ended.isdisjoint(connector.ends) or not model.allows(f"con:{name}", now)
             if now != var.NO and is_broken:

@@ -36,10 +36,10 @@ class ActionBuilder:
         self._system = system
         self._before = before
         self._wanted = {component.instance: component for component in system.components}
-        self._wires = {
+        self._connectors = {
             connector.connector_id: connector for connector in before.snapshot.connectors
         }
-        self._wires.update((w.profile.connector_id, w.profile) for w in system.connectors)
+        self._connectors.update((w.profile.connector_id, w.profile) for w in system.connectors)
 
     def layers(
         self, name: str, moves: list[Operator], model: Model, live: LiveIndex
@@ -74,7 +74,7 @@ class ActionBuilder:
             case "delete":
                 yield act.Delete(move.subject)
             case "connect" | "disconnect":
-                yield self._wire(move)
+                yield self._connection(move)
             case "configure":
                 yield from self._configure(move, live)
             case "start_manager":
@@ -101,13 +101,13 @@ class ActionBuilder:
             create = create.with_options(manager_name="")
         return act.Create(str(create), names, pattern)
 
-    def _wire(self, move: Operator) -> Action:
+    def _connection(self, move: Operator) -> Action:
         parts = move.subject.split("\n")
         if len(parts) == 3:
             return act.Attach(*parts) if move.kind == "connect" else act.Detach(*parts)
         if move.kind == "disconnect":
             return act.Disconnect(move.subject)
-        connector: ConnectorProfile = self._wires[move.subject]
+        connector: ConnectorProfile = self._connectors[move.subject]
         return act.Connect(connector)
 
     def _configure(self, move: Operator, live: LiveIndex) -> Iterator[Action]:
