@@ -16,6 +16,7 @@ from random import Random
 from typing import Any
 
 from bench.harness import Lines, Row, paired, timed
+from rtkit.deployment.planning.deployment_plan import make_plan
 from rtkit.deployment.planning.model import (
     ComponentVariable,
     ConnectionVariable,
@@ -24,7 +25,6 @@ from rtkit.deployment.planning.model import (
     Wish,
 )
 from rtkit.deployment.planning.operators import judge
-from rtkit.deployment.planning.plan import make_plan
 from rtkit.deployment.planning.rendering import quality
 from rtkit.errors import LimitReached
 from rtkit.planner import Limits, Problem, State, plan

@@ -14,14 +14,14 @@ from functools import partial
 from rtkit.deployment.actions import Action
 from rtkit.deployment.facts import Snapshot
 from rtkit.deployment.goal import DeploymentGoal
-from rtkit.deployment.live import LiveIndex
+from rtkit.deployment.layered_plan import Layer, LayeredPlan
+from rtkit.deployment.live_index import LiveIndex
 from rtkit.deployment.multi_manager import homes_in
-from rtkit.deployment.plan import Layer, LayeredPlan
+from rtkit.deployment.planning.deployment_plan import DeploymentPlan, make_plan
 from rtkit.deployment.planning.explain import NoPlan
 from rtkit.deployment.planning.model import Model
 from rtkit.deployment.planning.model_builder import BuiltModel
 from rtkit.deployment.planning.operators import Operator
-from rtkit.deployment.planning.plan import DeploymentPlan, make_plan
 from rtkit.deployment.planning.rendering import lines
 from rtkit.deployment.planning.rollback import Rollback
 from rtkit.deployment.planning.to_actions import ActionBuilder

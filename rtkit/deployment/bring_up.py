@@ -6,8 +6,8 @@ from collections.abc import Callable, Iterator, Mapping
 
 from rtkit.deployment.creation import NOTHING_LACKS, creation_plan
 from rtkit.deployment.facts import Snapshot
-from rtkit.deployment.live import LiveIndex
-from rtkit.deployment.plan import LayeredPlan
+from rtkit.deployment.layered_plan import LayeredPlan
+from rtkit.deployment.live_index import LiveIndex
 from rtkit.deployment.system import WantedSystem
 from rtkit.deployment.wiring import wiring_plan
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Collection, Iterable, Iterator, Mapping
 
 from rtkit.deployment.actions import Attach, Create, Load
-from rtkit.deployment.live import LiveIndex, absence
-from rtkit.deployment.plan import Check, Layer, LayeredPlan, PlannedAction, layer
+from rtkit.deployment.layered_plan import Check, Layer, LayeredPlan, PlannedAction, layer
+from rtkit.deployment.live_index import LiveIndex, absence
 from rtkit.deployment.system import BadComponent, WantedComponent, WantedSystem
 from rtkit.deployment.wiring import parting
 from rtkit.errors import Malformed, NotFound

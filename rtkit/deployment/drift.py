@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 from rtkit.deployment.extension import policy_in
 from rtkit.deployment.facts import ComponentFacts
-from rtkit.deployment.live import own_context_of
+from rtkit.deployment.live_index import own_context_of
 from rtkit.deployment.system import HIDDEN, WantedComponent
 from rtkit.errors import Malformed
 from rtkit.rtc.create import CreateString, readable_create

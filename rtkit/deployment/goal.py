@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from rtkit.deployment.facts import Snapshot
-from rtkit.deployment.live import LiveIndex
+from rtkit.deployment.live_index import LiveIndex
+from rtkit.deployment.planning.deployment_plan import DeploymentPlan, make_plan
 from rtkit.deployment.planning.model_builder import BuiltModel, ModelBuilder, WantedDeployment
-from rtkit.deployment.planning.plan import DeploymentPlan, make_plan
 from rtkit.errors import Impossible
 
 

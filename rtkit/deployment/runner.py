@@ -8,9 +8,9 @@ from functools import partial
 
 from rtkit.deployment.actions import Action, Result, strict
 from rtkit.deployment.facts import Snapshot
-from rtkit.deployment.plan import Check, LayeredPlan, PlannedAction, merged
-from rtkit.deployment.rollback import traces
+from rtkit.deployment.layered_plan import Check, LayeredPlan, PlannedAction, merged
 from rtkit.deployment.site import UNFINISHED, Careful, Site, at_once
+from rtkit.deployment.traces import traces
 from rtkit.errors import Refused, RtkitError, Unreachable
 
 Talk = Callable[[str], None]

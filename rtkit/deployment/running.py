@@ -5,8 +5,8 @@ from __future__ import annotations
 from rtkit.deployment.actions import ChangeState, Delete, Disconnect
 from rtkit.deployment.conditions import NO_ORDERS, Orders, OrderTarget
 from rtkit.deployment.creation import component_checks
-from rtkit.deployment.live import LiveIndex, absence, context_of, mismatch
-from rtkit.deployment.plan import LayeredPlan, PlannedAction, layer
+from rtkit.deployment.layered_plan import LayeredPlan, PlannedAction, layer
+from rtkit.deployment.live_index import LiveIndex, absence, context_of, mismatch
 from rtkit.deployment.start_schedule import (
     ScheduledAction,
     StartPlan,

@@ -10,7 +10,7 @@ from heapq import heapify, heappop, heappush
 
 from rtkit.deployment.conditions import NO_ORDERS, Orders, OrderTarget, StartCondition, sequence_of
 from rtkit.deployment.facts import ComponentFacts
-from rtkit.deployment.plan import Check, PlannedAction
+from rtkit.deployment.layered_plan import Check, PlannedAction
 from rtkit.fast_dataclass import dataclass, replace
 from rtkit.rtc.enums import Transition
 

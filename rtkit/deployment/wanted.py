@@ -1,6 +1,6 @@
 """Converts a system profile into the facts of the wanted system.
 
-`rtkit.deployment.check` compares them with what lives.
+`rtkit.deployment.deviations` compares them with what lives.
 """
 
 from __future__ import annotations

@@ -7,8 +7,8 @@ from collections.abc import Collection, Iterator
 from rtkit.deployment import drift
 from rtkit.deployment.actions import ActivateSet, Connect, SetParameters, SetPolicy, SetRate
 from rtkit.deployment.facts import ComponentFacts
-from rtkit.deployment.live import LiveIndex, absence
-from rtkit.deployment.plan import LayeredPlan, PlannedAction, layer
+from rtkit.deployment.layered_plan import LayeredPlan, PlannedAction, layer
+from rtkit.deployment.live_index import LiveIndex, absence
 from rtkit.deployment.system import HIDDEN, WantedComponent, WantedConnector, WantedSystem, address
 from rtkit.rtc.connector_properties import differing
 from rtkit.rtc.profiles import ConnectorProfile

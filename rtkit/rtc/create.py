@@ -58,7 +58,7 @@ class CreateString:
 
     @property
     def is_place_open(self) -> bool:
-        """Whether the manager chooses the process: by the stated address, or by the members."""
+        """Return whether the manager chooses the process: by the address, or by the members."""
         return not self.place and bool(self.address or self.options.get("members"))
 
     def with_options(self, **options: str) -> CreateString:

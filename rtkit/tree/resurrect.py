@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from rtkit.deployment.bring_up import bring_up_plans
 from rtkit.deployment.creation import NOTHING_LACKS, checks
 from rtkit.deployment.facts import Snapshot
-from rtkit.deployment.live import LiveIndex
+from rtkit.deployment.live_index import LiveIndex
 from rtkit.deployment.runner import PlanRunner, roll_back
 from rtkit.deployment.system import WantedSystem
 from rtkit.errors import RtkitError

@@ -13,10 +13,10 @@ from systems import ACTIVE, INACTIVE, INSTANCES, by_key, disturb, disturbances, 
 from rtkit.deployment import actions as act
 from rtkit.deployment.actions import Result
 from rtkit.deployment.applying import Applier
-from rtkit.deployment.check import deviations
+from rtkit.deployment.deviations import deviations
 from rtkit.deployment.facts import Snapshot
 from rtkit.deployment.goal import DeploymentGoal
-from rtkit.deployment.live import LiveIndex
+from rtkit.deployment.live_index import LiveIndex
 from rtkit.deployment.planning.operators import judge
 from rtkit.deployment.wanted import wanted
 from rtkit.errors import RtkitError

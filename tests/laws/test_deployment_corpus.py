@@ -10,10 +10,10 @@ from fake_manager import FakeManager
 from stated import Stated, stated
 
 from rtkit.deployment.capture import SystemHeading, capture
-from rtkit.deployment.check import deviations
 from rtkit.deployment.creation import creation_plan
-from rtkit.deployment.live import LiveIndex
-from rtkit.deployment.plan import merged
+from rtkit.deployment.deviations import deviations
+from rtkit.deployment.layered_plan import merged
+from rtkit.deployment.live_index import LiveIndex
 from rtkit.deployment.running import start_plan, stop_plan, teardown_plan
 from rtkit.deployment.wanted import wanted
 from rtkit.deployment.wiring import wiring_plan

@@ -14,10 +14,10 @@ from systems import INSTANCES, PORTS, SETS, disturb, disturbances, make_world, p
 from rtkit.deployment import actions as act
 from rtkit.deployment.actions import Result
 from rtkit.deployment.applying import Applier
-from rtkit.deployment.check import deviations, surplus
+from rtkit.deployment.deviations import deviations, surplus
 from rtkit.deployment.extension import policy_in
 from rtkit.deployment.goal import DeploymentGoal
-from rtkit.deployment.live import LiveIndex
+from rtkit.deployment.live_index import LiveIndex
 from rtkit.deployment.wanted import wanted
 from rtkit.errors import RtkitError
 from rtkit.profile import rts_model as rts

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from rtkit.deployment.actions import ChangeState, Result
 from rtkit.deployment.conditions import OrderTarget, StartCondition, sequence_of
 from rtkit.deployment.execution import StartExecution
-from rtkit.deployment.plan import PlannedAction
+from rtkit.deployment.layered_plan import PlannedAction
 from rtkit.deployment.start_schedule import (
     ScheduledAction,
     StartPlan,

@@ -13,9 +13,9 @@ from rtkit.deployment import actions as act
 from rtkit.deployment.actions import Result
 from rtkit.deployment.applying import Applier
 from rtkit.deployment.capture import SystemHeading, capture
-from rtkit.deployment.check import deviations
+from rtkit.deployment.deviations import deviations
 from rtkit.deployment.goal import DeploymentGoal
-from rtkit.deployment.live import LiveIndex
+from rtkit.deployment.live_index import LiveIndex
 from rtkit.deployment.multi_manager import homes_in
 from rtkit.deployment.planning.operators import judge
 from rtkit.deployment.runner import PlanRunner

@@ -10,10 +10,10 @@ from hypothesis import given, note, settings
 from hypothesis import strategies as st
 from reference_model import plan_of, problem_of
 
+from rtkit.deployment.planning.deployment_plan import DeploymentPlan, make_plan
 from rtkit.deployment.planning.explain import NoPlan
 from rtkit.deployment.planning.model import Model
 from rtkit.deployment.planning.operators import judge
-from rtkit.deployment.planning.plan import DeploymentPlan, make_plan
 from rtkit.errors import Impossible, LimitReached
 from rtkit.planner import Limits, plan, verify
 

@@ -12,10 +12,10 @@ from systems import ACTIVE, INACTIVE, by_key, disturb, disturbances, make_world,
 from rtkit.deployment import actions as act
 from rtkit.deployment.actions import Result
 from rtkit.deployment.capture import SystemHeading, capture
-from rtkit.deployment.check import deviations
 from rtkit.deployment.creation import creation_plan
-from rtkit.deployment.live import LiveIndex
-from rtkit.deployment.plan import merged
+from rtkit.deployment.deviations import deviations
+from rtkit.deployment.layered_plan import merged
+from rtkit.deployment.live_index import LiveIndex
 from rtkit.deployment.runner import PlanRunner
 from rtkit.deployment.running import start_plan, stop_plan, teardown_plan
 from rtkit.deployment.system import WantedSystem

@@ -12,7 +12,7 @@ from systems import ACTIVE, INACTIVE, by_key, make_world, profiles
 
 from rtkit.deployment.applying import Applier
 from rtkit.deployment.goal import DeploymentGoal
-from rtkit.deployment.live import LiveIndex
+from rtkit.deployment.live_index import LiveIndex
 from rtkit.deployment.runner import PlanRunner
 from rtkit.deployment.running import start_plan, stop_plan, teardown_plan
 from rtkit.deployment.system import WantedSystem

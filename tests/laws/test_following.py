@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from rtkit.deployment.actions import Action, Result
 from rtkit.deployment.applying import Applier
 from rtkit.deployment.facts import Followed, Snapshot
-from rtkit.deployment.states.spec import spec_to_text
+from rtkit.deployment.states.states_text import spec_to_text
 from rtkit.errors import Refused
 from rtkit.manager.following.worker import Ended, FollowingWorker
 

@@ -17,7 +17,7 @@ from systems import ACTIVE, INSTANCES, disturbances, make_world, profiles
 from rtkit.deployment import actions as act
 from rtkit.deployment.facts import RestartStatus, Snapshot
 from rtkit.deployment.goal import DeploymentGoal
-from rtkit.deployment.live import LiveIndex
+from rtkit.deployment.live_index import LiveIndex
 from rtkit.deployment.runner import PlanRunner
 from rtkit.deployment.running import start_plan
 from rtkit.deployment.system import WantedSystem

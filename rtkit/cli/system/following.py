@@ -69,7 +69,7 @@ def begin(app: App, document: SystemDocument, states: States, *, rolls_back: boo
     """
     from hashlib import sha256  # loads OpenSSL: some 3 ms that a dry run does not need
 
-    from rtkit.deployment.states.spec import spec_to_text
+    from rtkit.deployment.states.states_text import spec_to_text
 
     said = bytes([rolls_back, states.base.replaces, states.base.is_strict])
     digest = sha256(document.data + said).hexdigest()

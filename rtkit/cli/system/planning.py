@@ -17,10 +17,10 @@ if TYPE_CHECKING:
     from rtkit.cli.system.document import SystemDocument
     from rtkit.deployment.facts import Snapshot
     from rtkit.deployment.goal import DeploymentGoal
-    from rtkit.deployment.planning.costs import Costs
+    from rtkit.deployment.planning.deployment_plan import DeploymentPlan
     from rtkit.deployment.planning.model import Model
     from rtkit.deployment.planning.model_builder import BuiltModel
-    from rtkit.deployment.planning.plan import DeploymentPlan
+    from rtkit.deployment.planning.step_costs import Costs
     from rtkit.deployment.system import WantedSystem
     from rtkit.tree.plan_locks import PlanLocks
 
@@ -147,7 +147,7 @@ def prepare(
 
 
 def _cheapest(goal: DeploymentGoal, _snapshot: Snapshot, model: Model) -> DeploymentPlan:
-    from rtkit.deployment.planning.plan import make_plan
+    from rtkit.deployment.planning.deployment_plan import make_plan
 
     return make_plan(model, goal.ranks)
 
@@ -211,7 +211,7 @@ def settled_costs(
         UsageProblem: One is not NAME=NUMBER, or there is no such kind of step and no component.
     """
     from rtkit.cli.system import step_times
-    from rtkit.deployment.planning import costs
+    from rtkit.deployment.planning import step_costs as costs
 
     table = costs.Costs()
     said = read_costs(given, system, snapshot)
@@ -235,8 +235,8 @@ def read_costs(
         UsageProblem: One is not NAME=NUMBER, or there is no such kind of step, no component, or
             nothing of that name to which such a step could be done.
     """
-    from rtkit.deployment.planning.costs import interruption, subjects
     from rtkit.deployment.planning.model import DEFAULT_COSTS, is_cost
+    from rtkit.deployment.planning.step_costs import interruption, subjects
     from rtkit.rtc.nearest import did_you_mean
 
     costs: dict[str, float] = {}
@@ -267,7 +267,7 @@ def read_costs(
 def _ranks(app: App, document: SystemDocument, system: WantedSystem) -> dict[str, int]:
     """Return the order in which the profile has components activated, if it has one."""
     from rtkit.deployment.conditions import start_orders
-    from rtkit.deployment.live import LiveIndex
+    from rtkit.deployment.live_index import LiveIndex
     from rtkit.deployment.running import start_plan
     from rtkit.deployment.start_schedule import expected_order
 

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from collections.abc import Collection
 
     from rtkit.deployment.facts import ComponentFacts, Snapshot
-    from rtkit.deployment.live import LiveIndex
+    from rtkit.deployment.live_index import LiveIndex
     from rtkit.deployment.planning.feasibility import Feasibility, Making
     from rtkit.deployment.system import WantedComponent, WantedSystem
     from rtkit.rtc.profiles import PortProfile
@@ -28,7 +28,7 @@ def look_ahead(app: App, system: WantedSystem, snapshot: Snapshot) -> Feasibilit
     Raises:
         Unreachable: The manager does not answer.
     """
-    from rtkit.deployment.live import LiveIndex
+    from rtkit.deployment.live_index import LiveIndex
     from rtkit.deployment.planning.feasibility import Feasibility, makings
 
     live = LiveIndex(snapshot, system)
@@ -59,7 +59,7 @@ def missing(app: App, system: WantedSystem, snapshot: Snapshot) -> dict[str, str
     Raises:
         Unreachable: The manager does not answer.
     """
-    from rtkit.deployment.live import LiveIndex
+    from rtkit.deployment.live_index import LiveIndex
 
     live = LiveIndex(snapshot, system)
     absent = {each.instance for each in system.components if live.at(each.instance) is None}

@@ -77,8 +77,8 @@ def main(
     if is_diff and form != static_checks.TEXT:
         raise UsageProblem("--diff has a form of its own: no --json, no --format")
     from rtkit.cli.system.present_code import present_code
-    from rtkit.deployment.check import check_lines, deviations, diff_lines, surplus
-    from rtkit.deployment.live import LiveIndex
+    from rtkit.deployment.deviations import check_lines, deviations, diff_lines, surplus
+    from rtkit.deployment.live_index import LiveIndex
 
     document = read_document(app, asked.files)
     snapshot = shared.look(app, document.profile, dry_run=dry_run)

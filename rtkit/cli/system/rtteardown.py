@@ -27,7 +27,7 @@ def main(
     What is missing is reported; the rest is removed all the same. A system that its manager
     follows (rtstate) is followed no more.
     """
-    from rtkit.deployment.live import LiveIndex
+    from rtkit.deployment.live_index import LiveIndex
     from rtkit.deployment.running import left_now, teardown_plan
 
     document = read_document(app, asked.files)

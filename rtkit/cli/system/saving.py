@@ -21,8 +21,8 @@ if TYPE_CHECKING:
     from rtkit.cli.system.document import SystemDocument
     from rtkit.deployment.facts import Snapshot
     from rtkit.deployment.goal import DeploymentGoal
+    from rtkit.deployment.planning.deployment_plan import DeploymentPlan
     from rtkit.deployment.planning.model import Model
-    from rtkit.deployment.planning.plan import DeploymentPlan
     from rtkit.deployment.planning.saved import SavedPlan
     from rtkit.deployment.system import WantedSystem
     from rtkit.tree.plan_locks import PlanLocks
@@ -165,7 +165,7 @@ def _check_nothing_else(app: App, options: dict[str, Any]) -> None:
 
 def _makings(system: WantedSystem, snapshot: Snapshot) -> dict[str, list[str]]:
     """Return the inputs of components' creation, by component name."""
-    from rtkit.deployment.live import LiveIndex
+    from rtkit.deployment.live_index import LiveIndex
 
     live = LiveIndex(snapshot, system)
     return {

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from rtkit.cli.system.document import SystemDocument
     from rtkit.deployment.actions import Action
     from rtkit.deployment.facts import Snapshot
-    from rtkit.deployment.plan import LayeredPlan
+    from rtkit.deployment.layered_plan import LayeredPlan
     from rtkit.deployment.runner import Count, PlanRunner
     from rtkit.deployment.start_schedule import StartPlan
     from rtkit.deployment.system import KnownType, WantedSystem

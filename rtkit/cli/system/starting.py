@@ -17,7 +17,7 @@ from rtkit.errors import RtkitError
 if TYPE_CHECKING:
     from rtkit.cli.system.document import SystemDocument
     from rtkit.deployment.actions import Action
-    from rtkit.deployment.live import LiveIndex
+    from rtkit.deployment.live_index import LiveIndex
     from rtkit.deployment.start_schedule import StartPlan
     from rtkit.deployment.system import WantedSystem
 
@@ -50,7 +50,7 @@ def run(
         Refused: It was broken off; the message tells how far it went.
         KeyboardInterrupt: Interrupted; its text tells how far it went.
     """
-    from rtkit.deployment.live import LiveIndex
+    from rtkit.deployment.live_index import LiveIndex
     from rtkit.deployment.running import active_now
 
     snapshot = (
@@ -113,7 +113,7 @@ def telling(
 def _progress(
     app: App, system: WantedSystem, tell: Callable[[WantedSystem, LiveIndex], str]
 ) -> str:
-    from rtkit.deployment.live import LiveIndex
+    from rtkit.deployment.live_index import LiveIndex
     from rtkit.tree.grace import uninterrupted
 
     try:

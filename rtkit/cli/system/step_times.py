@@ -16,7 +16,7 @@ from rtkit.errors import Malformed, RtkitError
 if TYPE_CHECKING:
     from rtkit.deployment.actions import Action
     from rtkit.deployment.facts import Snapshot
-    from rtkit.deployment.planning.costs import Times
+    from rtkit.deployment.planning.step_costs import Times
     from rtkit.deployment.system import WantedSystem
 
 _NAME = "step-times.json"
@@ -32,7 +32,7 @@ def path() -> str:
 
 def read(app: App) -> Times:
     """Return the measured durations; a damaged file is reported and ignored."""
-    from rtkit.deployment.planning.costs import Times, times_from_text
+    from rtkit.deployment.planning.step_costs import Times, times_from_text
 
     try:
         with open(path(), "rb") as stream:
@@ -53,7 +53,7 @@ def note(app: App, taken: Sequence[tuple[Action, float]], types: Mapping[str, st
     if not taken:
         return
     from rtkit.cli.shared.atomic import write_output
-    from rtkit.deployment.planning.costs import times_to_text
+    from rtkit.deployment.planning.step_costs import times_to_text
     from rtkit.link.places import make_private, state_dir
 
     times = read(app).noting(taken, types)

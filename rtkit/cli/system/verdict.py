@@ -11,7 +11,7 @@ from rtkit.report.finding import ERROR, WARNING, Checked, Finding
 from rtkit.report.forms import JSON, report_lines
 
 if TYPE_CHECKING:
-    from rtkit.deployment.check import Deviation
+    from rtkit.deployment.deviations import Deviation
     from rtkit.deployment.system import WantedSystem
 
 TOOL = "rtcheck"

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
-from rtkit.deployment.live import LiveIndex
+from rtkit.deployment.live_index import LiveIndex
 from rtkit.deployment.system import WantedSystem
 from rtkit.fast_dataclass import dataclass, field
 from rtkit.rtc.create import FRESH_SLAVE, parse_create

@@ -8,11 +8,10 @@ from dataclasses import dataclass, field
 from rtkit.component.port_matching import refusal
 from rtkit.deployment.creation import is_loaded
 from rtkit.deployment.facts import ComponentFacts, Snapshot
-from rtkit.deployment.live import LiveIndex, absence, mismatch, states_of
+from rtkit.deployment.live_index import LiveIndex, absence, mismatch, states_of
 from rtkit.deployment.planning import component_settings
 from rtkit.deployment.planning import model as var
 from rtkit.deployment.planning.component_settings import ComponentSetting
-from rtkit.deployment.planning.costs import USUAL, Costs
 from rtkit.deployment.planning.feasibility import NOTHING_KNOWN, Feasibility, place_name
 from rtkit.deployment.planning.model import (
     ComponentVariable,
@@ -23,8 +22,9 @@ from rtkit.deployment.planning.model import (
     is_granted,
     key_of,
 )
+from rtkit.deployment.planning.parameter_values import Values
 from rtkit.deployment.planning.stale import Stale
-from rtkit.deployment.planning.values import Values
+from rtkit.deployment.planning.step_costs import USUAL, Costs
 from rtkit.deployment.system import (
     WantedComponent,
     WantedConnector,

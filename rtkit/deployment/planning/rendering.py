@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Collection, Iterator, Sequence
 from typing import Any
 
-from rtkit.deployment.planning.costs import ORIGINS, TABLE, USUAL, Costs
+from rtkit.deployment.planning.deployment_plan import DeploymentPlan
 from rtkit.deployment.planning.model import NO, UNKNOWN, YES, owner_of
 from rtkit.deployment.planning.operators import Operator
-from rtkit.deployment.planning.plan import DeploymentPlan
+from rtkit.deployment.planning.step_costs import ORIGINS, TABLE, USUAL, Costs
 from rtkit.report.finding import counted
 
 NOTHING_TO_DO = "nothing to do"

@@ -12,6 +12,7 @@ from dataclasses import dataclass, fields, replace
 from hashlib import sha256
 from typing import Any
 
+from rtkit.deployment.planning.deployment_plan import DeploymentPlan
 from rtkit.deployment.planning.model import (
     DEFAULT_COSTS,
     ComponentVariable,
@@ -21,7 +22,6 @@ from rtkit.deployment.planning.model import (
     owner_of,
 )
 from rtkit.deployment.planning.operators import Operator, Operators, judge
-from rtkit.deployment.planning.plan import DeploymentPlan
 from rtkit.deployment.planning.rendering import as_plain
 from rtkit.deployment.planning.rollback import difference
 from rtkit.deployment.planning.sequencing import order

@@ -10,7 +10,7 @@ from collections.abc import Collection, Iterator, Mapping
 
 from rtkit.deployment import drift
 from rtkit.deployment.facts import ComponentFacts
-from rtkit.deployment.live import LiveIndex
+from rtkit.deployment.live_index import LiveIndex
 
 
 class Stale:

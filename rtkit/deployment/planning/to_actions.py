@@ -10,8 +10,8 @@ from rtkit.deployment.actions import Action
 from rtkit.deployment.drift import policy_text
 from rtkit.deployment.extension import policy_in
 from rtkit.deployment.facts import ComponentFacts
-from rtkit.deployment.live import LiveIndex, context_of
-from rtkit.deployment.plan import Layer, PlannedAction
+from rtkit.deployment.layered_plan import Layer, PlannedAction
+from rtkit.deployment.live_index import LiveIndex, context_of
 from rtkit.deployment.planning.component_settings import ACTIVE_SET, NAME, NAMELESS, POLICY, RATE
 from rtkit.deployment.planning.model import Model, is_inproc, owner_of
 from rtkit.deployment.planning.operators import Operator

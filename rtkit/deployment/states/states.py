@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 from rtkit.deployment.facts import Snapshot
 from rtkit.deployment.goal import DeploymentGoal
-from rtkit.deployment.planning.plan import DeploymentPlan
+from rtkit.deployment.planning.deployment_plan import DeploymentPlan
 from rtkit.deployment.states.machine import SystemStates
 from rtkit.deployment.states.variants import variant
 from rtkit.errors import Impossible

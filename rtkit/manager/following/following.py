@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 from rtkit.deployment.delta import TREE
 from rtkit.deployment.facts import Followed
 from rtkit.deployment.metrics import METRICS
-from rtkit.deployment.states.spec import spec_from_text
+from rtkit.deployment.states.states_text import spec_from_text
 from rtkit.errors import Malformed
 from rtkit.manager.core.events import Event, FollowAsked, FollowSaid, ListenersChanged
 from rtkit.manager.core.requests import PendingRequests

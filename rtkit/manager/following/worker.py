@@ -22,7 +22,7 @@ from rtkit.deployment.facts import Followed, Snapshot
 from rtkit.deployment.metrics import METRICS
 from rtkit.deployment.multi_manager import sent
 from rtkit.deployment.plan_lock import LockHolder, holder_from_text
-from rtkit.deployment.states.spec import spec_from_text
+from rtkit.deployment.states.states_text import spec_from_text
 from rtkit.errors import Refused, RtkitError
 from rtkit.fast_dataclass import replace
 from rtkit.link.port_holders import user_name

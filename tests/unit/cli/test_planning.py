@@ -16,7 +16,7 @@ from fake_tree import fake_tree
 from rtkit.cli.system import rtapply, rtplan, rtresurrect
 from rtkit.deployment import actions as act
 from rtkit.deployment.actions import Result
-from rtkit.deployment.planning.costs import (
+from rtkit.deployment.planning.step_costs import (
     ENOUGH,
     Mean,
     Times,

@@ -16,7 +16,7 @@ from rtkit.cli.system import rtapply, rtplan, rtresurrect, rtstart, rtstate, rtt
 from rtkit.deployment import actions as act
 from rtkit.deployment.actions import Result
 from rtkit.deployment.facts import Followed
-from rtkit.deployment.states.spec import spec_from_text
+from rtkit.deployment.states.states_text import spec_from_text
 from rtkit.fast_dataclass import replace
 from rtkit.rtc.enums import PortType, ReturnCode
 from rtkit.rtc.pattern import ComponentPattern

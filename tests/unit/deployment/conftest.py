@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 from fake_manager import FakeManager
 
-from rtkit.deployment.live import LiveIndex
+from rtkit.deployment.live_index import LiveIndex
 from rtkit.deployment.wanted import wanted
 from rtkit.profile import rts_model as rts
 from rtkit.profile.common import ExtensionProperty

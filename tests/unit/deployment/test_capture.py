@@ -3,8 +3,8 @@ import pytest
 from rtkit.deployment import actions as act
 from rtkit.deployment.capture import SystemHeading, capture
 from rtkit.deployment.creation import creation_plan
-from rtkit.deployment.live import LiveIndex
-from rtkit.deployment.plan import merged
+from rtkit.deployment.layered_plan import merged
+from rtkit.deployment.live_index import LiveIndex
 from rtkit.deployment.wiring import wiring_plan
 from rtkit.fast_dataclass import replace
 from rtkit.profile.words import property_value

@@ -1,11 +1,11 @@
 import pytest
 
 from rtkit.deployment import actions as act
-from rtkit.deployment.check import check_lines, deviations
 from rtkit.deployment.creation import creation_plan
+from rtkit.deployment.deviations import check_lines, deviations
 from rtkit.deployment.drift import otherwise_made
-from rtkit.deployment.live import LiveIndex
-from rtkit.deployment.plan import merged
+from rtkit.deployment.layered_plan import merged
+from rtkit.deployment.live_index import LiveIndex
 from rtkit.deployment.planning.model_builder import ModelBuilder, WantedDeployment
 from rtkit.deployment.wiring import wiring_plan
 from rtkit.fast_dataclass import replace

@@ -9,7 +9,7 @@ from rtkit.deployment.capture import SystemHeading, capture
 from rtkit.deployment.creation import creation_plan
 from rtkit.deployment.described import guests_of
 from rtkit.deployment.facts import ComponentFacts, Snapshot
-from rtkit.deployment.live import LiveIndex, context_of
+from rtkit.deployment.live_index import LiveIndex, context_of
 from rtkit.deployment.part import part_of
 from rtkit.deployment.system import WantedComponent, WantedSystem
 from rtkit.rtc.enums import ExecutionKind

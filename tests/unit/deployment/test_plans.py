@@ -6,8 +6,8 @@ import pytest
 
 from rtkit.deployment import actions as act
 from rtkit.deployment.creation import creation_plan
-from rtkit.deployment.live import LiveIndex
-from rtkit.deployment.plan import merged
+from rtkit.deployment.layered_plan import merged
+from rtkit.deployment.live_index import LiveIndex
 from rtkit.deployment.running import start_plan, stop_plan, teardown_plan
 from rtkit.deployment.wanted import wanted
 from rtkit.deployment.wiring import wiring_plan

@@ -1,5 +1,5 @@
 from rtkit.deployment import actions as act
-from rtkit.deployment.rollback import traces
+from rtkit.deployment.traces import traces
 from rtkit.rtc.enums import PortType
 from rtkit.rtc.profiles import ConnectorProfile, PortRef
 

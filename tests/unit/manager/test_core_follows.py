@@ -9,7 +9,7 @@ from fake_shell import FakeShell
 
 from rtkit.deployment.delta import TREE, Delta, FullSnapshot
 from rtkit.deployment.facts import Followed
-from rtkit.deployment.states.spec import spec_to_text
+from rtkit.deployment.states.states_text import spec_to_text
 from rtkit.deployment.user_events import user_events
 from rtkit.manager.core import events as ev
 from rtkit.manager.core.follows import told

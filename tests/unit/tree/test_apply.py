@@ -8,7 +8,7 @@ from fake_tree import fake_tree
 
 from rtkit.deployment import actions as act
 from rtkit.deployment.actions import Result
-from rtkit.deployment.plan import Check, Layer, LayeredPlan, PlannedAction
+from rtkit.deployment.layered_plan import Check, Layer, LayeredPlan, PlannedAction
 from rtkit.deployment.runner import PlanRunner, roll_back
 from rtkit.deployment.site import UNFINISHED
 from rtkit.errors import Refused, Unreachable

@@ -13,7 +13,7 @@ from rtkit.deployment import actions as act
 from rtkit.deployment.applying import Applier
 from rtkit.deployment.creation import creation_plan
 from rtkit.deployment.goal import DeploymentGoal
-from rtkit.deployment.live import LiveIndex
+from rtkit.deployment.live_index import LiveIndex
 from rtkit.deployment.multi_manager import homes_in, inward, outward
 from rtkit.deployment.runner import PlanRunner
 from rtkit.deployment.wanted import wanted

@@ -13,7 +13,7 @@ from fake_tree import fake_tree
 from rtkit.deployment import actions as act
 from rtkit.deployment.actions import Action, ChangeState, Result
 from rtkit.deployment.conditions import NO_ORDERS, Orders, OrderTarget, StartCondition
-from rtkit.deployment.live import LiveIndex
+from rtkit.deployment.live_index import LiveIndex
 from rtkit.deployment.running import start_plan, stop_plan
 from rtkit.deployment.system import WantedComponent, WantedSystem
 from rtkit.errors import Refused, Unreachable

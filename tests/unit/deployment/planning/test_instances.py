@@ -10,9 +10,9 @@ import pytest
 from deployments import large, model_from
 from reference_model import plan_of, problem_of
 
+from rtkit.deployment.planning.deployment_plan import make_plan
 from rtkit.deployment.planning.explain import NoPlan
 from rtkit.deployment.planning.operators import judge
-from rtkit.deployment.planning.plan import make_plan
 from rtkit.planner import verify
 
 FILE = json.loads(Path(__file__).with_name("instances.json").read_text())

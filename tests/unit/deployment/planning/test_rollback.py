@@ -6,7 +6,7 @@ from fake_manager import FakeManager
 
 from rtkit.deployment.actions import Create
 from rtkit.deployment.facts import Snapshot
-from rtkit.deployment.live import LiveIndex
+from rtkit.deployment.live_index import LiveIndex
 from rtkit.deployment.planning.model import Model
 from rtkit.deployment.planning.model_builder import ModelBuilder, WantedDeployment
 from rtkit.deployment.planning.rollback import Rollback

@@ -9,9 +9,9 @@ import pytest
 import statekit
 
 from rtkit.deployment.facts import Followed
-from rtkit.deployment.planning.costs import Costs
-from rtkit.deployment.states.spec import spec_from_text, spec_to_text
+from rtkit.deployment.planning.step_costs import Costs
 from rtkit.deployment.states.states import States
+from rtkit.deployment.states.states_text import spec_from_text, spec_to_text
 from rtkit.errors import Malformed
 from rtkit.fast_dataclass import replace as changed
 from rtkit.rtc.serde import decode, encode

@@ -57,7 +57,7 @@ def spec_from_text(text: str) -> tuple[States, bool]:
 
 def _spec(told: dict[str, Any]) -> tuple[States, bool]:
     from rtkit.deployment.goal import DeploymentGoal
-    from rtkit.deployment.planning.costs import Costs
+    from rtkit.deployment.planning.step_costs import Costs
     from rtkit.deployment.states.events import EventCondition
     from rtkit.deployment.states.machine import SystemStates
     from rtkit.deployment.states.states import States

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from rtkit.deployment import drift
 from rtkit.deployment.described import DATA_ATTRIBUTES
 from rtkit.deployment.facts import ComponentFacts
-from rtkit.deployment.live import LiveIndex, absence, context_of
+from rtkit.deployment.live_index import LiveIndex, absence, context_of
 from rtkit.deployment.system import HIDDEN, WantedComponent, WantedConnector, WantedSystem, address
 from rtkit.fast_dataclass import dataclass
 from rtkit.rtc.connector_properties import differing
