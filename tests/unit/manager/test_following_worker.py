@@ -14,7 +14,6 @@ from rtkit.deployment.actions import Action, Result
 from rtkit.deployment.delta import TREE
 from rtkit.deployment.facts import Followed, Snapshot
 from rtkit.deployment.plan_lock import LockHolder
-from rtkit.deployment.states.states_text import spec_to_text
 from rtkit.deployment.states.states import States
 from rtkit.deployment.states.states_text import spec_to_text
 from rtkit.errors import Refused
