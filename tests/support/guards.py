@@ -241,7 +241,7 @@ GUARDS = (
     Guard(
         "laws/test_deployment_planning.py",
         "rtkit/deployment/planning/operators.py",
-        """            *(f"con:{connector}" for connector in model.wires_of[name]),
+        """            *(f"con:{connector}" for connector in model.connectors_of[name]),
             *(f"cfg:{key}" for key in model.keys_of[name]),
 """,
         "",
