@@ -151,9 +151,7 @@ class FollowingWorker(Thread):
         holder = self._site.holder()
         if holder is None:
             return False
-        if str(holder) != self.told.waits and leader.due(
-            self._site.snapshot(), self._metrics
-        ):
+        if str(holder) != self.told.waits and leader.due(self._site.snapshot(), self._metrics):
             self._tell(waits=str(holder))
         self._site.pause()
         return True
