@@ -33,8 +33,7 @@ from rtkit.manager.core.state import ManagerState, Process
 from rtkit.manager.predecessor.descendants import bear_mark, end_descendants
 from rtkit.manager.predecessor.stale_resources import end_lost
 from rtkit.manager.predecessor.unreported import checkpoints_of_the_dead, living_slaves
-from rtkit.manager.reexec import execute_again
-from rtkit.manager.report import Report
+from rtkit.manager.report import Report, execute_again
 from rtkit.manager.signals import catch_signals
 from rtkit.manager.slaves.slave_supervisor import SlaveSupervisor
 from rtkit.manager.store.writer import StoreWriter

@@ -24,7 +24,7 @@ from rtkit.manager.core import manager_properties, operations
 from rtkit.manager.core.requests import PendingRequests
 from rtkit.manager.core.state import ManagerState
 from rtkit.manager.loadable import loadable
-from rtkit.manager.reexec import open_report
+from rtkit.manager.report import open_report
 from rtkit.modules.creatable import lacking
 from rtkit.modules.search import Search
 from rtkit.property.exchange import NOT_BEGUN, Reply, Request, failure

@@ -2,17 +2,22 @@
 
 A name leads to no other place: neither by ``..`` nor by a link. What is checked is what is read.
 One that no load path has may be that of a module of an installed package: as that package names
-it for components or, where absolute paths are allowed, as Python does (``robot.arm``).
+it for components or, where absolute paths are allowed, as Python does (``robot.arm``). Packages
+declare entry points of the group ``rtkit.components``, ``NAME = MODULE:INIT``: the module is
+requested by NAME, usually the name of its component type. None of them is run to be found.
 """
 
 from __future__ import annotations
 
+import importlib
 import os
+import re
+import sys
 from collections.abc import Iterator, Sequence
+from importlib.machinery import ModuleSpec, PathFinder
 from typing import NamedTuple
 
 from rtkit.errors import NotFound, Refused
-from rtkit.modules.installed import file_of, installed
 from rtkit.settings.reading import find_private
 
 SUFFIX = ".py"
@@ -32,7 +37,7 @@ class ModuleSource(NamedTuple):
     init: str = ""
 
 
-class _Place(NamedTuple):
+class ModulePlace(NamedTuple):
     """Location of a module: its file, the load path that it has to be in, if any, and its init."""
 
     file: str = ""
@@ -83,7 +88,7 @@ class Search:
             if f"{name}{SUFFIX}" not in seen:
                 yield f"{name}{SUFFIX}"
 
-    def _place(self, path: str) -> _Place:
+    def _place(self, path: str) -> ModulePlace:
         if not os.path.isabs(path):
             if ".." in path.split("/"):
                 raise Refused(f"module path leaves the load paths: {path}")
@@ -91,26 +96,98 @@ class Search:
         plain = os.path.normpath(path)
         for folder in self.folders:
             if _is_inside(plain, os.path.normpath(folder)):
-                return _Place(plain, "" if self._is_absolute_allowed else folder)
+                return ModulePlace(plain, "" if self._is_absolute_allowed else folder)
         if not self._is_absolute_allowed:
             raise Refused(
                 "absolute module paths are not allowed here"
                 f" (manager.modules.abs_path_allowed is NO): {path}"
             )
-        return _Place(plain)
+        return ModulePlace(plain)
 
-    def _find(self, path: str) -> _Place:
+    def _find(self, path: str) -> ModulePlace:
         for name in (path, f"{path}{SUFFIX}"):
             for folder in self.folders:
                 file = os.path.join(folder, name)
                 if os.path.isfile(file):
-                    return _Place(file, folder)
+                    return ModulePlace(file, folder)
         known = installed().get(path.removesuffix(SUFFIX))
         if known is not None:
-            return _Place(known.file, init=known.init)
+            return known
         is_dotted = "." in path and all(part.isidentifier() for part in path.split("."))
-        return _Place(file_of(path) if is_dotted and self._is_absolute_allowed else "")
+        return ModulePlace(file_of(path) if is_dotted and self._is_absolute_allowed else "")
 
 
 def _is_inside(path: str, folder: str) -> bool:
     return path.startswith(folder.rstrip("/") + "/")
+
+
+GROUP = "rtkit.components"
+_METADATA = (".dist-info", ".egg-info")
+_SECTION = re.compile(r"\s*\[(.*)\]\s*")
+_ENTRY = re.compile(r"\s*([^=#;\s][^=]*?)\s*=\s*([\w.]+)\s*:\s*(\w+)\s*(?:\[.*\])?\s*")
+_LARGEST = 1 << 20
+
+
+def installed() -> dict[str, ModulePlace]:
+    """Return the modules of all packages that Python finds here, by name; the first one counts."""
+    importlib.invalidate_caches()
+    found: dict[str, ModulePlace] = {}
+    for folder in dict.fromkeys(sys.path):
+        for name, module, init in _entries(folder):
+            file = "" if name in found else file_of(module)
+            if file:
+                found[name] = ModulePlace(file, init=init)
+    return found
+
+
+def _entries(folder: str) -> Iterator[tuple[str, str, str]]:
+    """Yield name, module and init function of each entry point of the packages in a folder."""
+    try:
+        names = sorted(os.listdir(folder or "."))
+    except OSError:
+        return
+    for name in names:
+        if name.endswith(_METADATA):
+            yield from _group(os.path.join(folder, name, "entry_points.txt"))
+
+
+def _group(file: str) -> Iterator[tuple[str, str, str]]:
+    try:
+        with open(file, encoding="utf-8") as stream:
+            text = stream.read(_LARGEST)
+    except (OSError, UnicodeDecodeError):
+        return
+    section = ""
+    for line in text.splitlines():
+        heading = _SECTION.fullmatch(line)
+        if heading:
+            section = heading[1].strip()
+        elif section == GROUP:
+            entry = _ENTRY.fullmatch(line)
+            if entry:
+                yield entry[1], entry[2], entry[3]
+
+
+def file_of(module: str) -> str:
+    """Return the file of a module, empty if there is none.
+
+    Packages that it is in are looked into, not imported.
+    """
+    first, *rest = module.split(".")
+    spec = _found(first, None)
+    for part in rest:
+        if spec is None or spec.submodule_search_locations is None:
+            return ""
+        spec = _found(part, list(spec.submodule_search_locations))
+    return spec.origin or "" if spec is not None and spec.has_location else ""
+
+
+def _found(name: str, places: list[str] | None) -> ModuleSpec | None:
+    """Ask those that find modules: also what an editable installation has put among them."""
+    if places is not None:
+        return PathFinder.find_spec(name, places)
+    for finder in sys.meta_path:
+        spec = finder.find_spec(name, None)
+        if spec is not None:
+            return spec
+    return None

@@ -6,6 +6,7 @@ host, ``%M`` manager, ``%p`` pid of its process, ``%%`` a per cent sign.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable
 
 from rtkit.errors import Malformed
@@ -13,6 +14,7 @@ from rtkit.rtc.names import LOCAL
 from rtkit.rtc.profiles import TypeProfile
 
 DEFAULT = "%n.rtc"
+_LETTER = re.compile(r"%(.?)", re.DOTALL)
 _LETTERS = "ntmvVchMp%"
 _OF_MANAGERS = "nhMp%"
 _EARLY = "nhM%"
@@ -27,7 +29,7 @@ def check(text: str) -> tuple[str, ...]:
     """
     templates = tuple(item for item in map(str.strip, text.split(",")) if item)
     for template in templates:
-        letters = _letters(template)
+        letters = _LETTER.findall(template)
         bad = sorted(set(letters) - set(_LETTERS))
         if bad:
             known = " ".join(f"%{letter}" for letter in _LETTERS)
@@ -49,7 +51,7 @@ def check_early(text: str) -> tuple[str, ...]:
     """
     templates = check(text)
     for template in templates:
-        bad = [letter for letter in _letters(template) if letter not in _OF_MANAGERS]
+        bad = [letter for letter in _LETTER.findall(template) if letter not in _OF_MANAGERS]
         if bad:
             known = " ".join(f"%{letter}" for letter in _OF_MANAGERS)
             raise Malformed(f"%{bad[0]} means no manager in name template {template} ({known} do)")
@@ -58,7 +60,7 @@ def check_early(text: str) -> tuple[str, ...]:
 
 def is_early(template: str) -> bool:
     """Return whether the name is known before the component is made."""
-    return set(_letters(template)) <= set(_EARLY)
+    return set(_LETTER.findall(template)) <= set(_EARLY)
 
 
 def expand(
@@ -93,13 +95,7 @@ def expand(
 
 
 def _expand(template: str, told: dict[str, str]) -> str:
-    head, *rest = template.replace("%%", "%\0").split("%")
-    name = head + "".join(told["%" if part[:1] == "\0" else part[:1]] + part[1:] for part in rest)
+    name = _LETTER.sub(lambda found: told[found[1]], template)
     if any(part in ("", ".", "..") for part in name.split("/")):
         raise Malformed(f"name template {template} gives a name with an empty element: {name}")
     return name
-
-
-def _letters(template: str) -> list[str]:
-    pieces = template.replace("%%", "%\0").split("%")[1:]
-    return ["%" if piece[:1] == "\0" else piece[:1] for piece in pieces]

@@ -122,7 +122,7 @@ def _beside_modules(folder: str) -> Iterator[str]:
 
 def _of_packages() -> Iterator[str]:
     """Yield the profiles beside modules of installed packages."""
-    from rtkit.modules.installed import installed
+    from rtkit.modules.search import installed
 
     for each in installed().values():
         stem, usual = os.path.splitext(each.file)[0], os.path.dirname(each.file)

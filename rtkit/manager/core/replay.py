@@ -8,9 +8,9 @@ from typing import Any, NamedTuple
 from rtkit.deployment.limits import Capacity
 from rtkit.errors import Malformed, Refused, RtkitError
 from rtkit.manager.core import checkpoint
+from rtkit.manager.core.dump import to_plain
 from rtkit.manager.core.event_ring import CORE, Fault, Item, Recording
 from rtkit.manager.core.events import Event, Instruction
-from rtkit.manager.core.tagged import to_plain
 
 
 class ReplayedEvent(NamedTuple):

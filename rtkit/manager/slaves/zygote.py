@@ -30,8 +30,7 @@ from rtkit.container.slave import Slave
 from rtkit.deployment.message import Message
 from rtkit.logs.logs import Log, share_log
 from rtkit.manager.child_process import ENDS, STOPS, exit_reason
-from rtkit.manager.slaves.heap_compaction import fill_gaps
-from rtkit.manager.slaves.warm_up import warm_up
+from rtkit.manager.slaves.warm_up import fill_gaps, warm_up
 
 _OPTIONS = os.WEXITED | os.WSTOPPED | os.WCONTINUED | os.WNOHANG
 AHEAD = (

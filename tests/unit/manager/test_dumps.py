@@ -17,10 +17,9 @@ from rtkit.errors import Malformed, NotFound, Refused
 from rtkit.fast_dataclass import fields
 from rtkit.manager.core import events as ev
 from rtkit.manager.core.checkpoint import restored, take
-from rtkit.manager.core.dump import Dump, from_lines, to_lines
+from rtkit.manager.core.dump import HIDDEN, Dump, from_lines, from_plain, to_lines, to_plain
 from rtkit.manager.core.event_ring import CORE, EventRing, Fault
 from rtkit.manager.core.replay import Replay, described
-from rtkit.manager.core.tagged import HIDDEN, from_plain, to_plain
 from rtkit.rtc.enums import Transition
 from rtkit.rtc.pattern import ComponentPattern
 from rtkit.rtc.profiles import TypeProfile

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from rtkit.manager.slaves.heap_compaction import fill_gaps
+from rtkit.manager.slaves.warm_up import fill_gaps
 
 POOL = 16 * 1024
 

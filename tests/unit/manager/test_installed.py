@@ -9,9 +9,8 @@ import pytest
 
 from rtkit.errors import NotFound, Refused
 from rtkit.manager.loadable import loadable
-from rtkit.modules.installed import installed
 from rtkit.modules.loader import Loader
-from rtkit.modules.search import Search
+from rtkit.modules.search import Search, installed
 from rtkit.rtc.create import parse_create
 
 CODE = """
@@ -56,8 +55,8 @@ def test_entry_points_name_modules(site):
     )
     (site / "inner" / "__init__.py").write_text("import os\nos.environ['RTKIT_TEST_RAN'] = '1'\n")
     found = installed()
-    assert found["Scale"] == ("Scale", str(site / "Scale.py"), "ScaleInit")
-    assert found["my comp"] == ("my comp", str(site / "inner/deep/Other.py"), "OtherInit")
+    assert found["Scale"] == (str(site / "Scale.py"), "", "ScaleInit")
+    assert found["my comp"] == (str(site / "inner/deep/Other.py"), "", "OtherInit")
     assert not {"x", "bad", "none", "Scale2"} & set(found)
     assert "inner" not in sys.modules
 
