@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import os
 import stat
+from contextlib import suppress
 
 from rtkit.errors import Refused
 from rtkit.link import places
@@ -34,17 +35,15 @@ def services() -> list[str]:
     return [name for name in places.services() if unix.is_answering(places.service_socket(name))]
 
 
-def traces(name: str) -> list[str]:
-    """Return the files ``NAME.PID.KIND`` that processes of a manager of that name have, or had."""
-    try:
-        entries = os.listdir(places.runtime_dir())
-    except OSError:
-        return []
-    found = []
-    for entry in entries:
-        pid, _, kind = entry.removeprefix(f"{name}.").partition(".")
-        if entry == f"{name}.{pid}.{kind}" and pid.isdigit():
-            found.append(entry)
+def traces(name: str, wanted: str = "") -> dict[int, str]:
+    """Return by pid the files ``NAME.PID.KIND``, of one kind or any, of a manager's processes."""
+    found = {}
+    with suppress(OSError):
+        folder = places.runtime_dir()
+        for entry in os.listdir(folder):
+            pid, _, kind = entry.removeprefix(f"{name}.").partition(".")
+            if entry == f"{name}.{pid}.{kind}" and pid.isdigit() and wanted in ("", kind):
+                found[int(pid)] = os.path.join(folder, entry)
     return found
 
 

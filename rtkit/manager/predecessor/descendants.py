@@ -27,7 +27,6 @@ from rtkit.manager.child_process import MARK
 _log = logging.getLogger(__name__)
 KIND = "family"
 """Kind of the file with the list."""
-_BEATS = ".beats"
 _LOOKS = 5
 """How often at most is looked again while something new is found."""
 
@@ -63,7 +62,7 @@ class Descendants:
 def end_descendants(manager: str) -> list[int]:
     """Kill what components in a manager of that name left that was killed; return its pids."""
     ended: list[int] = []
-    for path in _lists(manager):
+    for path in running.traces(manager, KIND).values():
         known = _read(path)
         for pid, began in known.items():
             if began_at(pid) == began:
@@ -80,12 +79,6 @@ def end_descendants(manager: str) -> list[int]:
     return sorted(set(ended))
 
 
-def _lists(manager: str) -> Iterator[str]:
-    for entry in running.traces(manager):
-        if entry.endswith(f".{KIND}"):
-            yield os.path.join(places.runtime_dir(), entry)
-
-
 def _read(path: str) -> dict[int, int]:
     """Return the processes of a list, by pid when each began; only of this run of the machine."""
     with suppress(OSError, ValueError, TypeError, AttributeError), open(path, "rb") as file:
@@ -97,9 +90,7 @@ def _read(path: str) -> dict[int, int]:
 
 def _is_one_dead(manager: str) -> bool:
     """Return whether a process of a manager was killed: only then all processes are searched."""
-    entries = [each for each in running.traces(manager) if each.endswith(_BEATS)]
-    pids = [int(each.removeprefix(f"{manager}.").partition(".")[0]) for each in entries]
-    return any(not began_at(pid) for pid in pids)
+    return any(not began_at(pid) for pid in running.traces(manager, "beats"))
 
 
 def _marked(manager: str) -> Iterator[tuple[int, int]]:

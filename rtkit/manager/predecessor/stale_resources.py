@@ -27,7 +27,6 @@ TERM_S = 7.0
 
 _KILL_S = 5.0
 _ZYGOTE_S = 1.0
-_SOCKET = ".zygote"
 
 
 def end_remains(name: str, term_s: float = TERM_S) -> int:
@@ -62,10 +61,7 @@ def _slaves(name: str, stack: ExitStack) -> Iterator[tuple[int, ProcessWatch]]:
 
 def _zygotes(name: str, stack: ExitStack) -> Iterator[tuple[int, ProcessWatch]]:
     """Yield each process that forked them, by pid: it listens for the next manager."""
-    for entry in running.traces(name):
-        if not entry.endswith(_SOCKET):
-            continue
-        path = os.path.join(places.runtime_dir(), entry)
+    for path in running.traces(name, "zygote").values():
         with suppress(OSError), unix.connect(path) as connection:
             pid = unix.pid_of(connection)
             yield pid, stack.enter_context(ProcessWatch(pid))

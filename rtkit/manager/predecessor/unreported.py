@@ -13,7 +13,6 @@ from rtkit.container.slave_checkpoint import SUFFIX, SlaveCheckpoint, read_check
 from rtkit.link import places, running
 from rtkit.manager.core.events import SlaveExitedUnseen, SlaveFound
 
-_BEATS = ".beats"
 UNKNOWN = "exit status unknown"
 
 
@@ -22,7 +21,7 @@ def is_slave(manager: str, pid: int) -> bool:
 
     A slave has its own heartbeats in memory, whatever it is called.
     """
-    path = os.path.join(places.runtime_dir(), f"{manager}.{pid}{_BEATS}")
+    path = os.path.join(places.runtime_dir(), f"{manager}.{pid}.beats")
     try:
         with open(f"/proc/{pid}/maps", encoding="utf-8", errors="replace") as file:
             return any(line.rstrip("\n").endswith(f" {path}") for line in file)
@@ -32,19 +31,13 @@ def is_slave(manager: str, pid: int) -> bool:
 
 def living_slaves(manager: str) -> set[int]:
     """Return the pid of each slave that runs."""
-    return {pid for pid in _pids(manager, _BEATS) if is_slave(manager, pid)}
+    return {pid for pid in running.traces(manager, "beats") if is_slave(manager, pid)}
 
 
 def checkpoints_of_the_dead(manager: str, living: Collection[int]) -> dict[int, SlaveCheckpoint]:
     """Return what the other slaves held, by pid; before anybody clears it away."""
-    dead = (pid for pid in _pids(manager, SUFFIX) if pid not in living)
+    dead = (pid for pid in running.traces(manager, "held") if pid not in living)
     return {pid: held for pid in dead if (held := _checkpoint(manager, pid)) is not None}
-
-
-def _pids(manager: str, suffix: str) -> Iterator[int]:
-    for entry in running.traces(manager):
-        if entry.endswith(suffix):
-            yield int(entry.removeprefix(f"{manager}.").removesuffix(suffix))
 
 
 def _checkpoint(manager: str, pid: int) -> SlaveCheckpoint | None:
@@ -67,7 +60,7 @@ class UnreportedSlaves:
 
     def look(self, known: Collection[int]) -> None:
         """Find those that run; those that are known already need not be looked at."""
-        others = {*_pids(self._manager, _BEATS)} - {*known, os.getpid()}
+        others = {*running.traces(self._manager, "beats")} - {*known, os.getpid()}
         self._left = {pid for pid in others if is_slave(self._manager, pid)}
 
     def ended(self, pid: int, why: str) -> None:
