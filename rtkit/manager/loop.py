@@ -6,6 +6,7 @@ import json
 import logging
 import os
 import queue
+import select
 import selectors
 import signal
 import socket
@@ -61,7 +62,7 @@ _WAKES = 4096
 _LONG_S = 3600.0
 """The longest sleep; a selector takes no arbitrarily long one [s]."""
 _BREATH_S = 0.01
-"""How long the loop rests when all that is ready failed just before [s]."""
+"""How long the loop rests when it cannot wait for anything [s]."""
 _AFTER_FAULT_S = 1.0
 """How long after a fault of the core it goes on with what it has left [s]."""
 
@@ -174,7 +175,7 @@ class Loop:
         """Work until the core reports that all is done; no fault in a duty ends that."""
         while not self._is_finished:
             for key, mask in self._guard.run("waiting", self._select) or ():
-                self._react(key, mask)
+                self._guard.run(f"socket {key.fd}", self._exchange, key.data, mask)
             self._guard.run("inbox", self._take_inbox)
             for duty in self._duties:
                 self._guard.run(duty.name, self._do, duty)
@@ -188,15 +189,14 @@ class Loop:
         if self._guard.is_paused("waiting"):
             time.sleep(_BREATH_S)
         fault.point("duty.waiting")
-        return self._selector.select(self._wait_s())
+        wait_s = self._wait_s()
+        if self._is_left_alone(self._wake_read):  # so nobody can wake the loop
+            wait_s = _BREATH_S
+        return select_but(self._selector, self._is_left_alone, wait_s)
 
-    def _react(self, key: selectors.SelectorKey, mask: int) -> None:
-        """Do what is due at a descriptor; one at which that failed is left alone for a while."""
-        work = f"socket {key.fd}"
-        if self._guard.is_paused(work):
-            time.sleep(_BREATH_S)  # the selector returns at once as long as it is ready
-        else:
-            self._guard.run(work, self._exchange, key.data, mask)
+    def _is_left_alone(self, descriptor: int) -> bool:
+        """Return whether what was due at a descriptor failed just before."""
+        return self._guard.is_paused(f"socket {descriptor}")
 
     def _exchange(self, react: Callable[[int], object], mask: int) -> None:
         fault.point("duty.socket")
@@ -487,3 +487,19 @@ class Loop:
                 self._wake(moment)
             case ev.ExitDaemon():
                 self._is_finished = True
+
+
+def select_but(
+    selector: selectors.BaseSelector, is_left_alone: Callable[[int], bool], wait_s: float | None
+) -> list[tuple[selectors.SelectorKey, int]]:
+    """Return what is ready, but for descriptors that are left alone; wait at most so long [s]."""
+    ready = selector.select(wait_s)
+    others = [each for each in ready if not is_left_alone(each[0].fd)]
+    if ready and not others:  # the selector returns at once as long as one of them is ready
+        poll = select.poll()
+        for key in selector.get_map().values():
+            if not is_left_alone(key.fd):
+                writing = select.POLLOUT if key.events & selectors.EVENT_WRITE else 0
+                poll.register(key.fd, select.POLLIN | writing)
+        poll.poll(None if wait_s is None else wait_s * 1000)
+    return others

@@ -41,7 +41,7 @@ def test_all_that_the_loop_does_is_guarded() -> None:
         if isinstance(node, ast.FunctionDef) and node.name == "run"
     )
     calls = {ast.unparse(node.func) for node in ast.walk(run) if isinstance(node, ast.Call)}
-    assert calls == {"self._guard.run", "self._react"}
+    assert calls == {"self._guard.run"}
     assert DUTIES
     assert POINTS
 
