@@ -13,7 +13,8 @@ import os
 import signal
 from collections.abc import Collection, Container, Iterator, Mapping
 from contextlib import suppress
-from typing import NamedTuple
+from functools import cache
+from typing import Any, NamedTuple
 
 MARK = "RTKIT_SLAVE"
 """Environment variable by which what a slave starts is known, also in a session of its own."""
@@ -49,11 +50,22 @@ def become_subreaper() -> None:
     Raises:
         OSError: The kernel refuses.
     """
-    import ctypes  # 6 ms, which the zygote takes when nobody waits
-
-    libc = ctypes.CDLL(None, use_errno=True)
+    libc = _libc()
     if libc.prctl(_PR_SET_CHILD_SUBREAPER, 1, 0, 0, 0):
+        import ctypes
+
         raise OSError(ctypes.get_errno(), "cannot become subreaper")
+
+
+@cache
+def _libc() -> Any:
+    """Return the C library: made once, as it costs 6 ms, and each slave that makes its own 130 kB.
+
+    The zygote makes it when nobody waits.
+    """
+    import ctypes
+
+    return ctypes.CDLL(None, use_errno=True)
 
 
 def end_sessions(

@@ -5,6 +5,7 @@ It outlives its manager (see `rtkit.container.manager_connection`) and ends at a
 
 from __future__ import annotations
 
+import _signal  # type: ignore[import-not-found]
 import _thread
 import contextlib
 import faulthandler
@@ -119,7 +120,8 @@ class Term:
         self._read, write = os.pipe()
         for descriptor in (self._read, write):
             os.set_blocking(descriptor, False)
-        signal.signal(signal.SIGTERM, lambda *_: None)
+        # That of `signal` looks the former handler up in an enum, and touches 90 kB for it.
+        _signal.signal(signal.SIGTERM, lambda *_: None)
         signal.set_wakeup_fd(write, warn_on_full_buffer=False)
 
     def fileno(self) -> int:

@@ -44,8 +44,7 @@ def find_private(path: str, *, must_be_ours: bool = False) -> Private:
         is_shared = check_folders(real, path)
         if (must_be_ours or is_shared) and status.st_uid not in (os.getuid(), 0):
             raise Refused(f"file belongs to another user, refused: {path}")
-        with os.fdopen(os.dup(descriptor), "rb") as file:
-            return Private(file.read(_LARGEST), real)
+        return Private(os.read(descriptor, _LARGEST), real)
     except OSError as error:
         raise Refused(f"cannot read {path}: {error.strerror}") from error
     finally:

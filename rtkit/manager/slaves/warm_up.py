@@ -30,7 +30,7 @@ from rtkit.container.port_wiring import PortWiring
 from rtkit.container.slave_checkpoint import CheckpointWriter
 from rtkit.deployment.message import Message
 from rtkit.link.streams import Streams
-from rtkit.logs.logs import Log, begin
+from rtkit.logs.logs import Log
 from rtkit.modules.loader import Loader
 from rtkit.modules.neighbours import disown
 
@@ -71,7 +71,7 @@ def warm_up(log: Log, settings: Any) -> None:
         listener = stack.enter_context(socket.socket(socket.AF_UNIX))
         listener.bind(place)
         listener.listen(1)
-        begin()
+        log.begin()
         _Stage(place, Heartbeats(paths[1]), CheckpointWriter(paths[3], "rehearsal")).play(listener)
     disown(_FOLDER)
     sys.path[:] = search_path
