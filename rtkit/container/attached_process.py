@@ -61,7 +61,7 @@ class AttachedProcess:
             self._connection.visit(self._container.tell_all, timeout_s)
         except OSError as error:
             raise Unreachable(f"manager {self._manager!r} takes no guests: {error}") from error
-        self._start("control", lambda: self._connection.listen(self))
+        self._start("control", lambda: self._connection.listen(self.put, self._container.tell_all))
         if not self._welcomed.wait(timeout_s):
             raise Unreachable(f"manager {self._manager!r} does not answer within {timeout_s:g} s")
         for instance in sorted(self._held - set(self._welcome or ())):
@@ -100,10 +100,6 @@ class AttachedProcess:
             self._container.put(message)
             if message.get("op") == "unlink":
                 self._container.post(self.changed)
-
-    def tell_all(self, tell: Callable[[Message], object]) -> None:
-        """Call `tell` with everything that is held."""
-        self._container.tell_all(tell)
 
     def _hold(self, components: Sequence[Component], timeout_s: float) -> None:
         errors: list[RtkitError] = []

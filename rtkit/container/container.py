@@ -23,13 +23,12 @@ from rtkit.component.current import current
 from rtkit.component.participant import DrivenComponent
 from rtkit.container.composites import Composites
 from rtkit.container.connectors import Connectors
-from rtkit.container.execution_contexts import ExecutionContexts, release
+from rtkit.container.execution_contexts import ExecutionContexts, StateMachines, release
 from rtkit.container.facts import facts_of
 from rtkit.container.neighbours import Neighbours
 from rtkit.container.operations import LATER, Operations, in_time
 from rtkit.container.pacer import Pacer, Work
 from rtkit.container.port_wiring import PortWiring
-from rtkit.container.state_machines import StateMachines
 from rtkit.container.user_requests import UserRequests
 from rtkit.deployment.message import Message
 from rtkit.errors import Malformed, NotFound, Refused, RtkitError, Unreachable

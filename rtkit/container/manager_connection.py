@@ -35,16 +35,6 @@ _LEISURE_S = 30.0
 _log = late(__name__)
 
 
-class MessageHandler(Protocol):
-    """Receiver of the messages of a manager: the container."""
-
-    def put(self, message: Message) -> None:
-        """Take a message of the manager."""
-
-    def tell_all(self, tell: Callable[[Message], object]) -> None:
-        """Call `tell` with everything that is held."""
-
-
 class Ending(Protocol):
     """Source of the request that the process ends."""
 
@@ -121,16 +111,25 @@ class ManagerConnection:
             with contextlib.suppress(OSError):  # `listen` notices that it is gone
                 channel.send(message)
 
-    def listen(self, container: MessageHandler) -> None:
-        """Pass on messages of managers, one after the other; return when the end was requested."""
+    def listen(
+        self,
+        put: Callable[[Message], object],
+        tell_all: Callable[[Callable[[Message], object]], object],
+    ) -> None:
+        """Pass on messages of managers, one after the other; return when the end was requested.
+
+        Args:
+            put: Takes a message of a manager.
+            tell_all: Calls its argument with everything that is held.
+        """
         channel = self._channel
         while channel is not None:
-            while self._hear(channel, container):
+            while self._hear(channel, put):
                 pass
             channel.close()
-            channel = None if self._is_over else self._seek(container)
+            channel = None if self._is_over else self._seek(tell_all)
 
-    def _hear(self, channel: ControlChannel, container: MessageHandler) -> bool:
+    def _hear(self, channel: ControlChannel, put: Callable[[Message], object]) -> bool:
         """Hand messages to the container; False at the end, or when the manager is gone."""
         sources: list[Any] = [channel, self._ending]
         wait_s = None if self._at_leisure is None else _LEISURE_S
@@ -147,12 +146,12 @@ class ManagerConnection:
             _log().warning("the line to the manager is broken: %s", error)
             messages = None
         for message in messages or ():
-            container.put(message)
+            put(message)
         if messages is None:
             self._channel = None
         return messages is not None
 
-    def _seek(self, container: MessageHandler) -> ControlChannel | None:
+    def _seek(self, tell_all: Callable[..., object]) -> ControlChannel | None:
         """Wait for the next manager and report everything to it; None when the end came instead."""
         _log().warning("the manager is gone; waiting for the next one")
         fault.point("slave.alone")
@@ -160,7 +159,7 @@ class ManagerConnection:
             with contextlib.suppress(OSError):
                 channel = _connect(self._path)
                 fault.point("slave.connected")
-                container.tell_all(partial(self._introduce, channel))
+                tell_all(partial(self._introduce, channel))
                 return channel
             if select.select([self._ending], [], [], _SEEK_S)[0] and self._shall_end():
                 return None

@@ -11,7 +11,6 @@ import contextlib
 import faulthandler
 import os
 import signal
-from collections.abc import Callable
 from typing import Any
 
 from rtkit import fault
@@ -94,16 +93,12 @@ class Slave:
         else:
             self._container.put(message)
 
-    def tell_all(self, tell: Callable[[Message], object]) -> None:
-        """Call `tell` with everything that is held."""
-        self._container.tell_all(tell)
-
     def _send(self, message: Message) -> None:
         self._connection.send(message)
 
     def _listen(self) -> None:
         try:
-            self._connection.listen(self)
+            self._connection.listen(self.put, self._container.tell_all)
         finally:
             fault.point("slave.told_to_end")
             self._container.close()

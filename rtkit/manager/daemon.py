@@ -1,7 +1,8 @@
-"""Assembles a manager of its name, endpoints, zygote and loop; takes it down again."""
+"""Assembles a manager of its name, endpoints, zygote and loop; takes it down again at a signal."""
 
 from __future__ import annotations
 
+import faulthandler
 import logging
 import os
 import resource
@@ -27,6 +28,7 @@ from rtkit.manager.claim import check_silence, remove_stale, take_lock
 from rtkit.manager.core import events as ev
 from rtkit.manager.core import manager_properties
 from rtkit.manager.core.core import Core
+from rtkit.manager.core.events import StopRequested
 from rtkit.manager.core.requests import NOBODY
 from rtkit.manager.core.startup import StartUp
 from rtkit.manager.core.state import ManagerState, Process
@@ -34,7 +36,6 @@ from rtkit.manager.predecessor.descendants import bear_mark, end_descendants
 from rtkit.manager.predecessor.stale_resources import end_lost
 from rtkit.manager.predecessor.unreported import checkpoints_of_the_dead, living_slaves
 from rtkit.manager.report import Report, execute_again
-from rtkit.manager.signals import catch_signals
 from rtkit.manager.slaves.slave_supervisor import SlaveSupervisor
 from rtkit.manager.store.writer import StoreWriter
 from rtkit.resources import resource as shipped
@@ -367,7 +368,7 @@ def _state(name: str, folder: str, settings: Settings) -> ManagerState:
 
 
 def _capacity() -> Capacity:
-    from rtkit.manager.limits.capacity import capacity
+    from rtkit.manager.limits.control_groups import capacity
 
     return capacity()
 
@@ -410,3 +411,34 @@ def main() -> int:
 if __name__ == "__main__":
     status = main()
     os._exit(status)  # component threads that hang must not keep the process
+
+
+_STDERR = 2
+
+
+def catch_signals(post: Callable[[StopRequested], object], *, is_shown: bool) -> None:
+    """End in order at TERM, INT and QUIT, in the foreground also when the terminal is closed (HUP).
+
+    QUIT first writes to stderr where every thread is, USR1 writes it and nothing else. In the
+    foreground a second INT or QUIT ends at once. What a shell or ``nohup`` had ignored stays so.
+
+    TERM comes with the end of the machine, not from a user: desired state is kept then.
+    """
+    caught: list[int] = []
+
+    def stop(number: int, _frame: object) -> None:
+        is_key = number in (signal.SIGINT, signal.SIGQUIT)
+        is_urgent = is_shown and is_key and bool(caught)
+        caught.append(number)
+        post(StopRequested(is_urgent, is_kept=number == signal.SIGTERM))
+
+    signal.signal(signal.SIGTERM, stop)
+    for number in (signal.SIGINT, signal.SIGQUIT, signal.SIGHUP):
+        if signal.getsignal(number) is not signal.SIG_IGN:
+            signal.signal(number, stop)
+    if not is_shown:
+        signal.signal(signal.SIGHUP, signal.SIG_IGN)
+    if signal.getsignal(signal.SIGQUIT) is stop:
+        faulthandler.register(signal.SIGQUIT, _STDERR, all_threads=True, chain=True)
+    faulthandler.register(signal.SIGUSR1, _STDERR, all_threads=True)
+    signal.signal(signal.SIGCHLD, lambda *_: None)

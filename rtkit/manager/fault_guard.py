@@ -10,6 +10,8 @@ from __future__ import annotations
 
 import logging
 import os
+import select
+import selectors
 import time
 import traceback
 from collections.abc import Callable
@@ -151,3 +153,19 @@ def _write_text(path: str, text: str) -> None:
         with suppress(FileNotFoundError):
             os.unlink(draft)
         raise
+
+
+def select_but(
+    selector: selectors.BaseSelector, is_left_alone: Callable[[int], bool], wait_s: float | None
+) -> list[tuple[selectors.SelectorKey, int]]:
+    """Return what is ready, but for descriptors that are left alone; wait at most so long [s]."""
+    ready = selector.select(wait_s)
+    others = [each for each in ready if not is_left_alone(each[0].fd)]
+    if ready and not others:  # the selector returns at once as long as one of them is ready
+        poll = select.poll()
+        for key in selector.get_map().values():
+            if not is_left_alone(key.fd):
+                writing = select.POLLOUT if key.events & selectors.EVENT_WRITE else 0
+                poll.register(key.fd, select.POLLIN | writing)
+        poll.poll(None if wait_s is None else wait_s * 1000)
+    return others

@@ -6,7 +6,6 @@ import json
 import logging
 import os
 import queue
-import select
 import selectors
 import signal
 import socket
@@ -33,7 +32,7 @@ from rtkit.manager.core.core import Core
 from rtkit.manager.core.event_ring import CORE, EventRing
 from rtkit.manager.core.requests import NOBODY, PendingRequests
 from rtkit.manager.core.state import Process
-from rtkit.manager.fault_guard import FaultGuard, header, text_of
+from rtkit.manager.fault_guard import FaultGuard, header, select_but, text_of
 from rtkit.manager.following.following import Following
 from rtkit.manager.limits.usage import usage
 from rtkit.manager.predecessor.descendants import Descendants
@@ -487,19 +486,3 @@ class Loop:
                 self._wake(moment)
             case ev.ExitDaemon():
                 self._is_finished = True
-
-
-def select_but(
-    selector: selectors.BaseSelector, is_left_alone: Callable[[int], bool], wait_s: float | None
-) -> list[tuple[selectors.SelectorKey, int]]:
-    """Return what is ready, but for descriptors that are left alone; wait at most so long [s]."""
-    ready = selector.select(wait_s)
-    others = [each for each in ready if not is_left_alone(each[0].fd)]
-    if ready and not others:  # the selector returns at once as long as one of them is ready
-        poll = select.poll()
-        for key in selector.get_map().values():
-            if not is_left_alone(key.fd):
-                writing = select.POLLOUT if key.events & selectors.EVENT_WRITE else 0
-                poll.register(key.fd, select.POLLIN | writing)
-        poll.poll(None if wait_s is None else wait_s * 1000)
-    return others

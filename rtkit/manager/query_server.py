@@ -1,9 +1,13 @@
-"""Serves queries of clients: properties of the manager, and prepared views of its state."""
+"""Serves queries of clients: properties of the manager, and prepared views of its state.
+
+Loadable modules are listed too: all in load paths and installed packages, read and not run.
+"""
 
 from __future__ import annotations
 
+import itertools
 import json
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Sequence
 from time import monotonic
 from typing import Any, NamedTuple
 
@@ -14,18 +18,19 @@ from rtkit.deployment.facts import Snapshot
 from rtkit.deployment.listing import listing_of, listing_to_text
 from rtkit.deployment.part import part_of
 from rtkit.deployment.plan_lock import PlanLock
-from rtkit.errors import NotFound, Refused, Unreachable
+from rtkit.errors import Malformed, NotFound, Refused, Unreachable
 from rtkit.fast_dataclass import replace
 from rtkit.link import keys
 from rtkit.link.processes import ProcessWatch
 from rtkit.link.running import managers
 from rtkit.manager.core import events as ev
 from rtkit.manager.core import manager_properties, operations
+from rtkit.manager.core.operations import record
 from rtkit.manager.core.requests import PendingRequests
 from rtkit.manager.core.state import ManagerState
-from rtkit.manager.loadable import loadable
 from rtkit.manager.report import open_report
 from rtkit.modules.creatable import lacking
+from rtkit.modules.describing import OfferedType, describe
 from rtkit.modules.search import Search
 from rtkit.property.exchange import NOT_BEGUN, Reply, Request, failure
 from rtkit.rtc.serde import encode
@@ -72,24 +77,8 @@ class ManagerQueryServer:
             raise Unreachable(NOT_BEGUN)
         if request.is_extension and request.name == "picture":
             return ev.SnapshotRequested(self._requests.add(request.answer))
-        if request.is_extension and request.name == "lease":
-            request.answer(Reply(self.plan_lock.asked(request.payload)))
-            return None
-        if request.is_extension and request.name == "lacking" and request.payload is not None:
-            self._find(request)
-            return None
-        if request.is_extension and request.name == "dump":
-            _aside(request, self.dump())
-            return None
-        if request.is_extension:
-            request.answer(Reply(self._view(request.name)))
-            return None
-        if request.payload is None and request.name == "get_loadable_modules":
-            folders = manager_properties.load_paths(self._state)
-            _aside(request, lambda: loadable(folders))
-            return None
-        if request.payload is None:
-            request.answer(Reply(self._property(keys.unescape(request.name))))
+        if request.is_extension or request.payload is None:
+            self._read(request)
             return None
         if request.name == "batch":
             batch = batch_from_text(request.payload)
@@ -105,6 +94,23 @@ class ManagerQueryServer:
             self.follow(request)
             return None
         return self._operation(keys.unescape(request.name), request)
+
+    def _read(self, request: Request) -> None:
+        """Answer a request that leads to no event."""
+        name = request.name
+        if not request.is_extension and name == "get_loadable_modules":
+            folders = manager_properties.load_paths(self._state)
+            _aside(request, lambda: loadable(folders))
+        elif not request.is_extension:
+            request.answer(Reply(self._property(keys.unescape(name))))
+        elif name == "lease":
+            request.answer(Reply(self.plan_lock.asked(request.payload)))
+        elif name == "lacking" and request.payload is not None:
+            self._find(request)
+        elif name == "dump":
+            _aside(request, self.dump())
+        else:
+            request.answer(Reply(self._view(name)))
 
     def _find(self, request: Request) -> None:
         """Answer what keeps components from being made."""
@@ -191,3 +197,43 @@ def _aside(request: Request, work: Callable[[], str]) -> None:
 
 def _compact(data: Any) -> str:
     return json.dumps(data, separators=(",", ":"))
+
+
+MOST = 2000
+"""How many files are looked at."""
+
+
+def loadable(folders: Sequence[str]) -> str:
+    """Return a line for each type, ``RTC:…?description=…&module=FILE``, or ``FILE?problem=WHY``."""
+    return "\n".join(_lines(Search(folders)))
+
+
+def _lines(search: Search) -> Iterator[str]:
+    for name in itertools.islice(search.modules(), MOST):
+        try:
+            source = search.read(name)
+            offers = describe(source.text, source.file, source.init)
+        except (Refused, NotFound, Malformed) as error:
+            yield record(name, {"problem": str(error)})
+            continue
+        for offer in offers or ():
+            yield _record(offer, source.file)
+
+
+def _record(offer: OfferedType, file: str) -> str:
+    known = offer.type
+    told = {
+        "implementation_id": known.type_name,
+        "type_name": known.type_name,
+        "description": known.description,
+        "version": known.version,
+        "vendor": known.vendor,
+        "category": known.category,
+        "activity_type": "PERIODIC",
+        "max_instance": "0",
+        "language": known.language,
+        "lang_type": "SCRIPT",
+        "module": file,
+    }
+    values = {f"conf.default.{name}": text for name, text in offer.parameters.items()}
+    return record(known.full_id, {**told, **values})

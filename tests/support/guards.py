@@ -144,7 +144,7 @@ GUARDS = (
     Guard(
         "system/test_restart.py::test_a_killed_manager_stops_no_component_and_loses_no_message",
         "rtkit/container/manager_connection.py",
-        "            channel = None if self._is_over else self._seek(container)",
+        "            channel = None if self._is_over else self._seek(tell_all)",
         "            channel = None",
     ),
     Guard(

@@ -158,7 +158,7 @@ def check_reserved(app: App, system: WantedSystem, snapshot: Snapshot) -> None:
     if not any(key.startswith(LIMIT) for policy in policies for key in policy):
         return
     from rtkit.deployment.limits import overbooked, reserved
-    from rtkit.manager.limits.capacity import capacity
+    from rtkit.manager.limits.control_groups import capacity
 
     managers = {each.manager for each in (snapshot, *snapshot.others)}
     elsewhere = _elsewhere(app, managers) if app.finds_managers else {}

@@ -33,7 +33,7 @@ IGNORED = several("--ignore RULE", "Say nothing that is about this rule; repeata
 
 def this_host() -> Capacity:
     """Return the resources of the host on which a system is to run."""
-    from rtkit.manager.limits.capacity import capacity
+    from rtkit.manager.limits.control_groups import capacity
 
     return capacity()
 

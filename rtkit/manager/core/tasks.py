@@ -132,9 +132,8 @@ class Tasks:
 
     def process_is_up(self, process: Process) -> None:
         """Go on with those who need this slave."""
-        for number, task in self._waiting_for(process.key):
-            if isinstance(task.wait, fx.AcquireSlave):
-                self._go_on(number, process)
+        key = process.key
+        self._end_waits(lambda t: t.key == key and isinstance(t.wait, fx.AcquireSlave), process)
 
     def inspected(self, key: int) -> None:
         """Give up what is late at a process: it is known what is stuck in it."""
@@ -145,26 +144,25 @@ class Tasks:
     def process_ended(self, process: Process) -> None:
         """Notify the tasks that wait for this slave that it ended."""
         self.give_up_on(process, Unreachable(process.end))
-        for number, task in list(self._waiting.items()):
-            if isinstance(task.wait, fx.WaitForEnds) and _have_ended(task.wait):
-                self._go_on(number, None)
+        self._end_waits(lambda t: isinstance(t.wait, fx.WaitForEnds) and _have_ended(t.wait))
 
     def give_up_on(self, process: Process, error: RtkitError) -> None:
         """Raise an error in every procedure that waits for this slave, whatever it waits for."""
-        for number, _ in self._waiting_for(process.key):
-            self._go_on(number, None, error)
+        self._end_waits(lambda t: t.key == process.key, None, error)
 
     def cancel(self, error: RtkitError) -> None:
         """Raise an error in every procedure whose outcome somebody waits for."""
-        for number, task in list(self._waiting.items()):
-            if task.done is not None:
-                self._go_on(number, None, error)
+        self._end_waits(lambda t: t.done is not None, None, error)
 
     def give_up(self, error: RtkitError, key: int | None = None) -> None:
         """Raise an error in every procedure that waits for an answer, of one process or of any."""
-        for number, task in list(self._waiting.items()):
-            if isinstance(task.wait, fx.Call) and key in (None, task.key):
-                self._go_on(number, None, error)
+        self._end_waits(lambda t: isinstance(t.wait, fx.Call) and key in (None, t.key), None, error)
+
+    def _end_waits(
+        self, is_meant: Callable[[_Task], bool], value: Any = None, error: RtkitError | None = None
+    ) -> None:
+        for number in [number for number, task in self._waiting.items() if is_meant(task)]:
+            self._go_on(number, value, error)
 
     def _waiting_for(self, key: int) -> list[tuple[int, _Task]]:
         return [(number, task) for number, task in self._waiting.items() if task.key == key]

@@ -70,7 +70,7 @@ class SlaveConnections:
             _log.warning("cannot send to slave %d: %s", key, error)
             return
         if channel.has_backlog:
-            self._selector.modify(channel, _READ | _WRITE, self._reader(key, channel))
+            self._selector.modify(channel, _READ | _WRITE, partial(self._exchange, key, channel))
 
     def _accept(self, listener: socket.socket) -> None:
         try:
@@ -140,7 +140,7 @@ class SlaveConnections:
 
     def _take_in(self, key: int, channel: ControlChannel) -> None:
         self._channels[key] = channel
-        self._selector.modify(channel, _READ, self._reader(key, channel))
+        self._selector.modify(channel, _READ, partial(self._exchange, key, channel))
 
     def adopt(self, key: int, pid: int, *, is_guest: bool = False) -> None:
         """Keep the connection of a found slave, or of an attached process, under its key."""
@@ -150,9 +150,8 @@ class SlaveConnections:
             self._take_in(key, channel)
         pidfd = self._slave_supervisor.adopt(key, pid, is_guest=is_guest)
         if channel is not None and channel.is_over:
-            self._slave_supervisor.distrust_pid(
-                key
-            )  # it ended before: whoever has that pid may be another
+            # It ended before: whoever has that pid may be another.
+            self._slave_supervisor.distrust_pid(key)
         elif pidfd is not None:
             self._watch(key, pidfd)
         self.check_settled()
@@ -187,13 +186,10 @@ class SlaveConnections:
 
     def _find_former_zygotes(self) -> None:
         for former_zygote in self._slave_supervisor.former_zygotes.find():
-            self._register(former_zygote, partial(self._read_former_zygote, former_zygote))
+            self._register(former_zygote, partial(self._on_former_zygote_message, former_zygote))
             self._on_former_zygote_message(former_zygote)
 
-    def _read_former_zygote(self, former_zygote: ControlChannel, _mask: int) -> None:
-        self._on_former_zygote_message(former_zygote)
-
-    def _on_former_zygote_message(self, former_zygote: ControlChannel) -> None:
+    def _on_former_zygote_message(self, former_zygote: ControlChannel, _mask: int = 0) -> None:
         events = self._slave_supervisor.heard(former_zygote)
         if events is None:
             self._selector.unregister(former_zygote)
@@ -215,9 +211,6 @@ class SlaveConnections:
             for event in list(self._slave_supervisor.absent()):
                 self._handle(event)
             settled()
-
-    def _reader(self, key: int, channel: ControlChannel) -> Callable[[int], object]:
-        return lambda mask: self._exchange(key, channel, mask)
 
     def _exchange(self, key: int, channel: ControlChannel, mask: int) -> None:
         if self._channels.get(key) is not channel:
@@ -242,7 +235,7 @@ class SlaveConnections:
             _log.warning("cannot send to slave %d: %s", key, error)
             channel.forget_backlog()
         if not channel.has_backlog:
-            self._selector.modify(channel, _READ, self._reader(key, channel))
+            self._selector.modify(channel, _READ, partial(self._exchange, key, channel))
 
     def _received(self, channel: ControlChannel) -> list[Mapping[str, Any]] | None:
         try:

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from rtkit.manager.limits.capacity import capacity
+from rtkit.manager.limits.control_groups import capacity
 
 MIB = 1 << 20
 

@@ -9,7 +9,7 @@ import threading
 import pytest
 
 from rtkit.errors import Malformed
-from rtkit.manager.loadable import loadable
+from rtkit.manager.query_server import loadable
 from rtkit.modules.describing import describe
 from rtkit.modules.loader import Loader
 from rtkit.resources import resource

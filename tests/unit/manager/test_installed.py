@@ -8,7 +8,7 @@ from importlib.machinery import ModuleSpec
 import pytest
 
 from rtkit.errors import NotFound, Refused
-from rtkit.manager.loadable import loadable
+from rtkit.manager.query_server import loadable
 from rtkit.modules.loader import Loader
 from rtkit.modules.search import Search, installed
 from rtkit.rtc.create import parse_create

@@ -11,7 +11,7 @@ from contextlib import ExitStack
 
 import pytest
 
-from rtkit.manager.loop import select_but
+from rtkit.manager.fault_guard import select_but
 
 WAIT_S = 10.0
 Pipe = tuple[int, int]
