@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Protocol
 
 from rtkit.errors import Unreachable
 
@@ -11,8 +11,8 @@ if TYPE_CHECKING:
     from rtkit.property.exchange import Reply, Request
 
 
-class Link:
-    """Transport that reaches services and offers services; this one has no far side."""
+class Link(Protocol):
+    """Transport that reaches services and offers services; by default to and for nobody."""
 
     def send(self, key: str, payload: str | None, timeout_s: float) -> Callable[[], Reply]:
         """Send a GET (payload None) or SET of the property at `key`; return what awaits the reply.
@@ -35,6 +35,7 @@ class Link:
 
     def serve(self, service_key: str, enqueue: Callable[[Request], object]) -> None:
         """Offer a service; `enqueue` is called on the transport's threads and must only enqueue."""
+        return
 
     def announce(self, key: str, listened: Callable[[bool], object]) -> Callable[[str], object]:
         """Open a topic of texts; return the function that sends one to all subscribers.
@@ -53,3 +54,8 @@ class Link:
 
     def close(self) -> None:
         """Leave; nothing is served or reachable afterwards."""
+        return
+
+
+class DeadLink(Link):
+    """Link on which nobody answers: no manager runs yet."""

@@ -21,7 +21,6 @@ from rtkit.errors import Malformed, Unreachable
 from rtkit.link import places
 from rtkit.link.deadline import deadline_from_bytes, deadline_to_bytes
 from rtkit.link.threads import start_thread
-from rtkit.link.transport import Link
 from rtkit.property.exchange import Reply, Request
 
 _RETRY = "{period_init_ms: 50, period_max_ms: 200, period_increase_factor: 1.5}"
@@ -167,12 +166,16 @@ def ask(
     )
 
 
-class ZenohLink(Link):
+class ZenohLink:
     """A `Link` over one zenoh session."""
 
     def __init__(self, session: zenoh.Session) -> None:
         self._session = session
         self._declared: list[zenoh.Queryable[None] | zenoh.Publisher] = []
+
+    def call(self, key: str, payload: str | None, timeout_s: float) -> Reply:
+        """See `Link.call`."""
+        return self.send(key, payload, timeout_s)()
 
     def send(self, key: str, payload: str | None, timeout_s: float) -> Callable[[], Reply]:
         """See `Link.send`."""

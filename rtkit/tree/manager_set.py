@@ -14,7 +14,7 @@ from rtkit.deployment.actions import Action, Result
 from rtkit.deployment.facts import Snapshot
 from rtkit.deployment.multi_manager import down, homes_in, joined, manager_for, sent
 from rtkit.errors import RtkitError, Unreachable
-from rtkit.link.transport import Link
+from rtkit.link.transport import DeadLink
 from rtkit.rtc.profiles import ConnectorProfile
 from rtkit.tree.client import DEFAULT_TIMEOUT_S, Tree
 from rtkit.tree.subscription import Heard, ManagerSubscription
@@ -49,7 +49,7 @@ class ManagerSet(Tree):
         """
         first = next(iter(trees.values()), None)
         super().__init__(
-            first.link if first is not None else Link(),
+            first.link if first is not None else DeadLink(),
             first.host if first is not None else os.uname().nodename,
             names[0],
             first.timeout_s if first is not None else DEFAULT_TIMEOUT_S,
