@@ -12,8 +12,14 @@ from collections.abc import Mapping
 from functools import cache
 from typing import NamedTuple
 
-FAMILIES = ("timed", "geometry", "extended", "sensors", "actuators", "navigation", "images")
-"""Modules of standard data types, those that others are made of first; a file in ``idl`` each."""
+FAMILIES = {
+    **dict.fromkeys(("timed", "geometry", "extended", "sensors", "actuators", "navigation"), "RTC"),
+    "images": "Img",
+}
+"""Modules of standard data types, those that others are made of first; a file in ``idl`` each.
+
+With each the module that its interface definitions have.
+"""
 
 SCOPES = ("RTC", "Img")
 """Modules of the interface definitions; a name without module stands for one of the first."""
@@ -26,13 +32,11 @@ class StandardType(NamedTuple):
     """A declaration as it stands in its file.
 
     Attributes:
-        scope: The module of the interface definition.
         home: Module of `rtkit.component` that has it.
         kind: ``struct``, ``enum`` or ``typedef``.
         body: What stands between its braces; of a type definition, what it defines.
     """
 
-    scope: str
     home: str
     kind: str
     body: str
@@ -43,8 +47,8 @@ class StandardType(NamedTuple):
 def declared_in(family: str) -> Mapping[str, StandardType]:
     """Return what the file of a family declares, by name."""
     with open(f"{__file__.rpartition('/')[0]}/idl/{family}.idl", encoding="utf-8") as file:
-        head, *declarations = file.read().partition("\nmodule ")[2].split("\n  // ")
-    scope, found = head.partition(" ")[0], {}
+        _, *declarations = file.read().partition("\nmodule ")[2].split("\n  // ")
+    found = {}
     for text in declarations:
         doc, _, code = text.partition("\n  ")
         kind, _, rest = code.partition(" ")
@@ -54,14 +58,14 @@ def declared_in(family: str) -> Mapping[str, StandardType]:
         else:
             name, _, rest = rest.partition(" {")
             body = rest.partition("}")[0]
-        found[name] = StandardType(scope, _BY_HAND.get(name, family), kind, body, doc)
+        found[name] = StandardType(_BY_HAND.get(name, family), kind, body, doc)
     return found
 
 
 def find(scope: str, name: str) -> StandardType | None:
     """Return the declaration of that name in a module of the interface definitions."""
-    found = (declared_in(family).get(name) for family in FAMILIES if scope in SCOPES)
-    return next((each for each in found if each and each.scope == scope), None)
+    families = (family for family, each in FAMILIES.items() if each == scope)
+    return next(filter(None, (declared_in(family).get(name) for family in families)), None)
 
 
 def home_of(scope: str, name: str) -> str:
@@ -72,5 +76,6 @@ def home_of(scope: str, name: str) -> str:
 
 def names_of(scope: str) -> list[str]:
     """Return the names of all data types of a module of the interface definitions."""
-    declared = (item for family in FAMILIES for item in declared_in(family).items())
-    return [n for n, each in declared if each.scope == scope and each.kind != "typedef"]
+    families = (family for family, each in FAMILIES.items() if each == scope)
+    declared = (item for family in families for item in declared_in(family).items())
+    return [name for name, each in declared if each.kind != "typedef"]

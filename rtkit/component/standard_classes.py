@@ -15,7 +15,7 @@ from importlib import import_module
 from threading import RLock
 from typing import Any
 
-from rtkit.component.standard import StandardType, declared_in, find
+from rtkit.component.standard import FAMILIES, StandardType, declared_in, find
 from rtkit.component.typenames import register
 from rtkit.component.types import BASIC_TYPES, Char, WChar
 from rtkit.fast_dataclass import make_dataclass
@@ -44,17 +44,18 @@ def family(module: str) -> tuple[list[str], Callable[[str], Any], Callable[[], l
 
 def _made(module: str, name: str, declared: StandardType) -> Any:
     """Return the class of a type, or the annotation that a type definition stands for."""
+    scope = FAMILIES[module.rpartition(".")[2]]
     if declared.kind == "typedef":
-        return next(_fields(declared.scope, declared.body))[1]
+        return next(_fields(scope, declared.body))[1]
     if declared.kind == "enum":
         members = declared.body.replace(",", " ").split()
         make_enum: Callable[..., Any] = Enum
         made = make_enum(name, {each: at for at, each in enumerate(members)}, module=module)
         made.__doc__ = declared.doc
     else:
-        fields = _fields(declared.scope, declared.body)
+        fields = _fields(scope, declared.body)
         made = make_dataclass(name, fields, module=module, doc=declared.doc)
-    register(made, f"{declared.scope}::{name}")
+    register(made, f"{scope}::{name}")
     return made
 
 
@@ -84,9 +85,9 @@ def _hint(scope: str, kind: str) -> Any:
 
 def _zero(hint: Any) -> Any:
     """Return the value of an annotation with everything zero or empty."""
-    if hint in (Char, WChar):
+    if hint is Char or hint is WChar:
         return "\0"
     base = getattr(hint, "__origin__", hint)
-    if base is tuple and Ellipsis not in hint.__args__:
-        return tuple(map(_zero, hint.__args__))
+    if base is tuple and hint.__args__[-1] is not Ellipsis:
+        return (_zero(hint.__args__[0]),) * len(hint.__args__)
     return next(iter(base)) if issubclass(base, Enum) else base()
