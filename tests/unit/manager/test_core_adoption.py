@@ -14,8 +14,7 @@ from rtkit.manager.core.adoption import SETTLE_S
 from rtkit.manager.core.modules import TRIAL
 
 
-def test_what_a_found_slave_holds_is_known_again() -> None:
-    shell = FakeShell()
+def test_what_a_found_slave_holds_is_known_again(shell: FakeShell) -> None:
     key = shell.find(300, "s", ["A"])
     facts = shell.state.components["A"]
     assert (facts.process, facts.names) == ("s", ("localhost/A.rtc",))
@@ -26,8 +25,7 @@ def test_what_a_found_slave_holds_is_known_again() -> None:
     assert asked.result.ok
 
 
-def test_a_connector_is_known_when_both_ends_are_back() -> None:
-    shell = FakeShell()
+def test_a_connector_is_known_when_both_ends_are_back(shell: FakeShell) -> None:
     shell.find(300, "a", ["A"], [wire("w")])
     assert shell.state.connectors == {}
     shell.find(301, "b", ["B"], [wire("w")])
@@ -39,16 +37,14 @@ def test_a_connector_is_known_when_both_ends_are_back() -> None:
     assert asked.result.ok
 
 
-def test_a_connector_whose_other_end_stays_away_is_cut() -> None:
-    shell = FakeShell()
+def test_a_connector_whose_other_end_stays_away_is_cut(shell: FakeShell) -> None:
     key = shell.find(300, "a", ["A"], [wire("w")])
     shell.wait(2 * SETTLE_S)
     assert (key, {"op": "unlink", "connector_id": "w"}) in shell.told
     assert shell.state.loose == {}
 
 
-def test_an_end_is_no_connector_though_the_other_component_lives() -> None:
-    shell = FakeShell()
+def test_an_end_is_no_connector_though_the_other_component_lives(shell: FakeShell) -> None:
     shell.make("B", "b")
     shell.find(300, "a", ["A"], [wire("w")])
     assert shell.state.connectors == {}
@@ -56,14 +52,12 @@ def test_an_end_is_no_connector_though_the_other_component_lives() -> None:
     assert shell.state.connectors == {}
 
 
-def test_a_connector_inside_one_slave_is_known_at_once() -> None:
-    shell = FakeShell()
+def test_a_connector_inside_one_slave_is_known_at_once(shell: FakeShell) -> None:
     shell.find(300, "a", ["A", "B"], [wire("w")])
     assert set(shell.state.connectors) == {"w"}
 
 
-def test_a_connector_can_be_made_again_while_an_end_of_it_is_left() -> None:
-    shell = FakeShell()
+def test_a_connector_can_be_made_again_while_an_end_of_it_is_left(shell: FakeShell) -> None:
     key = shell.find(300, "a", ["A"], [wire("w")])
     shell.make("B", "b")
     asked = shell.ask(Connect(wire("w")))
@@ -76,8 +70,7 @@ def test_a_connector_can_be_made_again_while_an_end_of_it_is_left() -> None:
     assert shell.told == []
 
 
-def test_an_instance_that_lives_elsewhere_by_now_is_dropped_by_the_slave() -> None:
-    shell = FakeShell()
+def test_an_instance_that_lives_elsewhere_by_now_is_dropped_by_the_slave(shell: FakeShell) -> None:
     shell.make("A")
     key = shell.find(300, "s", ["A", "B"])
     assert (key, {"op": "delete", "instance": "A"}) in shell.told
@@ -85,8 +78,7 @@ def test_an_instance_that_lives_elsewhere_by_now_is_dropped_by_the_slave() -> No
     assert shell.state.containers["B"] == key
 
 
-def test_a_slave_takes_the_place_of_its_zombie() -> None:
-    shell = FakeShell()
+def test_a_slave_takes_the_place_of_its_zombie(shell: FakeShell) -> None:
     old = shell.make("A", "s")
     shell.end(old)
     assert shell.state.components["A"].zombie
@@ -95,53 +87,48 @@ def test_a_slave_takes_the_place_of_its_zombie() -> None:
     assert set(shell.state.processes) == {ev.OWN_PROCESS, key}
 
 
-def test_a_name_that_is_taken_gets_the_pid_behind_it() -> None:
-    shell = FakeShell()
+def test_a_name_that_is_taken_gets_the_pid_behind_it(shell: FakeShell) -> None:
     shell.make("A", "s")
     key = shell.find(300, "s", ["B"])
     assert shell.state.processes[key].name == "s_300"
 
 
-def test_a_slave_whose_line_broke_keeps_its_key() -> None:
-    shell = FakeShell()
+def test_a_slave_whose_line_broke_keeps_its_key(shell: FakeShell) -> None:
     first = shell.find(300, "s", ["A"])
     assert shell.find(300, "s", ["A"]) == first
     assert list(shell.state.containers) == ["A"]
 
 
-def test_a_found_slave_that_is_killed_leaves_a_zombie() -> None:
-    shell = FakeShell()
+def test_a_found_slave_that_is_killed_leaves_a_zombie(shell: FakeShell) -> None:
     key = shell.find(300, "s", ["A"])
     shell.end(key, "exit status unknown")
     assert shell.state.components["A"].zombie == "exit status unknown"
 
 
 @pytest.mark.parametrize("held", [None, {}, [1], [{"instance": 3}]])
-def test_what_cannot_be_read_changes_nothing_else(held: object) -> None:
-    shell = FakeShell()
+def test_what_cannot_be_read_changes_nothing_else(held: object, shell: FakeShell) -> None:
     shell.make("A")
     with pytest.raises(Malformed):
         shell.feed(ev.SlaveFound(300, "s", held, []))
     assert list(shell.state.components) == ["A"]
 
 
-def test_the_end_of_a_slave_ends_its_loose_connectors() -> None:
-    shell = FakeShell()
+def test_the_end_of_a_slave_ends_its_loose_connectors(shell: FakeShell) -> None:
     shell.end(shell.find(300, "a", ["A"], [wire("w")]))
     assert shell.state.loose == {}
     shell.find(301, "b", ["B"], [wire("w")])
     assert shell.state.connectors == {}
 
 
-def test_what_ended_while_a_line_was_broken_is_forgotten() -> None:
-    shell = FakeShell()
+def test_what_ended_while_a_line_was_broken_is_forgotten(shell: FakeShell) -> None:
     shell.find(300, "s", ["A", "B"])
     shell.find(300, "s", ["B"])
     assert list(shell.state.components) == ["B"]
 
 
-def test_an_instance_that_is_just_being_made_elsewhere_is_dropped_by_the_slave() -> None:
-    shell = FakeShell()
+def test_an_instance_that_is_just_being_made_elsewhere_is_dropped_by_the_slave(
+    shell: FakeShell,
+) -> None:
     asked = shell.ask(Create("Thing?instance_name=A"))
     key = shell.find(300, "s", ["A"])
     assert (key, {"op": "delete", "instance": "A"}) in shell.told
@@ -150,31 +137,27 @@ def test_an_instance_that_is_just_being_made_elsewhere_is_dropped_by_the_slave()
     assert shell.state.containers["A"] == ev.OWN_PROCESS
 
 
-def test_a_slave_that_is_found_while_everything_ends_is_ended_too() -> None:
-    shell = FakeShell()
+def test_a_slave_that_is_found_while_everything_ends_is_ended_too(shell: FakeShell) -> None:
     shell.make("A")
     shell.stop()
     key = shell.find(300, "s", ["B"])
     assert key in shell.killed()
 
 
-def test_names_given_twice_are_one() -> None:
-    shell = FakeShell()
+def test_names_given_twice_are_one(shell: FakeShell) -> None:
     held = {**facts("A"), "names": ["localhost/a.rtc", "localhost/a.rtc"]}
     shell.feed(ev.SlaveFound(300, "s", [held], []))
     assert shell.state.components["A"].names == ("localhost/a.rtc",)
 
 
-def test_what_cannot_be_read_makes_no_process() -> None:
-    shell = FakeShell()
+def test_what_cannot_be_read_makes_no_process(shell: FakeShell) -> None:
     for components in (None, [1], [facts("a/b")], [{**facts("A"), "type": 5}]):
         with pytest.raises(Malformed):
             shell.feed(ev.SlaveFound(300, "s", components, []))
     assert list(shell.state.processes) == [ev.OWN_PROCESS]
 
 
-def test_a_found_slave_that_holds_nothing_is_ended() -> None:
-    shell = FakeShell()
+def test_a_found_slave_that_holds_nothing_is_ended(shell: FakeShell) -> None:
     key = shell.find(300, "s")
     assert shell.signals == [(key, signal.SIGTERM)]
     shell.end(key, "exit status 0")
@@ -194,8 +177,9 @@ def unsaid(shell: FakeShell, pid: int, name: str, instances: list[str], silence:
         ("does not answer", "slave s does not answer"),
     ],
 )
-def test_a_slave_that_says_nothing_is_shown_with_what_it_holds(silence: str, why: str) -> None:
-    shell = FakeShell()
+def test_a_slave_that_says_nothing_is_shown_with_what_it_holds(
+    silence: str, why: str, shell: FakeShell
+) -> None:
     key = unsaid(shell, 300, "s", ["A"], silence)
     assert shell.state.components["A"].trouble == silence
     assert shell.state.processes[key].state == "silent"
@@ -226,15 +210,13 @@ def test_one_that_says_nothing_is_ended_by_force_and_with_the_manager() -> None:
 
 
 @pytest.mark.parametrize("silence", ["", "does not answer"])
-def test_one_that_was_there_to_try_a_module_is_ended(silence: str) -> None:
-    shell = FakeShell()
+def test_one_that_was_there_to_try_a_module_is_ended(silence: str, shell: FakeShell) -> None:
     shell.feed(ev.SlaveFound(300, TRIAL, [], [], silence=silence))
     assert shell.signals == [(shell.adopted[300], signal.SIGKILL)]
     assert len(shell.state.snapshot().processes) == 1
 
 
-def test_whether_a_silent_one_is_stopped_may_change() -> None:
-    shell = FakeShell()
+def test_whether_a_silent_one_is_stopped_may_change(shell: FakeShell) -> None:
     key = unsaid(shell, 300, "s", ["A"], "stopped")
     shell.feed(ev.SlaveStopped(key, False))
     assert shell.state.components["A"].trouble == "does not answer"
@@ -244,8 +226,7 @@ def test_whether_a_silent_one_is_stopped_may_change() -> None:
     assert shell.state.components["A"].zombie == "signal 9"
 
 
-def test_a_connector_to_one_that_says_nothing_is_kept() -> None:
-    shell = FakeShell()
+def test_a_connector_to_one_that_says_nothing_is_kept(shell: FakeShell) -> None:
     other = shell.find(301, "b", ["B"], [wire("w")])
     key = unsaid(shell, 300, "a", ["A"], "stopped")
     assert set(shell.state.connectors) == {"w"}
@@ -257,15 +238,15 @@ def test_a_connector_to_one_that_says_nothing_is_kept() -> None:
     assert {message["op"] for _, message in shell.told} == {"configure"}
 
 
-def test_a_slave_that_is_found_is_told_of_properties_that_may_not_be_recorded() -> None:
+def test_a_slave_that_is_found_is_told_of_properties_that_may_not_be_recorded(
+    shell: FakeShell,
+) -> None:
     """The manager may have been killed in the commit of one that it had told already."""
-    shell = FakeShell()
     key = shell.find(300, "s", ["A"])
     assert [(each, message["op"]) for each, message in shell.told] == [(key, "configure")]
 
 
-def test_a_connector_of_which_it_knows_nothing_when_it_answers_is_cut() -> None:
-    shell = FakeShell()
+def test_a_connector_of_which_it_knows_nothing_when_it_answers_is_cut(shell: FakeShell) -> None:
     other = shell.find(301, "b", ["B"], [wire("w")])
     unsaid(shell, 300, "a", ["A"], "does not answer")
     shell.find(300, "a", ["A"], [])
@@ -273,8 +254,7 @@ def test_a_connector_of_which_it_knows_nothing_when_it_answers_is_cut() -> None:
     assert (other, {"op": "unlink", "connector_id": "w"}) in shell.told
 
 
-def test_what_ended_while_no_manager_ran_is_shown_unless_it_lives_again() -> None:
-    shell = FakeShell()
+def test_what_ended_while_no_manager_ran_is_shown_unless_it_lives_again(shell: FakeShell) -> None:
     shell.make("B", "s")
     held = [{**facts(each), "names": [f"localhost/{each}.rtc"]} for each in "AB"]
     shell.feed(ev.SlaveExitedUnseen(300, "s", held, "signal 11"))

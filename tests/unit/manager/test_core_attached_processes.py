@@ -9,8 +9,7 @@ from rtkit.deployment.capture import SystemHeading, capture
 from rtkit.manager.core import events as ev
 
 
-def test_what_a_guest_holds_is_shown_under_the_usual_name() -> None:
-    shell = FakeShell()
+def test_what_a_guest_holds_is_shown_under_the_usual_name(shell: FakeShell) -> None:
     key = shell.visit(300, "rtprint_300", ["A"])
     assert shell.state.components["A"].names == ("localhost/A.rtc",)
     assert (key, {"welcome": ["A"]}) in shell.told
@@ -18,8 +17,7 @@ def test_what_a_guest_holds_is_shown_under_the_usual_name() -> None:
     assert (process.name, process.is_guest, process.is_slave) == ("rtprint_300", True, False)
 
 
-def test_a_name_that_is_taken_is_not_given_to_a_guest() -> None:
-    shell = FakeShell()
+def test_a_name_that_is_taken_is_not_given_to_a_guest(shell: FakeShell) -> None:
     shell.make("A")
     key = shell.visit(300, "rtprint_300", ["A", "B"])
     assert (key, {"op": "delete", "instance": "A"}) in shell.told
@@ -27,8 +25,7 @@ def test_a_name_that_is_taken_is_not_given_to_a_guest() -> None:
     assert shell.state.containers["A"] == ev.OWN_PROCESS
 
 
-def test_a_guest_leaves_no_zombie_and_no_connector() -> None:
-    shell = FakeShell()
+def test_a_guest_leaves_no_zombie_and_no_connector(shell: FakeShell) -> None:
     other = shell.make("B", "s")
     key = shell.visit(300, "rtprint_300", ["A"])
     asked = shell.ask(Connect(wire("w")))
@@ -41,8 +38,9 @@ def test_a_guest_leaves_no_zombie_and_no_connector() -> None:
     assert (other, {"op": "unlink", "connector_id": "w"}) in shell.told
 
 
-def test_what_a_guest_holds_can_be_ended_from_outside_and_the_guest_is_not() -> None:
-    shell = FakeShell()
+def test_what_a_guest_holds_can_be_ended_from_outside_and_the_guest_is_not(
+    shell: FakeShell,
+) -> None:
     shell.visit(300, "rtprint_300", ["A"])
     asked = shell.ask(Delete("A"))
     shell.serve()
@@ -51,8 +49,7 @@ def test_what_a_guest_holds_can_be_ended_from_outside_and_the_guest_is_not() -> 
     assert shell.signals == []
 
 
-def test_a_stop_ends_components_of_guests_and_sends_guests_no_signal() -> None:
-    shell = FakeShell()
+def test_a_stop_ends_components_of_guests_and_sends_guests_no_signal(shell: FakeShell) -> None:
     key = shell.visit(300, "rtprint_300", ["A"])
     shell.feed(ev.StopRequested())
     call = shell.next("delete")
@@ -62,15 +59,13 @@ def test_a_stop_ends_components_of_guests_and_sends_guests_no_signal() -> None:
     assert shell.is_finished
 
 
-def test_nothing_is_created_in_a_guest() -> None:
-    shell = FakeShell()
+def test_nothing_is_created_in_a_guest(shell: FakeShell) -> None:
     shell.visit(300, "visitor", ["A"])
     shell.ask(Create("Type?instance_name=B&manager_name=visitor"))
     assert "visitor" in shell.spawned
 
 
-def test_a_guest_is_no_part_of_a_captured_system() -> None:
-    shell = FakeShell()
+def test_a_guest_is_no_part_of_a_captured_system(shell: FakeShell) -> None:
     shell.make("B")
     shell.visit(300, "rtprint_300", ["A"])
     heading = SystemHeading("2026-01-01T00:00:00")

@@ -19,11 +19,6 @@ from rtkit.property.exchange import NOT_BEGUN, Reply
 from rtkit.rtc.enums import ReturnCode, Transition
 
 
-@pytest.fixture
-def shell():
-    return FakeShell()
-
-
 def activate(instance):
     return ChangeState(instance, "0", Transition.ACTIVATE)
 
@@ -416,8 +411,7 @@ def test_nothing_is_instructed_twice(shell):
     assert shell.state.processes[OWN].is_alive
 
 
-def test_slaves_of_an_ordered_batch_start_side_by_side() -> None:
-    shell = FakeShell()
+def test_slaves_of_an_ordered_batch_start_side_by_side(shell: FakeShell) -> None:
     asked = shell.ask(*(Create(f"Thing?instance_name={n}&manager_name={n}s") for n in "ABC"))
     assert list(shell.spawned) == ["As", "Bs", "Cs"]
     for name in ("Cs", "As", "Bs"):
@@ -428,8 +422,9 @@ def test_slaves_of_an_ordered_batch_start_side_by_side() -> None:
 
 
 @pytest.mark.parametrize("is_late", [False, True])
-def test_slaves_that_a_failed_batch_does_not_need_are_ended(is_late: bool) -> None:
-    shell = FakeShell()
+def test_slaves_that_a_failed_batch_does_not_need_are_ended(
+    is_late: bool, shell: FakeShell
+) -> None:
     asked = shell.ask(*(Create(f"Thing?instance_name={n}&manager_name={n}s") for n in "AB"))
     first = shell.fork("As")
     second = shell.spawned["Bs"] if is_late else shell.fork("Bs")

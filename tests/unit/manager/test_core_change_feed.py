@@ -46,11 +46,6 @@ class Listener:
 
 
 @pytest.fixture
-def shell() -> FakeShell:
-    return FakeShell()
-
-
-@pytest.fixture
 def listener(shell: FakeShell, monkeypatch: pytest.MonkeyPatch) -> Listener:
     return Listener(shell, monkeypatch)
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import signal
 
 import pytest
-from fake_shell import OWN, FakeShell, facts, module_of, wire
+from fake_shell import OWN, facts, module_of, wire
 
 from rtkit.deployment.actions import (
     ChangeState,
@@ -24,11 +24,6 @@ from rtkit.rtc.enums import ReturnCode, Transition
 from rtkit.rtc.pattern import ComponentPattern
 from rtkit.rtc.profiles import ModuleProfile, TypeProfile
 from rtkit.rtc.serde import encode
-
-
-@pytest.fixture
-def shell():
-    return FakeShell()
 
 
 def create(text="Thing?instance_name=A", *names, pattern=None):

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import pytest
-from fake_shell import FakeShell
 
 from rtkit.deployment.actions import Create
 
@@ -11,12 +10,11 @@ TYPE = "PeriodicECSharedComposite"
 
 
 @pytest.fixture
-def shell():
-    made = FakeShell()
-    made.make("A", "s")
-    made.make("B", "s")
-    made.make("Far")
-    return made
+def shell(shell):
+    shell.make("A", "s")
+    shell.make("B", "s")
+    shell.make("Far")
+    return shell
 
 
 @pytest.mark.parametrize("place", ["", "&manager_name=s"])

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from fake_shell import OWN, PORTS, FakeShell, facts, wire
+from fake_shell import OWN, PORTS, facts, wire
 
 from rtkit.deployment.actions import Connect, Delete, Disconnect
 from rtkit.errors import NotFound, Refused
@@ -12,11 +12,6 @@ from rtkit.rtc.profiles import ConnectorProfile, PortRef
 from rtkit.rtc.serde import encode
 
 UNLINK = {"op": "unlink", "connector_id": "w"}
-
-
-@pytest.fixture
-def shell():
-    return FakeShell()
 
 
 @pytest.fixture

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import pytest
-from fake_shell import FakeShell
 
 from rtkit.deployment.actions import (
     Attach,
@@ -16,11 +15,6 @@ from rtkit.deployment.actions import (
 )
 from rtkit.deployment.batch import Batch, batch_from_text, batch_to_text
 from rtkit.rtc.enums import Transition
-
-
-@pytest.fixture
-def shell():
-    return FakeShell()
 
 
 @pytest.mark.parametrize(

@@ -5,7 +5,7 @@ from __future__ import annotations
 import signal
 
 import pytest
-from fake_shell import OWN, FakeShell, wire
+from fake_shell import OWN, wire
 
 from rtkit.deployment.actions import Connect, Create, Delete, EndSlave
 from rtkit.manager.core import events as ev
@@ -13,11 +13,6 @@ from rtkit.manager.core.deletion import FORCE_S, TERM_S
 
 STUCK = "stuck in on_execute since 12:00:00 (Arm.py:9 in on_execute)"
 TERM, KILL, CONT = signal.SIGTERM, signal.SIGKILL, signal.SIGCONT
-
-
-@pytest.fixture
-def shell():
-    return FakeShell()
 
 
 @pytest.fixture

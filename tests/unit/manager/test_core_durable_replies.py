@@ -49,8 +49,7 @@ def system() -> FakeShell:
     return shell
 
 
-def test_an_answer_waits_until_it_is_on_the_disk() -> None:
-    shell = FakeShell()
+def test_an_answer_waits_until_it_is_on_the_disk(shell: FakeShell) -> None:
     asked = shell.ask(act.Create("Thing?instance_name=A"))
     call = shell.next("create")
     shell.say(OWN, facts=facts("A"))
@@ -65,8 +64,7 @@ def test_an_answer_waits_until_it_is_on_the_disk() -> None:
     assert asked.result.ok
 
 
-def test_a_batch_is_one_commit() -> None:
-    shell = FakeShell()
+def test_a_batch_is_one_commit(shell: FakeShell) -> None:
     shell.ask(*(act.Create(f"Thing?instance_name=A{n}") for n in range(100)), ordered=False)
     commits = []
     shell._keep = lambda keep: commits.append(keep)  # type: ignore[method-assign]
@@ -214,8 +212,7 @@ def test_what_lives_is_let_be_and_only_the_rest_is_made() -> None:
     assert not [each for each in shell.told if each[1]["op"] == "unlink"]
 
 
-def test_what_lives_and_is_not_known_is_wished_from_then_on() -> None:
-    shell = FakeShell()
+def test_what_lives_and_is_not_known_is_wished_from_then_on(shell: FakeShell) -> None:
     create = "Thing?instance_name=A&manager_name=s"
     shell.feed(ev.SlaveFound(900, "s", [{**facts("A"), "create": create}], []))
     assert restored(shell) == []

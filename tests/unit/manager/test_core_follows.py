@@ -35,8 +35,7 @@ def said(shell: FakeShell, followed: Followed) -> Reply:
     return reply
 
 
-def test_what_is_followed_is_kept_and_told() -> None:
-    shell = FakeShell()
+def test_what_is_followed_is_kept_and_told(shell: FakeShell) -> None:
     assert asked(shell, TEXT) == Reply(f"{NAME} is followed")
     assert shell.state.snapshot().systems == (Followed(NAME),)
     assert said(shell, LED) == Reply("")
@@ -55,8 +54,7 @@ def test_what_is_followed_is_kept_and_told() -> None:
     assert heir.state.snapshot().systems == ()
 
 
-def test_another_profile_of_that_name_is_refused_until_it_has_ended() -> None:
-    shell = FakeShell()
+def test_another_profile_of_that_name_is_refused_until_it_has_ended(shell: FakeShell) -> None:
     asked(shell, TEXT)
     said(shell, LED)
     assert asked(shell, TEXT) == Reply(f"{NAME} is followed already")
@@ -70,8 +68,7 @@ def test_another_profile_of_that_name_is_refused_until_it_has_ended() -> None:
     assert shell.state.snapshot().systems == (Followed(NAME),)
 
 
-def test_nothing_is_begun_that_cannot_be_kept() -> None:
-    shell = FakeShell()
+def test_nothing_is_begun_that_cannot_be_kept(shell: FakeShell) -> None:
     asked(shell, TEXT)
     shell.disk = "disk full"
     assert said(shell, LED).error == "refused"
@@ -91,14 +88,12 @@ def test_who_stops_follows_nothing_new_and_forgets_unless_it_comes_back() -> Non
         assert (("followed", NAME) in shell.rows) is is_kept
 
 
-def test_what_a_follower_says_of_what_is_followed_no_more_is_dropped() -> None:
-    shell = FakeShell()
+def test_what_a_follower_says_of_what_is_followed_no_more_is_dropped(shell: FakeShell) -> None:
     assert said(shell, LED) == Reply("")
     assert shell.state.snapshot().systems == ()
 
 
-def test_listeners_of_all_kinds_count() -> None:
-    shell = FakeShell()
+def test_listeners_of_all_kinds_count(shell: FakeShell) -> None:
     published: list[ev.Publish] = []
 
     def feed(event: ev.Event) -> None:
@@ -118,8 +113,7 @@ def test_listeners_of_all_kinds_count() -> None:
     assert len(published) == 1
 
 
-def test_each_transition_is_an_event_for_those_who_listen() -> None:
-    shell = FakeShell()
+def test_each_transition_is_an_event_for_those_who_listen(shell: FakeShell) -> None:
     published: list[Delta] = []
     replies: list[Reply] = []
     shell.feed(ev.SnapshotRequested(shell.requests.add(replies.append)))

@@ -47,8 +47,7 @@ def found(shell: FakeShell, name: str = "s", instance: str = "A") -> int:
     return shell.adopted[900]
 
 
-def test_what_was_made_again_is_told_to_the_next_manager() -> None:
-    shell = FakeShell()
+def test_what_was_made_again_is_told_to_the_next_manager(shell: FakeShell) -> None:
     make(shell, "A", restart="on-failure")
     for _ in range(2):
         shell.end(shell.state.containers["A"])
@@ -63,9 +62,10 @@ def test_what_was_made_again_is_told_to_the_next_manager() -> None:
     assert other.state.kept.watched == shell.state.kept.watched
 
 
-def test_who_dies_at_every_start_is_not_made_again_more_often_by_many_managers() -> None:
+def test_who_dies_at_every_start_is_not_made_again_more_often_by_many_managers(
+    shell: FakeShell,
+) -> None:
     """Each manager dies while it waits, or just after it has made it again."""
-    shell = FakeShell()
     make(shell, "A", restart="on-failure")
     starts, began = [], shell.now
     shell.end(shell.state.containers["A"])
@@ -87,8 +87,9 @@ def test_who_dies_at_every_start_is_not_made_again_more_often_by_many_managers()
     assert "given up after 5" in shell.state.components["A"].zombie
 
 
-def test_who_was_to_come_back_does_under_the_next_manager_and_is_shown_meanwhile() -> None:
-    shell = FakeShell()
+def test_who_was_to_come_back_does_under_the_next_manager_and_is_shown_meanwhile(
+    shell: FakeShell,
+) -> None:
     make(shell, "A", **{"restart": "always", "restart.delay": "8"})
     make(shell, "B", "t")
     shell.end(shell.state.containers["A"])
@@ -104,8 +105,9 @@ def test_who_was_to_come_back_does_under_the_next_manager_and_is_shown_meanwhile
     assert (other.state.components["A"].zombie, restart_status(other).restarts) == ("", 1)
 
 
-def test_who_died_while_there_was_no_manager_is_made_again_as_its_policy_says() -> None:
-    shell = FakeShell()
+def test_who_died_while_there_was_no_manager_is_made_again_as_its_policy_says(
+    shell: FakeShell,
+) -> None:
     for instance, policy in (("A", "on-failure"), ("B", "never")):
         make(shell, instance, **{"restart": policy})
     other = heir(shell)
@@ -118,9 +120,10 @@ def test_who_died_while_there_was_no_manager_is_made_again_as_its_policy_says() 
 
 
 @pytest.mark.parametrize("managers", [1, 2, 3])
-def test_managers_that_are_killed_in_their_start_forget_no_policy(managers: int) -> None:
+def test_managers_that_are_killed_in_their_start_forget_no_policy(
+    managers: int, shell: FakeShell
+) -> None:
     """That it died and that it is to come back are in one commit; it counts as one end."""
-    shell = FakeShell()
     make(shell, "A", restart="on-failure")
     shell = heir(shell)
     shell.feed(ev.SlaveExitedUnseen(900, "s", [facts("A")], "signal 9"))
@@ -157,8 +160,7 @@ def test_who_died_with_everything_or_with_the_machine_begins_anew() -> None:
     assert come_back(other) == ["create"]
 
 
-def test_one_found_in_error_is_answered_once() -> None:
-    shell = FakeShell()
+def test_one_found_in_error_is_answered_once(shell: FakeShell) -> None:
     make(shell, "A", **{"restart": "on-failure", "restart.limit": "1"})
     for _ in range(2):
         held = {**in_error("A"), "create": "Thing?instance_name=A&manager_name=s"}
@@ -170,8 +172,7 @@ def test_one_found_in_error_is_answered_once() -> None:
     assert restart_status(shell).restarts == 1
 
 
-def test_what_is_reset_keeps_its_record_and_is_forgiven() -> None:
-    shell = FakeShell()
+def test_what_is_reset_keeps_its_record_and_is_forgiven(shell: FakeShell) -> None:
     key = make(shell, "A", **{"restart": "on-failure", "restart.limit": "1"})
     for _ in range(2):
         shell.say(key, facts=in_error("A"))
@@ -181,8 +182,7 @@ def test_what_is_reset_keeps_its_record_and_is_forgiven() -> None:
     assert (restart_status(shell).restarts, restart_status(shell).trouble) == (1, "")
 
 
-def test_one_that_is_reset_while_it_waits_is_left() -> None:
-    shell = FakeShell()
+def test_one_that_is_reset_while_it_waits_is_left(shell: FakeShell) -> None:
     key = make(shell, "A", restart="on-failure")
     shell.say(key, facts=in_error("A"))
     do(shell, act.ChangeState("A", "0", Transition.RESET))
@@ -191,8 +191,7 @@ def test_one_that_is_reset_while_it_waits_is_left() -> None:
     assert restart_status(shell) == RestartStatus()
 
 
-def test_what_is_critical_says_what_it_stopped_until_it_is_activated() -> None:
-    shell = FakeShell()
+def test_what_is_critical_says_what_it_stopped_until_it_is_activated(shell: FakeShell) -> None:
     make(shell, "A", "t")
     key = make(shell, "C", critical="yes", restart="on-failure")
     for instance in "AC":
@@ -210,16 +209,14 @@ def test_what_is_critical_says_what_it_stopped_until_it_is_activated() -> None:
     assert restart_status(other, "C").stops == ""
 
 
-def test_the_end_is_on_the_disk_before_the_restart() -> None:
-    shell = FakeShell()
+def test_the_end_is_on_the_disk_before_the_restart(shell: FakeShell) -> None:
     make(shell, "A", restart="on-failure")
     shell.end(shell.state.containers["A"])
     assert '"pending":"signal 9"' in shell.rows["watched", "A"]
     assert not shell.spawned
 
 
-def test_a_disk_that_takes_nothing_holds_up_no_restart() -> None:
-    shell = FakeShell()
+def test_a_disk_that_takes_nothing_holds_up_no_restart(shell: FakeShell) -> None:
     make(shell, "A", restart="on-failure")
     shell.disk = "full"
     shell.end(shell.state.containers["A"])
@@ -229,8 +226,7 @@ def test_a_disk_that_takes_nothing_holds_up_no_restart() -> None:
     assert '"restarts":1' in shell.rows["watched", "A"]
 
 
-def test_what_is_no_wish_any_more_is_not_remembered() -> None:
-    shell = FakeShell()
+def test_what_is_no_wish_any_more_is_not_remembered(shell: FakeShell) -> None:
     key = make(shell, "A", restart="on-failure")
     shell.end(key)
     come_back(shell)
@@ -241,9 +237,10 @@ def test_what_is_no_wish_any_more_is_not_remembered() -> None:
 
 
 @pytest.mark.parametrize("end", ["signal 9", "in Error: ValueError: no (a.py:1)"])
-def test_each_restart_is_told_once(end: str, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_each_restart_is_told_once(
+    end: str, monkeypatch: pytest.MonkeyPatch, shell: FakeShell
+) -> None:
     """Also of one that is made again in its place, which is gone meanwhile."""
-    shell = FakeShell()
     make(shell, "A", restart="on-failure")
     heard = listen(shell, monkeypatch)
     key = shell.state.containers["A"]
@@ -256,9 +253,8 @@ def test_each_restart_is_told_once(end: str, monkeypatch: pytest.MonkeyPatch) ->
     assert events == ["RETURNING", "MADE_AGAIN"]
 
 
-def test_nothing_seems_to_have_ended_that_outlived_its_manager() -> None:
+def test_nothing_seems_to_have_ended_that_outlived_its_manager(shell: FakeShell) -> None:
     """Whoever asks meanwhile what there is, is answered when all are back."""
-    shell = FakeShell()
     pid = shell.state.processes[make(shell, "A", restart="on-failure")].pid
     before = shell.state.snapshot()
     other = heir(shell)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from fake_shell import OWN, FakeShell, facts, wire
+from fake_shell import OWN, facts, wire
 
 from rtkit.deployment.actions import Connect, Disconnect
 from rtkit.errors import Unreachable
@@ -28,11 +28,6 @@ PORTS = (
     port("other", "-Work", "+Play"),
     port("plain"),
 )
-
-
-@pytest.fixture
-def shell():
-    return FakeShell()
 
 
 @pytest.fixture

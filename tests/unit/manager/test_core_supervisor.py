@@ -27,8 +27,9 @@ STUCK = "stuck in on_execute since 12:00:00 (a.py:7)"
         ("always", "exit status 0", True),
     ],
 )
-def test_which_ends_are_answered(restart: str, reason: str, is_back: bool) -> None:
-    shell = FakeShell()
+def test_which_ends_are_answered(
+    restart: str, reason: str, is_back: bool, shell: FakeShell
+) -> None:
     shell.end(make(shell, "A", restart=restart), reason)
     assert shell.state.components["A"].zombie == reason
     come_back(shell)
@@ -38,8 +39,7 @@ def test_which_ends_are_answered(restart: str, reason: str, is_back: bool) -> No
     assert told.restart_status.why == reason * is_back
 
 
-def test_what_is_made_again_is_as_it_was() -> None:
-    shell = FakeShell()
+def test_what_is_made_again_is_as_it_was(shell: FakeShell) -> None:
     shell.make("B", "t")
     key = make(shell, "A", restart="on-failure")
     do(
@@ -56,8 +56,7 @@ def test_what_is_made_again_is_as_it_was() -> None:
     assert shell.rows == rows
 
 
-def test_only_those_with_a_policy_come_back_and_the_slave_with_them() -> None:
-    shell = FakeShell()
+def test_only_those_with_a_policy_come_back_and_the_slave_with_them(shell: FakeShell) -> None:
     make(shell, "A")
     key = make(shell, "B", restart="always")
     shell.end(key)
@@ -66,8 +65,7 @@ def test_only_those_with_a_policy_come_back_and_the_slave_with_them() -> None:
     assert (told["A"].zombie, told["B"].zombie) == ("signal 9", "")
 
 
-def test_waits_double_and_after_five_it_is_given_up() -> None:
-    shell = FakeShell()
+def test_waits_double_and_after_five_it_is_given_up(shell: FakeShell) -> None:
     make(shell, "A", restart="on-failure")
     waits = []
     while not shell.state.watched("A").ledger.is_given_up:
@@ -86,8 +84,7 @@ def test_waits_double_and_after_five_it_is_given_up() -> None:
     assert not shell.state.watched("A").given_up
 
 
-def test_after_good_health_it_begins_anew() -> None:
-    shell = FakeShell()
+def test_after_good_health_it_begins_anew(shell: FakeShell) -> None:
     make(shell, "A", restart="on-failure")
     for _ in range(12):
         shell.end(shell.state.containers["A"])
@@ -97,8 +94,7 @@ def test_after_good_health_it_begins_anew() -> None:
     assert shell.state.components["A"].restart_status.restarts == 12
 
 
-def test_a_start_that_fails_counts_as_an_end() -> None:
-    shell = FakeShell()
+def test_a_start_that_fails_counts_as_an_end(shell: FakeShell) -> None:
     shell.end(make(shell, "A", restart="on-failure"))
     for _ in range(5):
         pass_time(shell, 20.0)
@@ -110,9 +106,8 @@ def test_a_start_that_fails_counts_as_an_end() -> None:
 
 
 @pytest.mark.parametrize("end", [act.Delete("A"), act.EndSlave("s"), act.EndSlave("s", True)])
-def test_what_a_user_ends_stays_ended(end: act.Action) -> None:
+def test_what_a_user_ends_stays_ended(end: act.Action, shell: FakeShell) -> None:
     """Also while it waits to be made again."""
-    shell = FakeShell()
     key = make(shell, "A", restart="always")
     if isinstance(end, act.Delete):
         shell.end(key)
@@ -137,8 +132,7 @@ def test_nothing_comes_back_into_a_manager_that_stops() -> None:
         assert shell.is_finished
 
 
-def test_one_that_waits_can_be_laid_to_rest_and_comes_back_so() -> None:
-    shell = FakeShell()
+def test_one_that_waits_can_be_laid_to_rest_and_comes_back_so(shell: FakeShell) -> None:
     make(shell, "A", restart="on-failure")
     do(shell, act.ChangeState("A", "0", Transition.ACTIVATE))
     shell.end(shell.state.containers["A"])
@@ -148,8 +142,7 @@ def test_one_that_waits_can_be_laid_to_rest_and_comes_back_so() -> None:
     assert come_back(shell) == ["create"]
 
 
-def test_what_is_told_to_rest_while_it_is_made_is_not_activated() -> None:
-    shell = FakeShell()
+def test_what_is_told_to_rest_while_it_is_made_is_not_activated(shell: FakeShell) -> None:
     make(shell, "A", restart="on-failure")
     do(shell, act.ChangeState("A", "0", Transition.ACTIVATE))
     shell.end(shell.state.containers["A"])
@@ -162,8 +155,9 @@ def test_what_is_told_to_rest_while_it_is_made_is_not_activated() -> None:
 
 
 @pytest.mark.parametrize("ends", [1, 6])
-def test_a_reset_makes_one_that_waits_or_is_given_up_again_at_once(ends: int) -> None:
-    shell = FakeShell()
+def test_a_reset_makes_one_that_waits_or_is_given_up_again_at_once(
+    ends: int, shell: FakeShell
+) -> None:
     make(shell, "A", restart="on-failure")
     do(shell, act.ChangeState("A", "0", Transition.ACTIVATE))
     for turn in range(ends):
@@ -190,8 +184,7 @@ def test_a_reset_makes_one_that_waits_or_is_given_up_again_at_once(ends: int) ->
     assert not shell.spawned
 
 
-def test_a_reset_that_fails_says_why() -> None:
-    shell = FakeShell()
+def test_a_reset_that_fails_says_why(shell: FakeShell) -> None:
     make(shell, "A", **{"restart": "on-failure", "restart.delay": "9"})
     shell.end(shell.state.containers["A"])
     asked = shell.ask(act.ChangeState("A", "0", Transition.RESET))
@@ -201,8 +194,7 @@ def test_a_reset_that_fails_says_why() -> None:
     assert shell.state.components["A"].zombie == "signal 9"
 
 
-def test_one_that_is_deleted_while_it_comes_back_does_not_stay() -> None:
-    shell = FakeShell()
+def test_one_that_is_deleted_while_it_comes_back_does_not_stay(shell: FakeShell) -> None:
     make(shell, "A", restart="on-failure")
     shell.end(shell.state.containers["A"])
     pass_time(shell, 20.0)
@@ -215,8 +207,7 @@ def test_one_that_is_deleted_while_it_comes_back_does_not_stay() -> None:
     assert not shell.state.kept.components
 
 
-def test_another_one_of_the_name_of_one_that_was_ended_is_made_again_too() -> None:
-    shell = FakeShell()
+def test_another_one_of_the_name_of_one_that_was_ended_is_made_again_too(shell: FakeShell) -> None:
     for _ in range(3):
         make(shell, "A", **{"restart": "on-failure", "restart.delay": "5"})
         shell.end(shell.state.containers["A"])
@@ -229,16 +220,14 @@ def test_another_one_of_the_name_of_one_that_was_ended_is_made_again_too() -> No
     assert not shell.state.returning
 
 
-def test_who_was_made_again_by_hand_is_not_made_twice() -> None:
-    shell = FakeShell()
+def test_who_was_made_again_by_hand_is_not_made_twice(shell: FakeShell) -> None:
     shell.end(make(shell, "A", restart="always"))
     make(shell, "A", "t")
     assert come_back(shell) == []
     assert shell.state.components["A"].process == "t"
 
 
-def test_one_in_error_is_made_again_in_its_place() -> None:
-    shell = FakeShell()
+def test_one_in_error_is_made_again_in_its_place(shell: FakeShell) -> None:
     key = make(shell, "A", restart="on-failure")
     make(shell, "B")
     do(shell, act.ChangeState("A", "0", Transition.ACTIVATE))
@@ -253,8 +242,7 @@ def test_one_in_error_is_made_again_in_its_place() -> None:
     assert shell.state.containers["A"] == key
 
 
-def test_one_in_error_that_does_not_end_takes_its_slave_along() -> None:
-    shell = FakeShell()
+def test_one_in_error_that_does_not_end_takes_its_slave_along(shell: FakeShell) -> None:
     key = make(shell, "A", restart="on-failure")
     make(shell, "B", restart="on-failure")
     shell.say(key, facts=in_error("A"))
@@ -269,8 +257,7 @@ def test_one_in_error_that_does_not_end_takes_its_slave_along() -> None:
     assert [told[each].zombie for each in "AB"] == ["", ""]
 
 
-def test_one_whose_callback_hangs_is_ended_at_once_and_comes_back() -> None:
-    shell = FakeShell()
+def test_one_whose_callback_hangs_is_ended_at_once_and_comes_back(shell: FakeShell) -> None:
     key = make(shell, "A", **{"health.stuck": "0.2:restart"})
     make(shell, "B")
     began = shell.now
@@ -296,16 +283,14 @@ def test_one_whose_callback_hangs_is_ended_at_once_and_comes_back() -> None:
     assert shell.killed() == [key, again]
 
 
-def test_one_of_which_nobody_says_where_it_hangs_is_ended_soon() -> None:
-    shell = FakeShell()
+def test_one_of_which_nobody_says_where_it_hangs_is_ended_soon(shell: FakeShell) -> None:
     key = make(shell, "A", **{"health.stuck": "restart"})
     shell.feed(ev.CallbackStuck(key, "A", "stuck in on_execute since 12:00:00"))
     shell.wait(0.15)
     assert shell.signals == [(key, 15)]
 
 
-def test_one_that_goes_on_meanwhile_is_let_be() -> None:
-    shell = FakeShell()
+def test_one_that_goes_on_meanwhile_is_let_be(shell: FakeShell) -> None:
     key = make(shell, "A", **{"health.stuck": "restart"})
     shell.feed(ev.CallbackStuck(key, "A", "stuck in on_execute since 12:00:00"))
     shell.feed(ev.CallbackStuck(key, "A", ""))
@@ -313,8 +298,7 @@ def test_one_that_goes_on_meanwhile_is_let_be() -> None:
     assert not shell.signals
 
 
-def test_one_that_cannot_be_ended_is_not_said_to_be_back() -> None:
-    shell = FakeShell()
+def test_one_that_cannot_be_ended_is_not_said_to_be_back(shell: FakeShell) -> None:
     shell.ask(act.Create("Thing?instance_name=A&rtkit.health.stuck=restart"))
     shell.serve()
     shell.feed(ev.CallbackStuck(ev.OWN_PROCESS, "A", STUCK, True))
@@ -329,8 +313,7 @@ def test_one_that_cannot_be_ended_is_not_said_to_be_back() -> None:
     assert not shell.state.returning
 
 
-def test_one_that_is_given_up_in_error_says_so_until_it_is_reset() -> None:
-    shell = FakeShell()
+def test_one_that_is_given_up_in_error_says_so_until_it_is_reset(shell: FakeShell) -> None:
     key = make(shell, "A", **{"restart": "on-failure", "restart.limit": "1"})
     for _ in range(2):
         shell.say(key, facts=in_error("A"))
@@ -341,8 +324,7 @@ def test_one_that_is_given_up_in_error_says_so_until_it_is_reset() -> None:
     assert not shell.state.components["A"].restart_status.trouble
 
 
-def test_the_loss_of_what_is_critical_stops_the_system_in_reverse_order() -> None:
-    shell = FakeShell()
+def test_the_loss_of_what_is_critical_stops_the_system_in_reverse_order(shell: FakeShell) -> None:
     for instance in "AB":
         make(shell, instance, "t")
     key = make(shell, "C", critical="yes", restart="on-failure")
@@ -361,15 +343,13 @@ def test_the_loss_of_what_is_critical_stops_the_system_in_reverse_order() -> Non
     assert not any(wish.active for wish in shell.state.kept.components.values())
 
 
-def test_a_policy_that_makes_no_sense_is_refused_before_anything_is_made() -> None:
-    shell = FakeShell()
+def test_a_policy_that_makes_no_sense_is_refused_before_anything_is_made(shell: FakeShell) -> None:
     asked = shell.ask(act.Create("Thing?instance_name=A&manager_name=s&rtkit.restart=perhaps"))
     assert asked.result.why == "rtkit.restart: not one of never, on-failure, always: perhaps"
     assert not shell.spawned
 
 
-def test_what_slave_and_manager_say_holds_for_who_says_nothing() -> None:
-    shell = FakeShell()
+def test_what_slave_and_manager_say_holds_for_who_says_nothing(shell: FakeShell) -> None:
     shell.state.settings.change("manager.restart", "always")
     shell.state.settings.change("manager.restart.t", "never")
     keys = [make(shell, "A"), make(shell, "B", "t"), make(shell, "C", "u", restart="never")]
@@ -449,8 +429,7 @@ def test_nobody_is_asked_for_figures_when_there_is_no_rule() -> None:
     assert not shell.told
 
 
-def test_the_policy_of_what_lives_is_changed_without_interrupting_it() -> None:
-    shell = FakeShell()
+def test_the_policy_of_what_lives_is_changed_without_interrupting_it(shell: FakeShell) -> None:
     key = make(shell, "A")
     policy = {"rtkit.restart": "on-failure", "rtkit.health.stuck": "degrade"}
     asked = shell.ask(act.SetPolicy("A", policy))
@@ -469,8 +448,7 @@ def test_the_policy_of_what_lives_is_changed_without_interrupting_it() -> None:
     assert not come_back(shell)
 
 
-def test_a_policy_that_makes_no_sense_changes_nothing() -> None:
-    shell = FakeShell()
+def test_a_policy_that_makes_no_sense_changes_nothing(shell: FakeShell) -> None:
     make(shell, "A", restart="always")
     before = shell.state.components["A"].create
     for bad in ({"rtkit.restart": "often"}, {"manager_name": "t"}):
@@ -479,8 +457,7 @@ def test_a_policy_that_makes_no_sense_changes_nothing() -> None:
     assert shell.state.components["A"].create == before
 
 
-def test_what_a_user_makes_again_counts_as_no_restart() -> None:
-    shell = FakeShell()
+def test_what_a_user_makes_again_counts_as_no_restart(shell: FakeShell) -> None:
     shell.end(make(shell, "A", restart="on-failure"))
     come_back(shell)
     do(shell, act.SetPolicy("A", {}))

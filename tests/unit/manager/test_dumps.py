@@ -152,8 +152,7 @@ def all_events(count: int) -> Any:
     return shell.ring.capture().items
 
 
-def test_a_ring_is_bounded_in_bytes() -> None:
-    shell = FakeShell()
+def test_a_ring_is_bounded_in_bytes(shell: FakeShell) -> None:
     ring = EventRing(shell.core, most_bytes=100_000)
     for number in range(1000):
         event = ev.ContainerReported(0, {"reply": number, "value": "x" * 1000})
@@ -163,8 +162,7 @@ def test_a_ring_is_bounded_in_bytes() -> None:
     assert ring.capture().start is not None
 
 
-def test_one_event_that_is_too_large_is_kept_alone() -> None:
-    shell = FakeShell()
+def test_one_event_that_is_too_large_is_kept_alone(shell: FakeShell) -> None:
     ring = EventRing(shell.core, most_bytes=1000)
     for _ in range(3):
         ring.record(ev.OperationRequested("x", "y" * 5000, 0), 0.0)
@@ -199,8 +197,7 @@ def test_what_is_recorded_does_not_change_with_what_was_handed_in() -> None:
     assert event == ev.ContainerReported(0, {"reply": 1, "value": {"a": 1}})
 
 
-def test_the_capacity_of_the_host_is_recorded_with_the_event() -> None:
-    shell = FakeShell()
+def test_the_capacity_of_the_host_is_recorded_with_the_event(shell: FakeShell) -> None:
     shell.state.capacity = lambda: Capacity(memory=1 << 30)
     shell.ring = EventRing(shell.core)
     limited = "Thing?instance_name={}&manager_name=s&rtkit.limit.memory=600M"

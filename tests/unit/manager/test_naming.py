@@ -8,11 +8,6 @@ from fake_shell import OWN, FakeShell
 from rtkit.deployment.actions import Create, Register, Unregister
 
 
-@pytest.fixture
-def shell() -> FakeShell:
-    return FakeShell()
-
-
 def names(shell: FakeShell, instance: str) -> tuple[str, ...]:
     return shell.state.components[instance].names
 

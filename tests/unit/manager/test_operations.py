@@ -15,11 +15,6 @@ from rtkit.rtc.enums import Transition
 from rtkit.settings.properties import Settings
 
 
-@pytest.fixture
-def shell():
-    return FakeShell()
-
-
 class Client:
     """Asks a core for properties, as the loop would let it."""
 
@@ -207,8 +202,7 @@ def test_what_cannot_be_changed(client, shell, key):
     assert manager_properties.table(shell.state) == before
 
 
-def test_load_paths_are_meant_from_the_folder_of_the_start():
-    shell = FakeShell()
+def test_load_paths_are_meant_from_the_folder_of_the_start(shell):
     shell.state.folder, shell.state.base_paths = "/home/me", ("/samples",)
     assert manager_properties.load_paths(shell.state) == ["/home/me", "/samples"]
     shell.state.settings = Settings(

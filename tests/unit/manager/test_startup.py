@@ -3,16 +3,11 @@
 from __future__ import annotations
 
 import pytest
-from fake_shell import FakeShell, wire
+from fake_shell import wire
 
 from rtkit.errors import Malformed, NotFound
 from rtkit.manager.core.startup import StartUp, connector
 from rtkit.rtc.profiles import PortRef
-
-
-@pytest.fixture
-def shell():
-    return FakeShell()
 
 
 def start(shell, warned=None, **given):
