@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from fake_manager import FakeManager
+from worlds import pattern
 
 from rtkit.deployment import actions as act
 from rtkit.deployment.actions import Action, Result
@@ -11,8 +12,7 @@ from rtkit.deployment.states.machine import machine_of
 from rtkit.deployment.states.states import States
 from rtkit.deployment.system import WantedComponent, WantedSystem
 from rtkit.rtc.enums import PortType, ReturnCode
-from rtkit.rtc.pattern import ComponentPattern, ContextPattern
-from rtkit.rtc.profiles import PortProfile, TypeProfile
+from rtkit.rtc.pattern import ContextPattern
 
 SYSTEM = "RTSystem:Me:Robot:1.0"
 KINDS = ("Eye", "Motor")
@@ -36,12 +36,7 @@ FAILING = {
 def make_world() -> FakeManager:
     """Return a world with the types of the robot."""
     return FakeManager(
-        ComponentPattern(
-            TypeProfile(kind, "Me", "test", "1.0"),
-            (PortProfile("out", PortType.OUT),),
-            {"default": {"gain": "1"}},
-        )
-        for kind in KINDS
+        pattern(kind, "out", PortType.OUT, sets={"default": {"gain": "1"}}) for kind in KINDS
     )
 
 

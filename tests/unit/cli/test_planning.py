@@ -10,8 +10,9 @@ from pathlib import Path
 
 import jsonrecords
 import pytest
-from fake_manager import FakeManager
+import rts_text
 from fake_tree import fake_tree
+from worlds import source_and_sink
 
 from rtkit.cli.system import rtapply, rtplan, rtresurrect
 from rtkit.deployment import actions as act
@@ -24,62 +25,17 @@ from rtkit.deployment.planning.step_costs import (
     times_to_text,
 )
 from rtkit.errors import Unreachable
-from rtkit.rtc.enums import LifeCycleState, PortType, ReturnCode
-from rtkit.rtc.pattern import ComponentPattern
-from rtkit.rtc.profiles import ConnectorProfile, PortProfile, PortRef, TypeProfile
+from rtkit.rtc.enums import LifeCycleState, ReturnCode
+from rtkit.rtc.profiles import ConnectorProfile, PortRef
 
-PROFILE = """<?xml version="1.0" encoding="UTF-8"?>
-<rts:RtsProfile xmlns:rts="http://www.openrtp.org/namespaces/rts"
-  xmlns:rtsExt="http://www.openrtp.org/namespaces/rts_ext"
-  rts:id="RTSystem:Me:Pair:1.0" rts:version="0.2"
-  rts:creationDate="2025-01-01T00:00:00" rts:updateDate="2025-01-01T00:00:00">
-{components}
-<rts:DataPortConnectors rts:connectorId="wire" rts:name="wire" rts:interfaceType="corba_cdr"
-  rts:dataType="IDL:RTC/TimedLong:1.0" rts:dataflowType="push" rts:subscriptionType="new">
- <rts:sourceDataPort rts:portName="Source0.out" rts:instanceName="Source0"
-  rts:componentId="RTC:Me:test:Source:1.0"/>
- <rts:targetDataPort rts:portName="Sink0.in" rts:instanceName="Sink0"
-  rts:componentId="RTC:Me:test:Sink:1.0"/>
-</rts:DataPortConnectors>
-</rts:RtsProfile>
-"""
-COMPONENT = """
-<rts:Components rts:id="RTC:Me:test:{kind}:1.0" rts:pathUri="localhost/{kind}0.rtc"
-  rts:instanceName="{kind}0" rts:isRequired="true" rts:activeConfigurationSet="default">
- <rts:DataPorts rts:name="{kind}0.{port}"/>
- <rts:ConfigurationSets rts:id="default">
-  <rts:ConfigurationData rts:name="gain" rts:data="{gain}"/>
- </rts:ConfigurationSets>
- <rts:ExecutionContexts rts:id="0" rts:kind="PERIODIC" rts:rate="1000.0"/>
- {properties}
-</rts:Components>
-"""
-PROPERTY = '<rtsExt:Properties rtsExt:name="{}" rtsExt:value="{}"/>'
-LONG = "IDL:RTC/TimedLong:1.0"
-
-
-def make_world(*, sink_type: str = LONG) -> FakeManager:
-    sets = {"default": {"gain": "1", "mode": "a"}}
-    return FakeManager(
-        [
-            ComponentPattern(
-                TypeProfile(kind, "Me", "test", "1.0"),
-                (PortProfile(port, way, {"dataport.data_type": data_type}),),
-                sets,
-            )
-            for kind, port, way, data_type in (
-                ("Source", "out", PortType.OUT, LONG),
-                ("Sink", "in", PortType.IN, sink_type),
-            )
-        ]
-    )
+SETS = {"default": {"gain": "1", "mode": "a"}}
 
 
 class Console:
     """Types commands at a world, with a profile in a file."""
 
     def __init__(self, folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
-        self.world = make_world()
+        self.world = source_and_sink(sets=SETS)
         self._file = folder / "pair.xml"
         self._capsys = capsys
         self.write()
@@ -93,21 +49,20 @@ class Console:
         create: bool = True,
         cost: str = "",
     ):
-        told = PROPERTY.format("rtkit.hot", hot) if hot else ""
-        told += PROPERTY.format("rtkit.cost", cost) if cost else ""
-        parts = []
-        for kind, port in (("Source", "out"), ("Sink", "in")):
-            how = f"{kind}?manager_name={slave}" if kind == "Source" else kind
-            made = PROPERTY.format("rtkit.create", how) if create else ""
-            parts.append(
-                COMPONENT.format(
-                    kind=kind,
-                    port=port,
-                    gain=gain if kind == "Source" else "1",
-                    properties=made + told,
-                )
+        told = {key: text for key, text in (("hot", hot), ("cost", cost)) if text}
+        creates = {"Source": f"Source?manager_name={slave}", "Sink": "Sink"}
+        gains, ports = {"Source": gain, "Sink": "1"}, {"Source": "out", "Sink": "in"}
+        parts = [
+            rts_text.component(
+                f"{kind}0",
+                {**({"create": how} if create else {}), **told},
+                port=ports[kind],
+                gain=gains[kind],
             )
-        self._file.write_text(PROFILE.format(components="".join(parts)))
+            for kind, how in creates.items()
+        ]
+        wire = rts_text.wire("wire", "Source0.out", "Sink0.in")
+        self._file.write_text(rts_text.system("Pair", *parts, wire))
 
     def change(self, old: str, new: str) -> None:
         """Change the profile."""
@@ -375,7 +330,7 @@ def test_what_nobody_can_make_is_told_with_its_wish(console):
 
 
 def test_ports_of_types_that_do_not_fit_are_told(console):
-    console.world = make_world(sink_type="IDL:RTC/TimedString:1.0")
+    console.world = source_and_sink("IDL:RTC/TimedString:1.0", SETS)
     console.world.perform(act.Create("Source?instance_name=Source0&manager_name=s"))
     console.world.perform(act.Create("Sink?instance_name=Sink0"))
     status, _, err = console.run("rtplan")
@@ -421,7 +376,7 @@ def test_who_is_made_where_the_manager_chooses_stays_there(console: Console, how
 
 
 def test_ports_of_types_that_do_not_fit_are_told_before_they_live(console):
-    console.world = make_world(sink_type="IDL:RTC/TimedString:1.0")
+    console.world = source_and_sink("IDL:RTC/TimedString:1.0", SETS)
     for kind in ("Source", "Sink"):
         console.world.perform(act.Create(f"{kind}?instance_name=Other{kind}"))
     status, _, err = console.run("rtplan")

@@ -7,8 +7,10 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+import rts_text
 from fake_manager import FakeManager
 from fake_tree import fake_tree
+from worlds import things
 
 from rtkit.cli.components import rtact, rtdeact
 from rtkit.cli.system import rtcheck, rtresurrect, rtstart, rtstop
@@ -17,8 +19,6 @@ from rtkit.deployment.actions import Result
 from rtkit.errors import Unreachable
 from rtkit.link.wakeup import Wakeup
 from rtkit.rtc.enums import ReturnCode
-from rtkit.rtc.pattern import ComponentPattern
-from rtkit.rtc.profiles import TypeProfile
 
 COMMANDS = {
     "rtact": rtact,
@@ -28,18 +28,6 @@ COMMANDS = {
     "rtstart": rtstart,
     "rtstop": rtstop,
 }
-HEAD = """<?xml version="1.0" encoding="UTF-8"?>
-<rts:RtsProfile xmlns:rts="http://www.openrtp.org/namespaces/rts"
-  xmlns:rtsExt="http://www.openrtp.org/namespaces/rts_ext"
-  xmlns:xsi="http://www.w3.org/2001/XMLSchema-instance"
-  rts:id="RTSystem:Me:Four:1.0" rts:version="0.2"
-  rts:creationDate="2025-01-01T00:00:00" rts:updateDate="2025-01-01T00:00:00">
-"""
-COMPONENT = """<rts:Components rts:id="RTC:Me:test:Thing:1.0" rts:pathUri="localhost/{0}.rtc"
-  rts:instanceName="{0}" rts:isRequired="{1}">
- <rts:ExecutionContexts rts:id="0" rts:kind="PERIODIC" rts:rate="1000.0"/>
-</rts:Components>
-"""
 ENTRY = """<rts:targets rts:sequence="{}" xsi:type="rtsExt:condition_ext">{}
  <rts:TargetComponent {}/></rts:targets>
 """
@@ -81,12 +69,15 @@ def file(tmp_path: Path) -> Callable[..., str]:
     """Return what writes a profile of the components A to D."""
 
     def write(*activation: str, deactivation: tuple[str, ...] = (), optional: str = "") -> str:
-        parts = [COMPONENT.format(n, str(n not in optional).lower()) for n in "ABCD"]
+        parts = [
+            rts_text.component(n, type_id="RTC:Me:test:Thing:1.0", required=n not in optional)
+            for n in "ABCD"
+        ]
         for tag, entries in (("Activation", activation), ("Deactivation", deactivation)):
             if entries:
                 parts.append(f"<rts:{tag}>{''.join(entries)}</rts:{tag}>")
         path = tmp_path / "four.xml"
-        path.write_text(f"{HEAD}{''.join(parts)}</rts:RtsProfile>", encoding="utf-8")
+        path.write_text(rts_text.system("Four", *parts), encoding="utf-8")
         return str(path)
 
     return write
@@ -94,11 +85,7 @@ def file(tmp_path: Path) -> Callable[..., str]:
 
 @pytest.fixture
 def world() -> FakeManager:
-    world = FakeManager([ComponentPattern(TypeProfile("Thing", "Me", "test", "1.0"))])
-    for instance in "ABCD":
-        world.perform(act.Create(f"Thing?instance_name={instance}&manager_name=s{instance}"))
-    world.performed.clear()
-    return world
+    return things("ABCD")
 
 
 @pytest.fixture

@@ -9,9 +9,10 @@ from pathlib import Path
 
 import jsonrecords
 import pytest
-from fake_manager import FakeManager
+import rts_text
 from fake_tree import fake_tree
 from lxml import etree
+from worlds import pattern, source_and_sink
 
 from rtkit.cli.system import rtcheck, rtcryo, rtresurrect, rtstart, rtstop, rtteardown
 from rtkit.deployment import actions as act
@@ -21,7 +22,7 @@ from rtkit.profile.read import read_rts
 from rtkit.profile.words import property_value
 from rtkit.rtc.enums import LifeCycleState, PortType, ReturnCode
 from rtkit.rtc.pattern import ComponentPattern
-from rtkit.rtc.profiles import ConnectorProfile, PortProfile, PortRef, TypeProfile
+from rtkit.rtc.profiles import ConnectorProfile, PortRef, TypeProfile
 
 COMMANDS = {
     "rtcheck": rtcheck,
@@ -34,62 +35,23 @@ COMMANDS = {
 SOURCE, SINK = "/localhost/Source0.rtc", "/localhost/Sink0.rtc"
 SOURCE_OUT, SINK_IN = PortRef("Source0", "out"), PortRef("Sink0", "in")
 
-PROFILE = """<?xml version="1.0" encoding="UTF-8"?>
-<rts:RtsProfile xmlns:rts="http://www.openrtp.org/namespaces/rts"
-  xmlns:rtsExt="http://www.openrtp.org/namespaces/rts_ext"
-  rts:id="RTSystem:Me:Pair:1.0" rts:version="0.2" rts:abstract="A pair"
-  rts:creationDate="2025-01-01T00:00:00" rts:updateDate="2025-01-01T00:00:00">
-{components}
-{connectors}
-</rts:RtsProfile>
-"""
-COMPONENT = """
-<rts:Components rts:id="RTC:Me:test:{kind}:1.0" rts:pathUri="{host}/{kind}0.rtc"
-  rts:instanceName="{kind}0" rts:isRequired="{required}" rts:activeConfigurationSet="default">
- <rts:DataPorts rts:name="{kind}0.{port}"/>
- <rts:ConfigurationSets rts:id="default">
-  <rts:ConfigurationData rts:name="gain" rts:data="2"/>
- </rts:ConfigurationSets>
- <rts:ExecutionContexts rts:id="0" rts:kind="PERIODIC" rts:rate="1000.0"/>
- {create}
-</rts:Components>
-"""
-CREATE = '<rtsExt:Properties rtsExt:name="rtkit.create" rtsExt:value="{kind}?manager_name=s"/>'
-CONNECTOR = """
-<rts:DataPortConnectors rts:connectorId="wire" rts:name="wire" rts:interfaceType="corba_cdr"
-  rts:dataType="IDL:RTC/TimedLong:1.0" rts:dataflowType="push" rts:subscriptionType="new">
- <rts:sourceDataPort rts:componentId="RTC:Me:test:Source:1.0" rts:instanceName="Source0"
-   rts:portName="Source0.out"/>
- <rts:targetDataPort rts:componentId="RTC:Me:test:Sink:1.0" rts:instanceName="Sink0"
-   rts:portName="Sink0.in"/>
-</rts:DataPortConnectors>
-"""
+
+def component(instance, create="", required=True, folder="localhost"):
+    told = {"create": f"{create}?manager_name=s"} if create else {}
+    port = "in" if instance == "Sink0" else "out"
+    return rts_text.component(instance, told, port=port, gain="2", required=required, folder=folder)
 
 
-def document(required="true", create=True, host="localhost", sink="Sink"):
-    parts = [
-        COMPONENT.format(
-            kind=kind,
-            port=port,
-            required=required,
-            host=host,
-            create=CREATE.format(kind=sink if kind == "Sink" else kind) if create else "",
-        )
-        for kind, port in (("Source", "out"), ("Sink", "in"))
-    ]
-    return PROFILE.format(components="".join(parts), connectors=CONNECTOR)
-
-
-def make(kind, port, port_type):
-    sets = {"default": {"gain": "1"}}
-    return ComponentPattern(
-        TypeProfile(kind, "Me", "test", "1.0"), (PortProfile(port, port_type),), sets
-    )
+def document(required=True, create=True, host="localhost", sink="Sink"):
+    creates = {"Source0": "Source", "Sink0": sink}
+    parts = [component(name, kind * create, required, host) for name, kind in creates.items()]
+    wire = rts_text.wire("wire", "Source0.out", "Sink0.in")
+    return rts_text.system("Pair", *parts, wire, abstract="A pair")
 
 
 @pytest.fixture
 def world():
-    return FakeManager([make("Source", "out", PortType.OUT), make("Sink", "in", PortType.IN)])
+    return source_and_sink(sets={"default": {"gain": "1"}})
 
 
 @pytest.fixture
@@ -243,15 +205,13 @@ def test_loaded_modules_tell_how_to_make_a_component(run, file, world):
 
 
 def test_known_component_profiles_tell_how(run, tmp_path, world, monkeypatch):
-    kinds = [make("Sensor", "out", PortType.OUT)]
-    kinds = [ComponentPattern(TypeProfile("Sensor", "rtkit", "example", "1.0"), kinds[0].ports)]
+    ports = pattern("Sensor", "out", PortType.OUT).ports
     world.types = {}
-    world.modules["Sensor.py"] = tuple(kinds)
-    component = COMPONENT.format(
-        kind="Sensor", port="out", required="true", host="localhost", create=""
-    ).replace("RTC:Me:test", "RTC:rtkit:example")
+    kind = ComponentPattern(TypeProfile("Sensor", "rtkit", "example", "1.0"), ports)
+    world.modules["Sensor.py"] = (kind,)
     path = tmp_path / "sensor.xml"
-    path.write_text(PROFILE.format(components=component, connectors=""), encoding="utf-8")
+    text = rts_text.system("Pair", component("Sensor0"))
+    path.write_text(text.replace("RTC:Me:test", "RTC:rtkit:example"), encoding="utf-8")
     assert run("rtresurrect", str(path)) == (
         0,
         "",
@@ -313,7 +273,7 @@ def test_nothing_half_made(run, file, world):
 
 
 def test_optional_failures_are_told_and_forgiven(run, file, world):
-    status, out, err = run("rtresurrect", file(sink="Nobody", required="false"))
+    status, out, err = run("rtresurrect", file(sink="Nobody", required=False))
     assert (status, out) == (0, "")
     assert err.splitlines() == [
         f"rtresurrect: Action failed: {SINK}: component type Nobody is not known",
@@ -465,7 +425,7 @@ def test_surplus_is_no_deviation(run, file, world):
 
 
 def test_check_forgives_what_is_optional(run, file):
-    path = file(required="false")
+    path = file(required=False)
     status, out, err = run("rtcheck", path)
     assert (status, out) == (0, "")
     assert err.splitlines()[0] == f"Component missing: {SOURCE}"
@@ -576,11 +536,10 @@ def test_notes_only_when_verbose(run, file, world):
 
 
 def test_what_makes_no_sense_is_named_with_its_line(run, tmp_path, world):
-    kinds = {"port": "out", "required": "true", "host": "localhost", "create": ""}
-    component = " ".join(COMPONENT.format(kind="Source", **kinds).split())
-    other = component.replace("RTC:Me:test:Source", "RTC:Me:test:Other")
+    source = " ".join(component("Source0").split())
+    other = source.replace("RTC:Me:test:Source", "RTC:Me:test:Other")
     path = tmp_path / "twice.xml"
-    text = PROFILE.format(components=f"{component}\n{other}", connectors="")
+    text = rts_text.system("Pair", f"{source}\n{other}")
     path.write_text(text, encoding="utf-8")
     line = text[: text.index(other)].count("\n") + 1
     why = "two components are named Source0; instance names must differ within one manager"
@@ -601,9 +560,7 @@ def test_each_problem_of_a_profile_is_a_line(run, file):
 
 
 def test_names_that_none_may_bear_are_named_with_their_line(run, tmp_path):
-    kinds = {"port": "out", "required": "true", "host": "localhost"}
-    component = COMPONENT.format(kind="Source", create=CREATE.format(kind="Source"), **kinds)
-    text = PROFILE.format(components=component, connectors="")
+    text = rts_text.system("Pair", component("Source0", "Source"))
     path = tmp_path / "star.xml"
     path.write_text(text.replace('instanceName="Source0"', 'instanceName="*S"'), encoding="utf-8")
     status, _, err = run("rtresurrect", str(path))

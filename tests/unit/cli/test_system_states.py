@@ -9,8 +9,10 @@ from typing import Any
 
 import jsonrecords
 import pytest
-from fake_manager import FakeManager
+import rts_text
+import statekit
 from fake_tree import fake_tree
+from statekit import KINDS, SYSTEM, TOLD
 
 from rtkit.cli.system import rtapply, rtplan, rtresurrect, rtstart, rtstate, rtteardown
 from rtkit.deployment import actions as act
@@ -18,68 +20,29 @@ from rtkit.deployment.actions import Result
 from rtkit.deployment.facts import Followed
 from rtkit.deployment.states.states_text import spec_from_text
 from rtkit.fast_dataclass import replace
-from rtkit.rtc.enums import PortType, ReturnCode
-from rtkit.rtc.pattern import ComponentPattern
-from rtkit.rtc.profiles import PortProfile, TypeProfile
+from rtkit.rtc.enums import ReturnCode
 from rtkit.tree.client import Tree
-
-PROFILE = """<?xml version="1.0" encoding="UTF-8"?>
-<rts:RtsProfile xmlns:rts="http://www.openrtp.org/namespaces/rts"
-  xmlns:rtsExt="http://www.openrtp.org/namespaces/rts_ext"
-  rts:id="RTSystem:Me:Robot:1.0" rts:version="0.2"
-  rts:creationDate="2025-01-01T00:00:00" rts:updateDate="2025-01-01T00:00:00">
-{components}
-{properties}
-</rts:RtsProfile>
-"""
-COMPONENT = """
-<rts:Components rts:id="RTC:Me:test:{0}:1.0" rts:pathUri="localhost/{0}0.rtc"
-  rts:instanceName="{0}0" rts:isRequired="true" rts:activeConfigurationSet="default">
- <rts:ConfigurationSets rts:id="default">
-  <rts:ConfigurationData rts:name="gain" rts:data="1"/>
- </rts:ConfigurationSets>
- <rts:ExecutionContexts rts:id="0" rts:kind="PERIODIC" rts:rate="10.0"/>
- <rtsExt:Properties rtsExt:name="rtkit.create" rtsExt:value="{0}?manager_name={0}"/>
-</rts:Components>
-"""
-PROPERTY = '<rtsExt:Properties rtsExt:name="rtkit.{}" rtsExt:value="{}"/>'
-STATES = {
-    "states": "standby, explore, degraded",
-    "transitions": "standby -start-> explore; explore -motor_lost-> degraded; * -stop-> standby",
-    "state.standby": "*=Inactive",
-    "state.explore": "Eye0.gain=5",
-    "state.degraded": "Motor0=Absent",
-    "event.motor_lost": "lost Motor0",
-}
-KINDS = ("Eye", "Motor")
-SYSTEM = "RTSystem:Me:Robot:1.0"
 
 
 class Console:
     """Types rtstate at a world, with a profile in a file."""
 
     def __init__(self, folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
-        self.world = FakeManager(
-            ComponentPattern(
-                TypeProfile(kind, "Me", "test", "1.0"),
-                (PortProfile("out", PortType.OUT),),
-                {"default": {"gain": "1"}},
-            )
-            for kind in KINDS
-        )
+        self.world = statekit.make_world()
         self.file = folder / "robot.xml"
         self._capsys = capsys
         self.write()
 
     def write(self, **changed: str) -> None:
-        told = {**STATES, **{key.replace("__", "."): text for key, text in changed.items()}}
-        properties = "".join(
-            PROPERTY.format(key, text.replace("<", "&lt;").replace(">", "&gt;").replace('"', "'"))
-            for key, text in told.items()
-            if text
-        )
-        components = "".join(map(COMPONENT.format, KINDS))
-        self.file.write_text(PROFILE.format(components=components, properties=properties))
+        told = {**TOLD, **{key.replace("__", "."): text for key, text in changed.items()}}
+        properties = rts_text.properties({key: text for key, text in told.items() if text})
+        components = [
+            rts_text.component(
+                f"{kind}0", {"create": f"{kind}?manager_name={kind}"}, gain="1", rate=10
+            )
+            for kind in KINDS
+        ]
+        self.file.write_text(rts_text.system("Robot", *components, properties))
 
     def run(self, line: str = "", tree: Tree | None = None) -> tuple[int, str, str]:
         arguments = [*shlex.split(line), str(self.file)]
@@ -146,7 +109,7 @@ def test_what_is_no_state_or_event_is_told(console: Console) -> None:
         assert console.run(bad)[0] == 2
     console.write(state__degraded="Motr0=Absent")
     assert "Motr0 (did you mean Motor0?)" in console.run()[2]
-    console.write(**{key.replace(".", "__"): "" for key in STATES})
+    console.write(**{key.replace(".", "__"): "" for key in TOLD})
     assert "it tells no states (rtkit.states of the system)" in console.run()[2]
 
 

@@ -9,16 +9,13 @@ from typing import Any
 
 import pytest
 from fake_manager import FakeManager
+from worlds import LONG, pattern, source_and_sink
 
 from rtkit.deployment.live_index import LiveIndex
 from rtkit.deployment.wanted import wanted
 from rtkit.profile import rts_model as rts
 from rtkit.profile.common import ExtensionProperty
-from rtkit.rtc.enums import PortType
-from rtkit.rtc.pattern import ComponentPattern
-from rtkit.rtc.profiles import PortProfile, TypeProfile
 
-LONG = "IDL:RTC/TimedLong:1.0"
 NO_SETS: Mapping[str, Mapping[str, str]] = {}
 
 
@@ -130,18 +127,6 @@ def sinks(count: int, optional: str = "") -> rts.RtsProfile:
     return profile(*(component(name, required=name not in optional.split()) for name in names))
 
 
-def pattern(kind: str, name: str, port_type: PortType) -> ComponentPattern:
-    told = {"port.port_type": port_type.value, "dataport.data_type": LONG}
-    sets = {"default": {"gain": "1", "mode": "a"}, "fast": {"gain": "9", "mode": "b"}}
-    return ComponentPattern(
-        TypeProfile(kind, "Me", "test", "1.0"), (PortProfile(name, port_type, told),), sets
-    )
-
-
-def make_world() -> FakeManager:
-    return FakeManager([pattern("Source", "out", PortType.OUT), pattern("Sink", "in", PortType.IN)])
-
-
 def pair(**told: Any) -> rts.RtsProfile:
     """Return a source connected to a sink, both made in slaves of their own."""
     parts = [
@@ -173,7 +158,7 @@ def make() -> SimpleNamespace:
         profile,
         pair,
         live,
-        make_world,
+        source_and_sink,
         pattern,
         entry,
         ordered,
@@ -184,4 +169,4 @@ def make() -> SimpleNamespace:
 
 @pytest.fixture
 def world() -> FakeManager:
-    return make_world()
+    return source_and_sink()

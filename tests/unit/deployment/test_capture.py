@@ -180,7 +180,7 @@ def test_stand_ins_are_marked_and_keep_the_words_of_their_profile(make, world):
     assert property_value(by_name["Source0"].properties, "rtkit.stand-in.out") == "[7]"
     interfaces = property_value(by_name["B0"].service_ports[0].properties, "rtkit.interfaces")
     assert interfaces == "Required T n"
-    again = make.make_world()
+    again = make.source_and_sink()
     bring_up(make, again, saved)
     assert save(again) == saved
     first, second = ({c.instance: c for c in w.snapshot().components} for w in (world, again))
@@ -190,7 +190,7 @@ def test_stand_ins_are_marked_and_keep_the_words_of_their_profile(make, world):
 def test_saving_does_not_depend_on_the_order_of_creation(make, world):
     bring_up(make, world, make.pair())
     first = save(world)
-    other = make.make_world()
+    other = make.source_and_sink()
     for action in reversed([a for a in world.performed if isinstance(a, act.Create)]):
         other.perform(action)
     bring_up(make, other, make.pair())

@@ -8,6 +8,7 @@ from typing import Any
 import pytest
 from fake_manager import FakeManager
 from fake_tree import fake_tree
+from worlds import made
 
 from rtkit.deployment import actions as act
 from rtkit.errors import Malformed, NotFound, Refused
@@ -27,11 +28,7 @@ def world() -> FakeManager:
     pattern = ComponentPattern(
         TypeProfile("Std"), ports, {"default": {"gain": "1"}, "fast": {"gain": "9"}}
     )
-    world = FakeManager([pattern])
-    for name in "AB":
-        world.perform(act.Create(f"Std?instance_name={name}"))
-    world.performed.clear()
-    return world
+    return made(FakeManager([pattern]), *(f"Std?instance_name={name}" for name in "AB"))
 
 
 @pytest.fixture

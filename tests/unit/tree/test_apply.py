@@ -5,6 +5,7 @@ import threading
 import pytest
 from fake_manager import FakeManager
 from fake_tree import fake_tree
+from worlds import made
 
 from rtkit.deployment import actions as act
 from rtkit.deployment.actions import Result
@@ -24,10 +25,7 @@ NO = Result(ReturnCode.ERROR, "refused", "no")
 
 @pytest.fixture
 def world():
-    world = FakeManager([ComponentPattern(TypeProfile("Sink"), sets=SETS)])
-    world.perform(act.Create("Sink"))
-    world.performed.clear()
-    return world
+    return made(FakeManager([ComponentPattern(TypeProfile("Sink"), sets=SETS)]), "Sink")
 
 
 @pytest.fixture

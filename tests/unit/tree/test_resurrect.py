@@ -1,8 +1,8 @@
 """Bringing a system up on the fake world: all of it, or nothing."""
 
 import pytest
-from fake_manager import FakeManager
 from fake_tree import fake_tree
+from worlds import source_and_sink
 
 from rtkit.deployment import actions as act
 from rtkit.deployment.actions import Result
@@ -11,17 +11,15 @@ from rtkit.deployment.runner import PlanRunner
 from rtkit.deployment.system import WantedComponent, WantedConnector, WantedSystem
 from rtkit.errors import NotFound, Refused
 from rtkit.rtc.enums import PortType, ReturnCode
-from rtkit.rtc.pattern import ComponentPattern
-from rtkit.rtc.profiles import ConnectorProfile, PortProfile, PortRef, TypeProfile
+from rtkit.rtc.profiles import ConnectorProfile, PortProfile, PortRef
 from rtkit.tree.resurrect import resurrect
 
-SETS = {"default": {"gain": "1"}, "fast": {"gain": "9"}}
 PORTS = {"Source": PortProfile("out", PortType.OUT), "Sink": PortProfile("in", PortType.IN)}
 
 
 def wanted(kind, **told):
     return WantedComponent(
-        f"RTC:::{kind}:",
+        f"RTC:Me:test:{kind}:1.0",
         f"{kind}0",
         f"localhost/{kind}0.rtc",
         f"/localhost/{kind}0.rtc",
@@ -42,7 +40,7 @@ def system(source=None, sink=None, required=True):
 
 @pytest.fixture
 def world():
-    return FakeManager([ComponentPattern(TypeProfile(k), (p,), SETS) for k, p in PORTS.items()])
+    return source_and_sink(sets={"default": {"gain": "1"}, "fast": {"gain": "9"}})
 
 
 @pytest.fixture

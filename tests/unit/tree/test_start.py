@@ -9,8 +9,8 @@ from typing import Any
 import pytest
 from fake_manager import FakeManager
 from fake_tree import fake_tree
+from worlds import things
 
-from rtkit.deployment import actions as act
 from rtkit.deployment.actions import Action, ChangeState, Result
 from rtkit.deployment.conditions import NO_ORDERS, Orders, OrderTarget, StartCondition
 from rtkit.deployment.live_index import LiveIndex
@@ -19,8 +19,7 @@ from rtkit.deployment.system import WantedComponent, WantedSystem
 from rtkit.errors import Refused, Unreachable
 from rtkit.link.wakeup import Wakeup
 from rtkit.rtc.enums import LifeCycleState, ReturnCode
-from rtkit.rtc.pattern import ComponentPattern, ContextPattern
-from rtkit.rtc.profiles import TypeProfile
+from rtkit.rtc.pattern import ContextPattern
 from rtkit.tree import grace
 from rtkit.tree.client import Tree
 from rtkit.tree.start import Starter
@@ -31,11 +30,7 @@ NO = Result(ReturnCode.ERROR, "refused", "no luck")
 
 @pytest.fixture
 def world() -> FakeManager:
-    world = FakeManager([ComponentPattern(TypeProfile("Thing"))])
-    for name in NAMES:
-        world.perform(act.Create(f"Thing?instance_name={name}&manager_name=s{name}"))
-    world.performed.clear()
-    return world
+    return things(NAMES)
 
 
 @pytest.fixture
@@ -48,7 +43,7 @@ def system(optional: str = "") -> WantedSystem:
     return WantedSystem(
         tuple(
             WantedComponent(
-                "RTC:::Thing:",
+                "RTC:Me:test:Thing:1.0",
                 name,
                 f"localhost/{name}.rtc",
                 f"/localhost/{name}.rtc",

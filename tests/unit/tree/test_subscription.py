@@ -8,13 +8,12 @@ from typing import Any
 import pytest
 from fake_manager import FakeManager
 from fake_tree import fake_tree
+from worlds import things
 
 from rtkit.deployment import actions as act
 from rtkit.deployment.delta import Delta
 from rtkit.errors import Unreachable
 from rtkit.rtc.enums import Transition
-from rtkit.rtc.pattern import ComponentPattern
-from rtkit.rtc.profiles import TypeProfile
 from rtkit.rtc.serde import encode
 from rtkit.tree import subscription
 from rtkit.tree.client import Tree
@@ -23,9 +22,7 @@ from rtkit.tree.subscription import ManagerSubscription, SubscriptionEnded, Tree
 
 @pytest.fixture
 def world() -> FakeManager:
-    world = FakeManager([ComponentPattern(TypeProfile("Thing"))])
-    world.perform(act.Create("Thing?instance_name=A"))
-    return world
+    return things("A")
 
 
 def events(heard: list[Any]) -> list[str]:
