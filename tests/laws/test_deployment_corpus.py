@@ -6,6 +6,7 @@ import os.path
 from collections.abc import Mapping
 
 import pytest
+from corpus import CORPUS, corpus, needs_corpus
 from fake_manager import FakeManager
 from stated import Stated, stated
 
@@ -22,10 +23,8 @@ from rtkit.profile.rts_model import RtsProfile
 from rtkit.profile.write import write_rts
 from rtkit.rtc.enums import LifeCycleState
 
-ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
-FOLDER = os.path.join(os.path.dirname(ROOT), "shared", "corpus", "rts")
-FILES = sorted(os.listdir(FOLDER)) if os.path.isdir(FOLDER) else []
-needs_corpus = pytest.mark.skipif(not FILES, reason="corpus absent")
+FOLDER = CORPUS / "rts"
+FILES = [file.name for file in corpus("rts/*")]
 HEADING = SystemHeading("2025-01-01T00:00:00")
 
 

@@ -9,6 +9,7 @@ from typing import Any
 
 import pytest
 import xmlschema
+from corpus import corpus, needs_corpus
 from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
 from lxml import etree
@@ -17,9 +18,8 @@ from rtkit.profile.xmlnames import NAMESPACES, XSI, XSI_TYPE
 from rtkit.resources import resource
 
 ROUNDS = int(os.environ.get("RTKIT_FUZZ", "200"))
-CORPUS = Path(__file__).parents[3] / "shared" / "corpus"
 SAMPLES = Path(__file__).parents[1] / "unit" / "profile" / "samples"
-REAL = sorted(file for kind in ("rtc", "rts") for file in (CORPUS / kind).glob("*"))
+REAL = corpus("rtc/*", "rts/*")
 TEXTS = """||x|true|TRUE|1|0| 1 |+1|-0|01|1.|.5|1e3|1E999|INF|-INF|NaN|0x1|1 2|123456789012345678
 1234567890123456789|2024-02-29T00:00:00|2023-02-29T00:00:00|2024-13-01T00:00:00|2024-01-01T24:00:00
 2024-01-01T23:59:60|2024-01-01T00:00:00+14:00|2024-01-01T00:00:00+14:01|2024-01-01T00:00:00-00:00
@@ -138,7 +138,7 @@ def slow(full: xmlschema.XMLSchema10, root: Any) -> bool:
         return False  # its way to say that xsi:type is empty
 
 
-@pytest.mark.skipif(not CORPUS.is_dir(), reason="corpus absent")
+@needs_corpus
 @pytest.mark.parametrize("file", REAL, ids=lambda file: f"{file.parent.name}/{file.name[-50:]}")
 def test_real_documents(file: Path) -> None:
     one, other = verdicts(file.read_bytes())
@@ -152,7 +152,7 @@ def test_samples_with_changes(kind: str, changes: list[tuple[str, int, int, str]
     agreed((SAMPLES / f"{kind}.xml").read_bytes(), changes)
 
 
-@pytest.mark.skipif(not CORPUS.is_dir(), reason="corpus absent")
+@needs_corpus
 @given(NUMBER, CHANGES)
 @settings(deadline=None, max_examples=ROUNDS, suppress_health_check=[HealthCheck.too_slow])
 def test_real_documents_with_changes(which: int, changes: list[tuple[str, int, int, str]]) -> None:

@@ -9,6 +9,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from corpus import CORPUS, ROOT, corpus
 
 from rtkit.deployment.described import data_port, properties_of, type_of
 from rtkit.profile.read import read_rts
@@ -28,9 +29,7 @@ from rtkit.static_check.check import findings
 from rtkit.static_check.stock import CandidateDocument, stocked
 from rtkit.static_check.verdict import opened, verdict
 
-ROOT = Path(__file__).parents[2]
-CORPUS = ROOT.parent / "shared" / "corpus"
-SYSTEMS = sorted(glob.glob(str(CORPUS / "rts" / "*")) + glob.glob(str(CORPUS / "yaml" / "gb*")))
+SYSTEMS = list(map(str, corpus("rts/*", "yaml/gb*")))
 FILES = SYSTEMS + sorted(glob.glob(str(ROOT / "profiles" / "systems" / "*.xml")))
 needs_corpus = pytest.mark.skipif(not SYSTEMS, reason="corpus absent")
 

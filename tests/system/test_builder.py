@@ -12,9 +12,8 @@ from typing import Any
 from xml.etree import ElementTree
 
 import pytest
+from corpus import CORPUS, ROOT, needs_corpus
 
-ROOT = Path(__file__).parents[2]
-CORPUS = ROOT.parent / "shared" / "corpus" / "rtc"
 IDL = ROOT / "tests" / "idl"
 SPREAD = {
     "ConsoleSeqIn": "BaronYSYong__openrtm-tutorial__ConsoleSeqIn_cpp__RTC.xml",
@@ -33,11 +32,11 @@ SPREAD = {
 }
 MANAGER = "/localhost/manager.mgr"
 
-pytestmark = pytest.mark.skipif(not CORPUS.is_dir(), reason="corpus absent")
+pytestmark = needs_corpus
 
 
 def build(shell: Any, name: str, options: str = "") -> Path:
-    shutil.copy(CORPUS / SPREAD[name], shell.folder / f"{name}.xml")
+    shutil.copy(CORPUS / "rtc" / SPREAD[name], shell.folder / f"{name}.xml")
     outcome = shell.run(f"rtbuild {name}.xml -o {name} -I '{IDL}' {options}")
     assert outcome.status == 0, outcome.err
     folder: Path = shell.folder / name

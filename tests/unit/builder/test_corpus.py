@@ -9,17 +9,16 @@ import tomllib
 from pathlib import Path
 
 import pytest
+from corpus import ROOT, corpus, needs_corpus
 
 from rtkit.builder.component_files import build
 from rtkit.builder.prepare import Sources
 from rtkit.builder.regions import stamped
 from rtkit.profile.read import read_rtc, read_rts
 
-ROOT = Path(__file__).parents[3]
-CORPUS = ROOT.parent / "shared" / "corpus" / "rtc"
-FILES = sorted(CORPUS.glob("*")) if CORPUS.is_dir() else []
+FILES = corpus("rtc/*")
 
-pytestmark = pytest.mark.skipif(not FILES, reason="corpus absent")
+pytestmark = needs_corpus
 
 
 def project(file: Path) -> dict[str, str]:

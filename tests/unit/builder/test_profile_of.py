@@ -9,6 +9,7 @@ from types import ModuleType
 from typing import Any
 
 import pytest
+from corpus import ROOT, corpus, needs_corpus
 
 from rtkit.builder.component_files import build
 from rtkit.builder.prepare import Sources
@@ -30,9 +31,7 @@ from rtkit.profile.rtc_model import (
 )
 from rtkit.profile.words import normal_data_type, property_value
 
-ROOT = Path(__file__).parents[3]
-CORPUS = ROOT.parent / "shared" / "corpus" / "rtc"
-FILES = sorted(CORPUS.glob("*")) if CORPUS.is_dir() else []
+FILES = corpus("rtc/*")
 WHOLE = [file for file in FILES if b"BasicInfo" in file.read_bytes()]
 """Those that describe a component; others are fragments, test data of the old tools."""
 DATE = "2020-01-01T00:00:00"
@@ -116,7 +115,7 @@ def actions(profile: RtcProfile) -> Any:
     return found
 
 
-@pytest.mark.skipif(not FILES, reason="corpus absent")
+@needs_corpus
 @pytest.mark.parametrize("file", WHOLE, ids=lambda file: file.stem)
 def test_what_code_can_carry_survives(file: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     profile = read_rtc(file.read_bytes(), file.name).profile
@@ -135,7 +134,7 @@ def test_what_code_can_carry_survives(file: Path, monkeypatch: pytest.MonkeyPatc
     assert after == before
 
 
-@pytest.mark.skipif(not FILES, reason="corpus absent")
+@needs_corpus
 @pytest.mark.parametrize("file", FILES, ids=lambda file: file.stem)
 def test_the_second_time_nothing_changes(file: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     profile = read_rtc(file.read_bytes(), file.name).profile

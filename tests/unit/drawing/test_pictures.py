@@ -10,6 +10,7 @@ from itertools import combinations, pairwise
 from typing import Any
 
 import pytest
+from corpus import ROOT, corpus
 from lxml import etree
 
 from rtkit.drawing.channels import Net, joints, routes
@@ -42,21 +43,14 @@ from rtkit.profile.read import read_file
 from rtkit.profile.rts_model import RtsProfile
 from rtkit.profile_tools.system_scene import system_scene
 
-ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__)))))
-CORPUS = os.path.join(os.path.dirname(ROOT), "shared", "corpus", "rts")
-SHIPPED = os.path.join(ROOT, "profiles", "systems")
+SHIPPED = ROOT / "profiles" / "systems"
 SVG = "{http://www.w3.org/2000/svg}"
 NASTY = "a<b>&\"'|{x}\\ \x01]]> 日本"
 
 
 def systems() -> list[str]:
-    folders = [folder for folder in (SHIPPED, CORPUS) if os.path.isdir(folder)]
-    return [
-        os.path.join(folder, name)
-        for folder in folders
-        for name in sorted(os.listdir(folder))
-        if name != "README.md"
-    ]
+    shipped = [file for file in sorted(SHIPPED.iterdir()) if file.name != "README.md"]
+    return [*map(str, shipped), *map(str, corpus("rts/*"))]
 
 
 def system(file: str) -> RtsProfile:

@@ -10,6 +10,7 @@ from typing import Any
 
 import pytest
 import xmlschema
+from corpus import CORPUS, needs_corpus
 from lxml import etree
 
 from rtkit.profile.common import ExtensionProperty
@@ -20,10 +21,6 @@ from rtkit.profile.rts_model import RtsProfile
 from rtkit.profile.rts_rules import NO_DATE
 from rtkit.profile.write import write_rtc, write_rts
 from rtkit.resources import resource
-
-ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__)))))
-CORPUS = os.path.join(os.path.dirname(ROOT), "shared", "corpus")
-needs_corpus = pytest.mark.skipif(not os.path.isdir(CORPUS), reason="corpus absent")
 
 
 def facts() -> dict[str, dict[str, Any]]:

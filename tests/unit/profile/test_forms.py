@@ -12,6 +12,7 @@ from unittest.mock import patch
 
 import pytest
 import yaml
+from corpus import corpus, needs_corpus
 from lxml import etree
 
 from rtkit.errors import Malformed, NotFound
@@ -28,17 +29,11 @@ from rtkit.profile.write import write_profile
 from rtkit.profile.xmlnames import NAMESPACES
 from rtkit.resources import resource
 
-CORPUS = Path(__file__).parents[4] / "shared" / "corpus"
 SAMPLES = Path(__file__).parent / "samples"
 SHIPPED = sorted(Path(resource("profiles")).rglob("*.xml"))
-needs_corpus = pytest.mark.skipif(not CORPUS.is_dir(), reason="corpus absent")
 
 
-def corpus(pattern: str) -> list[Path]:
-    return sorted(CORPUS.glob(pattern))
-
-
-PROFILES = [*SHIPPED, *corpus("rtc/*"), *corpus("rts/*"), *corpus("yaml/*")]
+PROFILES = [*SHIPPED, *corpus("rtc/*", "rts/*", "yaml/*")]
 
 
 @pytest.mark.parametrize("file", PROFILES, ids=lambda file: f"{file.parent.name}/{file.name[-50:]}")

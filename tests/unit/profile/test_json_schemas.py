@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from corpus import ROOT, corpus, needs_corpus
 from jsonschema import Draft202012Validator
 
 from rtkit.profile.forms import FORMS
@@ -17,9 +18,7 @@ from rtkit.profile.read import read_file, read_profile
 from rtkit.profile.write import write_profile
 from rtkit.resources import resource
 
-ROOT = Path(__file__).parents[3]
 SAMPLES = Path(__file__).parent / "samples"
-CORPUS = ROOT.parent / "shared" / "corpus"
 NAMES = {"rtc": "RtcProfile.schema.json", "rts": "RtsProfile.schema.json"}
 
 
@@ -72,12 +71,12 @@ def test_the_samples_are_valid(kind: str, form: str) -> None:
     assert errors(kind, json.loads(write_profile(profile, "json"))) == []
 
 
-@pytest.mark.skipif(not CORPUS.is_dir(), reason="corpus absent")
+@needs_corpus
 @pytest.mark.parametrize("kind", NAMES)
 def test_the_corpus_is_valid_once_written(kind: str) -> None:
-    files = [*CORPUS.glob(f"{kind}/*"), *CORPUS.glob(f"yaml/*{kind.upper()}*.yaml")]
+    files = corpus(f"{kind}/*", f"yaml/*{kind.upper()}*.yaml")
     assert len(files) >= 22
-    for file in sorted(files):
+    for file in files:
         written = write_profile(read_file(str(file)).profile, "json")
         assert errors(kind, json.loads(written)) == [], file
 

@@ -7,6 +7,7 @@ import re
 from typing import Any
 
 import pytest
+from corpus import ROOT, corpus, needs_corpus
 from lxml import etree
 
 from rtkit.profile.common import Note
@@ -16,8 +17,6 @@ from rtkit.profile.read import profile_kind, read_rtc, read_rts
 from rtkit.profile.rules import RULES
 from rtkit.profile.xmlnames import NAMESPACES, clark
 
-ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__)))))
-CORPUS = os.path.join(os.path.dirname(ROOT), "shared", "corpus")
 RTS = NAMESPACES["rts"]
 HEAD = (
     f'<rts:RtsProfile xmlns:rts="{RTS}" xmlns:rtsExt="{RTS}_ext" rts:id="i" rts:version="0.2"'
@@ -28,13 +27,6 @@ COMPONENT = (
     'xsi:type="rtsExt:component_ext" rts:id="RTC:v:c:A:1" rts:instanceName="{}" rts:pathUri="" {}>'
     "{}</rts:Components>\n"
 )
-
-
-def corpus() -> list[str]:
-    if not os.path.isdir(CORPUS):
-        return []
-    folders = [os.path.join(CORPUS, kind) for kind in ("rtc", "rts")]
-    return [os.path.join(folder, name) for folder in folders for name in sorted(os.listdir(folder))]
 
 
 def notes(data: bytes) -> list[Note]:
@@ -55,8 +47,8 @@ def selected(root: Any, path: str) -> list[Any]:
     return chosen
 
 
-@pytest.mark.skipif(not corpus(), reason="corpus absent")
-@pytest.mark.parametrize("file", corpus(), ids=os.path.basename)
+@needs_corpus
+@pytest.mark.parametrize("file", list(map(str, corpus("rtc/*", "rts/*"))), ids=os.path.basename)
 def test_paths_select_what_findings_are_about(file: str) -> None:
     with open(file, "rb") as stream:
         data = stream.read()

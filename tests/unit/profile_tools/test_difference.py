@@ -8,6 +8,7 @@ from dataclasses import fields, is_dataclass, replace
 from typing import Any
 
 import pytest
+from corpus import CORPUS, TYPED
 
 from rtkit.errors import Refused
 from rtkit.profile.common import NO_FOREIGN, ExtensionProperty, Foreign, ForeignElement
@@ -31,9 +32,6 @@ from rtkit.profile.rts_model import ConfigurationData as Data
 from rtkit.profile.rts_model import ConfigurationSet as Settings
 from rtkit.profile_tools.difference import differences
 
-ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__)))))
-FILES = os.path.join(ROOT, "tests", "unit", "cli", "files")
-CORPUS = os.path.join(os.path.dirname(ROOT), "shared", "corpus")
 DATE = "2025-01-01T00:00:00"
 OUT = ComponentInstance(
     "RTC:v:c:Out:1",
@@ -190,7 +188,7 @@ def test_components_of_one_name_are_told_apart_by_their_path() -> None:
 
 
 def sensor() -> RtcProfile:
-    profile = read_file(os.path.join(FILES, "sensor.xml")).profile
+    profile = read_file(str(TYPED / "sensor.xml")).profile
     assert isinstance(profile, RtcProfile)
     return profile
 
@@ -263,9 +261,9 @@ def _other(value: Any) -> Any:
 
 
 SAMPLES = [
-    os.path.join(FILES, "sensor.xml"),
+    str(TYPED / "sensor.xml"),
     *(
-        os.path.join(CORPUS, name)
+        str(CORPUS / name)
         for name in (
             "rts/gbiggs__rtsprofile__test__rtsystem.xml",
             "rtc/OpenRTM__OpenRTP-aist__jp.go.aist.rtm.rtcbuilder__resource__FSM__eventName__RTC.xml",

@@ -7,6 +7,7 @@ from dataclasses import replace
 from typing import Any
 
 import pytest
+from corpus import ROOT, TYPED, everything
 from lxml import etree
 from markdown_it import MarkdownIt
 
@@ -19,23 +20,15 @@ from rtkit.profile_tools.markdown_page import markdown_page
 from rtkit.profile_tools.page import Page, PageTable, Section, section
 from rtkit.profile_tools.system_page import system_page
 
-ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__)))))
-CORPUS = os.path.join(os.path.dirname(ROOT), "shared", "corpus")
-FILES = os.path.join(ROOT, "tests", "unit", "cli", "files")
 HTML = "{http://www.w3.org/1999/xhtml}"
 NASTY = "<script>alert(1)</script> | `a` *b* _c_ [d](http://e) &amp; # \\ ~~f~~ 日本"
 
 
 def files() -> list[str]:
-    folders = [os.path.join(CORPUS, kind) for kind in ("rtc", "rts", "yaml")]
-    folders += [os.path.join(ROOT, "profiles"), os.path.join(ROOT, "profiles", "systems")]
-    return [
-        os.path.join(folder, name)
-        for folder in folders
-        if os.path.isdir(folder)
-        for name in sorted(os.listdir(folder))
-        if os.path.isfile(os.path.join(folder, name))
-    ]
+    shipped = sorted((ROOT / "profiles").glob("*.xml")) + sorted(
+        (ROOT / "profiles/systems").iterdir()
+    )
+    return [*everything(), *map(str, shipped)]
 
 
 def page_of(profile: RtcProfile | RtsProfile) -> Page:
@@ -81,7 +74,7 @@ def test_every_profile_has_its_pages(file: str) -> None:
 
 
 def sensor() -> RtcProfile:
-    profile = read_file(os.path.join(FILES, "sensor.xml")).profile
+    profile = read_file(str(TYPED / "sensor.xml")).profile
     assert isinstance(profile, RtcProfile)
     return profile
 

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import os.path
+from pathlib import Path
 
 import pytest
+from corpus import TYPED, everything, needs_corpus
 
 from rtkit.profile.forms import FORMS
 from rtkit.profile.read import read_profile
@@ -14,32 +16,20 @@ from rtkit.profile_tools.uncarried import uncarried
 from rtkit.profile_tools.validation import RULES
 from rtkit.report.finding import ERROR, NOTE, WARNING
 
-ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__)))))
-CORPUS = os.path.join(os.path.dirname(ROOT), "shared", "corpus")
 FRAGMENT = "a fragment"
 
 
-def corpus() -> list[str]:
-    folders = [os.path.join(CORPUS, kind) for kind in ("rtc", "rts", "yaml")]
-    return [
-        os.path.join(folder, name)
-        for folder in folders
-        if os.path.isdir(folder)
-        for name in sorted(os.listdir(folder))
-    ]
-
-
-def content(file: str) -> bytes:
+def content(file: str | Path) -> bytes:
     with open(file, "rb") as stream:
         return stream.read()
 
 
 def sensor() -> bytes:
-    return content(os.path.join(ROOT, "tests", "unit", "cli", "files", "sensor.xml"))
+    return content(TYPED / "sensor.xml")
 
 
-@pytest.mark.skipif(not corpus(), reason="corpus absent")
-@pytest.mark.parametrize("file", corpus(), ids=os.path.basename)
+@needs_corpus
+@pytest.mark.parametrize("file", everything(), ids=os.path.basename)
 def test_what_was_brought_to_the_strict_form_is_in_it(file: str) -> None:
     made = rewritten(content(file), file)
     assert made.data is not None
@@ -49,8 +39,8 @@ def test_what_was_brought_to_the_strict_form_is_in_it(file: str) -> None:
     assert left == []
 
 
-@pytest.mark.skipif(not corpus(), reason="corpus absent")
-@pytest.mark.parametrize("file", corpus(), ids=os.path.basename)
+@needs_corpus
+@pytest.mark.parametrize("file", everything(), ids=os.path.basename)
 def test_every_form_holds_everything(file: str) -> None:
     profile = read_profile(content(file), file).profile
     data = content(file)

@@ -6,6 +6,7 @@ import os.path
 from dataclasses import replace
 
 import pytest
+from corpus import TYPED, everything, needs_corpus
 
 from rtkit.profile.common import ExtensionProperty
 from rtkit.profile.read import read_file, read_rts
@@ -14,19 +15,6 @@ from rtkit.profile.rts_rules import NO_DATE
 from rtkit.profile_tools.outline import entry, outline_lines
 from rtkit.profile_tools.summary import summary
 from rtkit.resources import resource
-
-ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__)))))
-CORPUS = os.path.join(os.path.dirname(ROOT), "shared", "corpus")
-
-
-def corpus() -> list[str]:
-    folders = [os.path.join(CORPUS, kind) for kind in ("rtc", "rts", "yaml")]
-    return [
-        os.path.join(folder, name)
-        for folder in folders
-        if os.path.isdir(folder)
-        for name in sorted(os.listdir(folder))
-    ]
 
 
 def test_cells_stand_in_columns() -> None:
@@ -62,8 +50,8 @@ def test_what_rtkit_says_of_a_component_is_told_and_what_others_say_is_not() -> 
     assert "red" not in told
 
 
-@pytest.mark.skipif(not corpus(), reason="corpus absent")
-@pytest.mark.parametrize("file", corpus(), ids=os.path.basename)
+@needs_corpus
+@pytest.mark.parametrize("file", everything(), ids=os.path.basename)
 def test_every_profile_can_be_told(file: str) -> None:
     profile = read_file(file).profile
     lines = list(outline_lines([summary(profile)]))
@@ -76,7 +64,7 @@ def test_every_profile_can_be_told(file: str) -> None:
 
 
 def test_orders_tell_what_is_waited_for() -> None:
-    with open(os.path.join(ROOT, "tests", "unit", "cli", "files", "pair.xml"), "rb") as stream:
+    with open(TYPED / "pair.xml", "rb") as stream:
         profile = read_rts(stream.read()).profile
     assert profile.activation is not None
     lines = [line.strip() for line in outline_lines([summary(profile)])]
