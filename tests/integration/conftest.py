@@ -6,9 +6,16 @@ import os
 import shutil
 import tempfile
 from collections.abc import Iterator
+from contextlib import ExitStack
 
 import pytest
+from conformance import subject
+from mosquittokit import PASSWORD
 from serialkit import Cable
+
+from rtkit.link.streams import Streams
+from rtkit.property.service import Service
+from rtkit.wires.serve import ServedObject, serve
 
 
 @pytest.fixture
@@ -22,6 +29,39 @@ def place(monkeypatch: pytest.MonkeyPatch) -> Iterator[str]:
     yield folder
     assert os.listdir(f"{folder}/run") == []
     shutil.rmtree(folder)
+
+
+@pytest.fixture
+def service() -> Service:
+    """What the conformance of endpoints is tried with."""
+    return subject()
+
+
+@pytest.fixture
+def served(request: pytest.FixtureRequest, place: str, service: Service) -> Iterator[ServedObject]:
+    """That service at its Unix socket, and where ``OPEN`` of the module says: keywords of serve."""
+    opening = {"is_on_zenoh": False, **getattr(request.module, "OPEN", {})}
+    with serve(service, "robot", **opening) as served:
+        yield served
+
+
+@pytest.fixture
+def ends(monkeypatch: pytest.MonkeyPatch) -> Iterator[ExitStack]:
+    """What is closed at the end; brokers that are started on the way know the password."""
+    monkeypatch.setenv("RTKIT_MQTT_PASSWORD", PASSWORD)
+    with ExitStack() as stack:
+        yield stack
+
+
+@pytest.fixture
+def streams() -> Iterator[tuple[Streams, Streams]]:
+    """Two processes' worth of streams: who is called or receives, and who calls or sends."""
+    with tempfile.TemporaryDirectory(prefix="rt") as folder:
+        first, second = Streams(f"{folder}/a"), Streams(f"{folder}/b")
+        yield first, second
+        second.close()
+        first.close()
+        assert os.listdir(folder) == []
 
 
 @pytest.fixture

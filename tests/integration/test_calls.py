@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-import os
-import tempfile
 import threading
-from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 
 import pytest
@@ -16,18 +13,8 @@ from rtkit.link.streams import Streams
 KEY = "rtd/test/host/calls/0"
 
 
-@pytest.fixture
-def ends() -> Iterator[tuple[Streams, Streams]]:
-    with tempfile.TemporaryDirectory(prefix="rt") as folder:
-        provider, consumer = Streams(f"{folder}/a"), Streams(f"{folder}/b")
-        yield provider, consumer
-        consumer.close()
-        provider.close()
-        assert os.listdir(folder) == []
-
-
-def test_each_request_gets_its_own_reply(ends: tuple[Streams, Streams]) -> None:
-    provider, consumer = ends
+def test_each_request_gets_its_own_reply(streams: tuple[Streams, Streams]) -> None:
+    provider, consumer = streams
     endpoint, _ = provider.serve(KEY, lambda request: b"re: " + request)
     caller = consumer.caller(endpoint, KEY, 5.0)
     requests = [b"", b"\0", b"x" * 1_000_000]
@@ -39,9 +26,9 @@ def test_each_request_gets_its_own_reply(ends: tuple[Streams, Streams]) -> None:
 
 
 def test_a_provider_that_never_comes_back_is_waited_for_no_longer_than_told(
-    ends: tuple[Streams, Streams],
+    streams: tuple[Streams, Streams],
 ) -> None:
-    provider, consumer = ends
+    provider, consumer = streams
     release = threading.Event()
 
     def stuck(request: bytes) -> bytes:
@@ -59,8 +46,8 @@ def test_a_provider_that_never_comes_back_is_waited_for_no_longer_than_told(
     release.set()
 
 
-def test_nobody_answers_at_once(ends: tuple[Streams, Streams]) -> None:
-    provider, consumer = ends
+def test_nobody_answers_at_once(streams: tuple[Streams, Streams]) -> None:
+    provider, consumer = streams
     endpoint, served = provider.serve(KEY, lambda request: b"")
     caller = consumer.caller(endpoint, KEY, 5.0)
     assert caller.call(b"", 5.0) == b""
@@ -69,8 +56,8 @@ def test_nobody_answers_at_once(ends: tuple[Streams, Streams]) -> None:
         caller.call(b"", 60.0)
 
 
-def test_a_caller_that_is_closed_calls_no_more(ends: tuple[Streams, Streams]) -> None:
-    provider, consumer = ends
+def test_a_caller_that_is_closed_calls_no_more(streams: tuple[Streams, Streams]) -> None:
+    provider, consumer = streams
     endpoint, _ = provider.serve(KEY, lambda request: b"")
     caller = consumer.caller(endpoint, KEY, 5.0)
     caller.close()
@@ -79,9 +66,9 @@ def test_a_caller_that_is_closed_calls_no_more(ends: tuple[Streams, Streams]) ->
 
 
 def test_calls_of_several_connectors_do_not_wait_for_each_other(
-    ends: tuple[Streams, Streams],
+    streams: tuple[Streams, Streams],
 ) -> None:
-    provider, consumer = ends
+    provider, consumer = streams
     meeting = threading.Barrier(2, timeout=5.0)
 
     def meet(request: bytes) -> bytes:

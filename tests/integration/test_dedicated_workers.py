@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterator
 from contextlib import ExitStack
 
 import pytest
-from conformance import check_answers, check_events, subject
+from conformance import check_answers, check_events
 from property_endpoints import BOUND_S, Lines
 
 from rtkit.property.service import Service
@@ -19,11 +19,6 @@ from rtkit.wires.line.client import LineClient, connect_tcp, connect_unix
 from rtkit.wires.serve import ServedObject, serve
 
 _IDLE = '= <call state="idle"/>\n'
-
-
-@pytest.fixture
-def service() -> Service:
-    return subject()
 
 
 @pytest.fixture

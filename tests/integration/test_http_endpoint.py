@@ -11,11 +11,10 @@ import socket
 import subprocess
 import threading
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 
 import browser
 import pytest
-from conformance import subject
 
 from rtkit.errors import Unreachable
 from rtkit.link import places, secret
@@ -26,17 +25,7 @@ from rtkit.wires.line.client import connect_unix
 from rtkit.wires.serve import ServedObject, serve
 
 BOUND_S = 30.0
-
-
-@pytest.fixture
-def service() -> Service:
-    return subject()
-
-
-@pytest.fixture
-def served(place: str, service: Service) -> Iterator[ServedObject]:
-    with serve(service, "robot", http=0, is_on_zenoh=False) as served:
-        yield served
+OPEN = {"http": 0}
 
 
 # curl

@@ -8,7 +8,7 @@ import struct
 import sys
 import threading
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from queue import SimpleQueue
 from typing import Any
 
@@ -43,17 +43,7 @@ from rtkit.wires.serve import ServedObject, serve
 pytestmark = pytest.mark.skipif(not icekit.IS_THERE, reason=icekit.MISSING)
 
 BOUND_S = 30.0
-
-
-@pytest.fixture
-def service() -> Service:
-    return subject()
-
-
-@pytest.fixture
-def served(place: str, service: Service) -> Iterator[ServedObject]:
-    with serve(service, "robot", ice=0, is_on_zenoh=False) as served:
-        yield served
+OPEN = {"ice": 0}
 
 
 def client(served: ServedObject) -> IceClient:

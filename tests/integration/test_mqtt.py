@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import os
-import shutil
-import tempfile
 from collections.abc import Iterator
 from contextlib import ExitStack
 from pathlib import Path
@@ -25,40 +22,11 @@ pytestmark = pytest.mark.skipif(MOSQUITTO is None, reason="there is no mosquitto
 
 
 @pytest.fixture
-def place(monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
-    folder = Path(tempfile.mkdtemp(prefix="rtk"))
-    for name in ("run", "state"):
-        (folder / name).mkdir(mode=0o700)
-    monkeypatch.setenv("RTKIT_RUNTIME_DIR", f"{folder}/run")
-    monkeypatch.setenv("RTKIT_STATE_DIR", f"{folder}/state")
+def broker(place: str, monkeypatch: pytest.MonkeyPatch) -> Iterator[Mosquitto]:
     monkeypatch.setenv("RTKIT_MQTT_PASSWORD", PASSWORD)
-    yield folder
-    assert os.listdir(folder / "run") == []
-    shutil.rmtree(folder)
-
-
-@pytest.fixture
-def broker(place: Path) -> Iterator[Mosquitto]:
-    broker = Mosquitto(place)
+    broker = Mosquitto(Path(place))
     yield broker
     broker.stop()
-
-
-@pytest.fixture
-def service() -> Service:
-    return subject()
-
-
-@pytest.fixture
-def served(place: Path, service: Service) -> Iterator[ServedObject]:
-    with serve(service, "robot", is_on_zenoh=False) as served:
-        yield served
-
-
-@pytest.fixture
-def ends() -> Iterator[ExitStack]:
-    with ExitStack() as stack:
-        yield stack
 
 
 @pytest.fixture
@@ -70,7 +38,7 @@ def stranger(broker: Mosquitto) -> Iterator[Stranger]:
 
 @pytest.fixture
 def endpoint(
-    served: ServedObject, broker: Mosquitto, place: Path, ends: ExitStack
+    served: ServedObject, broker: Mosquitto, place: str, ends: ExitStack
 ) -> Iterator[Door]:
     """A way to the service through two proxies with the broker between them."""
     near = ends.enter_context(bridge("robot", broker.address("lab"), allow_set=["*"]))
@@ -197,7 +165,7 @@ def test_the_broker_goes_and_comes_back(
 
 
 def test_the_owner_goes_and_comes_back(
-    place: Path, broker: Mosquitto, stranger: Stranger, ends: ExitStack
+    place: str, broker: Mosquitto, stranger: Stranger, ends: ExitStack
 ) -> None:
     served = serve(subject(), "robot", is_on_zenoh=False)
     ends.enter_context(bridge("robot", broker.address("lab")))

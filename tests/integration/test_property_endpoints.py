@@ -40,11 +40,6 @@ from rtkit.wires.serve import ServedObject, serve
 
 
 @pytest.fixture
-def service() -> Service:
-    return subject()
-
-
-@pytest.fixture
 def served(place: str, service: Service) -> Iterator[ServedObject]:
     with serve(service, "robot", **opening(place)) as served:
         yield served

@@ -31,21 +31,7 @@ CHAINS = (("unix", "zenoh", "tcp"), ("tcp", "unix", "zenoh"), ("zenoh", "zenoh",
 """Wires from the owner to the client; between each two of them is a proxy."""
 
 
-@pytest.fixture
-def service() -> Service:
-    return subject()
-
-
-@pytest.fixture
-def served(place: str, service: Service) -> Iterator[ServedObject]:
-    with serve(service, "robot", port=0, http=0) as served:
-        yield served
-
-
-@pytest.fixture
-def ends() -> Iterator[ExitStack]:
-    with ExitStack() as stack:
-        yield stack
+OPEN = {"port": 0, "http": 0, "is_on_zenoh": True}
 
 
 def chain(served: ServedObject, place: str, wires: tuple[str, ...], ends: ExitStack) -> Door:

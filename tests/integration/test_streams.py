@@ -2,11 +2,8 @@
 
 from __future__ import annotations
 
-import os
 import queue
-import tempfile
 import threading
-from collections.abc import Iterator
 from typing import Any
 
 import pytest
@@ -18,18 +15,8 @@ from rtkit.link.streams import Streams
 KEY = "rtd/test/host/wire"
 
 
-@pytest.fixture
-def ends() -> Iterator[tuple[Streams, Streams]]:
-    with tempfile.TemporaryDirectory(prefix="rt") as folder:
-        receiver, sender = Streams(f"{folder}/a"), Streams(f"{folder}/b")
-        yield receiver, sender
-        sender.close()
-        receiver.close()
-        assert os.listdir(folder) == []
-
-
-def test_every_value_arrives_in_order(ends: tuple[Streams, Streams]) -> None:
-    receiver, sender = ends
+def test_every_value_arrives_in_order(streams: tuple[Streams, Streams]) -> None:
+    receiver, sender = streams
     heard: queue.SimpleQueue[bytes] = queue.SimpleQueue()
     endpoint, _ = receiver.receive(KEY, heard.put)
     outlet = sender.send(endpoint, KEY, 5.0, is_blocking=True)
@@ -38,15 +25,15 @@ def test_every_value_arrives_in_order(ends: tuple[Streams, Streams]) -> None:
     assert [heard.get(timeout=5.0) for _ in values] == values
 
 
-def test_a_sender_without_receiver_is_told(ends: tuple[Streams, Streams]) -> None:
-    receiver, sender = ends
+def test_a_sender_without_receiver_is_told(streams: tuple[Streams, Streams]) -> None:
+    receiver, sender = streams
     endpoint, _ = receiver.receive(KEY, lambda _: None)
     with pytest.raises(Unreachable, match="nobody takes data"):
         sender.send(endpoint, KEY + "/other", 0.2)
 
 
 def test_a_link_is_made_where_no_shared_memory_can_be_had(
-    ends: tuple[Streams, Streams], monkeypatch: pytest.MonkeyPatch
+    streams: tuple[Streams, Streams], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def without(name: str) -> None:
         real = getattr(zenoh, name)
@@ -60,7 +47,7 @@ def test_a_link_is_made_where_no_shared_memory_can_be_had(
 
     without("open_listener")
     without("open_client")
-    receiver, sender = ends
+    receiver, sender = streams
     told: list[str] = []
     got: queue.SimpleQueue[bytes] = queue.SimpleQueue()
     receiver.report = sender.report = told.append
@@ -72,8 +59,8 @@ def test_a_link_is_made_where_no_shared_memory_can_be_had(
     assert len(told) == 2, told
 
 
-def test_a_flush_returns_when_everything_has_arrived(ends: tuple[Streams, Streams]) -> None:
-    receiver, sender = ends
+def test_a_flush_returns_when_everything_has_arrived(streams: tuple[Streams, Streams]) -> None:
+    receiver, sender = streams
     heard: list[bytes] = []
     endpoint, _ = receiver.receive(KEY, heard.append)
     outlet = sender.send(endpoint, KEY, 5.0, is_blocking=True)
@@ -83,16 +70,16 @@ def test_a_flush_returns_when_everything_has_arrived(ends: tuple[Streams, Stream
     assert heard == values
 
 
-def test_a_flush_to_nobody_says_so(ends: tuple[Streams, Streams]) -> None:
-    receiver, sender = ends
+def test_a_flush_to_nobody_says_so(streams: tuple[Streams, Streams]) -> None:
+    receiver, sender = streams
     endpoint, inlet = receiver.receive(KEY, lambda _: None)
     outlet = sender.send(endpoint, KEY, 5.0)
     inlet.close()
     assert not outlet.flush(0.1)
 
 
-def test_values_that_get_lost_are_counted(ends: tuple[Streams, Streams]) -> None:
-    receiver, sender = ends
+def test_values_that_get_lost_are_counted(streams: tuple[Streams, Streams]) -> None:
+    receiver, sender = streams
     is_slow = threading.Event()
     heard: list[bytes] = []
 
@@ -112,8 +99,8 @@ def test_values_that_get_lost_are_counted(ends: tuple[Streams, Streams]) -> None
     assert not inlet.settle(0.1)
 
 
-def test_an_end_closes_while_another_thread_writes(ends: tuple[Streams, Streams]) -> None:
-    receiver, sender = ends
+def test_an_end_closes_while_another_thread_writes(streams: tuple[Streams, Streams]) -> None:
+    receiver, sender = streams
     endpoint, _ = receiver.receive(KEY, lambda _: None)
     for _ in range(50):
         outlet = sender.send(endpoint, KEY, 5.0)
@@ -136,8 +123,8 @@ def test_an_end_closes_while_another_thread_writes(ends: tuple[Streams, Streams]
         assert failures == []
 
 
-def test_values_are_asked_for(ends: tuple[Streams, Streams]) -> None:
-    owner, asker = ends
+def test_values_are_asked_for(streams: tuple[Streams, Streams]) -> None:
+    owner, asker = streams
     values = iter([b"first", None, b"third"])
     endpoint, _ = owner.answer(KEY, lambda: next(values))
     fetcher = asker.ask(endpoint, KEY, 5.0)

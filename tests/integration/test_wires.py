@@ -14,7 +14,6 @@ from time import monotonic
 
 import pytest
 from conformance import ROWS, Door, check_answers, check_events, check_once, subject
-from mosquittokit import PASSWORD
 from property_endpoints import BOUND_S, Lines, WirePlaces, client_at, params
 
 from rtkit.errors import RtkitError, Unreachable
@@ -31,24 +30,6 @@ from rtkit.wires.table import WIRES, wire_of
 ROOT = Path(__file__).parents[2]
 FOR_CLIENTS = [each for each in WIRES if wire_of(each).client is not None]
 FOR_SERVICES = [each for each in FOR_CLIENTS if wire_of(each).client.has_services]  # type: ignore[union-attr]
-
-
-@pytest.fixture
-def service() -> Service:
-    return subject()
-
-
-@pytest.fixture
-def served(place: str, service: Service) -> Iterator[ServedObject]:
-    with serve(service, "robot", is_on_zenoh=False) as served:
-        yield served
-
-
-@pytest.fixture
-def ends(monkeypatch: pytest.MonkeyPatch) -> Iterator[ExitStack]:
-    monkeypatch.setenv("RTKIT_MQTT_PASSWORD", PASSWORD)
-    with ExitStack() as stack:
-        yield stack
 
 
 @pytest.fixture(params=params(*WIRES))
