@@ -402,17 +402,6 @@ def base_paths() -> tuple[str, ...]:
     return (*named, shipped("examples", "basic"))
 
 
-def main() -> int:
-    """Run as a process of its own: name, and properties of the command line."""
-    name, wanted = sys.argv[1], wanted_from_text(sys.argv[2])
-    return run(name, wanted)
-
-
-if __name__ == "__main__":
-    status = main()
-    os._exit(status)  # component threads that hang must not keep the process
-
-
 _STDERR = 2
 
 
@@ -442,3 +431,14 @@ def catch_signals(post: Callable[[StopRequested], object], *, is_shown: bool) ->
         faulthandler.register(signal.SIGQUIT, _STDERR, all_threads=True, chain=True)
     faulthandler.register(signal.SIGUSR1, _STDERR, all_threads=True)
     signal.signal(signal.SIGCHLD, lambda *_: None)
+
+
+def main() -> int:
+    """Run as a process of its own: name, and properties of the command line."""
+    name, wanted = sys.argv[1], wanted_from_text(sys.argv[2])
+    return run(name, wanted)
+
+
+if __name__ == "__main__":
+    status = main()
+    os._exit(status)  # component threads that hang must not keep the process
