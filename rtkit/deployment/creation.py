@@ -1,20 +1,46 @@
-"""Plans the first half of a recovery: checks of what must exist, and creation of what does not."""
+"""Plans a recovery: checks of what must exist, creation of what does not, then all the rest."""
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 
 from rtkit.deployment.actions import Attach, Create, Load
+from rtkit.deployment.facts import Snapshot
 from rtkit.deployment.layered_plan import Check, Layer, LayeredPlan, PlannedAction, layer
 from rtkit.deployment.live_index import LiveIndex, absence
 from rtkit.deployment.system import BadComponent, WantedComponent, WantedSystem
-from rtkit.deployment.wiring import parting
+from rtkit.deployment.wiring import parting, wiring_plan
 from rtkit.errors import Malformed, NotFound
 from rtkit.rtc.create import FRESH_SLAVE, parse_create
 from rtkit.rtc.names import check_instance_name
 from rtkit.rtc.profiles import ModuleProfile, split_module
 
 NOTHING_LACKS: Mapping[str, str] = {}
+
+
+def bring_up_plans(
+    system: WantedSystem,
+    before: Snapshot,
+    look: Callable[[], LiveIndex] | None = None,
+    *,
+    may_create: bool = True,
+    lacks: Mapping[str, str] = NOTHING_LACKS,
+) -> Iterator[LayeredPlan]:
+    """Yield the plan that creates components, then the plan of all the rest.
+
+    `look` returns what lives once the first plan is carried out. Without it, in a dry run, the
+    second plan takes for granted that everything was created. `lacks` states why some cannot be.
+
+    Raises:
+        RtkitError: A component cannot be made as it is wanted.
+    """
+    live = LiveIndex(before, system)
+    creation = creation_plan(system, live, may_create=may_create, lacks=lacks)
+    yield creation
+    if look is None:
+        yield wiring_plan(system, live, creation.made)
+    else:
+        yield wiring_plan(system, live if creation.is_done else look())
 
 
 def creation_plan(

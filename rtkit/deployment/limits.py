@@ -10,14 +10,15 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
 from functools import lru_cache
-from math import inf, isfinite
-from typing import NamedTuple
+from math import inf
+from typing import Any, NamedTuple
 
 from rtkit.deployment.extension import LIMIT
 from rtkit.deployment.facts import ComponentFacts
 from rtkit.deployment.system import WantedSystem
 from rtkit.errors import Malformed
 from rtkit.fast_dataclass import dataclass
+from rtkit.rtc.connector_properties import finite
 from rtkit.rtc.create import readable_create
 from rtkit.rtc.nearest import did_you_mean
 
@@ -108,7 +109,7 @@ def limits_in(create: str) -> SlaveLimits:
 
 @lru_cache(maxsize=256)
 def _read(said: tuple[tuple[str, str], ...]) -> SlaveLimits:
-    values: dict[str, float] = {}
+    values: dict[str, Any] = {}
     for key, text in said:
         kind = key.removeprefix(LIMIT)
         if kind not in _READERS:
@@ -116,15 +117,10 @@ def _read(said: tuple[tuple[str, str], ...]) -> SlaveLimits:
             raise Malformed(f"unknown limit: {key}{hint or f' (one of {_KNOWN})'}")
         if text.strip():
             values[kind] = _READERS[kind](key, text.strip())
-    return SlaveLimits(
-        int(values.get("memory", 0)),
-        int(values.get("processes", 0)),
-        int(values.get("descriptors", 0)),
-        values.get("processor", 0.0),
-    )
+    return SlaveLimits(**values)
 
 
-def _bytes(key: str, text: str) -> float:
+def _bytes(key: str, text: str) -> int:
     """Read ``200M``, ``200MiB``, ``1.5G`` or a plain number of bytes; a K is 1024."""
     bare = text.upper().removesuffix("B").removesuffix("I")
     unit = _UNITS.find(bare[-1:]) + 1 if bare[-1:] else 0
@@ -132,14 +128,14 @@ def _bytes(key: str, text: str) -> float:
     value = _number(bare[:-1] if unit else bare) * 1024.0**unit
     if is_odd or not _LEAST_BYTES <= value <= 1024.0**5:
         raise Malformed(f"{key}: not an amount of memory from 1M on, such as 200M or 1.5G: {text}")
-    return value
+    return int(value)
 
 
-def _count(key: str, text: str) -> float:
+def _count(key: str, text: str) -> int:
     value = _number(text)
     if not (1 <= value <= _MOST_COUNT and value == int(value)):
         raise Malformed(f"{key}: not a whole number from 1 to {_MOST_COUNT}: {text}")
-    return value
+    return int(value)
 
 
 def _share(key: str, text: str) -> float:
@@ -154,8 +150,8 @@ def _number(text: str) -> float:
     """Return a number; -1 for what is none, or is written in a way that nobody would mean."""
     if not text.strip().replace(".", "", 1).isdecimal() or not text.isascii():
         return -1.0
-    value = float(text)
-    return value if isfinite(value) else -1.0
+    value = finite(text)
+    return -1.0 if value is None else value
 
 
 _READERS: Mapping[str, Callable[[str, str], float]] = {

@@ -46,14 +46,13 @@ def plan_within(
     by_guide = [(guide(problem.start), next(number), 0.0, problem.start)]
     done: dict[State, float] = {}
     expanded = generated = 0
-    while by_bound:
-        lowest, _, cost, state = by_bound[0]
-        if done.get(state) == costs[state] or cost > costs[state]:
-            heappop(by_bound)
-            continue
-        while by_guide and _is_old(by_guide[0], costs, done):
-            heappop(by_guide)
-        guided = by_guide[0][3]
+    while True:
+        for heap in (by_bound, by_guide):
+            while heap and _is_old(heap[0], costs, done):
+                heappop(heap)
+        if not by_bound:
+            raise Impossible(f"no goal among all {len(costs)} states that can be reached")
+        lowest, state, guided = by_bound[0][0], by_bound[0][3], by_guide[0][3]
         if costs[guided] + bound(guided) <= factor * lowest:
             state = guided
         if problem.is_goal(state):
@@ -73,7 +72,6 @@ def plan_within(
                 ways[after] = Step(command, state, after, price)
                 heappush(by_bound, (whole + bound(after), next(number), whole, after))
                 heappush(by_guide, (guide(after), next(number), whole, after))
-    raise Impossible(f"no goal among all {len(costs)} states that can be reached")
 
 
 def _is_old(

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from rtkit.deployment.bring_up import bring_up_plans
-from rtkit.deployment.creation import NOTHING_LACKS, checks
+from rtkit.deployment.creation import NOTHING_LACKS, bring_up_plans, checks
 from rtkit.deployment.facts import Snapshot
 from rtkit.deployment.live_index import LiveIndex
 from rtkit.deployment.runner import PlanRunner, roll_back

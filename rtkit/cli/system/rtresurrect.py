@@ -52,7 +52,7 @@ def main(
     """
     from rtkit.cli.system.known_types import known_types
     from rtkit.cli.system.preflight import check_reserved
-    from rtkit.deployment.bring_up import bring_up_plans
+    from rtkit.deployment.creation import bring_up_plans
 
     if no_create and (stand_in or transmit):
         raise UsageProblem("--no-create makes no stand-ins")

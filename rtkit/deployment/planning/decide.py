@@ -236,7 +236,7 @@ class _Deciding:
 
     def _settle(self, cluster: list[str]) -> float:
         """Settle one cluster; return by how much that may be dearer than need be."""
-        search = _Cluster(cluster, self._left, self._marginal, self._least)
+        search = _Cluster(cluster, self._left, self)
         most = max(SEARCH_LIMIT - self._looked_at, SEARCH_LIMIT // 100)
         try:
             found = plan(search.problem, search.heuristic, Limits(states=most))
@@ -252,7 +252,7 @@ class _Deciding:
             self._left[name] = [self._left[name][number]]
         return gap
 
-    def _marginal(
+    def marginal(
         self, name: str, assignment: Assignment, settled: Mapping[str, Assignment]
     ) -> float:
         """Return what an assignment costs beside what is settled already."""
@@ -269,7 +269,7 @@ class _Deciding:
                 cost += self._cost(pair, assignment, self._left[pair.other][0])
         return cost
 
-    def _least(
+    def least(
         self, name: str, assignment: Assignment, before: Mapping[str, list[Assignment]]
     ) -> float:
         """Return what an assignment costs at least, beside any of those before it."""
@@ -292,18 +292,16 @@ class _Cluster:
         self,
         names: list[str],
         left: Mapping[str, list[Assignment]],
-        marginal: Callable[[str, Assignment, Mapping[str, Assignment]], float],
-        least: Callable[[str, Assignment, Mapping[str, list[Assignment]]], float],
+        deciding: _Deciding,
     ) -> None:
         self._names = names
         self._assignments = [left[name] for name in names]
-        self._marginal = marginal
+        self._marginal = deciding.marginal
         self._least = [0.0]
         for number in reversed(range(len(names))):
             before = dict(zip(names[:number], self._assignments[:number], strict=True))
-            cost = min(
-                least(names[number], assignment, before) for assignment in self._assignments[number]
-            )
+            left_here = self._assignments[number]
+            cost = min(deciding.least(names[number], each, before) for each in left_here)
             self._least.append(self._least[-1] + 1 + cost)
         self._least.reverse()
         variables = {name: [None, *range(len(left[name]))] for name in names}

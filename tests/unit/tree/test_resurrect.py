@@ -6,7 +6,7 @@ from worlds import source_and_sink
 
 from rtkit.deployment import actions as act
 from rtkit.deployment.actions import Result
-from rtkit.deployment.bring_up import bring_up_plans
+from rtkit.deployment.creation import bring_up_plans
 from rtkit.deployment.runner import PlanRunner
 from rtkit.deployment.system import WantedComponent, WantedConnector, WantedSystem
 from rtkit.errors import NotFound, Refused
