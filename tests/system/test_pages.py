@@ -56,7 +56,7 @@ def run(text: str, folder: Path, variables: dict[str, str]) -> str:
         env=variables,
         capture_output=True,
         text=True,
-        timeout=50,
+        timeout=110,
         check=False,
     )
     log = folder / ".local" / "state" / "rtkit" / "manager.log"
@@ -67,6 +67,7 @@ def run(text: str, folder: Path, variables: dict[str, str]) -> str:
     return done.stdout
 
 
+@pytest.mark.timeout(120)  # tables of thirty commands, on a busy machine
 @pytest.mark.parametrize("page", WITH_EXAMPLES, ids=lambda page: str(page.relative_to(ROOT)))
 def test_a_page_shows_what_its_examples_print(
     shell: Any, variables: dict[str, str], page: Path
