@@ -7,14 +7,13 @@ from typing import TYPE_CHECKING
 
 import click
 
-from rtkit.cli.shared.app import App, WrongArguments
+from rtkit.cli.shared.app import App, WrongArguments, no_such
 from rtkit.cli.shared.command import command
 from rtkit.cli.shared.options import arguments, flag, json_flag, option, strict_option
 from rtkit.errors import NotFound, Refused
 
 if TYPE_CHECKING:
     from rtkit.cli.components.conf import ConfRequest
-    from rtkit.deployment.listing import Listing
     from rtkit.rtc.names import Path
     from rtkit.tree.view import TreeNode
 
@@ -94,7 +93,7 @@ def main(
 
     typed, asked = _asked(words, has_hidden, is_long, set_id, is_json)
     path = app.path(typed)
-    node = _node(app.tree.listing(), path)
+    node = app.node(_node, path)
     snapshot = app.tree.part([node.instance])
     if node.kind is NodeKind.MANAGER:
         conf.of_manager(app, snapshot.properties, path, asked)
@@ -125,26 +124,22 @@ def _asked(
         "import": count < 2,
     }
     if verb not in is_fit:
-        from rtkit.rtc.nearest import did_you_mean
-
-        hint = did_you_mean(verb, FORMS) or f" (one of {', '.join(FORMS)})"
-        raise WrongArguments(f"no such word: {verb}{hint}")
+        raise WrongArguments(no_such("word", verb, FORMS))
     if not is_fit[verb]:
         raise WrongArguments(f"expected: {FORMS[verb]}; found: {' '.join([verb, *arguments])}")
     return typed, ConfRequest(verb, tuple(arguments), set_id, has_hidden, is_long, is_json)
 
 
-def _node(listing: Listing, path: Path) -> TreeNode:
+def _node(root: TreeNode, path: Path, hostname: str) -> TreeNode:
     from rtkit.tree.resolve import absent, find, zombie
-    from rtkit.tree.view import NodeKind, build
+    from rtkit.tree.view import NodeKind
 
-    root = build(listing)
-    node = find(root, path, listing.host)
+    node = find(root, path, hostname)
     if path.port is not None and node is not None:
         raise Refused(f"Not a component: {path.typed}")
     if node is not None and node.kind is NodeKind.ZOMBIE and not path.is_directory:
         raise zombie(node, path)
     is_known = node is not None and node.kind in (NodeKind.COMPONENT, NodeKind.MANAGER)
     if node is None or not is_known or (path.is_directory and not node.is_directory):
-        raise absent(root, path, listing.host)
+        raise absent(root, path, hostname)
     return node

@@ -13,7 +13,6 @@ from rtkit.errors import Malformed, NotFound, Partial, from_kind
 if TYPE_CHECKING:
     from rtkit.rtc.names import Path
     from rtkit.rtc.profiles import ConnectorProfile
-    from rtkit.tree.client import Tree
 
 
 @command(
@@ -40,7 +39,7 @@ def main(
     found = [app.path(each) for each in paths]
     if len(found) > 1:
         _check_ports(found)
-    connectors = _connections(app.tree, found)
+    connectors = _connections(app, found)
     if connector_id:
         connectors = [
             connector for connector in connectors if connector.connector_id == connector_id
@@ -58,16 +57,14 @@ def _check_ports(paths: Sequence[Path]) -> None:
             raise Malformed(f"Not a port: {path.typed}")
 
 
-def _connections(tree: Tree, paths: Sequence[Path]) -> list[ConnectorProfile]:
+def _connections(app: App, paths: Sequence[Path]) -> list[ConnectorProfile]:
     from rtkit.tree.resolve import component
-    from rtkit.tree.view import build
     from rtkit.tree.wiring import between, find_ends, of_component
 
     if paths[0].port is None:
-        listing = tree.listing()
-        instance = component(build(listing), paths[0], listing.host).instance
-        return of_component(tree.part([instance]), instance)
-    snapshot, (first, *others) = find_ends(tree, paths)
+        instance = app.node(component, paths[0]).instance
+        return of_component(app.tree.part([instance]), instance)
+    snapshot, (first, *others) = find_ends(app.tree, paths)
     return between(snapshot.connectors, first.ref, [other.ref for other in others])
 
 

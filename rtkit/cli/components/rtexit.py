@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import TYPE_CHECKING
 
 from rtkit.cli.shared.app import App, check_at_most_one
@@ -12,6 +13,7 @@ from rtkit.errors import Malformed
 if TYPE_CHECKING:
     from rtkit.deployment.actions import Delete, EndSlave
     from rtkit.rtc.names import Path
+    from rtkit.tree.view import TreeNode
 
 _LADDER_S = 6.0
 """Time-out of asking, TERM and KILL together [s]."""
@@ -44,20 +46,17 @@ def main(
     if not paths:
         raise Malformed("No component specified.")
     check_at_most_one(paths, "component")
-    action = _action(app, app.path(paths[0]), is_forced)
+    action = app.node(partial(_action, is_forced), app.path(paths[0]))
     along = app.tree.perform(action, timeout_s=app.timeout_s + _LADDER_S * is_forced)
     if along:
         app.fail(f"ended with its slave: {along.replace(',', ', ')}")
 
 
-def _action(app: App, path: Path, is_forced: bool) -> Delete | EndSlave:
+def _action(is_forced: bool, root: TreeNode, path: Path, hostname: str) -> Delete | EndSlave:
     from rtkit.deployment.actions import Delete, EndSlave
     from rtkit.tree.resolve import find, supervised
-    from rtkit.tree.view import build
 
-    listing = app.tree.listing()
-    root = build(listing)
-    node = find(root, path, listing.host)
+    node = find(root, path, hostname)
     if node is not None and node.is_slave and path.port is None:
         return EndSlave(node.process, is_forced)
-    return Delete(supervised(root, path, listing.host).instance, is_forced)
+    return Delete(supervised(root, path, hostname).instance, is_forced)

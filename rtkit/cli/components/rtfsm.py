@@ -2,21 +2,19 @@
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
 from rtkit.cli.shared import json_records, terminal
-from rtkit.cli.shared.app import App, WrongArguments
+from rtkit.cli.shared.app import App, WrongArguments, no_such
 from rtkit.cli.shared.command import command
 from rtkit.cli.shared.options import arguments, json_flag
-from rtkit.errors import Malformed, NotFound, Refused, UsageProblem
+from rtkit.errors import Malformed, Refused, UsageProblem
 
 if TYPE_CHECKING:
     from rtkit.deployment.facts import ComponentFacts
     from rtkit.rtc.names import Path
 
-STDIN = "-"
 _MODULE = "RTC::"
 _MISSING = {
     "seteventprofiles": "No event profiles specified.",
@@ -80,10 +78,7 @@ def _read(words: Sequence[str]) -> tuple[str, Sequence[str]]:
         raise WrongArguments("No command specified.")
     word, *arguments = words
     if word not in WORDS:
-        from rtkit.rtc.nearest import did_you_mean
-
-        hint = did_you_mean(word, WORDS) or f" (one of {', '.join(WORDS)})"
-        raise UsageProblem(f"no such command: {word}{hint}")
+        raise UsageProblem(no_such("command", word, WORDS))
     if word in _MISSING and not arguments:
         raise Malformed(_MISSING[word])
     most = int(word in _MISSING)
@@ -93,14 +88,7 @@ def _read(words: Sequence[str]) -> tuple[str, Sequence[str]]:
 
 
 def _facts(app: App, path: Path) -> ComponentFacts:
-    from rtkit.tree.resolve import component
-    from rtkit.tree.view import build
-
-    listing = app.tree.listing()
-    instance = component(build(listing), path, listing.host).instance
-    facts = app.tree.part([instance]).component(instance)
-    if facts is None:
-        raise NotFound(f"No such object: {path.typed}")
+    facts = app.facts(path)
     if not facts.fsm_states:
         raise Refused(f"No state machine: {path.typed}")
     return facts
@@ -134,18 +122,12 @@ def _set_events(app: App, instance: str, text: str) -> None:
 
 
 def _set_structure(app: App, instance: str, source: str) -> None:
+    from rtkit.cli.shared.profile_files import read_input
     from rtkit.deployment.actions import SetStructure
     from rtkit.profile.scxml import read_scxml
 
-    try:
-        if source == STDIN:
-            data = sys.stdin.buffer.read()
-        else:
-            with open(source, "rb") as stream:
-                data = stream.read()
-    except OSError as error:
-        raise NotFound(f"cannot read {source}: {error.strerror}") from error
-    chart = read_scxml(data, "<stdin>" if source == STDIN else source)
+    name, data = read_input(source)
+    chart = read_scxml(data, name)
     for note in chart.notes:
         app.tell(f"{source}:{note.line}: {note.text}")
     app.tree.perform(SetStructure(instance, chart.states))

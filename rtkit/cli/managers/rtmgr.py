@@ -172,14 +172,11 @@ def _command(
 ) -> None:
     from rtkit.cli.managers.steps import StepRunner
     from rtkit.tree.resolve import manager
-    from rtkit.tree.view import build
 
     if typed.startswith("corbaloc:"):
         node = _at_address(app, typed)
     else:
-        path = app.path(typed)
-        listing = app.tree.listing()
-        node = manager(build(listing), path, listing.host)
+        node = app.node(manager, app.path(typed))
     StepRunner(app, node, is_printing, is_json).run(steps)
 
 

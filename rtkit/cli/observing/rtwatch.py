@@ -186,8 +186,7 @@ class _Watch:
             elif isinstance(heard, Metrics):
                 yield from self._chosen(manager, heard.time, self._heartbeats(manager, heard))
             elif isinstance(heard, ManagerSeen):
-                how = "is back" if heard.is_back else "has begun"
-                self._app.fail(f"manager {self._subscriptions.names[manager]!r} {how}")
+                self._app.fail(str(heard))
             else:
                 self._app.fail(f"{heard.why}; waiting for it to come back")
 

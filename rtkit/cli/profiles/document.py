@@ -6,7 +6,7 @@ import sys
 from typing import TYPE_CHECKING, NamedTuple
 
 from rtkit.cli.shared.app import App, WrongArguments
-from rtkit.cli.shared.profile_files import STDIN, STDIN_NAME
+from rtkit.cli.shared.profile_files import read_input
 
 if TYPE_CHECKING:
     from rtkit.profile.common import Note
@@ -53,11 +53,6 @@ def read_bytes_of(file: str | None) -> tuple[str, bytes]:
         NotFound: The file cannot be read.
         WrongArguments: No file is named, and stdin is a terminal.
     """
-    from rtkit.profile.parse import MAX_BYTES
-    from rtkit.profile.read import read_bytes
-
     if file is None and (sys.stdin is None or sys.stdin.isatty()):
         raise WrongArguments("No file specified.")
-    if file is None or file == STDIN:
-        return STDIN_NAME, sys.stdin.buffer.read(MAX_BYTES + 1)
-    return file, read_bytes(file)
+    return read_input(file)

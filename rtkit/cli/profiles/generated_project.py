@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import sys
 from collections.abc import Iterable, Iterator, Sequence
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -11,6 +10,7 @@ from rtkit.builder.component_files import PROFILE, File, build, build_types
 from rtkit.builder.merge import Merged, MergeOutcome, merge
 from rtkit.builder.prepare import Sources, idl_files, is_declared, undefined
 from rtkit.builder.standard_types import IMAGES, KNOWN, expression
+from rtkit.cli.shared.profile_files import STDIN, read_input
 from rtkit.errors import InvalidDocument, NotFound, Refused
 from rtkit.fast_dataclass import dataclass, field
 from rtkit.idl.read import read_idl
@@ -22,7 +22,6 @@ if TYPE_CHECKING:
     from rtkit.idl.model import Definitions, Path
     from rtkit.profile.rtc_model import RtcProfile
 
-STDIN, STDIN_NAME = "-", "<stdin>"
 _ROOT = "RTM_ROOT"
 
 
@@ -54,16 +53,6 @@ class FileChange(NamedTuple):
     def is_conflict(self) -> bool:
         """Return whether it cannot be written without losing something."""
         return self.merged.assignment is MergeOutcome.CONFLICT
-
-    @property
-    def line(self) -> int:
-        """Line of the file at which the reason stands."""
-        return self.merged.line
-
-    @property
-    def why(self) -> str:
-        """Reason for a conflict, or for keeping the file."""
-        return self.merged.why
 
     def assignment_when(self, *, is_forced: bool) -> str:
         """Return the assignment of the file in a word."""
@@ -125,8 +114,8 @@ def read(
     idl = _Idl([*places, root and os.path.join(root, "rtm", "idl")])
     if typed.lower().endswith(".idl"):
         return _types_alone(typed, folder, idl)
-    data = sys.stdin.buffer.read() if typed == STDIN else read_bytes(typed)
-    reading = read_rtc(data, typed if typed != STDIN else STDIN_NAME)
+    name, data = read_input(typed)
+    reading = read_rtc(data, name)
     named = [path for name in idl_files(reading.profile) if (path := _path(idl, name))]
     definitions = _definitions(named, idl)
     more = _defining(undefined(reading.profile, definitions), idl)

@@ -82,7 +82,7 @@ def main(
     conflicts = [each for each in changes if each.is_conflict]
     if conflicts and not force:
         for each in conflicts:
-            app.fail(f"{each.path}:{each.line}: {each.why}")
+            app.fail(f"{each.path}:{each.merged.line}: {each.merged.why}")
         raise Refused("nothing was written; --force writes, and keeps these as NAME.bak")
     if not dry_run:
         generated_project.write(changes, is_forced=force)
@@ -93,7 +93,7 @@ def _tell(app: App, changes: Sequence[FileChange], *, is_json: bool, is_forced: 
     if is_json:
         assignments = [each.assignment_when(is_forced=is_forced) for each in changes]
         records = (
-            {"path": each.path, "fate": assignment, "why": each.why or None}
+            {"path": each.path, "fate": assignment, "why": each.merged.why or None}
             for each, assignment in zip(changes, assignments, strict=True)
         )
         terminal.write(json_records.lines("built-file", records))
@@ -101,5 +101,5 @@ def _tell(app: App, changes: Sequence[FileChange], *, is_json: bool, is_forced: 
     for each in changes:
         assignment = each.assignment_when(is_forced=is_forced)
         if assignment in _SHOWN or app.is_verbose:
-            why = f" ({each.why})" if each.why else ""
+            why = f" ({each.merged.why})" if each.merged.why else ""
             click.echo(terminal.printable(f"{assignment:<9}  {each.path}{why}"))

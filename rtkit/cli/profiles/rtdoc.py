@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from rtkit.cli.shared.app import App, check_at_most_one
+from rtkit.cli.shared.app import App, check_at_most_one, no_such
 from rtkit.cli.shared.atomic import STDOUT, write_output
 from rtkit.cli.shared.command import command
 from rtkit.cli.shared.options import arguments, flag, option
-from rtkit.errors import Malformed, NotFound, UsageProblem
+from rtkit.errors import Malformed, UsageProblem
 
 if TYPE_CHECKING:
     from rtkit.cli.profiles.doc_subject import DocumentedComponent
@@ -76,10 +76,7 @@ def main(
 def _form(typed: str) -> str:
     form = _OTHER_NAMES.get(typed.lower(), typed.lower())
     if form not in FORMS:
-        from rtkit.rtc.nearest import did_you_mean
-
-        hint = did_you_mean(form, FORMS) or f" (one of {', '.join(FORMS)})"
-        raise UsageProblem(f"no such format: {typed}{hint}")
+        raise UsageProblem(no_such("format", typed, FORMS))
     return form
 
 
@@ -99,15 +96,8 @@ def _of_module(typed: str) -> DocumentedComponent:
 
 def _of_tree(app: App, typed: str) -> DocumentedComponent:
     from rtkit.cli.profiles.doc_subject import DocumentedComponent
-    from rtkit.tree.resolve import component
-    from rtkit.tree.view import build
 
-    path = app.path(typed)
-    listing = app.tree.listing()
-    instance = component(build(listing), path, listing.host).instance
-    facts = app.tree.part([instance]).component(instance)
-    if facts is None:
-        raise NotFound(f"No such object: {typed}")
+    facts = app.facts(app.path(typed))
     if facts.trouble:
         app.fail(f"warning: as last reported ({facts.trouble}): {typed}")
     return DocumentedComponent(facts.type, facts.ports, facts.sets)

@@ -8,19 +8,21 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Iterable, Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar
 
 import click
 
 from rtkit.cli.shared.terminal import printable
-from rtkit.errors import Malformed, Refused, RtkitError, Unreachable
+from rtkit.errors import Malformed, NotFound, Refused, RtkitError, Unreachable
 
 if TYPE_CHECKING:
+    from rtkit.deployment.facts import ComponentFacts
     from rtkit.rtc.manager_address import Address
     from rtkit.rtc.names import Path
     from rtkit.tree.client import Tree
     from rtkit.tree.view import TreeNode
 
+Node = TypeVar("Node")
 DEFAULT_TIMEOUT_S = 10.0
 _LEAST_TIMEOUT_S = 2.0
 """Least time-out for a manager on a busy machine [s]."""
@@ -80,6 +82,30 @@ class App:
 
         listing = self.tree.listing()
         return build(listing), listing.host
+
+    def node(self, how: Callable[[TreeNode, Path, str], Node], path: Path) -> Node:
+        """Return what `how`, a function of `rtkit.tree.resolve`, finds at a path.
+
+        It gets the root of the tree, the path, and the host that ``localhost`` means.
+        """
+        from rtkit.tree.view import build
+
+        listing = self.tree.listing()
+        return how(build(listing), path, listing.host)
+
+    def facts(self, path: Path) -> ComponentFacts:
+        """Return the facts of the living component at a path.
+
+        Raises:
+            NotFound: None is there.
+        """
+        from rtkit.tree.resolve import component
+
+        instance = self.node(component, path).instance
+        facts = self.tree.part([instance]).component(instance)
+        if facts is None:
+            raise NotFound(f"No such object: {path.typed}")
+        return facts
 
     def _warn_of_servers(self) -> None:
         """Warn, once, of entries of RTKIT_SERVERS that cannot be asked."""
@@ -251,3 +277,12 @@ def check_at_most_one(words: Sequence[str], what: str) -> None:
     """
     if len(words) > 1:
         raise WrongArguments(f"takes one {what}, not also: {' '.join(words[1:])}")
+
+
+def no_such(what: str, typed: str, known: Iterable[str]) -> str:
+    """Return that a word is none of a few, with those that may have been meant, else all."""
+    from rtkit.rtc.nearest import did_you_mean
+
+    words = list(known)
+    hint = did_you_mean(typed, words) or f" (one of {', '.join(words)})"
+    return f"no such {what}: {typed}{hint}"

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import click
 
-from rtkit.cli.shared.app import App, WrongArguments
+from rtkit.cli.shared.app import App, WrongArguments, no_such
 from rtkit.cli.shared.command import SETTINGS, Examples, Main, common_options
 from rtkit.cli.shared.commands import load
 from rtkit.cli.table import TABLE
@@ -59,10 +59,7 @@ class CommandGroup(click.Group):
         typed = args[0]
         found = self.get_command(ctx, typed)
         if found is None:
-            from rtkit.rtc.nearest import did_you_mean
-
-            hint = did_you_mean(typed, self.words) or f" (one of {', '.join(self.words)})"
-            raise UsageProblem(f"no such command: {typed}{hint}")
+            raise UsageProblem(no_such("command", typed, self.words))
         app.name = f"{app.name} {typed}"
         app.command = found
         return typed, found, args[1:]

@@ -33,7 +33,11 @@ _KEEN_S = 5.0
 class ManagerSeen(NamedTuple):
     """Event: a manager answers that did not answer, or did not run, before."""
 
+    manager: str
     is_back: bool
+
+    def __str__(self) -> str:
+        return f"manager {self.manager!r} {'is back' if self.is_back else 'has begun'}"
 
 
 class ManagerTold(NamedTuple):
@@ -180,7 +184,7 @@ class Observers(Closing):
 
         after = self.subscriptions[name].facts
         before = self._facts.pop(name, None)
-        told = [ManagerTold(name, ManagerSeen(is_back=before is not None))]
+        told = [ManagerTold(name, ManagerSeen(self.names[name], before is not None))]
         if before is None:  # the manager is new: all that it holds has appeared
             before = replace(after, processes=(), components=(), connectors=(), modules=())
         missed = tuple(user_events(before, delta_between(before, after, "", 0)))

@@ -14,6 +14,20 @@ _ENDINGS = (".xml", ".rtsys", ".yaml", ".yml", ".json")
 _MOST = 16 * 2**20
 
 
+def read_input(file: str | None) -> tuple[str, bytes]:
+    """Return name and content of a file, or of stdin for ``-`` and none; of too long ones a part.
+
+    Raises:
+        NotFound: The file cannot be read.
+    """
+    from rtkit.profile.parse import MAX_BYTES
+    from rtkit.profile.read import read_bytes
+
+    if file is None or file == STDIN:
+        return STDIN_NAME, sys.stdin.buffer.read(MAX_BYTES + 1)
+    return file, read_bytes(file)
+
+
 class DocumentSource(NamedTuple):
     """A document, or why it cannot be had.
 

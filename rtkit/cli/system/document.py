@@ -3,19 +3,17 @@
 from __future__ import annotations
 
 import re
-import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
 from rtkit.cli.shared.app import App, check_at_most_one
+from rtkit.cli.shared.profile_files import read_input
 from rtkit.errors import InvalidDocument
 from rtkit.fast_dataclass import dataclass
 
 if TYPE_CHECKING:
     from rtkit.profile.rts_model import RtsProfile
-
-STDIN = "-"
 
 
 @dataclass(frozen=True, slots=True)
@@ -76,13 +74,8 @@ def read_data(files: tuple[str, ...]) -> tuple[str, bytes]:
     Raises:
         NotFound: The file cannot be read.
     """
-    from rtkit.profile import read
-    from rtkit.profile.parse import MAX_BYTES
-
     check_at_most_one(files, "file")
-    if files and files[0] != STDIN:
-        return files[0], read.read_bytes(files[0])
-    return read.STDIN, sys.stdin.buffer.read(MAX_BYTES + 1)
+    return read_input(files[0] if files else None)
 
 
 def is_saved_plan(data: bytes) -> bool:

@@ -12,7 +12,6 @@ from rtkit.errors import Malformed, NotFound, Refused
 
 if TYPE_CHECKING:
     from rtkit.deployment.facts import ComponentFacts, ProcessFacts, Snapshot
-    from rtkit.deployment.listing import Listing
     from rtkit.rtc.names import Path
     from rtkit.rtc.profiles import PortProfile
     from rtkit.tree.view import TreeNode
@@ -44,7 +43,7 @@ def main(
         raise Malformed("Cannot cat a directory.")
     check_at_most_one(paths, "path")
     path = app.path(paths[0])
-    node = _node(app.tree.listing(), path)
+    node = app.node(_node, path)
     snapshot = app.tree.part([node.instance])
     facts = snapshot.component(node.instance)
     if node.is_directory:
@@ -66,14 +65,13 @@ def main(
     terminal.write(lines)
 
 
-def _node(listing: Listing, path: Path) -> TreeNode:
+def _node(root: TreeNode, path: Path, hostname: str) -> TreeNode:
     from rtkit.tree.resolve import absent, find, zombie
-    from rtkit.tree.view import NodeKind, build
+    from rtkit.tree.view import NodeKind
 
-    root = build(listing)
-    node = find(root, path, listing.host)
+    node = find(root, path, hostname)
     if node is None:
-        raise absent(root, path, listing.host)
+        raise absent(root, path, hostname)
     if node.is_directory:
         if path.port is not None:
             raise Refused(f"Not a component: {path.typed}")

@@ -42,15 +42,13 @@ def main(
 
 def _place(app: App, typed: str) -> str:
     from rtkit.tree.resolve import find
-    from rtkit.tree.view import build
 
     path = app.path(typed)
     if path.port is not None:
         raise Refused(f"Not a directory: {path.typed}")
     if not path.elements:
         return "/"
-    listing = app.tree.listing()
-    node = find(build(listing), path, listing.host)
+    node = app.node(find, path)
     if node is None:
         raise NotFound(f"Not a directory: {path.typed}")
     if not node.is_directory:

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import os
 import time
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from threading import Thread
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar
 
 from rtkit.cli.managers.doctor import ERROR, NOTE, OK, WARNING, Diagnosis
 from rtkit.cli.managers.doctor.folders import state_of
@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from rtkit.deployment.facts import Snapshot
     from rtkit.deployment.listing import Listing
 
+T = TypeVar("T")
 _STOPPED = ("T", "t")
 
 
@@ -30,15 +31,27 @@ def managers(timeout_s: float, environment: Mapping[str, str]) -> Iterator[Diagn
     if not names:
         yield Diagnosis("managers", NOTE, "no manager runs", "rtmgr start")
         yield from _port(environment.get("RTKIT_PORT", "") or str(DEFAULT_PORT))
-    found: dict[str, list[Diagnosis]] = {}
-    threads = [Thread(target=_look, args=(name, timeout_s, found), daemon=True) for name in names]
+    found = _at_once(_look, names, timeout_s)
+    for name in names:
+        yield from found.get(name) or [_silent(name, timeout_s)]
+
+
+def _at_once(
+    look: Callable[[str, float], T], names: Sequence[str], timeout_s: float
+) -> dict[str, T]:
+    """Look at several at once, for twice the time-out at most; who is late is left out."""
+    found: dict[str, T] = {}
+
+    def keep(name: str) -> None:
+        found[name] = look(name, timeout_s)
+
+    threads = [Thread(target=keep, args=(name,), daemon=True) for name in names]
     until = time.monotonic() + 2 * timeout_s
     for thread in threads:
         thread.start()
     for thread in threads:
         thread.join(max(0.0, until - time.monotonic()))
-    for name in names:
-        yield from found.get(name) or [_silent(name, timeout_s)]
+    return dict(found)
 
 
 def _port(asked: str) -> Iterator[Diagnosis]:
@@ -72,12 +85,11 @@ def _asked_for(environment: Mapping[str, str], names: Sequence[str]) -> Iterator
         yield Diagnosis("managers", WARNING, text, cure)
 
 
-def _look(name: str, timeout_s: float, found: dict[str, list[Diagnosis]]) -> None:
+def _look(name: str, timeout_s: float) -> list[Diagnosis]:
     pid = places.owner(name) or 0
     if state_of(pid) in _STOPPED:
         text = f"manager {name!r} (pid {pid}) is stopped"
-        found[name] = [Diagnosis("managers", ERROR, text, f"kill -CONT {pid}", name)]
-        return
+        return [Diagnosis("managers", ERROR, text, f"kill -CONT {pid}", name)]
     from rtkit.tree.connect import connect
 
     try:
@@ -85,14 +97,12 @@ def _look(name: str, timeout_s: float, found: dict[str, list[Diagnosis]]) -> Non
             listing, facts = tree.listing(), tree.part([])
             address, started = tree.get("rtkit.address"), float(tree.get("manager.started"))
     except (RtkitError, ImportError) as error:
-        found[name] = [_silent(name, timeout_s, str(error))]
-        return
-    judged = [
+        return [_silent(name, timeout_s, str(error))]
+    return [
         *judge(name, listing, facts),
         *endpoint(name, address, facts.properties, os.environ.get("RTKIT_PORT", "")),
+        *_clock(name, started),
     ]
-    judged += _clock(name, started)
-    found[name] = judged
 
 
 def _silent(name: str, timeout_s: float, why: str = "") -> Diagnosis:
@@ -183,15 +193,7 @@ def servers(environment: Mapping[str, str], timeout_s: float) -> Iterator[Diagno
     for why in strange_servers() if environment else []:
         yield Diagnosis("doors", ERROR, why, "write HOST:PORT, with ; between several")
     addresses = named() if environment else []
-    told: dict[str, str] = {}
-    threads = [
-        Thread(target=_knock, args=(address, timeout_s, told), daemon=True) for address in addresses
-    ]
-    until = time.monotonic() + 2 * timeout_s
-    for thread in threads:
-        thread.start()
-    for thread in threads:
-        thread.join(max(0.0, until - time.monotonic()))
+    told = _at_once(_knock, addresses, timeout_s)
     for address in addresses:
         why = told.get(address, f"{address} does not answer within {timeout_s:g} s")
         if why:
@@ -201,13 +203,13 @@ def servers(environment: Mapping[str, str], timeout_s: float) -> Iterator[Diagno
             yield Diagnosis("doors", OK, f"{address} answers", "", address)
 
 
-def _knock(address: str, timeout_s: float, told: dict[str, str]) -> None:
+def _knock(address: str, timeout_s: float) -> str:
+    """Return why an address does not answer; empty if it does."""
     from rtkit.tree.connect import connect
 
     try:
         with connect(address, timeout_s) as tree:
             tree.listing()
     except (RtkitError, ImportError) as error:
-        told[address] = str(error)
-    else:
-        told[address] = ""
+        return str(error)
+    return ""

@@ -106,12 +106,11 @@ class _Live:
         from rtkit.tree.subscription import SubscriptionEnded
 
         self._top.take(told)
-        for manager, heard in told:
+        for _, heard in told:
             if isinstance(heard, SubscriptionEnded):
                 self._tell(f"{heard.why}; waiting for it to come back")
             elif isinstance(heard, ManagerSeen):
-                how = "is back" if heard.is_back else "has begun"
-                self._tell(f"manager {self._top.subscriptions.names[manager]!r} {how}")
+                self._tell(str(heard))
         while self._outcomes:
             self._tell(self._outcomes.popleft())
         self._is_stale = True
