@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
+import os
 import sys
 from typing import TYPE_CHECKING, NamedTuple
 
 from rtkit.cli.shared.app import App, WrongArguments
 from rtkit.cli.shared.profile_files import read_input
+from rtkit.errors import UsageProblem
 
 if TYPE_CHECKING:
     from rtkit.profile.common import Note
     from rtkit.profile.rtc_model import RtcProfile
     from rtkit.profile.rts_model import RtsProfile
+    from rtkit.profile_tools.page import Page
 
 
 class ReadDocument(NamedTuple):
@@ -56,3 +59,26 @@ def read_bytes_of(file: str | None) -> tuple[str, bytes]:
     if file is None and (sys.stdin is None or sys.stdin.isatty()):
         raise WrongArguments("No file specified.")
     return read_input(file)
+
+
+def write_page(page: Page, form: str, output: str, dot: str = "") -> None:
+    """Write a page in a form of `rtkit.profile_tools.rendering`, `dot` as a diagram in one of them.
+
+    The picture of a page in Markdown is an SVG file beside it; on stdout there is none.
+
+    Raises:
+        UsageProblem: The picture would replace the page.
+    """
+    from rtkit.cli.shared.atomic import STDOUT, write_output
+    from rtkit.cli.shared.terminal import display_width
+    from rtkit.profile_tools.rendering import rendered
+
+    has_file = form == "markdown" and page.picture and output != STDOUT
+    picture = f"{os.path.splitext(output)[0]}.svg" if has_file else ""
+    if picture and picture == output:
+        raise UsageProblem(f"the picture would replace the page: {output}")
+    if picture:
+        write_output(page.picture.encode(), picture)
+    name = os.path.basename(picture)
+    text = rendered(page, form, width=display_width, picture_file=name, dot=dot)
+    write_output(text.encode(), output)

@@ -5,14 +5,14 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from rtkit.cli.shared.app import App, check_at_most_one, no_such
-from rtkit.cli.shared.atomic import STDOUT, write_output
+from rtkit.cli.shared.atomic import STDOUT
 from rtkit.cli.shared.command import command
 from rtkit.cli.shared.options import arguments, flag, option
 from rtkit.errors import Malformed, UsageProblem
 
 if TYPE_CHECKING:
     from rtkit.cli.profiles.doc_subject import DocumentedComponent
-    from rtkit.profile_tools.page import Page, Section
+    from rtkit.profile_tools.page import Section
     from rtkit.rtc.profiles import TypeProfile
 
 FORMS = ("html", "rst", "latex", "markdown", "text")
@@ -57,6 +57,7 @@ def main(
         raise Malformed("No component specified.")
     check_at_most_one(words, "component")
     from rtkit.cli.profiles.doc_subject import dot_of, page_of
+    from rtkit.cli.profiles.document import write_page
 
     subject = _of_module(words[0]) if _is_module(words[0]) else _of_tree(app, words[0])
     if not subject.has_documentation:
@@ -64,13 +65,9 @@ def main(
     made = page_of(subject, has_picture=graph)
     for warning in made.warnings:
         app.fail(f"warning: {warning}")
-    if chosen == "rst" and graph:
-        text = _rst(made.page, dot_of(subject))
-    elif chosen == "markdown" and made.page.picture:
-        text = _with_picture(made.page, output)
-    else:
-        text = _written(made.page, chosen)
-    write_output(text.encode(), output)
+    if chosen == "markdown" and made.page.picture and output == STDOUT:
+        raise UsageProblem("-g: the picture of a page in markdown is a file beside it: -o FILE")
+    write_page(made.page, chosen, output, dot_of(subject) if graph else "")
 
 
 def _form(typed: str) -> str:
@@ -125,49 +122,3 @@ def _from_profile(app: App, type: TypeProfile) -> tuple[Section, ...]:
             assert isinstance(profile, RtcProfile)
             return tuple(s for s in component_page(profile).sections if s.title not in _OWN)
     return ()
-
-
-def _rst(page: Page, dot: str = "") -> str:
-    from rtkit.cli.shared.terminal import display_width
-    from rtkit.profile_tools.rst_page import rst_page
-
-    return rst_page(page, display_width, dot)
-
-
-def _with_picture(page: Page, output: str) -> str:
-    """Return a page in Markdown, its drawing in an SVG file beside it.
-
-    Raises:
-        UsageProblem: There is no file beside which it could be.
-    """
-    import os
-
-    from rtkit.profile_tools.markdown_page import markdown_page
-
-    if output == STDOUT:
-        raise UsageProblem("-g: the picture of a page in markdown is a file beside it: -o FILE")
-    picture = f"{os.path.splitext(output)[0]}.svg"
-    write_output(page.picture.encode(), picture)
-    return markdown_page(page, os.path.basename(picture))
-
-
-def _written(page: Page, form: str) -> str:
-    from rtkit.cli.shared.terminal import display_width
-
-    if form == "html":
-        from rtkit.profile_tools.html_page import html_page
-
-        return html_page(page)
-    if form == "markdown":
-        from rtkit.profile_tools.markdown_page import markdown_page
-
-        return markdown_page(page)
-    if form == "latex":
-        from rtkit.profile_tools.latex_page import latex_page
-
-        return latex_page(page)
-    if form == "rst":
-        return _rst(page)
-    from rtkit.profile_tools.text_page import text_page
-
-    return text_page(page, display_width)

@@ -15,9 +15,8 @@ from rtkit.profile.read import read_file
 from rtkit.profile.rtc_model import DataPortDoc, RtcProfile
 from rtkit.profile.rts_model import RtsProfile
 from rtkit.profile_tools.component_page import component_page
-from rtkit.profile_tools.html_page import html_page
-from rtkit.profile_tools.markdown_page import markdown_page
 from rtkit.profile_tools.page import Page, PageTable, Section, section
+from rtkit.profile_tools.rendering import rendered
 from rtkit.profile_tools.system_page import system_page
 
 HTML = "{http://www.w3.org/1999/xhtml}"
@@ -57,20 +56,20 @@ def words(root: Any) -> str:
 def test_every_profile_has_its_pages(file: str) -> None:
     profile = read_file(file).profile
     page = page_of(profile)
-    root = checked(html_page(page))
+    root = checked(rendered(page, "html"))
     told = words(root)
-    marked = markdown_page(page, "a.svg")
+    marked = rendered(page, "markdown", picture_file="a.svg")
     if isinstance(profile, RtcProfile):
         names = [port.name for port in (*profile.data_ports, *profile.service_ports)]
     else:
         names = [component.instance_name for component in profile.components]
     for name in names:
         assert " ".join(name.split()) in told
-    rendered = MarkdownIt("commonmark", {"html": False}).enable("table").render(marked)
+    renderer = MarkdownIt("commonmark", {"html": False}).enable("table").render(marked)
     shown = " ".join("".join(etree.HTML(rendered).itertext()).split())
     for name in names:
         assert " ".join(name.split()) in shown
-    assert ("<svg" in html_page(page)) == bool(page.picture)
+    assert ("<svg" in rendered(page, "html")) == bool(page.picture)
 
 
 def sensor() -> RtcProfile:
@@ -80,7 +79,7 @@ def sensor() -> RtcProfile:
 
 
 def test_what_a_profile_documents_is_on_the_page() -> None:
-    told = words(checked(html_page(component_page(sensor()))))
+    told = words(checked(rendered(component_page(sensor()), "html")))
     for text in (
         "Measures distances & filters them",
         "MIT",
@@ -106,11 +105,11 @@ def nasty() -> RtcProfile:
 
 def test_any_text_is_shown_as_it_is() -> None:
     page = component_page(nasty())
-    root = checked(html_page(page))
+    root = checked(rendered(page, "html"))
     assert root.find(f".//{HTML}h1").text == NASTY
     assert words(root).count(NASTY) >= 8
-    rendered = MarkdownIt("commonmark", {"html": True}).enable(["table", "strikethrough"])
-    tree = etree.HTML(rendered.render(markdown_page(page)))
+    renderer = MarkdownIt("commonmark", {"html": True}).enable(["table", "strikethrough"])
+    tree = etree.HTML(renderer.render(rendered(page, "markdown")))
     assert tree.find(".//h1").text == NASTY
     assert tree.find(".//script") is None
     assert tree.find(".//em") is tree.find(".//a") is tree.find(".//s") is None
@@ -122,14 +121,14 @@ def test_line_breaks_of_builders_are_line_breaks() -> None:
     table = PageTable(("a", "b"), (("one<br/>two", ""), ("three<BR>four\r\nfive", "")))
     texts = ("one<br />two\n\n\nthree\nfour",)
     page = Page("T", "", (), "", "", (Section("S", texts, table),))
-    root = checked(html_page(page))
+    root = checked(rendered(page, "html"))
     assert [list(p.itertext()) for p in root.iter(f"{HTML}p")] == [
         ["one", "two"],
         ["three", "four"],
     ]
     cells = [list(cell.itertext()) for cell in root.iter(f"{HTML}td")]
     assert cells == [["one", "two"], [], ["three", "four", "five"], []]
-    assert markdown_page(page) == (
+    assert rendered(page, "markdown") == (
         "# T\n\n## S\n\none\\\ntwo\n\nthree\\\nfour\n\n"
         "| a | b |\n| --- | --- |\n| one<br>two |  |\n| three<br>four<br>five |  |\n"
     )
@@ -146,7 +145,7 @@ def test_texts_that_look_like_markdown_are_texts() -> None:
         "    no code",
     )
     page = Page("T", "", (), "", "", tuple(Section("S", (line,)) for line in lines))
-    tree = etree.HTML(MarkdownIt("commonmark").render(markdown_page(page)))
+    tree = etree.HTML(MarkdownIt("commonmark").render(rendered(page, "markdown")))
     assert [paragraph.text for paragraph in tree.iter("p")] == [line.strip() for line in lines]
 
 
@@ -159,5 +158,7 @@ def test_what_is_empty_is_left_out() -> None:
 
 def test_the_picture_of_a_markdown_page_is_beside_it() -> None:
     page = component_page(sensor())
-    assert "![The ports of Range](my%20file.svg)" in markdown_page(page, "my file.svg")
-    assert "![" not in markdown_page(page)
+    assert "![The ports of Range](my%20file.svg)" in rendered(
+        page, "markdown", picture_file="my file.svg"
+    )
+    assert "![" not in rendered(page, "markdown")

@@ -10,7 +10,6 @@ import click
 from rtkit.cli.shared.app import App, check_at_most_one
 from rtkit.cli.shared.command import command
 from rtkit.cli.shared.options import arguments, flag, option
-from rtkit.errors import UsageProblem
 
 if TYPE_CHECKING:
     from rtkit.profile.rtc_model import RtcProfile
@@ -45,26 +44,12 @@ def main(
     An HTML page is one file, with the picture in it, without scripts, and loads nothing. Markdown
     that is written to a file has its picture in an SVG file beside it.
     """
-    from rtkit.cli.profiles.document import read_document
-    from rtkit.cli.shared.atomic import write_output
+    from rtkit.cli.profiles.document import read_document, write_page
 
     check_at_most_one(files, "file")
     form = form or _ENDINGS.get(os.path.splitext(output)[1].lower(), HTML)
     page = _page(read_document(app, *files).profile)
-    page = page._replace(picture="") if no_picture else page
-    if form == HTML:
-        from rtkit.profile_tools.html_page import html_page
-
-        write_output(html_page(page).encode(), output)
-        return
-    from rtkit.profile_tools.markdown_page import markdown_page
-
-    picture = f"{os.path.splitext(output)[0]}.svg" if page.picture and output != "-" else ""
-    if picture == output:
-        raise UsageProblem(f"the picture would replace the page: {output}")
-    if picture:
-        write_output(page.picture.encode(), picture)
-    write_output(markdown_page(page, os.path.basename(picture)).encode(), output)
+    write_page(page._replace(picture="") if no_picture else page, form, output)
 
 
 def _page(profile: RtcProfile | RtsProfile) -> Page:
