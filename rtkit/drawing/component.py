@@ -14,7 +14,7 @@ from rtkit.drawing.scene import (
     PortPin,
     Size,
 )
-from rtkit.drawing.svg import escaped, opening, port_shape
+from rtkit.drawing.svg import escaped, head_lines, opening, port_lines
 from rtkit.drawing.text import shortened, text_width
 
 _MARGIN = 16
@@ -79,10 +79,7 @@ def component_svg(name: str, pins: Sequence[Pin]) -> str:
 
 def _frame(name: str, x: int, width: int, height: int) -> Iterator[str]:
     yield f'<rect class="rt-box" x="{x}" y="{_MARGIN}" width="{width}" height="{height}" rx="4"/>'
-    head = f"M{x + 1} {_MARGIN + 26}V{_MARGIN + 4}q0 -3 3 -3h{width - 8}q3 0 3 3v22z"
-    yield f'<path class="rt-head" d="{head}"/>'
-    middle = x + width / 2
-    yield f'<text class="rt-title" x="{middle:g}" y="{_MARGIN + 18}">{escaped(name)}</text>'
+    yield from head_lines(name, (x, _MARGIN), width, 25)
 
 
 def _name_width(pin: Pin) -> float:
@@ -114,10 +111,7 @@ def _pin(pin: Pin, x: int, y: int) -> Iterator[str]:
         yield f"<title>{escaped(port.tip)}</title>"
     for row, interface in enumerate(pin.interfaces):
         yield from _interface(interface, x, y, y + row * ROW, sign)
-    yield f'<path class="rt-{port.kind}" d="{port_shape(port.kind, x, y)}"/>'
-    side = "" if sign < 0 else " rt-end"
-    at = x - sign * 10
-    yield f'<text class="rt-name{side}" x="{at}" y="{y + 4}">{escaped(port.name)}</text>'
+    yield from port_lines(port, x, y)
     if pin.outside:
         yield _outside(pin.outside, x + sign * 11, y, sign)
     yield "</g>"

@@ -125,10 +125,9 @@ def box_lines(box: Box, place: Point) -> Iterator[str]:
     frame = f'x="{x}" y="{y}" width="{size.width}"'
     yield f'<rect class="rt-box{dashed}" {frame} height="{size.height}" rx="4"/>'
     colour = f' style="fill:{box.fill}"' if box.fill else ""
-    yield f'<path class="rt-head"{colour} d="{_header(x + 1, y + 1, size.width - 2, head - 3)}"/>'
-    middle = x + size.width / 2
-    yield f'<text class="rt-title" x="{middle:g}" y="{y + 18}">{escaped(box.title)}</text>'
+    yield from head_lines(box.title, place, size.width, head - 3, colour)
     if box.subtitle:
+        middle = x + size.width / 2
         yield f'<text class="rt-sub" x="{middle:g}" y="{y + 33}">{escaped(box.subtitle)}</text>'
     for index, port in enumerate(box.ports):
         left = x if port.side == LEFT else x + size.width
@@ -136,6 +135,16 @@ def box_lines(box: Box, place: Point) -> Iterator[str]:
     if box.inside is not None:
         yield from _inside(box, box.inside, place)
     yield "</g>"
+
+
+def head_lines(
+    title: str, place: Point, width: int, height: int, colour: str = ""
+) -> Iterator[str]:
+    """Yield the head of a box of this width, with the title."""
+    x, y = place
+    head = f"M{x + 1} {y + 1 + height}V{y + 4}q0 -3 3 -3h{width - 8}q3 0 3 3v{height - 3}z"
+    yield f'<path class="rt-head"{colour} d="{head}"/>'
+    yield f'<text class="rt-title" x="{x + width / 2:g}" y="{y + 18}">{escaped(title)}</text>'
 
 
 def _inside(box: Box, inside: Inside, place: Point) -> Iterator[str]:
@@ -161,20 +170,21 @@ def _inside(box: Box, inside: Inside, place: Point) -> Iterator[str]:
     yield "</g>"
 
 
-def _header(x: int, y: int, width: int, height: int) -> str:
-    return f"M{x} {y + height}V{y + 3}q0 -3 3 -3h{width - 6}q3 0 3 3v{height - 3}z"
-
-
 def _port(port: PortPin, x: int, y: int) -> Iterator[str]:
     yield "<g>"
     if port.tip:
         yield f"<title>{escaped(port.tip)}</title>"
+    yield from port_lines(port, x, y)
+    yield "</g>"
+
+
+def port_lines(port: PortPin, x: int, y: int) -> Iterator[str]:
+    """Yield the mark of a port at the edge of its box, and its name inside."""
     yield f'<path class="rt-{port.kind}" d="{port_shape(port.kind, x, y)}"/>'
     is_left = port.side == LEFT
     side = "" if is_left else " rt-end"
     at = x + 10 if is_left else x - 10
     yield f'<text class="rt-name{side}" x="{at}" y="{y + 4}">{escaped(port.name)}</text>'
-    yield "</g>"
 
 
 def port_shape(kind: str, x: int, y: int) -> str:

@@ -106,29 +106,6 @@ def read_bytes(path: str) -> bytes:
         raise NotFound(f"cannot read {path!r}: {error}") from error
 
 
-def explain(
-    data: bytes | str, source: str = STDIN, *, form: str | None = None, kind: str | None = None
-) -> tuple[Note, ...]:
-    """Tell in full what is wrong with a profile, with element paths and reasons; slow."""
-    from rtkit.profile.validate import explained_violations
-
-    try:
-        root, found, grammar = as_it_stands(data, source, form, kind)
-        _normalise(root, found, grammar)
-    except InvalidProfile as error:
-        return error.problems
-    return tuple(sorted(found.errors + explained_violations(root, grammar.schema)))
-
-
-def profile_kind(data: bytes | str, source: str = STDIN, *, form: str | None = None) -> str:
-    """Tell whether a document is an ``rts`` or an ``rtc`` profile, by its root.
-
-    Raises:
-        InvalidProfile: It is neither.
-    """
-    return _opened(data, source, form, None)[0]
-
-
 @dataclass(frozen=True, slots=True)
 class Grammar:
     """Schema, tables and checks of a kind of profile, ``rts`` or ``rtc``."""
@@ -332,13 +309,6 @@ def _built(root: Any, grammar: Grammar) -> Any:
         return build(root, grammar.spec)
     except (KeyError, ValueError):
         return None
-
-
-def _normalise(root: Any, found: Findings, grammar: Grammar) -> None:
-    from rtkit.profile.normalise import normalise
-
-    normalise(root, grammar.spec, found)
-    grammar.check(root, found)
 
 
 def _read(data: bytes | str, source: str, form: str | None, kind: str | None, strict: bool) -> Any:

@@ -13,11 +13,12 @@ from typing import Any
 import pytest
 from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
+from profile_reading import explain, profile_kind
 
 from rtkit.profile.examine import examine
 from rtkit.profile.findings import InvalidProfile
 from rtkit.profile.forms import FORMS
-from rtkit.profile.read import explain, profile_kind, read_profile
+from rtkit.profile.read import read_profile
 from rtkit.profile.rules import RULES
 from rtkit.profile.write import write_profile
 

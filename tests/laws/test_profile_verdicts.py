@@ -12,13 +12,14 @@ import xmlschema
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from lxml import etree
+from profile_reading import profile_kind
 
 from rtkit.profile import constraint_model as c
 from rtkit.profile import rtc_model as rtc
 from rtkit.profile import rts_model as rts
 from rtkit.profile.common import ExtensionProperty
 from rtkit.profile.findings import InvalidProfile
-from rtkit.profile.read import profile_kind, read_rtc, read_rts
+from rtkit.profile.read import read_rtc, read_rts
 from rtkit.profile.rtc_model import ActionDoc, BasicDoc, ConfigurationDoc
 from rtkit.profile.write import write_rtc, write_rts
 from rtkit.resources import resource

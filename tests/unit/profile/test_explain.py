@@ -8,10 +8,11 @@ import sys
 from pathlib import Path
 
 import pytest
+from profile_reading import explain
 
 from rtkit.profile import rts_spec
 from rtkit.profile.examine import examine, objections
-from rtkit.profile.read import explain, read_rts
+from rtkit.profile.read import read_rts
 from rtkit.profile.write import write_profile
 
 CHECKOUT = os.path.abspath(os.path.join(os.path.dirname(__file__), "..", "..", ".."))

@@ -10,11 +10,12 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+from profile_reading import explain
 
 from rtkit.errors import InvalidDocument
 from rtkit.profile.findings import InvalidProfile
 from rtkit.profile.parse import MAX_BYTES, MAX_DEPTH
-from rtkit.profile.read import explain, read_rtc, read_rts
+from rtkit.profile.read import read_rtc, read_rts
 
 RTS = "http://www.openrtp.org/namespaces/rts"
 ROOT = (

@@ -9,11 +9,12 @@ from typing import Any
 import pytest
 from corpus import ROOT, corpus, needs_corpus
 from lxml import etree
+from profile_reading import profile_kind
 
 from rtkit.profile.common import Note
 from rtkit.profile.findings import ElementPaths, Findings, InvalidProfile
 from rtkit.profile.parse import parse
-from rtkit.profile.read import profile_kind, read_rtc, read_rts
+from rtkit.profile.read import read_rtc, read_rts
 from rtkit.profile.rules import RULES
 from rtkit.profile.xmlnames import NAMESPACES, clark
 

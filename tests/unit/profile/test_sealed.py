@@ -25,11 +25,15 @@ CALLS = {
 MEGABYTES = 200
 """How much a process may grow over reading documents of at most 12 MiB, one after the other."""
 
-CHILD = """
+SUPPORT = str(Path(__file__).parents[2] / "support")
+CHILD = (
+    f"import sys; sys.path.append({SUPPORT!r})"
+    + """
 import ctypes, gc, json, struct, sys
 from rtkit.profile.findings import InvalidProfile
 from rtkit.profile.examine import examine
-from rtkit.profile.read import explain, read_profile
+from profile_reading import explain
+from rtkit.profile.read import read_profile
 
 calls, how, size = json.loads(sys.argv[1]), sys.argv[2], struct.Struct(">I")
 
@@ -77,6 +81,7 @@ for data in stream:
 open("/dev/null")
 print(json.dumps({"sealed": False}))
 """
+)
 
 
 def warm_up() -> list[bytes]:

@@ -66,7 +66,7 @@ def test_every_profile_has_its_pages(file: str) -> None:
     for name in names:
         assert " ".join(name.split()) in told
     renderer = MarkdownIt("commonmark", {"html": False}).enable("table").render(marked)
-    shown = " ".join("".join(etree.HTML(rendered).itertext()).split())
+    shown = " ".join("".join(etree.HTML(renderer).itertext()).split())
     for name in names:
         assert " ".join(name.split()) in shown
     assert ("<svg" in rendered(page, "html")) == bool(page.picture)
