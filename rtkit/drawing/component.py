@@ -13,9 +13,10 @@ from rtkit.drawing.scene import (
     TITLE_SIZE,
     PortPin,
     Size,
+    shortened,
+    text_width,
 )
 from rtkit.drawing.svg import escaped, head_lines, opening, port_lines
-from rtkit.drawing.text import shortened, text_width
 
 _MARGIN = 16
 _STEM = 30

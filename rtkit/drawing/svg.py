@@ -26,8 +26,8 @@ from rtkit.drawing.scene import (
     header_height,
     inside_offset,
     port_offset,
+    text_width,
 )
-from rtkit.drawing.text import text_width
 from rtkit.xmltext import without_bad_characters
 
 FONT = "font-family=\"'Noto Sans', 'DejaVu Sans', 'Helvetica Neue', Arial, sans-serif\""

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from typing import Any
 
 from rtkit.profile.findings import refused
-from rtkit.profile.nodes import MAX_DEPTH, MAX_NODES, ListNode, Node, ScalarNode, TableNode
+from rtkit.profile.tree_read import MAX_DEPTH, MAX_NODES, ListNode, Node, ScalarNode, TableNode
 
 # Possessive, and content with the end of the text for the end of a string: time grows with length.
 _MARKS = re.compile(r'"[^"\\]*+(?:\\.[^"\\]*+)*+(?:"|\\?\Z)|[{}\[\],\n]', re.DOTALL)

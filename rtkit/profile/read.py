@@ -190,9 +190,8 @@ def _opened_xml(
 def _opened_tree(
     data: bytes, source: str, form: str, kind: str | None
 ) -> tuple[str, Callable[[ElementSpec], tuple[Any, Findings]]]:
-    from rtkit.profile.nodes import decoded
     from rtkit.profile.tree_form import ROOTS
-    from rtkit.profile.tree_read import elements_of, root_of
+    from rtkit.profile.tree_read import decoded, elements_of, root_of
 
     if form == YAML:
         from rtkit.profile.yaml_text import read_yaml as reader

@@ -1,13 +1,16 @@
-"""Converts a YAML or JSON tree to elements, as which every profile is checked."""
+"""Converts a YAML or JSON tree to elements, as which every profile is checked.
+
+Scalars stay text: the tables of `rtkit.profile.spec` know the type of each of them, so ``0.2``
+is a version where a version is meant, and ``no`` a name where a name is.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import suppress
-from typing import Any
+from typing import Any, NamedTuple
 
 from rtkit.profile.findings import Findings, refused
-from rtkit.profile.nodes import ListNode, Node, ScalarNode, TableNode
 from rtkit.profile.parse import MAX_ATTRIBUTES
 from rtkit.profile.rts_model import OrderStep
 from rtkit.profile.spec import DATE, FLAG, Attr, Child, ElementSpec
@@ -26,6 +29,68 @@ from rtkit.profile.tree_form import (
 )
 from rtkit.profile.xmlnames import NAMESPACES, XSI_TYPE, clark, short
 from rtkit.xmltext import without_bad_characters
+
+MAX_DEPTH = 136
+"""Tables and lists nested deeper than this are refused; an element may be both of them."""
+
+MAX_NODES = 450_000
+"""A document of more scalars, tables and lists than this is refused."""
+
+_MARKS = (
+    (b"\xff\xfe\0\0", "utf-32"),
+    (b"\0\0\xfe\xff", "utf-32"),
+    (b"\xff\xfe", "utf-16"),
+    (b"\xfe\xff", "utf-16"),
+)
+_NULLS = ("", "~", "null", "Null", "NULL")
+
+
+class ScalarNode(NamedTuple):
+    """A scalar; one that is not quoted may stand for something else than text."""
+
+    line: int
+    text: str
+    is_quoted: bool = False
+
+    @property
+    def is_null(self) -> bool:
+        """Return whether nothing is there."""
+        return not self.is_quoted and self.text in _NULLS
+
+
+class TableNode(NamedTuple):
+    """Keys and their values, in the order of the document; each key is there once."""
+
+    line: int
+    items: tuple[tuple[ScalarNode, Node], ...]
+
+
+class ListNode(NamedTuple):
+    """A list."""
+
+    line: int
+    items: tuple[Node, ...]
+
+
+Node = ScalarNode | TableNode | ListNode
+
+
+def decoded(data: bytes, source: str) -> str:
+    """Return the text of a document: UTF-8, or what its byte order mark says.
+
+    Raises:
+        InvalidProfile: It is no such text.
+    """
+    encoding = next((name for mark, name in _MARKS if data.startswith(mark)), "utf-8-sig")
+    try:
+        return data.decode(encoding)
+    except UnicodeDecodeError as error:
+        line = data.count(b"\n", 0, error.start) + 1
+        name = encoding.removesuffix("-sig").upper()
+        raise refused(
+            source, line, "not-well-formed", f"not {name}: byte {error.start + 1}"
+        ) from error
+
 
 _CHARACTER = "bad-character"
 _TRUE, _FALSE = ("true", "yes", "on", "y"), ("false", "no", "off", "n")

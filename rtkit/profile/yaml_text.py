@@ -12,8 +12,8 @@ from __future__ import annotations
 from typing import Any, NoReturn
 
 from rtkit.profile.findings import refused
-from rtkit.profile.nodes import MAX_DEPTH, MAX_NODES, ListNode, Node, ScalarNode, TableNode
 from rtkit.profile.parse import MAX_BYTES
+from rtkit.profile.tree_read import MAX_DEPTH, MAX_NODES, ListNode, Node, ScalarNode, TableNode
 
 _SYNTAX, _LARGE, _TAGS, _KEYS = "not-well-formed", "too-large", "tag-or-alias", "repeated-key"
 _CORE = "tag:yaml.org,2002:"

@@ -33,7 +33,7 @@ def _of_xml(data: bytes) -> Iterator[Note]:
 def _of_yaml(data: bytes) -> Iterator[Note]:
     import yaml
 
-    from rtkit.profile.nodes import decoded
+    from rtkit.profile.tree_read import decoded
 
     text = decoded(data, "")
     loader = getattr(yaml, "CSafeLoader", yaml.SafeLoader)

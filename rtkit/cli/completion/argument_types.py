@@ -7,8 +7,15 @@ from collections.abc import Callable, Iterable
 
 from rtkit.cli.completion.candidates import Candidate, Files, those
 from rtkit.cli.completion.grammar import CursorMeaning
-from rtkit.cli.completion.live import CompletionSource, instances_of
-from rtkit.cli.completion.places import WantedPath, in_state, living, paths, with_row
+from rtkit.cli.completion.live import (
+    CompletionSource,
+    WantedPath,
+    in_state,
+    instances_of,
+    living,
+    paths,
+    with_row,
+)
 from rtkit.cli.shared.app import working_directory
 from rtkit.rtc.names import parse_path
 from rtkit.tree.view import NodeKind, TreeNode

@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 
 from rtkit.cli.completion.candidates import Candidate
-from rtkit.cli.completion.live import CompletionSource
-from rtkit.cli.completion.places import WantedPath, living, paths
+from rtkit.cli.completion.live import CompletionSource, WantedPath, living, paths
 from rtkit.cli.shared.app import working_directory
 from rtkit.errors import RtkitError
 from rtkit.rtc.names import LOCAL

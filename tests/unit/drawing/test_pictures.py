@@ -36,9 +36,10 @@ from rtkit.drawing.scene import (
     Wire,
     WireEnd,
     box_size,
+    shortened,
+    text_width,
 )
 from rtkit.drawing.svg import picture, rounded, scene_svg
-from rtkit.drawing.text import shortened, text_width
 from rtkit.profile.read import read_file
 from rtkit.profile.rts_model import RtsProfile
 from rtkit.profile_tools.system_scene import system_scene

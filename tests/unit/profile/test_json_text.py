@@ -8,7 +8,7 @@ import pytest
 
 from rtkit.profile.findings import InvalidProfile
 from rtkit.profile.json_text import read_json, write_json
-from rtkit.profile.nodes import MAX_DEPTH, ListNode, Node, ScalarNode, TableNode
+from rtkit.profile.tree_read import MAX_DEPTH, ListNode, Node, ScalarNode, TableNode
 
 
 def lines(node: Node) -> Any:

@@ -9,7 +9,7 @@ import pytest
 import yaml
 
 from rtkit.profile.findings import InvalidProfile
-from rtkit.profile.nodes import MAX_DEPTH, Node, ScalarNode, TableNode
+from rtkit.profile.tree_read import MAX_DEPTH, Node, ScalarNode, TableNode
 from rtkit.profile.yaml_text import read_yaml, write_yaml
 
 
