@@ -47,6 +47,26 @@ def put(things: Things, key: ThingKey, thing: Thing) -> ThingKey:
     return new
 
 
+class Collector:
+    """Collects the things of a profile: with all their fields, or with what these mean."""
+
+    def __init__(self, takes_all: bool) -> None:
+        self.takes_all = takes_all
+        self.things: Things = {}
+
+    def add(
+        self,
+        key: tuple[int, str, str],
+        model: Any,
+        meaning: dict[str, str],
+        without: Container[str] = (),
+        owner: ThingKey | None = None,
+    ) -> ThingKey:
+        """Add a thing, of which a model tells all but the fields `without`; return its key."""
+        fields = fields_of(model, without) if self.takes_all else meaning
+        return put(self.things, ThingKey(*key), Thing(fields, owner))
+
+
 def fields_of(model: Any, without: Container[str] = (), prefix: str = "") -> dict[str, str]:
     """Return all values of a model as text, by name; what is absent is left out.
 

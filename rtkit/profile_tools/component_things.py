@@ -2,20 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-
 from rtkit.profile.constraint_model import Constraint
 from rtkit.profile.constraint_text import format_constraint
 from rtkit.profile.rtc_model import (
     BasicInfo,
     ConfigurationParameter,
     DataPortDeclaration,
-    FsmTransition,
     RtcProfile,
 )
 from rtkit.profile.rtc_spec import ACTIONS
 from rtkit.profile.words import normal_data_type
 from rtkit.profile_tools.compared_things import (
+    Collector,
     Thing,
     ThingKey,
     Things,
@@ -42,27 +40,30 @@ _CONTAINERS = {
 
 def component_things(profile: RtcProfile, takes_all: bool) -> Things:
     """Return the things of a profile: all, or those that matter to users of the component."""
-    things: Things = {}
-    put(things, ThingKey(0, "component", ""), Thing(_component(profile, takes_all)))
+    found = Collector(takes_all)
+    put(found.things, ThingKey(0, "component", ""), Thing(_component(profile, takes_all)))
     for port in profile.data_ports:
-        fields = fields_of(port, ("name", "events")) if takes_all else _data_port(port)
-        key = put(things, ThingKey(1, "port", port.name), Thing(fields))
-        _events(things, key, port.events, takes_all)
+        key = found.add((1, "port", port.name), port, _data_port(port), ("name", "events"))
+        for event in port.events:
+            told_of = picked(event, "source", "target", "condition", "type")
+            found.add((2, "event", f"{key.name}.{event.name}"), event, told_of, ("name",), key)
     for service in profile.service_ports:
-        fields = fields_of(service, ("name", "service_interfaces")) if takes_all else {}
-        key = put(things, ThingKey(1, "service port", service.name), Thing(fields))
+        without = ("name", "service_interfaces")
+        key = found.add((1, "service port", service.name), service, {}, without)
         for each in service.service_interfaces:
-            fields = fields_of(each, ("name",)) if takes_all else picked(each, *_OF_INTERFACE)
-            put(things, ThingKey(2, "interface", f"{service.name}.{each.name}"), Thing(fields, key))
-    if profile.configuration_set is not None:
-        for item in profile.configuration_set.configurations:
-            fields = fields_of(item, ("name",)) if takes_all else _parameter(item)
-            put(things, ThingKey(3, "parameter", item.name), Thing(fields))
+            name = f"{service.name}.{each.name}"
+            found.add((2, "interface", name), each, picked(each, *_OF_INTERFACE), ("name",), key)
+    parameters = profile.configuration_set.configurations if profile.configuration_set else ()
+    for item in parameters:
+        found.add((3, "parameter", item.name), item, _parameter(item), ("name",))
     for old in profile.parameters:
-        fields = fields_of(old, ("name",)) if takes_all else told(default=old.default_value)
-        put(things, ThingKey(3, "system parameter", old.name), Thing(fields))
-    _actions(things, profile, takes_all)
-    return things
+        default = told(default=old.default_value)
+        found.add((3, "system parameter", old.name), old, default, ("name",))
+    for field, name in ACTIONS.items():
+        status = getattr(profile.actions, field, None)
+        if status is not None and (takes_all or status.implemented):
+            found.add((4, "callback", name), status, {})
+    return found.things
 
 
 def _component(profile: RtcProfile, takes_all: bool) -> dict[str, str]:
@@ -98,16 +99,6 @@ def _data_port(port: DataPortDeclaration) -> dict[str, str]:
     )
 
 
-def _events(
-    things: Things, port: ThingKey, events: Iterable[FsmTransition], takes_all: bool
-) -> None:
-    for event in events:
-        fields = picked(event, "source", "target", "condition", "type")
-        if takes_all:
-            fields = fields_of(event, ("name",))
-        put(things, ThingKey(2, "event", f"{port.name}.{event.name}"), Thing(fields, port))
-
-
 def _parameter(item: ConfigurationParameter) -> dict[str, str]:
     return told(
         type=" ".join(item.type.split()).lower(),
@@ -119,11 +110,3 @@ def _parameter(item: ConfigurationParameter) -> dict[str, str]:
 
 def _constraint(constraint: Constraint | None) -> str:
     return "" if constraint is None else format_constraint(constraint)
-
-
-def _actions(things: Things, profile: RtcProfile, takes_all: bool) -> None:
-    for field, name in ACTIONS.items():
-        status = getattr(profile.actions, field, None)
-        if status is not None and (takes_all or status.implemented):
-            fields = fields_of(status) if takes_all else {}
-            put(things, ThingKey(4, "callback", name), Thing(fields))

@@ -19,7 +19,7 @@ from rtkit.profile.rts_model import (
 )
 from rtkit.profile.rts_spec import ORDERS
 from rtkit.profile.words import OWN_PREFIX, normal_data_type, property_value, strip_instance
-from rtkit.profile_tools.compared_things import Thing, ThingKey, Things, fields_of, put, told
+from rtkit.profile_tools.compared_things import Collector, ThingKey, Things, told
 
 _Names = dict[tuple[str, str], str]
 """Names of components in a comparison, by id and instance name."""
@@ -59,36 +59,30 @@ def system_things(profile: RtsProfile, takes_all: bool, shared: Container[str] =
 
     Components are called by their instance name, those of `shared` names by their path too.
     """
-    things: Things = {}
+    found = Collector(takes_all)
     names = _names(profile.components, shared)
-    own = fields_of(profile, _PARTS) if takes_all else _options(profile.properties, (OWN_PREFIX,))
-    put(things, ThingKey(0, "system", ""), Thing(own))
+    own = _options(profile.properties, (OWN_PREFIX,))
+    found.add((0, "system", ""), profile, own, _PARTS)
     for component in profile.components:
-        fields = fields_of(component, _OF_COMPONENT) if takes_all else _component(component)
         name = names[component.id, component.instance_name]
-        owner = put(things, ThingKey(1, "component", name), Thing(fields))
-        _parts(things, owner, component, takes_all)
-    _ports(things, profile, names, takes_all)
+        meaning = _component(component)
+        owner = found.add((1, "component", name), component, meaning, _OF_COMPONENT)
+        _parts(found, owner, component)
+    _ports(found, profile, names)
     for connector in profile.data_port_connectors:
         name = f"{_end(connector.source, names)} -> {_end(connector.target, names)}"
-        fields = fields_of(connector) if takes_all else _data_connector(connector)
-        put(things, ThingKey(6, "connector", name), Thing(fields))
+        found.add((6, "connector", name), connector, _data_connector(connector))
     for service in profile.service_port_connectors:
         ends = sorted((_end(service.source, names), _end(service.target, names)))
-        fields = fields_of(service) if takes_all else _service_connector(service)
-        put(things, ThingKey(6, "service connector", " -- ".join(ends)), Thing(fields))
-    _orders(things, profile, names, takes_all)
+        key = (6, "service connector", " -- ".join(ends))
+        found.add(key, service, _service_connector(service))
+    _orders(found, profile, names)
     for group in profile.groups:
         members = sorted(_called(names, m.component_id, m.instance_name) for m in group.members)
-        fields = fields_of(group) if takes_all else told(members=", ".join(members))
-        put(things, ThingKey(8, "group", group.group_id), Thing(fields))
+        found.add((8, "group", group.group_id), group, told(members=", ".join(members)))
     for system in profile.systems:
-        put(
-            things,
-            ThingKey(9, "system", system.path),
-            Thing(fields_of(system) if takes_all else {}),
-        )
-    return things
+        found.add((9, "system", system.path), system, {})
+    return found.things
 
 
 def _names(components: Iterable[ComponentInstance], shared: Container[str]) -> _Names:
@@ -117,18 +111,17 @@ def _component(component: ComponentInstance) -> dict[str, str]:
     ) | _options(component.properties, (OWN_PREFIX,))
 
 
-def _parts(things: Things, owner: ThingKey, component: ComponentInstance, takes_all: bool) -> None:
+def _parts(found: Collector, owner: ThingKey, component: ComponentInstance) -> None:
     for each in component.configuration_sets:
-        if each.id.startswith(_HIDDEN) and not takes_all:
+        if each.id.startswith(_HIDDEN) and not found.takes_all:
             continue
-        fields = fields_of(each, ("id", "data")) if takes_all else {}
-        key = put(things, ThingKey(3, "set", f"{owner.name} {each.id}"), Thing(fields, owner))
+        key = found.add((3, "set", f"{owner.name} {each.id}"), each, {}, ("id", "data"), owner)
         for item in each.data:
-            fields = fields_of(item, ("name",)) if takes_all else {"value": item.data or ""}
-            put(things, ThingKey(4, "parameter", f"{key.name}.{item.name}"), Thing(fields, key))
+            name = f"{key.name}.{item.name}"
+            found.add((4, "parameter", name), item, {"value": item.data or ""}, ("name",), key)
     for context in component.execution_contexts:
-        fields = fields_of(context, ("id",)) if takes_all else _context(context)
-        put(things, ThingKey(5, "context", f"{owner.name} {context.id}"), Thing(fields, owner))
+        name = f"{owner.name} {context.id}"
+        found.add((5, "context", name), context, _context(context), ("id",), owner)
 
 
 def _context(context: OwnedContext) -> dict[str, str]:
@@ -136,18 +129,18 @@ def _context(context: OwnedContext) -> dict[str, str]:
     return told(kind=context.kind, rate=context.rate, participants=", ".join(participants))
 
 
-def _ports(things: Things, profile: RtsProfile, names: _Names, takes_all: bool) -> None:
+def _ports(found: Collector, profile: RtsProfile, names: _Names) -> None:
     for component in profile.components:
         name = names[component.id, component.instance_name]
         owner = ThingKey(1, "component", name)
-        for port in component.data_ports:
-            own = strip_instance(port.name, component.instance_name)
-            fields = fields_of(port) if takes_all else _data_port(port)
-            put(things, ThingKey(2, "port", f"{name}.{own}"), Thing(fields, owner))
-        for port in component.service_ports:
-            own = strip_instance(port.name, component.instance_name)
-            fields = fields_of(port) if takes_all else {}
-            put(things, ThingKey(2, "service port", f"{name}.{own}"), Thing(fields, owner))
+        for kind, ports in (
+            ("port", component.data_ports),
+            ("service port", component.service_ports),
+        ):
+            for port in ports:
+                own = strip_instance(port.name, component.instance_name)
+                meaning = _data_port(port) if kind == "port" else {}
+                found.add((2, kind, f"{name}.{own}"), port, meaning, (), owner)
 
 
 def _data_port(port: InstancePort) -> dict[str, str]:
@@ -188,19 +181,15 @@ def _options(properties: Iterable[ExtensionProperty], prefixes: tuple[str, ...])
     }
 
 
-def _orders(things: Things, profile: RtsProfile, names: _Names, takes_all: bool) -> None:
+def _orders(found: Collector, profile: RtsProfile, names: _Names) -> None:
     for field, name in ORDERS:
         order = getattr(profile, field)
-        if order is None:
+        if order is None or not (found.takes_all or order.targets):
             continue
-        fields = fields_of(order, ("targets",)) if takes_all else {}
-        if takes_all or order.targets:
-            owner = put(things, ThingKey(7, "order", name), Thing(fields))
+        owner = found.add((7, "order", name), order, {}, ("targets",))
         for step in order.targets:
-            key = ThingKey(
-                7, "step", f"{name} {step.sequence} {_target(step.target_component, names)}"
-            )
-            put(things, key, Thing(fields_of(step) if takes_all else _step(step, names), owner))
+            told_name = f"{name} {step.sequence} {_target(step.target_component, names)}"
+            found.add((7, "step", told_name), step, _step(step, names), (), owner)
 
 
 def _target(target: TargetComponent, names: _Names) -> str:

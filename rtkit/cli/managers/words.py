@@ -147,16 +147,8 @@ def _tell_start(app: App, name: str, started: Started) -> None:
 
 def _tell_status(name: str, status: Status, is_json: bool) -> None:
     if is_json:
-        record = {
-            "name": name,
-            "pid": status.pid,
-            "uptime_s": status.uptime_s,
-            "components": status.components,
-            "slaves": status.slaves,
-            "socket": status.socket,
-            "address": status.address,
-        }
-        terminal.write([json_records.line("manager-status", record)])
+        record = json_records.picked(status, "pid uptime_s components slaves socket address")
+        terminal.write([json_records.line("manager-status", {"name": name, **record})])
         return
     rows = [
         ("Name", name),

@@ -10,7 +10,7 @@ from rtkit.cli.shared import terminal
 from rtkit.cli.shared.app import App, WrongArguments
 from rtkit.cli.shared.command import command
 from rtkit.cli.shared.json_records import line as json_line
-from rtkit.cli.shared.json_records import time_text
+from rtkit.cli.shared.json_records import picked, time_text
 from rtkit.cli.shared.observers import (
     ManagerSeen,
     Observers,
@@ -256,11 +256,7 @@ class _Watch:
             "kind": user_event.kind,
             "path": place_of(name, user_event, self._host, is_usual=not manager),
             "manager": name,
-            "process": user_event.process,
-            "instance": user_event.instance,
-            "subject": user_event.subject,
-            "event": user_event.event,
-            "detail": user_event.detail,
+            **picked(user_event, "process instance subject event detail"),
             **_restart(user_event),
         }
 
@@ -270,7 +266,7 @@ def _restart(user_event: UserEvent) -> Record:
     told = user_event.restart
     if told is None:
         return {}
-    return {"restart": {"count": told.restarts, "why": told.why, "took_s": told.took_s}}
+    return {"restart": picked(told, "count=restarts why took_s")}
 
 
 def _json(record: Record) -> str:

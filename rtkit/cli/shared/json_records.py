@@ -37,6 +37,12 @@ def lines(kind: str, records: Iterable[Mapping[str, Any]]) -> list[str]:
     return [line(kind, each) for each in records]
 
 
+def picked(model: object, fields: str) -> dict[str, Any]:
+    """Return the fields of a record that are attributes: ``"kind required=is_required"``."""
+    named = (each.partition("=") for each in fields.split())
+    return {name: getattr(model, attribute or name) for name, _, attribute in named}
+
+
 def time_text(time_ns: int) -> str:
     """Return a Unix time [ns] as ISO 8601 in UTC: ``2024-01-31T12:00:00.000000000Z``."""
     seconds, nanoseconds = divmod(time_ns, _NS)

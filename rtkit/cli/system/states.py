@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from typing import TYPE_CHECKING, Any
 
-from rtkit.cli.shared.json_records import time_text
+from rtkit.cli.shared.json_records import picked, time_text
 from rtkit.cli.system.planning import DeploymentInputs
 from rtkit.errors import InvalidDocument, Malformed, NotFound
 
@@ -114,15 +114,9 @@ def as_record(states: States, now: str, ways: list[Way], told: Followed | None) 
 
 def _followed(told: Followed) -> dict[str, Any]:
     return {
-        "state": told.state,
-        "from": told.before,
-        "event": told.event,
-        "transitions": told.count,
+        **picked(told, "state from=before event transitions=count"),
         "time": time_text(int(told.time * 1e9)) if told.time else "",
-        "is_led": told.is_led,
-        "waits_for": told.waits,
-        "error": told.why,
-        "is_over": told.is_over,
+        **picked(told, "is_led waits_for=waits error=why is_over"),
     }
 
 

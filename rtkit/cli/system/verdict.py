@@ -65,15 +65,7 @@ def told(form: str, source: str, system: WantedSystem, found: Sequence[Deviation
 
 
 def _record(each: Deviation) -> dict[str, object]:
-    return {
-        "kind": each.kind,
-        "path": each.path,
-        "text": each.text,
-        "required": each.is_required,
-        "item": each.item,
-        "wanted": each.wanted,
-        "found": each.found,
-    }
+    return json_records.picked(each, "kind path text required=is_required item wanted found")
 
 
 def _checked(source: str, system: WantedSystem, found: Sequence[Deviation]) -> Iterator[Checked]:

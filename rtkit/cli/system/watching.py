@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from rtkit.cli.shared import terminal
 from rtkit.cli.shared.app import App
 from rtkit.cli.shared.json_records import line as json_line
-from rtkit.cli.shared.json_records import time_text
+from rtkit.cli.shared.json_records import picked, time_text
 from rtkit.cli.shared.observers import Observers, write_now
 from rtkit.cli.shared.terminal import clock
 from rtkit.cli.system.following import followed_in
@@ -86,13 +86,8 @@ class Watching:
 
     def _tell(self, told: Followed) -> None:
         if self._is_json:
-            record = {
-                "time": time_text(int(told.time * 1e9)),
-                "system": told.system,
-                "from": told.before,
-                "to": told.state,
-                "event": told.event,
-            }
+            fields = picked(told, "system from=before to=state event")
+            record = {"time": time_text(int(told.time * 1e9)), **fields}
             write_now([json_line("transition", record)])
             return
         write_now([terminal.printable(f"[{clock(told.time)}] {told}")])
