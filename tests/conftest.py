@@ -21,7 +21,7 @@ import pytest
 from forked import Commands
 from hypothesis import HealthCheck, settings
 
-from rtkit.cli.table import TABLE
+from rtkit.cli.shared.commands import TABLE
 from rtkit.errors import RtkitError
 from rtkit.link.zenoh import ZenohLink, open_client, unix_endpoint
 from rtkit.tree.client import Tree

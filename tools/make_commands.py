@@ -82,18 +82,23 @@ def examples() -> dict[str, tuple[tuple[str, str], ...]]:
 
 def table() -> str:
     """Return the text of the module `rtkit.cli.table`."""
-    lines = []
-    for name, (module, main) in commands().items():
-        row = f'    "{name}": ("{module}", "{summary(main)}"),'
-        cut = f'    "{name}": (\n        "{module}",\n        "{summary(main)}",\n    ),'
-        lines.append(row if len(row) <= _WIDTH else cut)
+    topics: dict[str, list[str]] = {}
+    for module, main in commands().values():
+        topic, _, stem = module.removeprefix("rtkit.cli.").rpartition(".")
+        topics.setdefault(topic, []).append(f'        "{stem}": "{summary(main)}",')
+    lines = [
+        line
+        for topic in sorted(topics)
+        for line in (f'    "{topic}": {{', *sorted(topics[topic]), "    },")
+    ]
     return "\n".join(
         [
-            '"""Lists commands, each with its module and summary; written by "make commands"."""',
+            '"""Lists commands by topic, each with its summary; written by "make commands"."""',
             "",
-            "TABLE: dict[str, tuple[str, str]] = {",
+            "TOPICS: dict[str, dict[str, str]] = {",
             *lines,
             "}",
+            '"""Summary of each module, a command each, by the package that it is in."""',
             "",
         ]
     )

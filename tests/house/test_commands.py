@@ -15,8 +15,7 @@ from rtkit.cli.completion.argument_types import KINDS
 from rtkit.cli.help.topics import STATUSES
 from rtkit.cli.shared.app import App
 from rtkit.cli.shared.command import Main
-from rtkit.cli.shared.commands import COMMANDS, load
-from rtkit.cli.table import TABLE
+from rtkit.cli.shared.commands import COMMANDS, TABLE, load
 from rtkit.deployment import extension
 from rtkit.deployment.known_keys import OF_COMPONENTS, OF_PORTS, OF_SYSTEMS
 

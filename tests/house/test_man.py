@@ -11,8 +11,7 @@ import pytest
 from make_commands import examples, pages
 
 from rtkit.cli.shared.app import App
-from rtkit.cli.shared.commands import COMMANDS, WORDS, load
-from rtkit.cli.table import TABLE
+from rtkit.cli.shared.commands import COMMANDS, TABLE, WORDS, load
 
 FOLDER = Path(__file__).parents[2] / "man"
 PAGES = pages()

@@ -13,8 +13,7 @@ from typing import Any
 import pytest
 from pagekit import MARK, ROOT, pages, script
 
-from rtkit.cli.shared.commands import COMMANDS
-from rtkit.cli.table import TABLE
+from rtkit.cli.shared.commands import COMMANDS, TABLE
 
 WITH_EXAMPLES = [page for page in pages() if script(page).text]
 HERE = {"EXAMPLES": str(ROOT / "examples")}

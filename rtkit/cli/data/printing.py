@@ -156,7 +156,7 @@ class Plotter:
 
 
 def _painted(text: str, curve: int) -> str:
-    return terminal.styled(text, {"fg": _COLOURS[curve % len(_COLOURS)]})
+    return terminal.styled(text, _COLOURS[curve % len(_COLOURS)])
 
 
 def _readers(fields: tuple[str, ...]) -> dict[str, Callable[[Any], Any]]:

@@ -17,12 +17,7 @@ if TYPE_CHECKING:
     from rtkit.cli.managers.doctor import Diagnosis
 
 _PATIENCE_S = 0.4
-_STYLES: dict[str, dict[str, object]] = {
-    "ok": {"fg": "green"},
-    "note": {"fg": "blue"},
-    "warning": {"fg": "yellow"},
-    "error": {"fg": "red", "bold": True},
-}
+_STYLES = {"ok": "green", "note": "blue", "warning": "yellow", "error": "bold red"}
 
 
 @command(

@@ -35,14 +35,11 @@ _BEFORE = 10
 _SETTLE_S = 0.02
 """Wait for simultaneous records of other processes, so that they can be put in order [s]."""
 
-_STYLES: dict[str, dict[str, object]] = {
-    "FATAL": {"fg": "white", "bg": "red", "bold": True},
-    "ERROR": {"fg": "red", "bold": True},
-    "WARN": {"fg": "yellow"},
-    "DEBUG": {"dim": True},
-    "TRACE": {"dim": True},
-    "VERBOSE": {"dim": True},
-    "PARANOID": {"dim": True},
+_STYLES = {
+    "FATAL": "bold white on red",
+    "ERROR": "bold red",
+    "WARN": "yellow",
+    **dict.fromkeys(LEVELS[LEVELS.index("DEBUG") :], "dim"),
 }
 
 

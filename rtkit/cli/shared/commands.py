@@ -5,13 +5,24 @@ from __future__ import annotations
 from importlib import import_module
 from typing import TYPE_CHECKING
 
-from rtkit.cli.table import TABLE
+from rtkit.cli.table import TOPICS
 
 if TYPE_CHECKING:
     from rtkit.cli.shared.command import Main
 
 
-COMMANDS: dict[str, str] = {name[2:]: name for name in TABLE if " " not in name}
+TABLE: dict[str, tuple[str, str]] = {
+    # A file of a word of rtprofile has an underscore behind what Python keeps for itself.
+    f"rtprofile {stem.rstrip('_')}" if topic.endswith(".words") else stem: (
+        f"rtkit.cli.{topic}.{stem}",
+        summary,
+    )
+    for topic, summaries in TOPICS.items()
+    for stem, summary in summaries.items()
+}
+"""Module and summary of each command by its name, ``rtprofile show`` too."""
+
+COMMANDS: dict[str, str] = {name[2:]: name for name in sorted(TABLE) if " " not in name}
 """Verb of the unified tool to the name of the command, of its console script and man page."""
 
 

@@ -11,13 +11,13 @@ if TYPE_CHECKING:
     from rtkit.cli.shared.app import App
     from rtkit.report.finding import Finding
 
-_STYLES: dict[str, dict[str, object]] = {
-    "error": {"fg": "red", "bold": True},
-    "warning": {"fg": "yellow", "bold": True},
-    "note": {"fg": "cyan"},
-    "valid": {"fg": "green", "bold": True},
-    "name": {"bold": True},
-    "path": {"dim": True},
+_STYLES = {
+    "error": "bold red",
+    "warning": "bold yellow",
+    "note": "cyan",
+    "valid": "bold green",
+    "name": "bold",
+    "path": "dim",
 }
 
 

@@ -8,8 +8,7 @@ import click
 
 from rtkit.cli.shared.app import App, WrongArguments, no_such
 from rtkit.cli.shared.command import SETTINGS, Examples, Main, common_options
-from rtkit.cli.shared.commands import load
-from rtkit.cli.table import TABLE
+from rtkit.cli.shared.commands import TABLE, load
 from rtkit.errors import UsageProblem
 
 

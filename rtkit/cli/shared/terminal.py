@@ -7,19 +7,20 @@ import sys
 import time
 from collections.abc import Iterable, Sequence
 
-_STATE_STYLES: dict[str, dict[str, object]] = {
-    "Inactive": {"fg": "blue", "bold": True},
-    "Active": {"fg": "green", "bold": True},
-    "Error": {"fg": "white", "bg": "red", "bold": True},
-    "Unknown": {"fg": "red", "bold": True},
+_STATE_STYLES = {
+    "Inactive": "bold blue",
+    "Active": "bold green",
+    "Error": "bold white on red",
+    "Unknown": "bold red",
 }
-STYLES: dict[str, dict[str, object]] = {
-    "directory": {"fg": "blue", "bold": True},
-    "manager": {"fg": "green", "bold": True},
-    "zombie": {"fg": "white", "dim": True},
-    "name": {"bold": True},
-    "active-set": {"fg": "green", "bold": True},
+STYLES = {
+    "directory": "bold blue",
+    "manager": "bold green",
+    "zombie": "dim white",
+    "name": "bold",
+    "active-set": "bold green",
 }
+_ATTRIBUTES = ("bold", "dim", "reverse")
 
 
 def printable(text: str) -> str:
@@ -58,14 +59,17 @@ def has_colour() -> bool:
     return is_terminal() and os.environ.get("TERM") != "dumb"
 
 
-def styled(text: str, style: dict[str, object] | None) -> str:
-    """Return `text`, made printable, in a style where colours are wanted."""
+def styled(text: str, style: str | None) -> str:
+    """Return `text`, made printable, in a style, ``bold white on red``, if colours are wanted."""
     safe = printable(text)
     if not style or not has_colour():
         return safe
     import click
 
-    return click.style(safe, **style)  # type: ignore[arg-type]
+    front, _, bg = style.partition(" on ")
+    words = front.split()
+    fg = next((word for word in words if word not in _ATTRIBUTES), None)
+    return click.style(safe, fg, bg or None, **{each: True for each in words if each != fg})
 
 
 def state(text: str, width: int = 0) -> str:

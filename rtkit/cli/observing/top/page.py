@@ -235,12 +235,7 @@ def _whole(fields: Sequence[str], look: Look, marker: str, style: str) -> str:
     return terminal.styled(line.rstrip() if look.width is None else line, _STYLES[style])
 
 
-_STYLES: dict[str, dict[str, object]] = {
-    "title": {"reverse": True},
-    "selected": {"bold": True, "reverse": True},
-    "why": {"fg": "red"},
-    "slow": {"fg": "yellow", "bold": True},
-}
+_STYLES = {"title": "reverse", "selected": "bold reverse", "why": "red", "slow": "bold yellow"}
 
 
 def _coloured(column: Column, row: RateRow, field: str) -> str:

@@ -15,11 +15,7 @@ from rtkit.errors import Refused, UsageProblem
 if TYPE_CHECKING:
     from rtkit.profile_tools.difference import Difference
 
-_STYLES: dict[str, dict[str, object]] = {
-    "added": {"fg": "green"},
-    "removed": {"fg": "red"},
-    "changed": {"fg": "yellow"},
-}
+_STYLES = {"added": "green", "removed": "red", "changed": "yellow"}
 
 
 @command(
