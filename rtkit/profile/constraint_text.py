@@ -315,8 +315,10 @@ _HIGH = ("propertyIsLessThan", "propertyIsLessThanOrEqualTo")
 _LOW_SIGNS = {_LOW[0]: "<", _LOW[1]: "<="}
 
 
-def format_constraint(constraint: Constraint) -> str:
-    """Write a constraint in one line, in the usual form where it has one."""
+def format_constraint(constraint: Constraint | None) -> str:
+    """Write a constraint in one line, in the usual form where it has one; nothing for none."""
+    if constraint is None:
+        return ""
     content = constraint.content
     if isinstance(content, ConstraintUnit) or content.kind == "ConstraintHashType":
         return _format(constraint)

@@ -92,7 +92,7 @@ def _data_port_row(port: DataPortDeclaration) -> tuple[str, ...]:
         _DIRECTIONS[port.port_type],
         port.type,
         port.unit or (port.doc.unit if port.doc else "") or "",
-        format_constraint(port.constraint) if port.constraint else "",
+        format_constraint(port.constraint),
         (port.doc.description if port.doc else "") or port.comment or "",
     )
 
@@ -181,7 +181,7 @@ def _parameters(profile: RtcProfile) -> Section | None:
 
 def _parameter(item: ConfigurationParameter) -> tuple[str, ...]:
     doc = item.doc
-    limits = [format_constraint(item.constraint) if item.constraint else ""]
+    limits = [format_constraint(item.constraint)]
     told = [item.comment]
     if doc is not None:
         limits = [limits[0] or doc.range or "", doc.constraint or ""]

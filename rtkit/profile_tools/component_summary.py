@@ -102,7 +102,7 @@ def _parameters(profile: RtcProfile) -> Iterator[Outline]:
 
 def _parameter(item: ConfigurationParameter) -> Outline:
     value = f"{item.default_value} {item.unit or ''}".rstrip()
-    limit = format_constraint(item.constraint) if item.constraint else ""
+    limit = format_constraint(item.constraint)
     told = one_line(item.comment) or (one_line(item.doc.description) if item.doc else "")
     return entry(item.name or "(no name)", item.type, value, limit, told)
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from rtkit.profile.constraint_model import Constraint
 from rtkit.profile.constraint_text import format_constraint
 from rtkit.profile.rtc_model import (
     BasicInfo,
@@ -91,7 +90,7 @@ def _data_port(port: DataPortDeclaration) -> dict[str, str]:
         port_type=port.port_type,
         type=normal_data_type(port.type),
         unit=port.unit,
-        constraint=_constraint(port.constraint),
+        constraint=format_constraint(port.constraint),
         idl_file=port.idl_file,
         interface_type=(port.interface_type or "").lower(),
         dataflow_type=(port.dataflow_type or "").lower(),
@@ -104,9 +103,5 @@ def _parameter(item: ConfigurationParameter) -> dict[str, str]:
         type=" ".join(item.type.split()).lower(),
         default=item.default_value,
         unit=item.unit,
-        constraint=_constraint(item.constraint),
+        constraint=format_constraint(item.constraint),
     )
-
-
-def _constraint(constraint: Constraint | None) -> str:
-    return "" if constraint is None else format_constraint(constraint)

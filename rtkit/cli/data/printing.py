@@ -5,7 +5,7 @@ from __future__ import annotations
 import sys
 import time
 from collections.abc import Callable, Mapping, Sequence
-from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from rtkit.cli.shared import json_records, terminal
 
@@ -28,44 +28,39 @@ class PrintOptions(NamedTuple):
     is_json: bool = False
 
 
-class Sink(Protocol):
+class Sink:
     """Destination of values.
 
     Attributes:
         count: Number of values received.
     """
 
-    @property
-    def count(self) -> int:
-        """Number of values shown."""
+    count = 0
 
     def take(self, piece: Sequence[Arrival]) -> None:
         """Take values."""
+        self.count += len(piece)
 
     def finish(self, lost: int) -> None:
         """Print the rest at the end; `lost` values were lost."""
 
 
-class Printer:
+class Printer(Sink):
     """Prints every value."""
 
     def __init__(
         self, streams: Sequence[Stream], types: Mapping[str, type], options: PrintOptions
     ) -> None:
         self._lines = lines_of(streams, types, options)
-        self.count = 0
 
     def take(self, piece: Sequence[Arrival]) -> None:
         """See `Sink.take`."""
-        self.count += len(piece)
+        super().take(piece)
         sys.stdout.write("".join(f"{self._lines[each.stream](each)}\n" for each in piece))
         sys.stdout.flush()
 
-    def finish(self, lost: int) -> None:
-        """Do nothing: all is printed."""
 
-
-class Counter:
+class Counter(Sink):
     """Counts values and prints statistics at the end."""
 
     def __init__(
@@ -80,13 +75,9 @@ class Counter:
             for name, cls in types.items()
         }
 
-    @property
-    def count(self) -> int:
-        """Number of values received."""
-        return sum(stats.count for stats in self._stats.values())
-
     def take(self, piece: Sequence[Arrival]) -> None:
         """See `Sink.take`."""
+        super().take(piece)
         for arrival in piece:
             self._stats[arrival.stream].take(arrival)
 
@@ -102,7 +93,7 @@ class Counter:
                 terminal.write(map(terminal.printable, lines_of(stream, told)))
 
 
-class Plotter:
+class Plotter(Sink):
     """Plots numbers over time: on a terminal live, else once at the end."""
 
     def __init__(
@@ -118,13 +109,12 @@ class Plotter:
         self._is_live = terminal.is_terminal()
         self._shown = 0
         self._next = 0.0
-        self.count = 0
 
     def take(self, piece: Sequence[Arrival]) -> None:
         """See `Sink.take`."""
         from rtkit.probe.fields import numbers
 
-        self.count += len(piece)
+        super().take(piece)
         for arrival in piece:
             value = self._decode[arrival.stream](arrival.payload)
             for field, read in self._readers.items():

@@ -8,7 +8,7 @@ import sys
 import time
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, contextmanager, nullcontext
-from typing import IO, TYPE_CHECKING, Protocol, cast
+from typing import IO, TYPE_CHECKING, cast
 
 from rtkit.cli.data.arguments import named_streams
 from rtkit.cli.shared import stdout_reader
@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from rtkit.probe.probe import Probe
     from rtkit.probe.stats import Stamp
     from rtkit.recording.entries import RecordedValue, RecordingSelection
+    from rtkit.recording.mcap_file import RecordingWriter
     from rtkit.rtc.profiles import PortRef
 
 _NS = 1_000_000_000
@@ -153,28 +154,10 @@ def _reading(name: str, probe: Probe) -> AbstractContextManager[stdout_reader.St
     )
 
 
-class _Sink(Protocol):
-    """Destination of entries.
-
-    Attributes:
-        count: Number of entries written.
-        flush_at: Due time of `flush`, monotonic [s]; None while nothing waits.
-    """
-
-    count: int
-
-    @property
-    def flush_at(self) -> float | None: ...
-
-    def write(self, entry: RecordedValue) -> None: ...
-
-    def flush(self) -> None: ...
-
-
 @contextmanager
 def _sink(
     form: str, file: IO[bytes], streams: Sequence[Stream], types: Mapping[str, type]
-) -> Iterator[_Sink]:
+) -> Iterator[RecordingWriter | _TextSink]:
     if form == "text":
         yield _TextSink(file, types, 0.0 if file is sys.stdout.buffer else _FLUSH_S)
         return
@@ -248,7 +231,11 @@ class _Limit:
 
 
 def _take(
-    probe: Probe, sink: _Sink, limit: _Limit, stamps: Mapping[str, Stamp], show: Show
+    probe: Probe,
+    sink: RecordingWriter | _TextSink,
+    limit: _Limit,
+    stamps: Mapping[str, Stamp],
+    show: Show,
 ) -> None:
     """Write arrivals until the limit, and flush the file's buffer when that is due."""
     from rtkit.recording.entries import RecordedValue

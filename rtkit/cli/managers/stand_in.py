@@ -13,7 +13,6 @@ from rtkit.rtc.profiles import PortProfile, TypeProfile
 
 if TYPE_CHECKING:
     from rtkit.profile.rtc_model import (
-        ConfigurationParameter,
         DataPortDeclaration,
         RtcProfile,
         ServicePortDeclaration,
@@ -60,25 +59,21 @@ def _type(profile: RtcProfile) -> TypeProfile:
 
 def _sets(profile: RtcProfile) -> dict[str, dict[str, str]]:
     """Return the default values, and the hints that components with code give too."""
+    from rtkit.profile.constraint_text import format_constraint
+
     sets: dict[str, dict[str, str]] = {"default": {}}
     declared = profile.configuration_set
     for each in declared.configurations if declared is not None else ():
         texts = {
             "default": each.default_value,
             "__type__": each.type,
-            "__constraints__": _constraint(each),
+            "__constraints__": format_constraint(each.constraint),
             "__widget__": property_value(each.properties, "__widget__") or "",
         }
         for set_id, text in texts.items():
             if text or set_id == "default":
                 sets.setdefault(set_id, {})[each.name] = text
     return sets
-
-
-def _constraint(configuration: ConfigurationParameter) -> str:
-    from rtkit.profile.constraint_text import format_constraint
-
-    return format_constraint(configuration.constraint) if configuration.constraint else ""
 
 
 def _context(profile: RtcProfile) -> ContextPattern:

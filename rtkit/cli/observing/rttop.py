@@ -10,7 +10,7 @@ from rtkit.cli.observing.top.rates import RateRow
 from rtkit.cli.shared import terminal
 from rtkit.cli.shared.app import App
 from rtkit.cli.shared.command import command
-from rtkit.cli.shared.observers import Observers, scopes_of, write_now
+from rtkit.cli.shared.observers import Observers, scopes_of
 from rtkit.cli.shared.options import COUNT, WordChoice, arguments, flag, json_flag, option
 from rtkit.rtc.names import LOCAL
 
@@ -88,10 +88,10 @@ def _write_pages(top: Top, look: Look, number: int | None, *, is_json: bool) -> 
         skips_left = 0
         rows = ordered(top.rows(), look)
         if is_json:
-            write_now([_json(row, top.time) for row in rows])
+            terminal.write_now([_json(row, top.time) for row in rows])
         else:
             gap = [""] if left != number else []
-            write_now([*gap, top.summary(rows), *table(rows, look)])
+            terminal.write_now([*gap, top.summary(rows), *table(rows, look)])
         left = None if left is None else left - 1
         if left == 0:
             return

@@ -11,7 +11,6 @@ import click
 from rtkit.cli.shared import terminal
 from rtkit.cli.shared.app import App, WrongArguments
 from rtkit.cli.shared.command import command
-from rtkit.cli.shared.observers import write_now
 from rtkit.cli.shared.options import (
     POSITIVE,
     WordChoice,
@@ -113,10 +112,10 @@ def main(
     until = None if duration_s is None else time.monotonic() + duration_s
     logbook = Logbook(state_dir(), wanted)
     try:
-        write_now([line for entry in logbook.there(before) for line in show(entry)])
+        terminal.write_now([line for entry in logbook.there(before) for line in show(entry)])
         while follow and wait_for([logbook.fileno()], until):
             time.sleep(_SETTLE_S)
-            write_now([line for entry in logbook.delta() for line in show(entry)])
+            terminal.write_now([line for entry in logbook.delta() for line in show(entry)])
         if logbook.unreadable:
             app.say(f"{app.name}: {logbook.unreadable} lines are no records")
     finally:

@@ -17,7 +17,6 @@ from rtkit.cli.shared.observers import (
     is_covered,
     place_of,
     scopes_of,
-    write_now,
 )
 from rtkit.cli.shared.options import (
     COUNT,
@@ -117,7 +116,7 @@ def main(
         app.tell("listening")
         for told in subscriptions.listen(until):
             records = list(watch.records(told))[:left]
-            write_now([_json(each) if is_json else _line(each) for each in records])
+            terminal.write_now([_json(each) if is_json else _line(each) for each in records])
             left = None if left is None else left - len(records)
             if left == 0:
                 return 0

@@ -102,8 +102,8 @@ def main(
             if is_raw:
                 write_raw(event.payload)
             else:
-                terminal.write([_json(typed, event) if is_json else _line(typed, event, targets)])
-            _flush()
+                line = _json(typed, event) if is_json else _line(typed, event, targets)
+                terminal.write_now([line])
             count += 1
             if count == number:
                 break
@@ -127,12 +127,6 @@ def _events(
         if until is not None and time.monotonic() >= until:
             return
         wait_for([heard.fileno()], until)
-
-
-def _flush() -> None:
-    import sys
-
-    sys.stdout.flush()
 
 
 def _line(typed: str, event: PropertyEvent, targets: tuple[str, ...]) -> str:

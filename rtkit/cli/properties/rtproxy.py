@@ -46,21 +46,17 @@ def main(
     FROM is away requests are answered no-service and listeners hear that their values are stale;
     they hear on when it is back.
     """
-    import signal
     import sys
-    import threading
 
-    from rtkit.cli.shared.signals import heard_by_main
+    from rtkit.cli.shared.signals import ended_by_sigterm
     from rtkit.proxy.bridge import bridge
     from rtkit.serving.refusals import Refusals
 
     def say(why: str) -> None:
         print(f"rtproxy: {source}: {f'gone: {why}' if why else 'back'}", file=sys.stderr)
 
-    ended = threading.Event()
-    signal.signal(signal.SIGTERM, lambda number, frame: ended.set())
     with (
-        heard_by_main(),
+        ended_by_sigterm() as ended,
         bridge(
             source,
             target,
@@ -72,6 +68,5 @@ def main(
             on_refusal=Refusals(),
         ) as opened,
     ):
-        terminal.write([opened.address])
-        sys.stdout.flush()
+        terminal.write_now([opened.address])
         ended.wait()

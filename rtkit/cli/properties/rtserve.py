@@ -115,29 +115,21 @@ def main(
     Behind a serial line all may be got and listened to, and set what --allow-set names. A device
     that is not there is waited for. Lines carry a check where the far side makes them.
     """
-    import signal
-    import threading
-
     from rtkit.cli.properties.served_object import made
-    from rtkit.cli.shared.signals import heard_by_main
+    from rtkit.cli.shared.signals import ended_by_sigterm
     from rtkit.wires.line.wire import TCP_CLIENTS
     from rtkit.wires.serve import serve
 
-    ended = threading.Event()
-    signal.signal(signal.SIGTERM, lambda number, frame: ended.set())
     unknowing = [each.name for each in _OPTIONS if not each.knows_clients]
     if settable and all(endpoints[each] is None for each in unknowing):
         raise click.UsageError(f"--allow-set goes with --{' or --'.join(unknowing)}")
     policy = _policy(files, lines)
     thing_made = made(thing, arguments)
-    with heard_by_main(), serve(
+    with ended_by_sigterm() as ended, serve(
         thing_made, name, settable=settable, hide=hide, history=history, rules=policy,
         notify=notify, is_on_zenoh=True, **endpoints,
     ) as served:  # fmt: skip
         # What --at takes without a scheme is printed without one.
         opened = [each.removeprefix(TCP_CLIENTS.prefix) for each in served.addresses.values()]
-        terminal.write(["  ".join([f"/localhost/{served.name}", *opened])])
-        import sys
-
-        sys.stdout.flush()
+        terminal.write_now(["  ".join([f"/localhost/{served.name}", *opened])])
         ended.wait()

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import sys
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from time import monotonic, time
 from typing import TYPE_CHECKING, NamedTuple
@@ -253,14 +252,6 @@ def _quietly(end: Callable[[], object]) -> None:
         end()
     except RtkitError:
         return
-
-
-def write_now(lines: Sequence[str]) -> None:
-    """Write lines on stdout and flush it, for readers that follow them live."""
-    from rtkit.cli.shared import terminal
-
-    terminal.write(lines)
-    sys.stdout.flush()
 
 
 def place_of(

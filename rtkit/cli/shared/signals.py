@@ -48,6 +48,15 @@ def heard_by_main() -> Iterator[None]:
         signal.signal(_NUDGE, former)
 
 
+@contextmanager
+def ended_by_sigterm() -> Iterator[threading.Event]:
+    """Yield an event that SIGTERM sets; it is heard whichever thread takes it, as Ctrl-C is."""
+    ended = threading.Event()
+    signal.signal(signal.SIGTERM, lambda number, frame: ended.set())
+    with heard_by_main():
+        yield ended
+
+
 _DISTURBANCES = (signal.SIGWINCH, signal.SIGCONT)
 """Another size; or the shell has had the terminal meanwhile (Ctrl-Z, fg)."""
 

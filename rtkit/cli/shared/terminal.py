@@ -45,6 +45,12 @@ def write(lines: Iterable[str]) -> None:
         sys.stdout.write(text)
 
 
+def write_now(lines: Iterable[str]) -> None:
+    """Write lines on stdout and flush it, for readers that follow them live."""
+    write(lines)
+    sys.stdout.flush()
+
+
 def is_terminal() -> bool:
     """Return whether stdout is a terminal."""
     return sys.stdout.isatty()
@@ -101,10 +107,13 @@ def display_width(text: str) -> int:
     )
 
 
-def columns(cells: Sequence[tuple[str, str]], width: int) -> list[str]:
-    """Lay (plain, styled) cells out row by row, two blanks apart, in at most `width` columns."""
+def columns(cells: Sequence[tuple[str, str]], width: int = 0) -> list[str]:
+    """Lay (plain, styled) cells out row by row, two blanks apart; 0 is the terminal's width."""
     if not cells:
         return []
+    from shutil import get_terminal_size
+
+    width = width or get_terminal_size().columns
     sizes = [display_width(plain) for plain, _ in cells]
     count = _column_count(sizes, width)
     widths = [max(sizes[i::count]) for i in range(count)]

@@ -9,7 +9,7 @@ from rtkit.cli.shared import terminal
 from rtkit.cli.shared.app import App
 from rtkit.cli.shared.json_records import line as json_line
 from rtkit.cli.shared.json_records import picked, time_text
-from rtkit.cli.shared.observers import Observers, write_now
+from rtkit.cli.shared.observers import Observers
 from rtkit.cli.shared.terminal import clock
 from rtkit.cli.system.following import followed_in
 from rtkit.deployment.delta import TREE
@@ -88,6 +88,6 @@ class Watching:
         if self._is_json:
             fields = picked(told, "system from=before to=state event")
             record = {"time": time_text(int(told.time * 1e9)), **fields}
-            write_now([json_line("transition", record)])
+            terminal.write_now([json_line("transition", record)])
             return
-        write_now([terminal.printable(f"[{clock(told.time)}] {told}")])
+        terminal.write_now([terminal.printable(f"[{clock(told.time)}] {told}")])

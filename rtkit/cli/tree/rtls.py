@@ -138,12 +138,7 @@ def _short(is_single: bool) -> _Show:
     if is_single or not terminal.is_terminal():
         return lambda nodes: [_label(node, "/")[1] for node in nodes]
 
-    def in_columns(nodes: list[TreeNode]) -> list[str]:
-        from shutil import get_terminal_size
-
-        return terminal.columns([_label(node, "/") for node in nodes], get_terminal_size().columns)
-
-    return in_columns
+    return lambda nodes: terminal.columns([_label(node, "/") for node in nodes])
 
 
 def _long(nodes: list[TreeNode]) -> list[str]:

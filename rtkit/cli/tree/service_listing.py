@@ -83,7 +83,7 @@ class ServiceListing:
         if not self.has_values:
             names = [shown(str(name)) for name in rows]
             is_plain = self._is_single or not terminal.is_terminal()
-            return names if is_plain else _in_columns(names)
+            return names if is_plain else terminal.columns([(name, name) for name in names])
         self.names = [name for name, _, *value in map(_row, rows) if value]
         if self._is_json:
             return [_record(typed, row) for row in rows]
@@ -109,12 +109,6 @@ def _completed(end: PropertyClient, above: str, rows: Sequence[Value]) -> Iterat
         told, error = end.ask(f"{path}?timeout={_CALL_S}")
         is_shown = not error and isinstance(told, str)
         yield (name, meta, read(str(told), ValueLimits(text=1 << 26))) if is_shown else row
-
-
-def _in_columns(names: list[str]) -> list[str]:
-    from shutil import get_terminal_size
-
-    return terminal.columns([(name, name) for name in names], get_terminal_size().columns)
 
 
 def _row(row: Value) -> tuple[str, Value, *tuple[Value, ...]]:

@@ -169,7 +169,7 @@ def _fitting(item: ConfigurationParameter) -> ConfigurationParameter:
     from rtkit.component.constraint_check import Declared, misfit_of
     from rtkit.profile.constraint_text import format_constraint
 
-    rule = format_constraint(item.constraint) if item.constraint else ""
+    rule = format_constraint(item.constraint)
     why = misfit_of(Declared(item.type, rule, item.constraint), item.default_value)
     if why:
         raise Malformed(f"{item.name} cannot be {item.default_value!r}: {why}")
