@@ -63,22 +63,23 @@ def _tell(name: str, arguments: Sequence[str]) -> int:
     told = f"{name} {HELP}"
     if not arguments or arguments[0] in ("-h", "--help"):
         return write(told, overview(name))
+    usage = f"Usage: {name} help [TOPIC|VERB]"
     if len(arguments) > 1:
-        return _refuse(name, told, f"takes one topic, not also: {' '.join(arguments[1:])}", 1)
+        return _refuse(usage, f"{told}: takes one topic, not also: {' '.join(arguments[1:])}", 1)
     if arguments[0] in TOPICS:
         return write(told, text(arguments[0]))
     from rtkit.rtc.nearest import did_you_mean
 
     known = [*TOPICS, *COMMANDS, *COMMANDS.values()]
     hint = did_you_mean(arguments[0], known) or f" (one of {', '.join(TOPICS)})"
-    return _refuse(name, told, f"no such topic: {arguments[0]}{hint}", _BAD_LINE)
+    return _refuse(usage, f"{told}: no such topic: {arguments[0]}{hint}", _BAD_LINE)
 
 
-def _refuse(name: str, told: str, why: str, status: int) -> int:
+def _refuse(usage: str, why: str, status: int) -> int:
     from rtkit.cli.shared.terminal import printable
 
-    print(f"Usage: {name} help [TOPIC|VERB]", file=sys.stderr)
-    print(printable(f"{told}: {why}"), file=sys.stderr)
+    print(usage, file=sys.stderr)
+    print(printable(why), file=sys.stderr)
     return status
 
 
@@ -90,14 +91,12 @@ def _shell_init(name: str, arguments: Sequence[str]) -> int:
         return write(f"{name} {SHELL_INIT}", help_text)
     if len(arguments) == 1 and arguments[0] in SHELLS:
         return write(f"{name} {SHELL_INIT}", script(arguments[0]))
-    print(help_text.splitlines()[0], file=sys.stderr)
+    usage = help_text.splitlines()[0]
     if len(arguments) != 1:
+        print(usage, file=sys.stderr)
         return _WRONG_COUNT
-    from rtkit.cli.shared.terminal import printable
-
     told = f"{name} shell-init: no such shell: {arguments[0]} (one of {', '.join(SHELLS)})"
-    print(printable(told), file=sys.stderr)
-    return _BAD_LINE
+    return _refuse(usage, told, _BAD_LINE)
 
 
 def _complete(name: str, arguments: Sequence[str], tree: Tree | None) -> int:
@@ -132,7 +131,6 @@ Examples:
 
 
 def _unknown(name: str, verb: str) -> int:
-    from rtkit.cli.shared.terminal import printable
     from rtkit.rtc.nearest import did_you_mean
 
     what, known, all_of = (
@@ -143,6 +141,4 @@ def _unknown(name: str, verb: str) -> int:
     if verb.startswith("-"):
         what, known, all_of = "option", ["--help", "--version"], "--help, --version"
     hint = did_you_mean(verb, known) or f" ({all_of})"
-    print(_USAGE.format(name), file=sys.stderr)
-    print(printable(f"{name}: no such {what}: {verb}{hint}"), file=sys.stderr)
-    return _BAD_LINE
+    return _refuse(_USAGE.format(name), f"{name}: no such {what}: {verb}{hint}", _BAD_LINE)

@@ -9,7 +9,7 @@ from typing import IO, TYPE_CHECKING
 
 import click
 
-from rtkit.cli.data.arguments import FOLDERS, MODULES, named_streams
+from rtkit.cli.data.arguments import FOLDERS, MODULES, named_streams, types_of
 from rtkit.cli.shared.app import App
 from rtkit.cli.shared.command import command
 from rtkit.cli.shared.options import POSITIVE, arguments, flag, lasting, option
@@ -63,7 +63,7 @@ def main(
     It returns when everything has arrived at the ports. While it runs a component of its own,
     rtinject_writer0, is connected to them.
     """
-    from rtkit.probe.known_types import data_type, import_modules
+    from rtkit.probe.known_types import import_modules
     from rtkit.probe.probe import LOSSLESS, SURE, Probe, out_ports
     from rtkit.probe.templates import templates
     from rtkit.rtc.enums import PortType
@@ -75,7 +75,7 @@ def main(
     import_modules(modules, folders)
     app.bound(duration_s)
     streams = named_streams(app, ports, PortType.IN)
-    types = {s.name: data_type(s.data_type, s.ends[0].path.typed, s.definition) for s in streams}
+    types = types_of(streams)
     if const is not None:
         times = 1 if number is None else number
         values = _repeated(_typed(const, types), times if duration_s is None else _ENDLESS)

@@ -6,7 +6,7 @@ import time
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
-from rtkit.cli.data.arguments import FOLDERS, MODULES, named_streams
+from rtkit.cli.data.arguments import FOLDERS, MODULES, named_streams, types_of
 from rtkit.cli.shared import stdout_reader
 from rtkit.cli.shared.app import App
 from rtkit.cli.shared.command import command
@@ -85,7 +85,7 @@ def main(
     """
     from rtkit.cli.data.printing import PrintOptions
     from rtkit.probe.fields import check_field
-    from rtkit.probe.known_types import data_type, import_modules
+    from rtkit.probe.known_types import import_modules
     from rtkit.probe.probe import LOSSLESS, Probe, tap_ports
     from rtkit.rtc.enums import PortType
 
@@ -95,7 +95,7 @@ def main(
     import_modules(modules, folders)
     app.bound(duration_s)
     streams = named_streams(app, ports, PortType.OUT)
-    types = {s.name: data_type(s.data_type, s.ends[0].path.typed, s.definition) for s in streams}
+    types = types_of(streams)
     for cls in types.values():
         for field in fields:
             check_field(cls, field)

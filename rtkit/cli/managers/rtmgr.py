@@ -139,11 +139,15 @@ def main(
     from rtkit.cli.managers.steps import read_step
 
     asked = click.get_current_context().meta[_ORDER]
-    overrides = (*given, *_endpoint(port, no_door), *_faults(allow_faults))
+    faults = [f"{fault.ALLOW_KEY}:YES"] if allow_faults else []
+    overrides = (*given, *_endpoint(port, no_door), *faults)
     is_configured = bool(file or overrides or lenient)
     if words and words[0] in WORDS:
         _check_word(words, bool(asked), is_configured)
-        return _word(app, words, is_json, (file, (*overrides, *_strict(app)), lenient))
+        from rtkit.settings.properties import STRICT
+
+        said = (*overrides, f"{STRICT}:YES") if app.is_strict else overrides
+        return _word(app, words, is_json, (file, said, lenient))
     if is_configured:
         raise UsageProblem(f"{_FOR_START} are for rtmgr start and rtmgr run")
     check_at_most_one(words, "manager")
@@ -206,16 +210,6 @@ def _endpoint(port: int | None, no_door: bool) -> list[str]:
     if no_door:
         return ["manager.net_servant:NO"]
     return [] if port is None else [f"net.endpoints:localhost:{port}"]
-
-
-def _faults(is_allowed: bool) -> list[str]:
-    return [f"{fault.ALLOW_KEY}:YES"] if is_allowed else []
-
-
-def _strict(app: App) -> list[str]:
-    from rtkit.settings.properties import STRICT
-
-    return [f"{STRICT}:YES"] if app.is_strict else []
 
 
 def _check_word(words: Sequence[str], has_steps: bool, is_configured: bool) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import sys
+from collections.abc import Iterable
 from typing import TYPE_CHECKING, NamedTuple
 
 from rtkit.cli.shared.app import App, WrongArguments
@@ -15,6 +16,7 @@ if TYPE_CHECKING:
     from rtkit.profile.rtc_model import RtcProfile
     from rtkit.profile.rts_model import RtsProfile
     from rtkit.profile_tools.page import Page
+    from rtkit.report.finding import Finding
 
 
 class ReadDocument(NamedTuple):
@@ -59,6 +61,14 @@ def read_bytes_of(file: str | None) -> tuple[str, bytes]:
     if file is None and (sys.stdin is None or sys.stdin.isatty()):
         raise WrongArguments("No file specified.")
     return read_input(file)
+
+
+def say_findings(app: App, findings: Iterable[Finding]) -> None:
+    """Print findings on stderr, one a line."""
+    from rtkit.report.lines import plain_line
+
+    for finding in findings:
+        app.say(plain_line(finding))
 
 
 def write_page(page: Page, form: str, output: str, dot: str = "") -> None:

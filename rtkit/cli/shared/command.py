@@ -11,7 +11,7 @@ import sys
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import partial
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, NoReturn, TypeGuard
+from typing import TYPE_CHECKING, Any, NamedTuple, NoReturn, TypeGuard
 
 import click
 
@@ -30,7 +30,7 @@ Examples = Sequence[tuple[str, str]]
 """Command lines, each with what it does."""
 
 
-class Main:
+class Main(NamedTuple):
     """A command as console script and as function, with what it declares of itself.
 
     Attributes:
@@ -45,26 +45,14 @@ class Main:
         statuses: Meanings of exit statuses, where they differ from those of all commands.
     """
 
-    def __init__(
-        self,
-        name: str,
-        command: click.Command,
-        *,
-        examples: Examples = (),
-        json: Sequence[str] = (),
-        arguments: Sequence[str] | None = None,
-        values: Mapping[str, str] = MappingProxyType({}),
-        words: Iterable[str] = (),
-        statuses: Mapping[str, str] = MappingProxyType({}),
-    ) -> None:
-        self.name = name
-        self.command = command
-        self.examples = examples
-        self.json = json
-        self.arguments = arguments
-        self.values = values
-        self.words = words
-        self.statuses = statuses
+    name: str
+    command: click.Command
+    examples: Examples = ()
+    json: Sequence[str] = ()
+    arguments: Sequence[str] | None = None
+    values: Mapping[str, str] = MappingProxyType({})
+    words: Iterable[str] = ()
+    statuses: Mapping[str, str] = MappingProxyType({})
 
     def __call__(
         self, argv: Sequence[str] | None = None, tree: Tree | None = None, name: str = ""

@@ -20,6 +20,14 @@ STYLES = {
     "name": "bold",
     "active-set": "bold green",
 }
+_FINDING_STYLES = {
+    "error": "bold red",
+    "warning": "bold yellow",
+    "note": "cyan",
+    "valid": "bold green",
+    "name": "bold",
+    "path": "dim",
+}
 _ATTRIBUTES = ("bold", "dim", "reverse")
 
 
@@ -76,6 +84,11 @@ def styled(text: str, style: str | None) -> str:
     words = front.split()
     fg = next((word for word in words if word not in _ATTRIBUTES), None)
     return click.style(safe, fg, bg or None, **{each: True for each in words if each != fg})
+
+
+def finding_style(text: str, role: str) -> str:
+    """Return a part of a finding as a terminal shows it."""
+    return styled(text, _FINDING_STYLES.get(role))
 
 
 def state(text: str, width: int = 0) -> str:

@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING
 import click
 
 from rtkit.cli.shared.app import App
-from rtkit.cli.shared.findings import finding_style
 from rtkit.cli.shared.options import option, several
+from rtkit.cli.shared.terminal import finding_style
 from rtkit.errors import InvalidDocument, NotFound, Refused, UsageProblem
 
 if TYPE_CHECKING:

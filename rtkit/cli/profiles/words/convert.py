@@ -33,9 +33,8 @@ def main(
     is read again before anything is put in place: it holds all that the profile says, or nothing
     is written. Comments are no part of a profile: that they are left out is told.
     """
-    from rtkit.cli.profiles.document import read_bytes_of
+    from rtkit.cli.profiles.document import read_bytes_of, say_findings
     from rtkit.cli.shared.atomic import write_output
-    from rtkit.cli.shared.findings import say_findings
     from rtkit.profile_tools.rewriting import rewritten
     from rtkit.report.finding import NOTE
 

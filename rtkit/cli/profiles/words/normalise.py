@@ -45,8 +45,8 @@ def main(
     The result goes to stdout, to FILE or, with -i, in place of what was there: whole or not at
     all, and only if every one of the files can be repaired. XML stays XML, YAML stays YAML.
     """
+    from rtkit.cli.profiles.document import say_findings
     from rtkit.cli.shared.atomic import write_output
-    from rtkit.cli.shared.findings import say_findings
     from rtkit.report.finding import NOTE
 
     _check(files, in_place=in_place, output=output, check=check)

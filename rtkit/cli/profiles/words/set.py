@@ -39,9 +39,8 @@ def main(
     property of rtkit and is none is warned of. The file is replaced whole; what FILE - reads goes
     to stdout.
     """
-    from rtkit.cli.profiles.document import read_document
+    from rtkit.cli.profiles.document import read_document, say_findings
     from rtkit.cli.shared.atomic import write_output
-    from rtkit.cli.shared.findings import say_findings
     from rtkit.deployment.known_keys import odd_properties
     from rtkit.profile.forms import form_of
     from rtkit.profile.rts_model import RtsProfile

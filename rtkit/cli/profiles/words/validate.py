@@ -10,9 +10,9 @@ import click
 from rtkit.cli.shared import terminal
 from rtkit.cli.shared.app import App
 from rtkit.cli.shared.command import command
-from rtkit.cli.shared.findings import finding_style
 from rtkit.cli.shared.options import arguments, flag, json_flag, option, several, strict_option
 from rtkit.cli.shared.profile_files import DocumentSource, sources
+from rtkit.cli.shared.terminal import finding_style
 from rtkit.errors import InvalidDocument, NotFound, UsageProblem
 from rtkit.report.finding import Checked
 from rtkit.report.forms import FORMS, JSON, TEXT, report_lines
