@@ -7,22 +7,11 @@ from collections.abc import Sequence
 from itertools import pairwise
 from typing import NamedTuple
 
+from rtkit.drawing import scene as s
 from rtkit.drawing.channels import Net, Route, joints, routes
 from rtkit.drawing.heights import Chain, Pull, heights, slide
 from rtkit.drawing.order import EdgePiece, ordered
 from rtkit.drawing.ranks import ranks
-from rtkit.drawing.scene import (
-    LEFT,
-    RIGHT,
-    Box,
-    Layout,
-    Point,
-    Size,
-    Wire,
-    WireEnd,
-    box_size,
-    port_offset,
-)
 
 _TRACK = 10
 _MARGIN = 22
@@ -52,16 +41,16 @@ class Hop(NamedTuple):
     net: object
 
 
-def arranged(boxes: Sequence[Box], wires: Sequence[Wire]) -> Layout:
+def arranged(boxes: Sequence[s.Box], wires: Sequence[s.Wire]) -> s.Layout:
     """Return places for boxes of which each is connected to another one, or is alone."""
     return _Columns(boxes, wires).arrangement()
 
 
 class _Columns:
-    def __init__(self, boxes: Sequence[Box], wires: Sequence[Wire]) -> None:
+    def __init__(self, boxes: Sequence[s.Box], wires: Sequence[s.Wire]) -> None:
         self._boxes = boxes
         self._wires = wires
-        self._sizes = [box_size(box) for box in boxes]
+        self._sizes = [s.box_size(box) for box in boxes]
         self._rank = ranks(len(boxes), [(wire.source.box, wire.target.box) for wire in wires])
         self._heights = [size.height for size in self._sizes]
         self._columns: list[list[int]] = [[] for _ in range(max(self._rank) + 1)]
@@ -81,11 +70,11 @@ class _Columns:
             coming[hops[-1].channel, wire.target] += 1
         for wire, hops in self._ways():
             last = hops[-1]
-            from_one = going[last.channel, last.net] if isinstance(last.net, WireEnd) else 1
+            from_one = going[last.channel, last.net] if isinstance(last.net, s.WireEnd) else 1
             if coming[last.channel, wire.target] > from_one:
                 hops[-1] = last._replace(net=wire.target)
 
-    def arrangement(self) -> Layout:
+    def arrangement(self) -> s.Layout:
         """Put everything in order and in place."""
         links = [_link(hop, self._heights) for hops in self._hops for hop in hops]
         chains = [[hop.end.node for hop in hops[:-1]] for hops in self._hops]
@@ -109,17 +98,17 @@ class _Columns:
         bottoms = [y for _, y in corners]
         bottoms += [y + size.height for (_, y), size in zip(places, self._sizes, strict=True)]
         top = min(tops)
-        return Layout(
-            Size(width, max(bottoms) - top),
+        return s.Layout(
+            s.Size(width, max(bottoms) - top),
             tuple((x, y - top) for x, y in places),
             tuple(tuple((x, y - top) for x, y in path) for path in paths),
             tuple((x, y - top) for x, y in joined),
         )
 
-    def _ways(self) -> list[tuple[Wire, list[Hop]]]:
+    def _ways(self) -> list[tuple[s.Wire, list[Hop]]]:
         return list(zip(self._wires, self._hops, strict=True))
 
-    def _way(self, wire: Wire) -> list[Hop]:
+    def _way(self, wire: s.Wire) -> list[Hop]:
         """Return the hops of a wire, adding a node to each column that it passes."""
         at, to = self._channel(wire.source), self._channel(wire.target)
         step = 1 if to >= at else -1
@@ -131,22 +120,22 @@ class _Columns:
             node = len(self._heights)
             self._heights.append(0)
             self._columns[column].append(node)
-            ends = (RIGHT, LEFT) if step > 0 else (LEFT, RIGHT)
+            ends = (s.RIGHT, s.LEFT) if step > 0 else (s.LEFT, s.RIGHT)
             hops.append(Hop(at, stop, Stop(node, 0, ends[0]), net))
             stop, net = Stop(node, 0, ends[1]), node
             at += step
         hops.append(Hop(at, stop, self._stop(wire.target), net))
         return hops
 
-    def _channel(self, end: WireEnd) -> int:
+    def _channel(self, end: s.WireEnd) -> int:
         port = self._boxes[end.box].ports[end.port]
-        return self._rank[end.box] + (port.side == RIGHT)
+        return self._rank[end.box] + (port.side == s.RIGHT)
 
-    def _stop(self, end: WireEnd) -> Stop:
+    def _stop(self, end: s.WireEnd) -> Stop:
         box = self._boxes[end.box]
         # The right side of a box faces the left side of its channel.
-        side = LEFT if box.ports[end.port].side == RIGHT else RIGHT
-        return Stop(end.box, port_offset(box, end.port), side)
+        side = s.LEFT if box.ports[end.port].side == s.RIGHT else s.RIGHT
+        return Stop(end.box, s.port_offset(box, end.port), side)
 
     def _settled(self) -> dict[int, int]:
         """Return the distance of each node from the top."""
@@ -180,7 +169,7 @@ class _Columns:
             if is_turn and one.node < count:
                 continue
             # At the left side of a channel is the right side of a node.
-            index = 1 if one.side == LEFT else 0
+            index = 1 if one.side == s.LEFT else 0
             pulls[one.node][index].append(Pull(other.node, other.offset - one.offset, weight))
 
     def _gaps(self, column: Sequence[int]) -> list[float]:
@@ -201,7 +190,7 @@ class _Columns:
             for hop in hops:
                 sides = sides_of[hop.channel].setdefault(hop.net, ([], []))
                 for stop in (hop.start, hop.end):
-                    sides[stop.side == RIGHT].append(self._tops[stop.node] + stop.offset)
+                    sides[stop.side == s.RIGHT].append(self._tops[stop.node] + stop.offset)
         widths = []
         for channel, known in enumerate(sides_of):
             nets = [Net(tuple(lefts), tuple(rights)) for lefts, rights in known.values()]
@@ -224,41 +213,41 @@ class _Columns:
             x += widest
         return columns, x + channels[-1]
 
-    def _place(self, box: int, columns: Sequence[tuple[int, int]]) -> Point:
+    def _place(self, box: int, columns: Sequence[tuple[int, int]]) -> s.Point:
         left, right = columns[self._rank[box]]
         return left + (right - left - self._sizes[box].width) // 2, self._tops[box]
 
     def _path(
         self,
-        wire: Wire,
+        wire: s.Wire,
         hops: Sequence[Hop],
-        places: Sequence[Point],
+        places: Sequence[s.Point],
         starts: Sequence[int],
-    ) -> tuple[Point, ...]:
+    ) -> tuple[s.Point, ...]:
         points = [self._port(wire.source, places)]
         for hop in hops:
             points += self._corners(hop, starts[hop.channel])
         points.append(self._port(wire.target, places))
         return tuple(_simplified(points))
 
-    def _corners(self, hop: Hop, start: int) -> list[Point]:
+    def _corners(self, hop: Hop, start: int) -> list[s.Point]:
         """Return the corners of a wire in a channel that begins at `start`."""
         route = self._routes[hop.channel][hop.net]
         if not route:
             return []
         y, z = (self._tops[stop.node] + stop.offset for stop in (hop.start, hop.end))
-        sides = [0 if stop.side == LEFT else len(route) - 1 for stop in (hop.start, hop.end)]
+        sides = [0 if stop.side == s.LEFT else len(route) - 1 for stop in (hop.start, hop.end)]
         x, u = (_x_of(start, route[side].track) for side in sides)
         if sides[0] == sides[1]:
             return [(x, y), (u, z)]
         (bend,) = route[0].net.rights
         return [(x, y), (x, bend), (u, bend), (u, z)]
 
-    def _port(self, end: WireEnd, places: Sequence[Point]) -> Point:
+    def _port(self, end: s.WireEnd, places: Sequence[s.Point]) -> s.Point:
         box = self._boxes[end.box]
         x, y = places[end.box]
-        right = self._sizes[end.box].width if box.ports[end.port].side == RIGHT else 0
-        return x + right, y + port_offset(box, end.port)
+        right = self._sizes[end.box].width if box.ports[end.port].side == s.RIGHT else 0
+        return x + right, y + s.port_offset(box, end.port)
 
 
 def _x_of(start: int, track: int) -> int:
@@ -271,14 +260,16 @@ def _link(hop: Hop, heights: Sequence[int]) -> EdgePiece:
 
     start, end = hop.start, hop.end
     if start.side == end.side:
-        return EdgePiece(start.node, end.node, at(start), at(end), 1 if start.side == LEFT else -1)
-    left, right = (start, end) if start.side == LEFT else (end, start)
+        return EdgePiece(
+            start.node, end.node, at(start), at(end), 1 if start.side == s.LEFT else -1
+        )
+    left, right = (start, end) if start.side == s.LEFT else (end, start)
     return EdgePiece(left.node, right.node, at(left), at(right))
 
 
-def _simplified(points: Sequence[Point]) -> list[Point]:
+def _simplified(points: Sequence[s.Point]) -> list[s.Point]:
     """Leave out corners that are none."""
-    kept: list[Point] = []
+    kept: list[s.Point] = []
     for point in points:
         if kept and kept[-1] == point:
             continue
@@ -288,5 +279,5 @@ def _simplified(points: Sequence[Point]) -> list[Point]:
     return kept
 
 
-def _is_straight(one: Point, two: Point, three: Point) -> bool:
+def _is_straight(one: s.Point, two: s.Point, three: s.Point) -> bool:
     return one[0] == two[0] == three[0] or one[1] == two[1] == three[1]

@@ -5,29 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from itertools import pairwise
 
+from rtkit.drawing import scene as s
 from rtkit.drawing.frames import framed
 from rtkit.drawing.layout import laid_out
-from rtkit.drawing.scene import (
-    DATA,
-    EVENT,
-    LEFT,
-    PORT_SIZE,
-    SERVICE,
-    Box,
-    Inside,
-    Layout,
-    Point,
-    PortPin,
-    Scene,
-    Size,
-    Wire,
-    WireEnd,
-    box_size,
-    header_height,
-    inside_offset,
-    port_offset,
-    text_width,
-)
 from rtkit.xmltext import without_bad_characters
 
 FONT = "font-family=\"'Noto Sans', 'DejaVu Sans', 'Helvetica Neue', Arial, sans-serif\""
@@ -69,22 +49,22 @@ def escaped(text: str) -> str:
     return without_bad_characters(text).translate(_ESCAPES)
 
 
-def picture(scene: Scene, title: str = "") -> str:
+def picture(scene: s.Scene, title: str = "") -> str:
     """Return the picture of a system as SVG: members inside their composites, a title above."""
     whole = framed(scene)
     return scene_svg(whole, laid_out(whole), title)
 
 
-def scene_svg(scene: Scene, layout: Layout, title: str = "") -> str:
+def scene_svg(scene: s.Scene, layout: s.Layout, title: str = "") -> str:
     """Return the picture of a laid-out scene, with the title above it."""
     top = _MARGIN + (_TITLE if title else 0)
     width = layout.size.width + 2 * _MARGIN
-    size = Size(max(width, 200), layout.size.height + top + _MARGIN)
+    size = s.Size(max(width, 200), layout.size.height + top + _MARGIN)
     lines = [*opening(size, title), f'<g transform="translate({_MARGIN} {top})">']
     return "\n".join([*lines, *_scene_lines(scene, layout), "</g>", "</svg>"]) + "\n"
 
 
-def _scene_lines(scene: Scene, layout: Layout) -> list[str]:
+def _scene_lines(scene: s.Scene, layout: s.Layout) -> list[str]:
     """Return the wires of a scene, and before them its boxes."""
     lines: list[str] = []
     for group in _groups(scene):
@@ -99,7 +79,7 @@ def _scene_lines(scene: Scene, layout: Layout) -> list[str]:
     return lines
 
 
-def opening(size: Size, title: str, extra_style: str = "") -> Iterator[str]:
+def opening(size: s.Size, title: str, extra_style: str = "") -> Iterator[str]:
     """Yield the beginning of a picture, with its background and, if there is one, its title."""
     yield (
         f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {size.width} {size.height}"'
@@ -113,11 +93,11 @@ def opening(size: Size, title: str, extra_style: str = "") -> Iterator[str]:
         yield f'<text class="rt-caption" x="{_MARGIN}" y="{_MARGIN + 12}">{escaped(title)}</text>'
 
 
-def box_lines(box: Box, place: Point) -> Iterator[str]:
+def box_lines(box: s.Box, place: s.Point) -> Iterator[str]:
     """Yield a component with its ports."""
     x, y = place
-    size = box_size(box)
-    head = header_height(box)
+    size = s.box_size(box)
+    head = s.header_height(box)
     dashed = " rt-dashed" if box.is_dashed else ""
     yield "<g>"
     if box.tip:
@@ -130,15 +110,15 @@ def box_lines(box: Box, place: Point) -> Iterator[str]:
         middle = x + size.width / 2
         yield f'<text class="rt-sub" x="{middle:g}" y="{y + 33}">{escaped(box.subtitle)}</text>'
     for index, port in enumerate(box.ports):
-        left = x if port.side == LEFT else x + size.width
-        yield from _port(port, left, y + port_offset(box, index))
+        left = x if port.side == s.LEFT else x + size.width
+        yield from _port(port, left, y + s.port_offset(box, index))
     if box.inside is not None:
         yield from _inside(box, box.inside, place)
     yield "</g>"
 
 
 def head_lines(
-    title: str, place: Point, width: int, height: int, colour: str = ""
+    title: str, place: s.Point, width: int, height: int, colour: str = ""
 ) -> Iterator[str]:
     """Yield the head of a box of this width, with the title."""
     x, y = place
@@ -147,21 +127,21 @@ def head_lines(
     yield f'<text class="rt-title" x="{x + width / 2:g}" y="{y + 18}">{escaped(title)}</text>'
 
 
-def _inside(box: Box, inside: Inside, place: Point) -> Iterator[str]:
+def _inside(box: s.Box, inside: s.Inside, place: s.Point) -> Iterator[str]:
     """Yield the content of a frame, with lines from its own ports to those inside."""
-    left, top = inside_offset(box)
+    left, top = s.inside_offset(box)
     x, y = place[0] + left, place[1] + top
     yield f'<g transform="translate({x} {y})">'
     for port, end in inside.links:
-        is_left = box.ports[port].side == LEFT
-        edge = -left if is_left else box_size(box).width - left
-        name = round(text_width(box.ports[port].name, PORT_SIZE)) + 14
-        start = (edge + (name if is_left else -name), port_offset(box, port) - top)
+        is_left = box.ports[port].side == s.LEFT
+        edge = -left if is_left else s.box_size(box).width - left
+        name = round(s.text_width(box.ports[port].name, s.PORT_SIZE)) + 14
+        start = (edge + (name if is_left else -name), s.port_offset(box, port) - top)
         inner, (inner_x, inner_y) = inside.scene.boxes[end.box], inside.layout.places[end.box]
-        is_inner_left = inner.ports[end.port].side == LEFT
+        is_inner_left = inner.ports[end.port].side == s.LEFT
         stop = (
-            inner_x + (0 if is_inner_left else box_size(inner).width),
-            inner_y + port_offset(inner, end.port),
+            inner_x + (0 if is_inner_left else s.box_size(inner).width),
+            inner_y + s.port_offset(inner, end.port),
         )
         turn = start[0] + (_TURN if is_left else -_TURN)
         path = rounded((start, (turn, start[1]), (turn, stop[1]), stop))
@@ -170,7 +150,7 @@ def _inside(box: Box, inside: Inside, place: Point) -> Iterator[str]:
     yield "</g>"
 
 
-def _port(port: PortPin, x: int, y: int) -> Iterator[str]:
+def _port(port: s.PortPin, x: int, y: int) -> Iterator[str]:
     yield "<g>"
     if port.tip:
         yield f"<title>{escaped(port.tip)}</title>"
@@ -178,10 +158,10 @@ def _port(port: PortPin, x: int, y: int) -> Iterator[str]:
     yield "</g>"
 
 
-def port_lines(port: PortPin, x: int, y: int) -> Iterator[str]:
+def port_lines(port: s.PortPin, x: int, y: int) -> Iterator[str]:
     """Yield the mark of a port at the edge of its box, and its name inside."""
     yield f'<path class="rt-{port.kind}" d="{port_shape(port.kind, x, y)}"/>'
-    is_left = port.side == LEFT
+    is_left = port.side == s.LEFT
     side = "" if is_left else " rt-end"
     at = x + 10 if is_left else x - 10
     yield f'<text class="rt-name{side}" x="{at}" y="{y + 4}">{escaped(port.name)}</text>'
@@ -189,16 +169,16 @@ def port_lines(port: PortPin, x: int, y: int) -> Iterator[str]:
 
 def port_shape(kind: str, x: int, y: int) -> str:
     """Return the mark of a port at the edge of its box; those of data point where data go."""
-    if kind in (SERVICE, DATA):
+    if kind in (s.SERVICE, s.DATA):
         return f"M{x - 5} {y - 5}h10v10h-10z"
-    if kind == EVENT:
+    if kind == s.EVENT:
         return f"M{x - 6} {y}l6 -6l6 6l-6 6z"
     return f"M{x - 5} {y - 5}h6l5 5l-5 5h-6z"
 
 
-def _groups(scene: Scene) -> list[list[int]]:
+def _groups(scene: s.Scene) -> list[list[int]]:
     """Return wires that have a port in common, as far as that goes."""
-    groups: dict[WireEnd, list[int]] = {}
+    groups: dict[s.WireEnd, list[int]] = {}
     for index, wire in enumerate(scene.wires):
         one, other = groups.get(wire.source, []), groups.get(wire.target, [])
         merged = [*one, *(() if one is other else other), index]
@@ -207,7 +187,7 @@ def _groups(scene: Scene) -> list[list[int]]:
     return list({id(group): group for group in groups.values()}.values())
 
 
-def _wire(wire: Wire, drawn: str) -> Iterator[str]:
+def _wire(wire: s.Wire, drawn: str) -> Iterator[str]:
     yield '<g class="rt-link">'
     if wire.tip:
         yield f"<title>{escaped(wire.tip)}</title>"
@@ -216,11 +196,11 @@ def _wire(wire: Wire, drawn: str) -> Iterator[str]:
     yield "</g>"
 
 
-def _look(wire: Wire) -> str:
-    return f" rt-w-{wire.kind}" if wire.kind != DATA else ""
+def _look(wire: s.Wire) -> str:
+    return f" rt-w-{wire.kind}" if wire.kind != s.DATA else ""
 
 
-def _joint(point: Point, scene: Scene, layout: Layout) -> str:
+def _joint(point: s.Point, scene: s.Scene, layout: s.Layout) -> str:
     """Return the dot where wires part, which looks as they do."""
     through = (
         wire for wire, path in zip(scene.wires, layout.paths, strict=True) if _leads(path, point)
@@ -229,7 +209,7 @@ def _joint(point: Point, scene: Scene, layout: Layout) -> str:
     return f'<circle class="rt-joint{look}" cx="{point[0]}" cy="{point[1]}" r="3"/>'
 
 
-def _leads(path: Sequence[Point], point: Point) -> bool:
+def _leads(path: Sequence[s.Point], point: s.Point) -> bool:
     """Return whether a path, upright and level lines only, leads over a point."""
     return any(
         min(one[0], other[0]) <= point[0] <= max(one[0], other[0])
@@ -238,7 +218,7 @@ def _leads(path: Sequence[Point], point: Point) -> bool:
     )
 
 
-def rounded(points: Sequence[Point]) -> str:
+def rounded(points: Sequence[s.Point]) -> str:
     """Return the path through corners, which are rounded."""
     if not points:
         return ""
@@ -251,11 +231,11 @@ def rounded(points: Sequence[Point]) -> str:
     return "".join(parts)
 
 
-def _length(one: Point, other: Point) -> int:
+def _length(one: s.Point, other: s.Point) -> int:
     return abs(one[0] - other[0]) + abs(one[1] - other[1])
 
 
-def _towards(corner: Point, other: Point, distance: float) -> tuple[float, float]:
+def _towards(corner: s.Point, other: s.Point, distance: float) -> tuple[float, float]:
     length = _length(corner, other) or 1
     return (
         corner[0] + (other[0] - corner[0]) * distance / length,

@@ -10,17 +10,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Iterable, Sequence
 
-from rtkit.profile.constraint_model import (
-    Between,
-    Comparison,
-    Constraint,
-    ConstraintGroup,
-    ConstraintTest,
-    ConstraintUnit,
-    IsNull,
-    Like,
-    Logical,
-)
+from rtkit.profile import constraint_model as c
 
 _Number = int | float
 _Order = Callable[[_Number, _Number], bool]
@@ -39,7 +29,7 @@ _INTEGER = re.compile(r"\s*[+-]?[0-9]{1,400}\s*", re.ASCII)
 
 
 def allows(
-    constraint: Constraint, value: str | Sequence[str], *, wants_number: bool = False
+    constraint: c.Constraint, value: str | Sequence[str], *, wants_number: bool = False
 ) -> bool:
     """Return whether `value`, a text or the elements of a list, satisfies `constraint`.
 
@@ -56,17 +46,17 @@ def allows(
     return _verdict(constraint, items, wants_number) is not False
 
 
-def _verdict(constraint: Constraint, items: tuple[str, ...], wants_number: bool) -> bool | None:
+def _verdict(constraint: c.Constraint, items: tuple[str, ...], wants_number: bool) -> bool | None:
     """Return whether it holds, None where it says nothing."""
     content = constraint.content
-    if isinstance(content, ConstraintUnit):
+    if isinstance(content, c.ConstraintUnit):
         return _all(_holds(content.test, item, wants_number) for item in items)
     if content.kind == "ConstraintHashType":
         return _all(_entry(content, item, wants_number) for item in _entries(items))
     pairs = zip(content.constraints, items, strict=False)
     each = _all(_verdict(part, (item,), wants_number) for part, item in pairs)
     if each is False and _only_names_values(content):
-        choice = Logical("Or", content.constraints)
+        choice = c.Logical("Or", content.constraints)
         return _all(_holds(choice, item, wants_number) for item in items)
     return each
 
@@ -76,11 +66,11 @@ def _all(verdicts: Iterable[bool | None]) -> bool | None:
     return all(said) if said else None
 
 
-def _only_names_values(group: ConstraintGroup) -> bool:
+def _only_names_values(group: c.ConstraintGroup) -> bool:
     for part in group.constraints:
         unit = part.content
-        test = unit.test if isinstance(unit, ConstraintUnit) else None
-        if not (isinstance(test, Comparison) and test.kind == _EQUAL):
+        test = unit.test if isinstance(unit, c.ConstraintUnit) else None
+        if not (isinstance(test, c.Comparison) and test.kind == _EQUAL):
             return False
     return True
 
@@ -94,24 +84,24 @@ def _entries(items: tuple[str, ...]) -> Iterable[tuple[str, str]]:
                 yield key.strip(), value.strip()
 
 
-def _entry(group: ConstraintGroup, entry: tuple[str, str], wants_number: bool) -> bool | None:
+def _entry(group: c.ConstraintGroup, entry: tuple[str, str], wants_number: bool) -> bool | None:
     key, value = entry
     units = [part.content for part in group.constraints]
-    tests = [unit.test for unit in units if isinstance(unit, ConstraintUnit) and unit.key == key]
+    tests = [unit.test for unit in units if isinstance(unit, c.ConstraintUnit) and unit.key == key]
     return _all(_holds(test, value, wants_number) for test in tests)
 
 
-def _holds(test: ConstraintTest, text: str, wants_number: bool) -> bool | None:
+def _holds(test: c.ConstraintTest, text: str, wants_number: bool) -> bool | None:
     match test:
-        case Comparison():
+        case c.Comparison():
             return _compare(test, text, wants_number)
-        case Between(lower, upper):
+        case c.Between(lower, upper):
             return _all((_order(text, lower, _LEAST), _order(text, upper, _MOST)))
-        case Like():
+        case c.Like():
             return _is_like(test, text)
-        case IsNull():
+        case c.IsNull():
             return not text
-        case Logical(kind, constraints):
+        case c.Logical(kind, constraints):
             verdicts = [_verdict(part, (text,), wants_number) for part in constraints]
             if kind == "And":
                 return _all(verdicts)
@@ -121,7 +111,7 @@ def _holds(test: ConstraintTest, text: str, wants_number: bool) -> bool | None:
             return any(said) if kind == "Or" else not any(said)
 
 
-def _compare(test: Comparison, text: str, wants_number: bool) -> bool | None:
+def _compare(test: c.Comparison, text: str, wants_number: bool) -> bool | None:
     order = _ORDERS.get(test.kind)
     if order is not None:
         return _order(text, test.literal, order)
@@ -142,7 +132,7 @@ def _order(text: str, literal: str, order: _Order) -> bool | None:
     return value is not None and order(value, bound)
 
 
-def _is_same(test: Comparison, text: str) -> bool:
+def _is_same(test: c.Comparison, text: str) -> bool:
     one, other = text.strip(), test.literal.strip()
     if test.match_case:
         return one == other
@@ -163,7 +153,7 @@ def _number(text: str) -> _Number | None:
         return None
 
 
-def _is_like(test: Like, text: str) -> bool:
+def _is_like(test: c.Like, text: str) -> bool:
     """Match in one pass that goes back to the last wild card only, so that it takes no ages."""
     wanted = _letters(test)
     place = at = 0
@@ -183,7 +173,7 @@ def _is_like(test: Like, text: str) -> bool:
     return all(is_mark and letter == test.wild_card for letter, is_mark in wanted[place:])
 
 
-def _letters(test: Like) -> list[tuple[str, bool]]:
+def _letters(test: c.Like) -> list[tuple[str, bool]]:
     """Return the letters of a pattern, and of each whether it is a wild card or single mark."""
     letters = iter(test.literal)
     marks = (test.wild_card, test.single_char)

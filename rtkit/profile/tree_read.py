@@ -10,23 +10,11 @@ from collections.abc import Iterator
 from contextlib import suppress
 from typing import Any, NamedTuple
 
+from rtkit.profile import tree_form as form
 from rtkit.profile.findings import Findings, refused
 from rtkit.profile.parse import MAX_ATTRIBUTES
 from rtkit.profile.rts_model import OrderStep
 from rtkit.profile.spec import DATE, FLAG, Attr, Child, ElementSpec
-from rtkit.profile.tree_form import (
-    CONDITION,
-    DATE_PARTS,
-    FOREIGN_ATTRIBUTES,
-    FOREIGN_ELEMENTS,
-    FOREIGN_PARTS,
-    OTHER_WORDS,
-    ROOTS,
-    SCHEMA_KEY,
-    date_text,
-    key_of,
-    name_of,
-)
 from rtkit.profile.xmlnames import NAMESPACES, XSI_TYPE, clark, short
 from rtkit.xmltext import without_bad_characters
 
@@ -103,13 +91,13 @@ def root_of(node: Node, source: str) -> tuple[str, ScalarNode, Node]:
     Raises:
         InvalidProfile: It is no profile.
     """
-    wanted = " or ".join(ROOTS.values())
+    wanted = " or ".join(form.ROOTS.values())
     keys = node.items if isinstance(node, TableNode) else ()
-    keys = tuple(item for item in keys if item[0].text != SCHEMA_KEY)
+    keys = tuple(item for item in keys if item[0].text != form.SCHEMA_KEY)
     if len(keys) != 1:
         raise refused(source, node.line, "wrong-root", f"the root is a table of one key, {wanted}")
     ((key, body),) = keys
-    for kind, root in ROOTS.items():
+    for kind, root in form.ROOTS.items():
         if key.text[:1].lower() + key.text[1:] == root:
             return kind, key, body
     why = f"the root is {key.text[:80]!r}; a profile's is {wanted}"
@@ -164,7 +152,7 @@ class _Filler:
         for _, part, value in sorted(parts, key=lambda each: each[0]):
             self._children(element, part, value)
         for key, value in others:
-            if key.text in (FOREIGN_ATTRIBUTES, FOREIGN_ELEMENTS):
+            if key.text in (form.FOREIGN_ATTRIBUTES, form.FOREIGN_ELEMENTS):
                 self._foreign(element, key, value)
             else:
                 self._keep(element, key, value)
@@ -176,7 +164,7 @@ class _Filler:
         for choice in spec.children:
             inner = choice.spec
             if inner is not None and all(_child_of(inner, _local(key)) for key, _ in body.items):
-                key = key_of(choice.name, choice.name)
+                key = form.key_of(choice.name, choice.name)
                 self._found.repaired_at(body.line, "key-name", f"{key!r} is absent: taken as meant")
                 return TableNode(body.line, ((ScalarNode(body.line, key), body),))
         return body
@@ -185,8 +173,8 @@ class _Filler:
         """Record a misspelt key, with the key that it was taken as."""
         if (key.text, name, tag) in self._usual:
             return
-        usual = key_of(name, tag)
-        if key.text in (usual, *OTHER_WORDS.get(usual, ())):
+        usual = form.key_of(name, tag)
+        if key.text in (usual, *form.OTHER_WORDS.get(usual, ())):
             self._usual.add((key.text, name, tag))
         else:
             said = f"key {key.text!r} taken as {usual!r}"
@@ -216,8 +204,8 @@ class _Filler:
             or not inner[0].is_many
         ):
             return value
-        key = key_of(inner[0].name, part.name)
-        said = f"a list taken as {key!r} of {key_of(part.name, part.name)!r}"
+        key = form.key_of(inner[0].name, part.name)
+        said = f"a list taken as {key!r} of {form.key_of(part.name, part.name)!r}"
         self._found.repaired_at(value.line, "key-name", said)
         return TableNode(value.line, ((ScalarNode(value.line, key), value),))
 
@@ -237,14 +225,14 @@ class _Filler:
 
     def _date(self, value: TableNode) -> str:
         parts = {key.text: part.text for key, part in value.items if isinstance(part, ScalarNode)}
-        text = date_text(parts) if parts.keys() <= set(DATE_PARTS) else None
+        text = form.date_text(parts) if parts.keys() <= set(form.DATE_PARTS) else None
         if text is None or len(parts) != len(value.items):
-            self._wrong(value, f"a date has numbers for: {', '.join(DATE_PARTS)}", "bad-value")
+            self._wrong(value, f"a date has numbers for: {', '.join(form.DATE_PARTS)}", "bad-value")
         return text or ""
 
     def _keep(self, element: Any, key: ScalarNode, value: Node) -> None:
         """Keep a key that no table knows, for the checks of every profile to judge."""
-        name = name_of(key.text, element.tag)
+        name = form.name_of(key.text, element.tag)
         if name is None:
             self._wrong(key, f"no part of a profile: {key.text[:80]!r}", "unknown-key")
         elif isinstance(value, ScalarNode):
@@ -262,7 +250,7 @@ class _Filler:
                         self._keep(made, inner, below)
 
     def _foreign(self, element: Any, key: ScalarNode, value: Node) -> None:
-        if key.text == FOREIGN_ATTRIBUTES:
+        if key.text == form.FOREIGN_ATTRIBUTES:
             self._foreign_attributes(element, value)
             return
         for item in value.items if isinstance(value, ListNode) else (value,):
@@ -285,8 +273,8 @@ class _Filler:
             {key.text: value for key, value in node.items} if isinstance(node, TableNode) else {}
         )
         name = parts.get("name")
-        if not isinstance(name, ScalarNode) or not parts.keys() <= set(FOREIGN_PARTS):
-            self._wrong(node, f"a foreign element is a table of: {', '.join(FOREIGN_PARTS)}")
+        if not isinstance(name, ScalarNode) or not parts.keys() <= set(form.FOREIGN_PARTS):
+            self._wrong(node, f"a foreign element is a table of: {', '.join(form.FOREIGN_PARTS)}")
             return
         made = self._made(parent, name.text, node)
         if made is None:
@@ -353,7 +341,7 @@ class _Filler:
 def _parts(body: TableNode, spec: ElementSpec) -> Iterator[tuple[ScalarNode, Node]]:
     """Yield the keys of a table; what a target waits for is one level further down."""
     for key, value in body.items:
-        if spec.make is OrderStep and key.text == CONDITION and isinstance(value, TableNode):
+        if spec.make is OrderStep and key.text == form.CONDITION and isinstance(value, TableNode):
             yield from value.items
         else:
             yield key, value

@@ -5,26 +5,16 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from rtkit.drawing.component import component_svg
+from rtkit.profile import rtc_model as rtc
 from rtkit.profile.constraint_text import format_constraint
-from rtkit.profile.rtc_model import (
-    ActionStatus,
-    ConfigurationParameter,
-    DataPortDeclaration,
-    FsmTransition,
-    RtcProfile,
-    ServiceInterface,
-    ServicePortDeclaration,
-)
 from rtkit.profile.rtc_spec import ACTIONS
 from rtkit.profile.words import normal_data_type
 from rtkit.profile_tools.component_scene import component_name, component_pins
-from rtkit.profile_tools.component_summary import dates, hertz, one_line
+from rtkit.profile_tools.component_summary import DIRECTIONS, dates, hertz, one_line
 from rtkit.profile_tools.page import Page, PageTable, Section, present, section
 
-_DIRECTIONS = {"DataInPort": "in", "DataOutPort": "out", "EventPort": "event"}
 
-
-def component_page(profile: RtcProfile) -> Page:
+def component_page(profile: rtc.RtcProfile) -> Page:
     """Return the page about a component type."""
     pins = component_pins(profile)
     found = (
@@ -48,7 +38,7 @@ def component_page(profile: RtcProfile) -> Page:
     )
 
 
-def _facts(profile: RtcProfile) -> Iterator[tuple[str, str | None]]:
+def _facts(profile: rtc.RtcProfile) -> Iterator[tuple[str, str | None]]:
     info = profile.basic_info
     yield "Id", profile.id
     if info is not None:
@@ -58,64 +48,64 @@ def _facts(profile: RtcProfile) -> Iterator[tuple[str, str | None]]:
         yield "Kind", ", ".join((info.component_type, info.activity_type, info.component_kind))
         yield "Execution", f"{info.execution_type}{hertz(info.execution_rate)}"
         yield "Instances", f"at most {info.max_instances}" if info.max_instances else ""
-        yield "Creator", info.doc.creator if info.doc else ""
-        yield "License", info.doc.license if info.doc else ""
+        doc = info.doc or rtc.BasicDoc()
+        yield "Creator", doc.creator
+        yield "License", doc.license
         yield "Dates", dates(info.creation_date, info.update_date)
     yield "Language", profile.language.kind if profile.language else ""
 
 
-def _about(profile: RtcProfile) -> Section | None:
+def _about(profile: rtc.RtcProfile) -> Section | None:
     info = profile.basic_info
     if info is None:
         return None
-    doc = info.doc
-    parts = [
-        section("Input and output", [doc.inout if doc else ""]),
-        section("Algorithm", [doc.algorithm if doc else ""]),
-        section("Hardware", [info.hardware_profile]),
-        section("References", [doc.reference if doc else ""]),
-        section("Remarks", [info.comment]),
-    ]
-    return section("About", [doc.description if doc else "", info.abstract], parts=parts)
+    doc = info.doc or rtc.BasicDoc()
+    texts = {
+        "Input and output": doc.inout,
+        "Algorithm": doc.algorithm,
+        "Hardware": info.hardware_profile,
+        "References": doc.reference,
+        "Remarks": info.comment,
+    }
+    parts = [section(title, [text]) for title, text in texts.items()]
+    return section("About", [doc.description, info.abstract], parts=parts)
 
 
-def _data_ports(profile: RtcProfile) -> Section | None:
+def _data_ports(profile: rtc.RtcProfile) -> Section | None:
     heads = ("Port", "Direction", "Type", "Unit", "Constraint", "Description")
     rows = tuple(_data_port_row(port) for port in profile.data_ports)
     parts = [_data_port(port) for port in profile.data_ports]
     return section("Data ports", table=PageTable(heads, rows), parts=parts)
 
 
-def _data_port_row(port: DataPortDeclaration) -> tuple[str, ...]:
+def _data_port_row(port: rtc.DataPortDeclaration) -> tuple[str, ...]:
+    doc = port.doc or rtc.DataPortDoc()
     return (
         port.name,
-        _DIRECTIONS[port.port_type],
+        DIRECTIONS[port.port_type],
         port.type,
-        port.unit or (port.doc.unit if port.doc else "") or "",
+        port.unit or doc.unit or "",
         format_constraint(port.constraint),
-        (port.doc.description if port.doc else "") or port.comment or "",
+        doc.description or port.comment or "",
     )
 
 
-def _data_port(port: DataPortDeclaration) -> Section | None:
-    doc = port.doc
+def _data_port(port: rtc.DataPortDeclaration) -> Section | None:
+    doc = port.doc or rtc.DataPortDoc()
+    is_same = normal_data_type(doc.type or "") == normal_data_type(port.type)
     rows = [
-        ("Type", doc.type if doc and not _is_same_type(doc.type, port.type) else ""),
-        ("Number", doc.number if doc else ""),
-        ("Semantics", doc.semantics if doc else ""),
-        ("Occurrence", doc.occerrence if doc else ""),
-        ("Operation", doc.operation if doc else ""),
+        ("Type", "" if is_same else doc.type),
+        ("Number", doc.number),
+        ("Semantics", doc.semantics),
+        ("Occurrence", doc.occerrence),
+        ("Operation", doc.operation),
         ("IDL file", port.idl_file),
     ]
     table = PageTable(("", ""), present(rows)) if present(rows) else None
     return section(port.name, table=table, parts=[_events(port.events)])
 
 
-def _is_same_type(one: str | None, other: str) -> bool:
-    return normal_data_type(one or "") == normal_data_type(other)
-
-
-def _events(events: tuple[FsmTransition, ...]) -> Section | None:
+def _events(events: tuple[rtc.FsmTransition, ...]) -> Section | None:
     heads = ("Event", "From", "To", "Type", "Condition", "Description")
     rows = tuple(
         (
@@ -124,18 +114,18 @@ def _events(events: tuple[FsmTransition, ...]) -> Section | None:
             event.target,
             event.type or "",
             one_line(event.condition),
-            (event.doc.description if event.doc else "") or "",
+            (event.doc or rtc.EventDoc()).description or "",
         )
         for event in events
     )
     return section("Events", table=PageTable(heads, rows))
 
 
-def _service_ports(profile: RtcProfile) -> Section | None:
+def _service_ports(profile: rtc.RtcProfile) -> Section | None:
     return section("Service ports", parts=[_service_port(each) for each in profile.service_ports])
 
 
-def _service_port(port: ServicePortDeclaration) -> Section | None:
+def _service_port(port: rtc.ServicePortDeclaration) -> Section | None:
     heads = ("Interface", "Direction", "Type", "IDL file", "Description")
     rows = tuple(
         (
@@ -143,22 +133,19 @@ def _service_port(port: ServicePortDeclaration) -> Section | None:
             each.direction.lower(),
             each.type,
             each.idl_file or "",
-            (each.doc.description if each.doc else "") or each.comment or "",
+            (each.doc or rtc.ServiceInterfaceDoc()).description or each.comment or "",
         )
         for each in port.service_interfaces
     )
-    texts = [port.comment]
-    if port.doc is not None:
-        texts += [port.doc.description, port.doc.ifdescription]
+    doc = port.doc or rtc.ServicePortDoc()
+    texts = [port.comment, doc.description, doc.ifdescription]
     parts = [_interface(each) for each in port.service_interfaces]
     found = section(port.name, texts, PageTable(heads, rows), parts)
     return found or Section(port.name, ("No interfaces.",))
 
 
-def _interface(each: ServiceInterface) -> Section | None:
-    doc = each.doc
-    if doc is None:
-        return None
+def _interface(each: rtc.ServiceInterface) -> Section | None:
+    doc = each.doc or rtc.ServiceInterfaceDoc()
     rows = present(
         [
             ("Arguments", doc.doc_argument),
@@ -171,7 +158,7 @@ def _interface(each: ServiceInterface) -> Section | None:
     return section(each.name, table=PageTable(("", ""), rows))
 
 
-def _parameters(profile: RtcProfile) -> Section | None:
+def _parameters(profile: rtc.RtcProfile) -> Section | None:
     if profile.configuration_set is None:
         return None
     heads = ("Parameter", "Type", "Default", "Unit", "Allowed", "Description")
@@ -179,41 +166,37 @@ def _parameters(profile: RtcProfile) -> Section | None:
     return section("Configuration parameters", table=PageTable(heads, rows))
 
 
-def _parameter(item: ConfigurationParameter) -> tuple[str, ...]:
-    doc = item.doc
-    limits = [format_constraint(item.constraint)]
-    told = [item.comment]
-    if doc is not None:
-        limits = [limits[0] or doc.range or "", doc.constraint or ""]
-        is_named = doc.dataname and doc.dataname != item.name
-        told = [doc.description, item.comment, f"Data: {doc.dataname}" if is_named else ""]
-    unit = item.unit or (doc.unit if doc else "") or ""
+def _parameter(item: rtc.ConfigurationParameter) -> tuple[str, ...]:
+    doc = item.doc or rtc.ConfigurationDoc()
+    limits = [format_constraint(item.constraint) or doc.range or "", doc.constraint or ""]
+    is_named = doc.dataname and doc.dataname != item.name
+    told = [doc.description, item.comment, f"Data: {doc.dataname}" if is_named else ""]
     return (
         item.name,
         item.type,
         item.default_value,
-        unit,
+        item.unit or doc.unit or "",
         ", ".join(dict.fromkeys(filter(None, limits))),
         "\n".join(dict.fromkeys(text for text in told if text)),
     )
 
 
-def _callbacks(profile: RtcProfile) -> Section | None:
+def _callbacks(profile: rtc.RtcProfile) -> Section | None:
     heads = ("Callback", "Description", "Before", "After")
     rows = []
     for field, name in ACTIONS.items():
-        status: ActionStatus | None = getattr(profile.actions, field, None)
+        status: rtc.ActionStatus | None = getattr(profile.actions, field, None)
         if status is None or not status.implemented:
             continue
-        doc = status.doc
-        texts = (doc.description, doc.pre_condition, doc.post_condition) if doc else ("", "", "")
+        doc = status.doc or rtc.ActionDoc()
+        texts = (doc.description, doc.pre_condition, doc.post_condition)
         rows.append((name, *(text or "" for text in texts)))
     if not any(any(row[1:]) for row in rows):
         return section("Callbacks", [", ".join(row[0] for row in rows)])
     return section("Callbacks", table=PageTable(heads, tuple(rows)))
 
 
-def _environment(profile: RtcProfile) -> Section | None:
+def _environment(profile: rtc.RtcProfile) -> Section | None:
     if profile.language is None:
         return None
     heads = ("Language", "Operating system", "Processor", "Libraries", "Remarks")
@@ -233,6 +216,6 @@ def _environment(profile: RtcProfile) -> Section | None:
     return section("Environments", table=PageTable(heads, rows))
 
 
-def _history(profile: RtcProfile) -> Section | None:
+def _history(profile: rtc.RtcProfile) -> Section | None:
     logs = profile.basic_info.version_up_logs if profile.basic_info else ()
     return section("History", logs)

@@ -4,26 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from rtkit.profile import rtc_model as rtc
 from rtkit.profile.common import ExtensionProperty
 from rtkit.profile.constraint_text import format_constraint
-from rtkit.profile.rtc_model import (
-    ActionStatus,
-    BasicInfo,
-    ConfigurationParameter,
-    DataPortDeclaration,
-    FsmTransition,
-    RtcProfile,
-    ServicePortDeclaration,
-)
 from rtkit.profile.rtc_spec import ACTIONS
 from rtkit.profile.rts_rules import NO_DATE
 from rtkit.profile_tools.outline import Outline, entry
 from rtkit.profile_tools.page import with_line_breaks
 
-_DIRECTIONS = {"DataInPort": "in", "DataOutPort": "out", "EventPort": "event"}
+DIRECTIONS = {"DataInPort": "in", "DataOutPort": "out", "EventPort": "event"}
 
 
-def component_summary(profile: RtcProfile) -> Outline:
+def component_summary(profile: rtc.RtcProfile) -> Outline:
     """Return the summary of an RTC profile."""
     info = profile.basic_info
     name = f"{info.name} {info.version}".rstrip() if info else "(a fragment, without a name)"
@@ -31,7 +23,7 @@ def component_summary(profile: RtcProfile) -> Outline:
     return entry(name, f"component type, RTC profile {profile.version}".rstrip(), below=below)
 
 
-def _identity(profile: RtcProfile) -> Iterator[Outline]:
+def _identity(profile: rtc.RtcProfile) -> Iterator[Outline]:
     info = profile.basic_info
     if profile.id:
         yield entry("id", profile.id)
@@ -45,7 +37,7 @@ def _identity(profile: RtcProfile) -> Iterator[Outline]:
         yield entry("language", ", ".join(filter(None, (profile.language.kind, *targets))))
 
 
-def _told(info: BasicInfo) -> Iterator[Outline]:
+def _told(info: rtc.BasicInfo) -> Iterator[Outline]:
     rows = [
         ("description", one_line(info.description)),
         ("abstract", one_line(info.abstract)),
@@ -63,28 +55,28 @@ def _told(info: BasicInfo) -> Iterator[Outline]:
     yield from properties(info.properties)
 
 
-def _ports(profile: RtcProfile) -> Iterator[Outline]:
+def _ports(profile: rtc.RtcProfile) -> Iterator[Outline]:
     if profile.data_ports:
         yield entry("data ports", below=map(_data_port, profile.data_ports))
     if profile.service_ports:
         yield entry("service ports", below=map(_service_port, profile.service_ports))
 
 
-def _data_port(port: DataPortDeclaration) -> Outline:
+def _data_port(port: rtc.DataPortDeclaration) -> Outline:
     told = one_line(port.comment) or (one_line(port.doc.description) if port.doc else "")
     unit = f"[{port.unit}]" if port.unit else ""
     below = map(_event, port.events)
-    direction = _DIRECTIONS[port.port_type]
+    direction = DIRECTIONS[port.port_type]
     return entry(direction, port.name, f"{port.type} {unit}".rstrip(), told, below=below)
 
 
-def _event(event: FsmTransition) -> Outline:
+def _event(event: rtc.FsmTransition) -> Outline:
     condition = f"if {one_line(event.condition)}" if event.condition else ""
     way = f"{event.source} -> {event.target}"
     return entry("event", event.name or "(no name)", way, event.type or "", condition)
 
 
-def _service_port(port: ServicePortDeclaration) -> Outline:
+def _service_port(port: rtc.ServicePortDeclaration) -> Outline:
     below = [
         entry(each.direction.lower(), each.name, each.type, each.idl_file or "")
         for each in port.service_interfaces
@@ -92,7 +84,7 @@ def _service_port(port: ServicePortDeclaration) -> Outline:
     return entry(port.name, one_line(port.comment), below=below)
 
 
-def _parameters(profile: RtcProfile) -> Iterator[Outline]:
+def _parameters(profile: rtc.RtcProfile) -> Iterator[Outline]:
     if profile.configuration_set and profile.configuration_set.configurations:
         yield entry("parameters", below=map(_parameter, profile.configuration_set.configurations))
     if profile.parameters:
@@ -100,19 +92,19 @@ def _parameters(profile: RtcProfile) -> Iterator[Outline]:
         yield entry("system parameters", below=rows)
 
 
-def _parameter(item: ConfigurationParameter) -> Outline:
+def _parameter(item: rtc.ConfigurationParameter) -> Outline:
     value = f"{item.default_value} {item.unit or ''}".rstrip()
     limit = format_constraint(item.constraint)
     told = one_line(item.comment) or (one_line(item.doc.description) if item.doc else "")
     return entry(item.name or "(no name)", item.type, value, limit, told)
 
 
-def _behaviour(profile: RtcProfile) -> Iterator[Outline]:
+def _behaviour(profile: rtc.RtcProfile) -> Iterator[Outline]:
     if profile.actions is None:
         return
     implemented = []
     for field, name in ACTIONS.items():
-        status: ActionStatus | None = getattr(profile.actions, field)
+        status: rtc.ActionStatus | None = getattr(profile.actions, field)
         if status is not None and status.implemented:
             implemented.append(name)
     yield entry("callbacks", " ".join(implemented) or "(none)")

@@ -8,20 +8,8 @@ from typing import Any, NamedTuple
 
 from rtkit.errors import Malformed
 from rtkit.fast_dataclass import replace
+from rtkit.profile import rtc_model as rtc
 from rtkit.profile.constraint_text import parse_constraint
-from rtkit.profile.rtc_model import (
-    RTC_VERSION,
-    Actions,
-    ActionStatus,
-    BasicInfo,
-    ConfigurationParameter,
-    DataPortDeclaration,
-    DeclaredParameters,
-    Language,
-    RtcProfile,
-    ServiceInterface,
-    ServicePortDeclaration,
-)
 from rtkit.profile.rtc_spec import ACTIONS
 
 _SINGLE_COLON = re.compile(r"(?<!:):(?!:)")
@@ -55,11 +43,11 @@ class ComponentHeading(NamedTuple):
 
 def new_component(
     heading: ComponentHeading,
-    data_ports: Iterable[DataPortDeclaration] = (),
-    service_ports: Iterable[ServicePortDeclaration] = (),
-    parameters: Iterable[ConfigurationParameter] = (),
+    data_ports: Iterable[rtc.DataPortDeclaration] = (),
+    service_ports: Iterable[rtc.ServicePortDeclaration] = (),
+    parameters: Iterable[rtc.ConfigurationParameter] = (),
     callbacks: Iterable[str] = (),
-) -> RtcProfile:
+) -> rtc.RtcProfile:
     """Return a profile in the strict form.
 
     Raises:
@@ -74,21 +62,21 @@ def new_component(
     _check_once("port", [port.name for port in data] + [port.name for port in services])
     _check_once("parameter", [item.name for item in items])
     id = ":".join(("RTC", heading.vendor, heading.category, heading.name, heading.version))
-    return RtcProfile(
+    return rtc.RtcProfile(
         id,
-        RTC_VERSION,
+        rtc.RTC_VERSION,
         _basic_info(heading),
         _actions(callbacks),
-        DeclaredParameters(items) if items else None,
+        rtc.DeclaredParameters(items) if items else None,
         data_ports=data,
         service_ports=services,
-        language=Language(heading.language),
+        language=rtc.Language(heading.language),
     )
 
 
-def _basic_info(heading: ComponentHeading) -> BasicInfo:
+def _basic_info(heading: ComponentHeading) -> rtc.BasicInfo:
     is_periodic = heading.activity_type == "PERIODIC"
-    return BasicInfo(
+    return rtc.BasicInfo(
         heading.name,
         heading.component_type,
         heading.activity_type,
@@ -105,7 +93,7 @@ def _basic_info(heading: ComponentHeading) -> BasicInfo:
     )
 
 
-def _actions(callbacks: Iterable[str]) -> Actions:
+def _actions(callbacks: Iterable[str]) -> rtc.Actions:
     """Return all callbacks that there are methods for, those named as implemented.
 
     Raises:
@@ -117,8 +105,8 @@ def _actions(callbacks: Iterable[str]) -> Actions:
         if name not in fields:
             raise Malformed(f"no such callback: {name}; there are {', '.join(fields)}")
         wanted.add(fields[name])
-    stated: Any = {field: ActionStatus(field in wanted) for field in fields.values()}
-    return Actions(**stated)
+    stated: Any = {field: rtc.ActionStatus(field in wanted) for field in fields.values()}
+    return rtc.Actions(**stated)
 
 
 def _check_once(what: str, names: list[str]) -> None:
@@ -127,7 +115,7 @@ def _check_once(what: str, names: list[str]) -> None:
             raise Malformed(f"{what} {name} is named twice")
 
 
-def data_port(text: str, port_type: str) -> DataPortDeclaration:
+def data_port(text: str, port_type: str) -> rtc.DataPortDeclaration:
     """Read ``NAME:TYPE`` or ``NAME:TYPE:UNIT``; a standard type needs no module.
 
     Raises:
@@ -139,7 +127,7 @@ def data_port(text: str, port_type: str) -> DataPortDeclaration:
     name, data_type = _port_name(parts[0]), parts[1]
     full = f"RTC::{data_type}" if _STANDARD.fullmatch(data_type) else data_type
     position = "RIGHT" if port_type == "DataOutPort" else "LEFT"
-    return DataPortDeclaration(
+    return rtc.DataPortDeclaration(
         port_type, name, full, position, unit=parts[2] if len(parts) == 3 else None
     )
 
@@ -148,7 +136,7 @@ class InterfaceWish(NamedTuple):
     """An interface and the port that it is to be at."""
 
     port: str
-    interface: ServiceInterface
+    interface: rtc.ServiceInterface
 
 
 def interface(text: str, direction: str) -> InterfaceWish:
@@ -162,15 +150,15 @@ def interface(text: str, direction: str) -> InterfaceWish:
         raise Malformed(f"an interface is PORT:TYPE or PORT:TYPE:FILE.idl: {text}")
     name = parts[1].rpartition("::")[2]
     idl_file = parts[2] if len(parts) == 3 else None
-    found = ServiceInterface(name, direction, parts[1], idl_file=idl_file)
+    found = rtc.ServiceInterface(name, direction, parts[1], idl_file=idl_file)
     return InterfaceWish(_port_name(parts[0]), found)
 
 
-def service_ports(wishes: Iterable[InterfaceWish]) -> list[ServicePortDeclaration]:
+def service_ports(wishes: Iterable[InterfaceWish]) -> list[rtc.ServicePortDeclaration]:
     """Return service ports with all interfaces that are to be at each of them."""
-    ports: dict[str, ServicePortDeclaration] = {}
+    ports: dict[str, rtc.ServicePortDeclaration] = {}
     for wish in wishes:
-        made = ServicePortDeclaration(
+        made = rtc.ServicePortDeclaration(
             wish.port, "RIGHT" if wish.interface.direction == "Provided" else "LEFT"
         )
         port = ports.get(wish.port, made)
@@ -179,7 +167,7 @@ def service_ports(wishes: Iterable[InterfaceWish]) -> list[ServicePortDeclaratio
     return list(ports.values())
 
 
-def parameter(text: str) -> ConfigurationParameter:
+def parameter(text: str) -> rtc.ConfigurationParameter:
     """Read ``NAME:TYPE=DEFAULT``, behind which ``;CONSTRAINT`` may stand.
 
     Raises:
@@ -191,7 +179,9 @@ def parameter(text: str) -> ConfigurationParameter:
         raise Malformed(f"a parameter is NAME:TYPE=DEFAULT or NAME:TYPE=DEFAULT;CONSTRAINT: {text}")
     default, _, rule = value.partition(";")
     constraint = parse_constraint(rule)
-    return ConfigurationParameter(name.strip(), type_name.strip(), default, constraint=constraint)
+    return rtc.ConfigurationParameter(
+        name.strip(), type_name.strip(), default, constraint=constraint
+    )
 
 
 def _port_name(text: str) -> str:

@@ -8,22 +8,10 @@ from typing import NamedTuple
 from rtkit.drawing.layout import laid_out
 from rtkit.errors import Malformed, NotFound, Refused
 from rtkit.fast_dataclass import replace
+from rtkit.profile import rts_model as rts
 from rtkit.profile.common import ExtensionProperty
 from rtkit.profile.ports import declared_interfaces
 from rtkit.profile.rtc_model import DataPortDeclaration, RtcProfile, ServicePortDeclaration
-from rtkit.profile.rts_model import (
-    RTS_VERSION,
-    ComponentInstance,
-    ConfigurationData,
-    ConfigurationSet,
-    DataPortConnector,
-    InstancePort,
-    Location,
-    OwnedContext,
-    RtsProfile,
-    ServicePortConnector,
-    TargetPort,
-)
 from rtkit.profile.words import normal_data_type
 from rtkit.profile_tools.system_scene import system_scene
 from rtkit.rtc.port_types import are_reversed, declared_port_type, interfaces_fit, types_fit
@@ -61,7 +49,7 @@ def new_system(
     version: str = "1.0.0",
     abstract: str = "",
     host: str = "localhost",
-) -> RtsProfile:
+) -> rts.RtsProfile:
     """Return a profile in the strict form; connections are ``INSTANCE.PORT=INSTANCE.PORT``.
 
     Raises:
@@ -71,17 +59,17 @@ def new_system(
     """
     _check_names(name, vendor, version, members)
     by_name = {member.instance: member for member in members}
-    data: list[DataPortConnector] = []
-    services: list[ServicePortConnector] = []
+    data: list[rts.DataPortConnector] = []
+    services: list[rts.ServicePortConnector] = []
     for number, text in enumerate(connections, 1):
         made = _connector(text, str(number), by_name)
-        if isinstance(made, DataPortConnector):
+        if isinstance(made, rts.DataPortConnector):
             data.append(made)
         else:
             services.append(made)
-    profile = RtsProfile(
+    profile = rts.RtsProfile(
         f"RTSystem:{vendor}:{name}:{version}",
-        RTS_VERSION,
+        rts.RTS_VERSION,
         date,
         date,
         abstract=abstract or None,
@@ -113,13 +101,13 @@ def default_instance(type_name: str, taken: Iterable[str]) -> str:
     return f"{type_name}{number}"
 
 
-def _component(member: NewMember, host: str) -> ComponentInstance:
+def _component(member: NewMember, host: str) -> rts.ComponentInstance:
     info = member.type.basic_info
     kind = _CONTEXT_KINDS[info.activity_type] if info else "PERIODIC"
     rate = (info.execution_rate or None) if info and kind == "PERIODIC" else None
     items = member.type.configuration_set.configurations if member.type.configuration_set else ()
-    values = tuple(ConfigurationData(item.name, item.default_value) for item in items)
-    return ComponentInstance(
+    values = tuple(rts.ConfigurationData(item.name, item.default_value) for item in items)
+    return rts.ComponentInstance(
         member.type.id,
         f"{host}/{member.instance}.rtc",
         member.instance,
@@ -127,17 +115,21 @@ def _component(member: NewMember, host: str) -> ComponentInstance:
         visible=True,
         data_ports=tuple(_data_port(member, port) for port in member.type.data_ports),
         service_ports=tuple(
-            InstancePort(f"{member.instance}.{port.name}", True, properties=_stated("CorbaPort"))
+            rts.InstancePort(
+                f"{member.instance}.{port.name}", True, properties=_stated("CorbaPort")
+            )
             for port in member.type.service_ports
         ),
-        configuration_sets=(ConfigurationSet(_DEFAULT, values),) if values else (),
-        execution_contexts=(OwnedContext("0", kind, rate),),
+        configuration_sets=(rts.ConfigurationSet(_DEFAULT, values),) if values else (),
+        execution_contexts=(rts.OwnedContext("0", kind, rate),),
     )
 
 
-def _data_port(member: NewMember, port: DataPortDeclaration) -> InstancePort:
+def _data_port(member: NewMember, port: DataPortDeclaration) -> rts.InstancePort:
     kind = declared_port_type(port.port_type)
-    return InstancePort(f"{member.instance}.{port.name}", True, properties=_stated(kind, port.type))
+    return rts.InstancePort(
+        f"{member.instance}.{port.name}", True, properties=_stated(kind, port.type)
+    )
 
 
 def _stated(kind: str, data_type: str = "") -> tuple[ExtensionProperty, ...]:
@@ -149,7 +141,7 @@ def _stated(kind: str, data_type: str = "") -> tuple[ExtensionProperty, ...]:
 
 def _connector(
     text: str, number: str, members: Mapping[str, NewMember]
-) -> DataPortConnector | ServicePortConnector:
+) -> rts.DataPortConnector | rts.ServicePortConnector:
     one, equals, other = text.partition("=")
     if not (one and equals and other) or "=" in other:
         raise Malformed(f"a connection is INSTANCE.PORT=INSTANCE.PORT: {text}")
@@ -165,9 +157,9 @@ def _connector(
             source, target = target, source
         data_type = _common_type(source, target)
         ends = (_target(source), _target(target))
-        return DataPortConnector(number, name, data_type, "corba_cdr", "push", *ends, "new")
+        return rts.DataPortConnector(number, name, data_type, "corba_cdr", "push", *ends, "new")
     _check_services(source, target)
-    return ServicePortConnector(number, name, _target(source), _target(target))
+    return rts.ServicePortConnector(number, name, _target(source), _target(target))
 
 
 def _end(text: str, members: Mapping[str, NewMember]) -> _End:
@@ -211,17 +203,17 @@ def _check_services(source: _End, target: _End) -> None:
         raise Refused(f"{source.text} and {target.text}: neither provides what the other requires")
 
 
-def _target(end: _End) -> TargetPort:
-    return TargetPort(
+def _target(end: _End) -> rts.TargetPort:
+    return rts.TargetPort(
         end.member.type.id, end.member.instance, f"{end.member.instance}.{end.port.name}"
     )
 
 
-def _located(profile: RtsProfile) -> RtsProfile:
+def _located(profile: rts.RtsProfile) -> rts.RtsProfile:
     """Say where an editor is to draw the components."""
     places = laid_out(system_scene(profile)).places
     components = tuple(
-        replace(component, location=Location(40 + x, 40 + y, -1, -1, "RIGHT"))
+        replace(component, location=rts.Location(40 + x, 40 + y, -1, -1, "RIGHT"))
         for component, (x, y) in zip(profile.components, places, strict=True)
     )
     return replace(profile, components=components)

@@ -6,14 +6,8 @@ from collections.abc import Iterable, Iterator
 
 from rtkit.drawing import scene as s
 from rtkit.drawing.sides import with_sides
+from rtkit.profile import rts_model as rts
 from rtkit.profile.ports import DataPortFacts, DataPortKey, data_port_facts
-from rtkit.profile.rts_model import (
-    ComponentInstance,
-    DataPortConnector,
-    RtsProfile,
-    ServicePortConnector,
-    TargetPort,
-)
 from rtkit.profile.words import normal_data_type, strip_instance
 from rtkit.profile_tools.system_summary import short_type
 from rtkit.rtc.enums import PortType
@@ -25,7 +19,7 @@ _DATA, _SERVICE = "data", "service"
 _KINDS = {PortType.IN: s.IN, PortType.OUT: s.OUT, None: s.DATA}
 
 
-def system_scene(profile: RtsProfile) -> s.Scene:
+def system_scene(profile: rts.RtsProfile) -> s.Scene:
     """Return components, ports and connectors of a system."""
     facts = data_port_facts(profile)
     hosts = {_host(component) for component in profile.components}
@@ -44,7 +38,7 @@ def system_scene(profile: RtsProfile) -> s.Scene:
     return with_sides(s.Scene(tuple(boxes), drawn, tuple(_frames(profile))))
 
 
-def _frames(profile: RtsProfile) -> Iterator[s.Frame]:
+def _frames(profile: rts.RtsProfile) -> Iterator[s.Frame]:
     """Yield the composites whose members are in the profile."""
     places = {each.instance_name: place for place, each in enumerate(profile.components)}
     for place, component in enumerate(profile.components):
@@ -57,7 +51,9 @@ def _frames(profile: RtsProfile) -> Iterator[s.Frame]:
 _Listed = list[tuple[tuple[str, str, str, str], s.PortPin]]
 
 
-def _data_ports(component: ComponentInstance, facts: dict[DataPortKey, DataPortFacts]) -> _Listed:
+def _data_ports(
+    component: rts.ComponentInstance, facts: dict[DataPortKey, DataPortFacts]
+) -> _Listed:
     listed = []
     for port in component.data_ports:
         name = strip_instance(port.name, component.instance_name)
@@ -70,7 +66,7 @@ def _data_ports(component: ComponentInstance, facts: dict[DataPortKey, DataPortF
     return listed
 
 
-def _service_ports(component: ComponentInstance) -> _Listed:
+def _service_ports(component: rts.ComponentInstance) -> _Listed:
     listed = []
     for port in component.service_ports:
         name = strip_instance(port.name, component.instance_name)
@@ -79,7 +75,7 @@ def _service_ports(component: ComponentInstance) -> _Listed:
     return listed
 
 
-def _box(component: ComponentInstance, ports: Iterable[s.PortPin], has_host: bool) -> s.Box:
+def _box(component: rts.ComponentInstance, ports: Iterable[s.PortPin], has_host: bool) -> s.Box:
     type_name = component.id.split(":")[3] if component.id.count(":") >= 4 else component.id
     # The name of the type says nothing more where the instance has it too.
     parts = ["" if type_name == component.instance_name else type_name]
@@ -89,24 +85,24 @@ def _box(component: ComponentInstance, ports: Iterable[s.PortPin], has_host: boo
     return s.Box(component.instance_name, where, tuple(ports), tip)
 
 
-def _host(component: ComponentInstance) -> str:
+def _host(component: rts.ComponentInstance) -> str:
     path = component.path_uri
     return "" if "://" in path or "/" not in path else path.partition("/")[0]
 
 
-def _key(end: TargetPort, kind: str) -> tuple[str, str, str, str]:
+def _key(end: rts.TargetPort, kind: str) -> tuple[str, str, str, str]:
     name = strip_instance(end.port_name, end.instance_name)
     return (end.component_id, end.instance_name, kind, name)
 
 
 def _wire(
-    connector: DataPortConnector | ServicePortConnector, kind: str, ends: _Ports
+    connector: rts.DataPortConnector | rts.ServicePortConnector, kind: str, ends: _Ports
 ) -> s.Wire | None:
     source, target = ends.get(_key(connector.source, kind)), ends.get(_key(connector.target, kind))
     if source is None or target is None:
         return None
     tip = [f"{connector.source.instance_name} -> {connector.target.instance_name}", connector.name]
-    if isinstance(connector, DataPortConnector):
+    if isinstance(connector, rts.DataPortConnector):
         how = (connector.dataflow_type, connector.subscription_type or "")
         tip += [short_type(normal_data_type(connector.data_type)), " ".join(filter(None, how))]
     wire_kind = s.SERVICE if kind == _SERVICE else s.DATA

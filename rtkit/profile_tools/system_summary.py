@@ -4,18 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from rtkit.profile import rts_model as rts
 from rtkit.profile.ports import DataPortFacts, DataPortKey, data_port_facts
-from rtkit.profile.rts_model import (
-    ComponentInstance,
-    ConfigurationSet,
-    DataPortConnector,
-    OrderStep,
-    OwnedContext,
-    RtsProfile,
-    ServicePortConnector,
-    TargetComponent,
-    TargetPort,
-)
 from rtkit.profile.rts_spec import ORDERS
 from rtkit.profile.words import OWN_PREFIX, normal_data_type, strip_instance
 from rtkit.profile_tools.component_summary import dates, hertz, one_line, properties
@@ -27,7 +17,7 @@ _DIRECTIONS = {PortType.IN: "in", PortType.OUT: "out", None: "data"}
 _Facts = dict[DataPortKey, DataPortFacts]
 
 
-def system_summary(profile: RtsProfile) -> Outline:
+def system_summary(profile: rts.RtsProfile) -> Outline:
     """Return the summary of an RTS profile."""
     facts = data_port_facts(profile)
     below = [
@@ -43,7 +33,7 @@ def system_summary(profile: RtsProfile) -> Outline:
     return entry(profile.id, f"system, RTS profile {profile.version}".rstrip(), below=below)
 
 
-def _head(profile: RtsProfile) -> Iterator[Outline]:
+def _head(profile: rts.RtsProfile) -> Iterator[Outline]:
     rows = [
         ("abstract", one_line(profile.abstract)),
         ("comment", one_line(profile.comment)),
@@ -59,7 +49,7 @@ def _listed(name: str, rows: Iterator[Outline] | map[Outline]) -> Iterator[Outli
         yield entry(f"{name} ({len(listed)})", below=listed)
 
 
-def _component(component: ComponentInstance, facts: _Facts) -> Outline:
+def _component(component: rts.ComponentInstance, facts: _Facts) -> Outline:
     rows = [
         ("path", component.path_uri),
         ("composite", _unless_none(component.composite_type)),
@@ -88,7 +78,7 @@ def _unless_none(composite_type: str | None) -> str:
     return "" if composite_type in (None, "None") else str(composite_type)
 
 
-def _data_port(component: ComponentInstance, name: str, facts: _Facts) -> Outline:
+def _data_port(component: rts.ComponentInstance, name: str, facts: _Facts) -> Outline:
     port = strip_instance(name, component.instance_name)
     known = facts[DataPortKey(component.id, component.instance_name, port)]
     return entry(_DIRECTIONS[known.direction], port, short_type(known.data_type))
@@ -104,38 +94,38 @@ def short_type(data_type: str) -> str:
     return name.removeprefix("RTC/").replace("/", "::")
 
 
-def _set(configuration: ConfigurationSet, *, is_active: bool) -> Outline:
+def _set(configuration: rts.ConfigurationSet, *, is_active: bool) -> Outline:
     rows = (entry(item.name, one_line(item.data)) for item in configuration.data)
     return entry("set", f"{configuration.id}{'*' if is_active else ''}", below=rows)
 
 
-def _context(context: OwnedContext) -> Outline:
+def _context(context: rts.OwnedContext) -> Outline:
     below = [entry("participant", each.instance_name) for each in context.participants]
     return entry("context", context.id, f"{context.kind}{hertz(context.rate)}", below=below)
 
 
-def _data_connector(connector: DataPortConnector) -> Outline:
+def _data_connector(connector: rts.DataPortConnector) -> Outline:
     how = (connector.dataflow_type, connector.subscription_type, connector.interface_type)
     told = " ".join(text.lower() for text in how if text)
     data_type = short_type(normal_data_type(connector.data_type))
     return entry(connected(connector.source, connector.target), data_type, told)
 
 
-def _service_connector(connector: ServicePortConnector) -> Outline:
+def _service_connector(connector: rts.ServicePortConnector) -> Outline:
     return entry(connected(connector.source, connector.target, "--"), connector.trans_method or "")
 
 
-def connected(source: TargetPort, target: TargetPort, arrow: str = "->") -> str:
+def connected(source: rts.TargetPort, target: rts.TargetPort, arrow: str = "->") -> str:
     """Return both ends of a connector."""
     return f"{end_name(source)} {arrow} {end_name(target)}"
 
 
-def end_name(end: TargetPort) -> str:
+def end_name(end: rts.TargetPort) -> str:
     """Return an end of a connector, ``INSTANCE.PORT``."""
     return f"{end.instance_name}.{strip_instance(end.port_name, end.instance_name)}"
 
 
-def _orders(profile: RtsProfile) -> Iterator[Outline]:
+def _orders(profile: rts.RtsProfile) -> Iterator[Outline]:
     for field, name in ORDERS:
         order = getattr(profile, field)
         if order is not None:
@@ -144,18 +134,18 @@ def _orders(profile: RtsProfile) -> Iterator[Outline]:
             yield from _listed(words, map(_step, steps))
 
 
-def _step(step: OrderStep) -> Outline:
+def _step(step: rts.OrderStep) -> Outline:
     target = target_name(step.target_component)
     return entry(str(step.sequence), target, waited_for(step))
 
 
-def target_name(target: TargetComponent) -> str:
+def target_name(target: rts.TargetComponent) -> str:
     """Return the name of an order's target."""
     context = "" if target.id == "0" else f" in context {target.id}"
     return f"{target.instance_name}{context}"
 
 
-def waited_for(step: OrderStep) -> str:
+def waited_for(step: rts.OrderStep) -> str:
     """Return the precondition of an order's step; empty for none."""
     if step.wait_time is not None and step.wait_time.wait_time:
         return f"after {step.wait_time.wait_time} ms"
@@ -167,7 +157,7 @@ def waited_for(step: OrderStep) -> str:
     return f"when {names} {'is done' if timing == 'SYNC' else 'was told'} ({timing}){most}"
 
 
-def _groups(profile: RtsProfile) -> Iterator[Outline]:
+def _groups(profile: rts.RtsProfile) -> Iterator[Outline]:
     rows = [
         entry(group.group_id, ", ".join(member.instance_name for member in group.members))
         for group in profile.groups

@@ -5,18 +5,8 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Container, Iterable
 
+from rtkit.profile import rts_model as rts
 from rtkit.profile.common import ExtensionProperty
-from rtkit.profile.rts_model import (
-    ComponentInstance,
-    DataPortConnector,
-    InstancePort,
-    OrderStep,
-    OwnedContext,
-    RtsProfile,
-    ServicePortConnector,
-    TargetComponent,
-    TargetPort,
-)
 from rtkit.profile.rts_spec import ORDERS
 from rtkit.profile.words import OWN_PREFIX, normal_data_type, property_value, strip_instance
 from rtkit.profile_tools.compared_things import Collector, ThingKey, Things, told
@@ -48,13 +38,13 @@ _SAID_BY_ATTRIBUTES = tuple(
 )
 
 
-def shared_names(profile: RtsProfile) -> set[str]:
+def shared_names(profile: rts.RtsProfile) -> set[str]:
     """Return the instance names that several components of a system have."""
     counts = Counter(component.instance_name for component in profile.components)
     return {name for name, count in counts.items() if count > 1}
 
 
-def system_things(profile: RtsProfile, takes_all: bool, shared: Container[str] = ()) -> Things:
+def system_things(profile: rts.RtsProfile, takes_all: bool, shared: Container[str] = ()) -> Things:
     """Return the things of a profile: all of it, or what it means for the running system.
 
     Components are called by their instance name, those of `shared` names by their path too.
@@ -85,7 +75,7 @@ def system_things(profile: RtsProfile, takes_all: bool, shared: Container[str] =
     return found.things
 
 
-def _names(components: Iterable[ComponentInstance], shared: Container[str]) -> _Names:
+def _names(components: Iterable[rts.ComponentInstance], shared: Container[str]) -> _Names:
     return {
         (component.id, component.instance_name): component.instance_name
         if component.instance_name not in shared
@@ -98,7 +88,7 @@ def _called(names: _Names, component_id: str, instance_name: str) -> str:
     return names.get((component_id, instance_name), instance_name)
 
 
-def _component(component: ComponentInstance) -> dict[str, str]:
+def _component(component: rts.ComponentInstance) -> dict[str, str]:
     composite = component.composite_type
     participants = sorted(each.instance_name for each in component.participants)
     return told(
@@ -111,7 +101,7 @@ def _component(component: ComponentInstance) -> dict[str, str]:
     ) | _options(component.properties, (OWN_PREFIX,))
 
 
-def _parts(found: Collector, owner: ThingKey, component: ComponentInstance) -> None:
+def _parts(found: Collector, owner: ThingKey, component: rts.ComponentInstance) -> None:
     for each in component.configuration_sets:
         if each.id.startswith(_HIDDEN) and not found.takes_all:
             continue
@@ -124,12 +114,12 @@ def _parts(found: Collector, owner: ThingKey, component: ComponentInstance) -> N
         found.add((5, "context", name), context, _context(context), ("id",), owner)
 
 
-def _context(context: OwnedContext) -> dict[str, str]:
+def _context(context: rts.OwnedContext) -> dict[str, str]:
     participants = sorted(each.instance_name for each in context.participants)
     return told(kind=context.kind, rate=context.rate, participants=", ".join(participants))
 
 
-def _ports(found: Collector, profile: RtsProfile, names: _Names) -> None:
+def _ports(found: Collector, profile: rts.RtsProfile, names: _Names) -> None:
     for component in profile.components:
         name = names[component.id, component.instance_name]
         owner = ThingKey(1, "component", name)
@@ -143,7 +133,7 @@ def _ports(found: Collector, profile: RtsProfile, names: _Names) -> None:
                 found.add((2, kind, f"{name}.{own}"), port, meaning, (), owner)
 
 
-def _data_port(port: InstancePort) -> dict[str, str]:
+def _data_port(port: rts.InstancePort) -> dict[str, str]:
     """Return the fields of a port itself, without those inferred from its connectors."""
     return told(
         direction=property_value(port.properties, "port.port_type"),
@@ -151,12 +141,12 @@ def _data_port(port: InstancePort) -> dict[str, str]:
     )
 
 
-def _end(end: TargetPort, names: _Names) -> str:
+def _end(end: rts.TargetPort, names: _Names) -> str:
     port = strip_instance(end.port_name, end.instance_name)
     return f"{_called(names, end.component_id, end.instance_name)}.{port}"
 
 
-def _data_connector(connector: DataPortConnector) -> dict[str, str]:
+def _data_connector(connector: rts.DataPortConnector) -> dict[str, str]:
     return told(
         data_type=normal_data_type(connector.data_type),
         interface_type=connector.interface_type.lower(),
@@ -166,7 +156,7 @@ def _data_connector(connector: DataPortConnector) -> dict[str, str]:
     ) | _options(connector.properties, _OPTIONS)
 
 
-def _service_connector(connector: ServicePortConnector) -> dict[str, str]:
+def _service_connector(connector: rts.ServicePortConnector) -> dict[str, str]:
     return told(trans_method=connector.trans_method) | _options(connector.properties, _OPTIONS)
 
 
@@ -181,7 +171,7 @@ def _options(properties: Iterable[ExtensionProperty], prefixes: tuple[str, ...])
     }
 
 
-def _orders(found: Collector, profile: RtsProfile, names: _Names) -> None:
+def _orders(found: Collector, profile: rts.RtsProfile, names: _Names) -> None:
     for field, name in ORDERS:
         order = getattr(profile, field)
         if order is None or not (found.takes_all or order.targets):
@@ -192,11 +182,11 @@ def _orders(found: Collector, profile: RtsProfile, names: _Names) -> None:
             found.add((7, "step", told_name), step, _step(step, names), (), owner)
 
 
-def _target(target: TargetComponent, names: _Names) -> str:
+def _target(target: rts.TargetComponent, names: _Names) -> str:
     return f"{_called(names, target.component_id, target.instance_name)} in {target.id}"
 
 
-def _step(step: OrderStep, names: _Names) -> dict[str, str]:
+def _step(step: rts.OrderStep, names: _Names) -> dict[str, str]:
     preceding = step.preceding
     fields = told(wait_ms=step.wait_time.wait_time if step.wait_time else None)
     if preceding is not None:
