@@ -5,11 +5,13 @@ from __future__ import annotations
 import _signal  # type: ignore[import-not-found]
 import os
 import sys
+from types import FrameType
 from typing import NoReturn, TextIO
 
 INTERRUPTED = 130
 BROKEN_PIPE = 141
 _MOMENT_S = 0.001
+_AGAIN_S = 0.05
 
 
 def prepare() -> None:
@@ -40,10 +42,17 @@ def _not_lost(failure: sys.UnraisableHookArgs) -> None:
     The callbacks at the end of a module's import are such code.
     """
     if failure.exc_type is KeyboardInterrupt:
-        _signal.signal(_signal.SIGALRM, _signal.default_int_handler)
-        _signal.setitimer(_signal.ITIMER_REAL, _MOMENT_S)
+        _signal.signal(_signal.SIGALRM, _again)
+        _signal.setitimer(_signal.ITIMER_REAL, _MOMENT_S, _AGAIN_S)
     else:
         sys.__unraisablehook__(failure)
+
+
+def _again(number: int, frame: FrameType | None) -> None:
+    """Interrupt, unless a busy host is still in the hook, where that would be lost: next time."""
+    if frame is None or frame.f_code is not _not_lost.__code__:
+        _signal.setitimer(_signal.ITIMER_REAL, 0)
+        _signal.default_int_handler(number, frame)
 
 
 def die_interrupted() -> NoReturn:

@@ -67,9 +67,11 @@ def test_what_was_printed_before_is_not_lost() -> None:
     assert (done.returncode, done.stdout) == (-signal.SIGINT, "x\n")
 
 
-def test_where_nothing_can_be_raised_from() -> None:
+@pytest.mark.parametrize("moment_s", [1e-3, 1e-6])
+def test_where_nothing_can_be_raised_from(moment_s: float) -> None:
     body = (
-        "import threading\n"
+        "import threading; from rtkit.cli.shared import console_process\n"
+        f"    console_process._MOMENT_S = {moment_s}\n"
         "    class Thing:\n"
         "        def __del__(self): os.kill(os.getpid(), signal.SIGINT)\n"
         "    Thing()\n"
