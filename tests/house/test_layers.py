@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 import subprocess
 import sys
 from pathlib import Path
@@ -20,3 +21,13 @@ def test_arrows_point_down() -> None:
         check=False,
     )
     assert done.returncode == 0, done.stdout + done.stderr
+
+
+def test_what_runs_a_module_stands_last_in_it() -> None:
+    """What stands behind it is not there yet when the module runs as a process."""
+    early = []
+    for file in (ROOT / "rtkit").rglob("*.py"):
+        for node in ast.parse(file.read_text(encoding="utf-8")).body[:-1]:
+            if isinstance(node, ast.If) and "__main__" in ast.unparse(node.test):
+                early.append(f"{file.relative_to(ROOT)}:{node.lineno}")
+    assert early == []
