@@ -8,7 +8,8 @@ start.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING, NamedTuple
+from importlib import import_module
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from rtkit.errors import Malformed, Refused
 
@@ -90,6 +91,12 @@ class Wire(NamedTuple):
     open: Callable[[str, PropertyProvider, WireSettings], str]
     client: ClientSide | None = None
     extra: str = ""
+
+
+def loaded(function: str) -> Callable[..., Any]:
+    """Return what calls a function of `rtkit.wires`, ``package.module:name``, loaded by then."""
+    module, _, name = function.partition(":")
+    return lambda *args: getattr(import_module(f"rtkit.wires.{module}"), name)(*args)
 
 
 def host_and_port(address: str) -> tuple[str, int]:

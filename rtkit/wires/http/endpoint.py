@@ -9,7 +9,9 @@ from rtkit.link import secret
 from rtkit.property.access import EndpointLimits
 from rtkit.serving.acceptor import Acceptor, bound_to
 from rtkit.serving.event_loop import PropertyEventLoop
+from rtkit.serving.provider import PropertyProvider
 from rtkit.serving.socket_client import SocketClient
+from rtkit.wires.wire import WireSettings, port_here
 
 # A browser opens several connections a page, and polls: fewer and slower than other clients.
 _LIMITS = EndpointLimits(connections=128, door_listeners=64, rate=2000)
@@ -38,18 +40,19 @@ class HttpEndpoint(Acceptor):
         return f"{head}Content-Length: {len(text)}\r\n\r\n{text}".encode()
 
 
-def open_http(host: PropertyEventLoop, port: int) -> int:
-    """Open a port of this host, 0 for any, to those who know the user's secret; return it.
+def open_http(address: str, provider: PropertyProvider, settings: WireSettings) -> str:
+    """Open a port of this host, 0 for any, to those who know the user's secret.
 
     Raises:
         Refused: The package h11 is not there, or the secret cannot be made.
         Unreachable: The port is taken.
     """
+    port = port_here("http", address)
     try:
         import h11  # noqa: F401
     except ImportError:
         raise Refused("HTTP needs the package h11: pip install 'rtkit[http]'") from None
     secret.make()
     end = bound_to(port)
-    HttpEndpoint(host, end)
-    return int(end.getsockname()[1])
+    HttpEndpoint(settings.host, end)
+    return f"http://localhost:{end.getsockname()[1]}/ps/{provider.name}"

@@ -2,23 +2,17 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 from rtkit.errors import Malformed
 from rtkit.wires.wire import (
     ClientSide,
     ProviderAddress,
     Wire,
     WireSettings,
-    port_here,
+    loaded,
     split_behind,
 )
 
-if TYPE_CHECKING:
-    from rtkit.serving.provider import PropertyProvider
-    from rtkit.wires.property_client import BoundedClient
-
-_ROOT = "/ps/"
+_connect = loaded("http.client:connect_http")
 
 
 def _provider(address: str, settings: WireSettings) -> ProviderAddress:
@@ -36,26 +30,13 @@ def _provider(address: str, settings: WireSettings) -> ProviderAddress:
     )
 
 
-def _open(address: str, provider: PropertyProvider, settings: WireSettings) -> str:
-    from rtkit.wires.http.endpoint import open_http
-
-    port = open_http(settings.host, port_here("http", address))
-    return f"http://localhost:{port}{_ROOT}{provider.name}"
-
-
-def _connect(address: str, timeout_s: float, service: str = "") -> BoundedClient:
-    from rtkit.wires.http.client import connect_http
-
-    return connect_http(address, timeout_s, service)
-
-
 HTTP = Wire(
     "http",
     "HTTP/1.1, with digest authentication by the user's secret.",
     "http://HOST:PORT/ps/SERVICE",
     "http:PORT",
     _provider,
-    _open,
-    ClientSide("http://", split_behind("http://", _ROOT), _connect),
+    loaded("http.endpoint:open_http"),
+    ClientSide("http://", split_behind("http://", "/ps/"), _connect),
     extra="http",
 )

@@ -19,11 +19,13 @@ from rtkit.link.deadline import deadline_from_text
 from rtkit.property.messages import Answer, failed
 from rtkit.serving.acceptor import LOOPBACK
 from rtkit.serving.event_loop import IOHandler, PropertyEventLoop
+from rtkit.serving.provider import PropertyProvider
 from rtkit.serving.quota import EndpointQuota
 from rtkit.wires.ice import protocol
 from rtkit.wires.ice.served_client import IceRequest, ServedIceClient
 from rtkit.wires.ice.subscriber import STUCK_S
 from rtkit.wires.line.login import PATIENCE_S, Login
+from rtkit.wires.wire import WireSettings, port_here
 
 _CHECK_S = 0.25
 _SETTINGS = {
@@ -193,13 +195,14 @@ def _servant(take: Callable[[Any, str, Any, Any], Any]) -> Any:
     return type("Properties", (slice_.Service,), methods)()
 
 
-def open_ice(host: PropertyEventLoop, port: int) -> int:
-    """Open a port of this host, 0 for any, to those who know the user's secret; return it.
+def open_ice(address: str, provider: PropertyProvider, settings: WireSettings) -> str:
+    """Open a port of this host, 0 for any, to those who know the user's secret.
 
     Raises:
         Refused: Ice is not there, or the secret cannot be made.
         Unreachable: The port is taken.
     """
+    port = port_here("ice", address)
     protocol.runtime()
     secret.make()
-    return IceEndpoint(host, port).port
+    return f"ice://localhost:{IceEndpoint(settings.host, port).port}/{provider.name}"

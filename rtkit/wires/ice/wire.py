@@ -2,21 +2,15 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 from rtkit.errors import Malformed
 from rtkit.wires.wire import (
     ClientSide,
     ProviderAddress,
     Wire,
     WireSettings,
-    port_here,
+    loaded,
     split_behind,
 )
-
-if TYPE_CHECKING:
-    from rtkit.serving.provider import PropertyProvider
-    from rtkit.wires.property_client import PropertyClient
 
 _PREFIX = "ice://"
 
@@ -33,26 +27,13 @@ def _provider(address: str, settings: WireSettings) -> ProviderAddress:
     )
 
 
-def _open(address: str, provider: PropertyProvider, settings: WireSettings) -> str:
-    from rtkit.wires.ice.endpoint import open_ice
-
-    port = open_ice(settings.host, port_here("ice", address))
-    return f"{_PREFIX}localhost:{port}/{provider.name}"
-
-
-def _connect(address: str, timeout_s: float) -> PropertyClient:
-    from rtkit.wires.ice.client import connect_ice
-
-    return connect_ice(address, timeout_s)
-
-
 ICE = Wire(
     "ice",
     "ZeroC Ice: each service is an object.",
     "ice://HOST:PORT/SERVICE",
     "ice:PORT",
     _provider,
-    _open,
-    ClientSide(_PREFIX, split_behind(_PREFIX), _connect),
+    loaded("ice.endpoint:open_ice"),
+    ClientSide(_PREFIX, split_behind(_PREFIX), loaded("ice.client:connect_ice")),
     extra="ice",
 )

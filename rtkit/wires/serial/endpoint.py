@@ -17,9 +17,18 @@ from rtkit.property.line import LineRequest
 from rtkit.property.messages import Answer, PropertyEvent
 from rtkit.property.subscription import Listener, leased
 from rtkit.serving.event_loop import IOHandler, PropertyEventLoop
+from rtkit.serving.provider import PropertyProvider
 from rtkit.serving.quota import EndpointQuota
 from rtkit.wires.line.connection import Connection
-from rtkit.wires.serial.address import HELLO_TARGET, KNOWS_DEADLINES, SerialAddress, SerialEnd
+from rtkit.wires.serial.address import (
+    HELLO_TARGET,
+    KNOWS_DEADLINES,
+    SCHEME,
+    SerialAddress,
+    SerialEnd,
+    read_address,
+)
+from rtkit.wires.wire import WireSettings
 
 _FIRST_RETRY_S = 0.05
 _LAST_RETRY_S = 1.0
@@ -147,12 +156,11 @@ class _SerialConnection(Connection):
             self._endpoint.lost()
 
 
-def open_serial(
-    host: PropertyEventLoop, address: SerialAddress, service: str, settable: Sequence[str] = ()
-) -> None:
+def open_serial(device: str, provider: PropertyProvider, settings: WireSettings) -> str:
     """Open the serial endpoint of a service, now or when the device is there.
 
     Raises:
         Refused: It is no serial line, or pyserial is missing.
     """
-    SerialEndpoint(host, address, service, settable)
+    SerialEndpoint(settings.host, read_address(device), provider.name, settings.settable)
+    return f"{SCHEME}{device.removeprefix(SCHEME)}"
