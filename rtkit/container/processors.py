@@ -7,6 +7,7 @@ belongs once any context of this process has processors of its own.
 from __future__ import annotations
 
 import os
+from _thread import get_native_id
 from collections.abc import Iterable, Mapping
 
 from rtkit.component.owned_contexts import CPU_AFFINITY
@@ -69,7 +70,7 @@ def begin(text: str) -> None:
         return
     _is_in_use = True
     if text:
-        _own.add(_present())
+        _own.add(get_native_id())
     wanted: Iterable[int] = os.sched_getaffinity(os.getpid())
     if text:
         from rtkit.settings.values import processors
@@ -83,13 +84,7 @@ def begin(text: str) -> None:
 
 def end() -> None:
     """Forget the present thread."""
-    _own.discard(_present())
-
-
-def _present() -> int:
-    import threading
-
-    return threading.get_native_id()
+    _own.discard(get_native_id())
 
 
 def _missing(wanted: frozenset[int], error: OSError) -> str:

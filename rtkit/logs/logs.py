@@ -174,30 +174,21 @@ class Printed(io.TextIOBase):
     call itself.
 
     Attributes:
+        encoding: Of text as bytes.
+        errors: Handler of text that has no bytes.
+        name: Of the stream.
         buffer: The descriptor itself, for who writes bytes.
     """
 
+    encoding, errors = "utf-8", "backslashreplace"
+
     def __init__(self, name: str, level: int, descriptor: int, handlers: list[Lossy]) -> None:
+        self.name = f"<{name}>"
         self._name = name
         self._level = level
         self.buffer = io.FileIO(descriptor, "w", closefd=False)
         self._handlers = handlers
         self._begun = threading.local()
-
-    @property
-    def encoding(self) -> str:  # type: ignore[override]
-        """Return the encoding that text would have as bytes."""
-        return "utf-8"
-
-    @property
-    def errors(self) -> str:  # type: ignore[override]
-        """Return the handler of text that has no bytes."""
-        return "backslashreplace"
-
-    @property
-    def name(self) -> str:
-        """Name of the stream."""
-        return f"<{self._name}>"
 
     def fileno(self) -> int:
         """Return the descriptor, for programs that are started with it."""

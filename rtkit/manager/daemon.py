@@ -94,7 +94,7 @@ def run(name: str, wanted: CommandLineSettings, is_shown: bool = False) -> int:
             done = partial(_started, loop, keeper, report, state.settings)
             start_up = StartUp(state, loop.requests, loop.post, done, report.warn)
             _register(loop, state, stack)
-            loop.settle(start_up.restore)
+            loop.connections.settle(start_up.restore)
             loop.run()
             fault.point("manager.finished")
     except RtkitError as error:

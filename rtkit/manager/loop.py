@@ -94,6 +94,8 @@ class Loop:
         requests: Who waits for answers.
         query_server: Where requests are taken.
         following: Follows the events of systems.
+        connections: To slaves and zygotes.
+        wake_descriptor: A byte at it wakes the loop, for `signal.set_wakeup_fd`.
         has_failed: The manager ends because its start failed.
     """
 
@@ -133,24 +135,21 @@ class Loop:
         self._is_finished = False
         self._is_closed = False
         self._selector = selectors.DefaultSelector()
-        self._wake_read, self._wake_write = os.pipe()
-        for descriptor in (self._wake_read, self._wake_write):
+        self._wake_read, self.wake_descriptor = os.pipe()
+        for descriptor in (self._wake_read, self.wake_descriptor):
             os.set_blocking(descriptor, False)
         self._selector.register(self._wake_read, selectors.EVENT_READ, lambda _mask: self._drain())
-        self._lines = SlaveConnections(self._selector, listener, slave_supervisor, self._handle)
+        self.connections = SlaveConnections(
+            self._selector, listener, slave_supervisor, self._handle
+        )
         self._duties = self._all_duties()
-
-    @property
-    def wake_descriptor(self) -> int:
-        """Return the descriptor at which a byte wakes the loop, for `signal.set_wakeup_fd`."""
-        return self._wake_write
 
     def post(self, item: ev.Event | Request | _Failed) -> None:
         """Hand in an event or a request, from any thread."""
         self._inbox.put(item)
         if not self._is_closed:
             with suppress(BlockingIOError):  # it is awake already
-                os.write(self._wake_write, b"x")
+                os.write(self.wake_descriptor, b"x")
 
     def note_fault(self, work: str, error: BaseException) -> None:
         """Take note of a fault on another thread, from there."""
@@ -159,10 +158,6 @@ class Loop:
     def recall(self, remembered: ev.StoreRead) -> None:
         """Pass the store of an earlier manager to the core, before anything else."""
         self._handle(remembered)
-
-    def settle(self, settled: Callable[[], object]) -> None:
-        """Call `settled` when the slaves of earlier managers are back, or their time is up."""
-        self._lines.settle(settled)
 
     def open_lines(self, link: Link, service: str) -> None:
         """Publish on the manager's topics, from now on, what the core wants published."""
@@ -206,15 +201,15 @@ class Loop:
         self._is_closed = True
         self.following.close()
         self._selector.close()
-        self._lines.close()
+        self.connections.close()
         self._watchdog.forget(ev.OWN_PROCESS)
         remove_traces(self._slave_supervisor.data_pattern, self._core.state.pid)  # watched or not
-        for descriptor in (self._wake_read, self._wake_write, self._stacks):
+        for descriptor in (self._wake_read, self.wake_descriptor, self._stacks):
             os.close(descriptor)
 
     def _all_duties(self) -> tuple[_Duty, ...]:
         """Return what is to be done at certain times; a new duty belongs here, and is guarded."""
-        supervisor, lines = self._slave_supervisor, self._lines
+        supervisor, lines = self._slave_supervisor, self.connections
         return (
             _Duty("settling", lambda: lines.deadline, lines.check_settled, is_each_turn=True),
             _Duty("timer", lambda: self._wake_at, self._tick),
@@ -284,7 +279,7 @@ class Loop:
             if process is not None and process.state == "up":  # a stopped one gets it later
                 self._slave_supervisor.signal(key, STACK_SIGNAL)
         else:
-            self._lines.send(key, {"op": ASK})
+            self.connections.send(key, {"op": ASK})
 
     def _deadline_s(self, instance: str) -> float:
         facts = self._core.state.components.get(instance)
@@ -379,7 +374,7 @@ class Loop:
             case ev.SlaveStopped(key, is_halted):
                 self._watchdog.halted(key, is_halted=is_halted)
             case ev.SlaveEnded(key):
-                self._lines.drop(key)
+                self.connections.drop(key)
                 self._watchdog.forget(key)
                 if self._limiter is not None:
                     self._limiter.forget(key)
@@ -454,7 +449,7 @@ class Loop:
                 if key == ev.OWN_PROCESS:
                     self._container.put(message)
                 else:
-                    self._lines.send(key, message)
+                    self.connections.send(key, message)
             case ev.AnswerClient(request, reply):
                 fault.point("manager.answering")
                 self.requests.answer(request, reply)
@@ -465,7 +460,7 @@ class Loop:
                     self.post(unspawned)
                 fault.point("manager.asked_for_slave")
             case ev.AdoptSlave(key, pid, is_guest):
-                self._lines.adopt(key, pid, is_guest=is_guest)
+                self.connections.adopt(key, pid, is_guest=is_guest)
                 fault.point("manager.adopted")
                 if not is_guest:
                     self._watchdog.watch(key, pid)

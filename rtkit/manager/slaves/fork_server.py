@@ -25,9 +25,11 @@ _DYING_S = 0.1
 
 
 class ForkServer:
-    """Runs one zygote after the other; for `selectors` it is the socket to the present one.
+    """Runs one zygote after the other.
 
     Attributes:
+        channel: To the present one; it ends, with its children, when that is closed.
+        backoff: Of the starts; proven when a slave has connected.
         pid: Of the present one, or of the last.
         ends: How those ended that were reaped elsewhere, by pid.
         start_at: When the next one is due, monotonic [s]; None while there is one.
@@ -35,16 +37,12 @@ class ForkServer:
 
     def __init__(self, settings: Mapping[str, Any]) -> None:
         self._settings = json.dumps(settings)
-        self._backoff = Backoff()
-        self._channel: ControlChannel
+        self.backoff = Backoff()
+        self.channel: ControlChannel
         self.pid = 0
         self.ends: dict[int, str] = {}
         self.start_at: float | None = None
         self.start()
-
-    def fileno(self) -> int:
-        """Return the descriptor of the socket to the zygote."""
-        return self._channel.fileno()
 
     def start(self) -> None:
         """Start one."""
@@ -58,53 +56,37 @@ class ForkServer:
             # Decision 49: not by fork, which a session of zenoh in this process does not survive.
             self.pid = os.posix_spawn(sys.executable, arguments, environment)
         ours.setblocking(False)
-        self._channel = ControlChannel(ours)
-        self._backoff.begin(time.monotonic())
+        self.channel = ControlChannel(ours)
+        self.backoff.begin(time.monotonic())
         self.start_at = None
-
-    def send(self, message: Message) -> None:
-        """Ask it for something.
-
-        Raises:
-            OSError: It is just ending.
-        """
-        self._channel.send(message)
 
     def receive(self) -> list[Message] | None:
         """Return what it reports; None when it ended, or cannot be understood."""
         if self.start_at is not None:
             return None
         try:
-            messages = self._channel.receive()
-            self._channel.flush()
+            messages = self.channel.receive()
+            self.channel.flush()
         except (Malformed, OSError) as error:
             _log.error("the line to the zygote is broken: %s", error)
             return None
         return messages
 
-    def prove(self) -> None:
-        """Note that a slave of it has connected."""
-        self._backoff.prove()
-
     @property
     def is_failing(self) -> bool:
         """Return whether the zygotes that were started lately did not live long."""
-        return self._backoff.failures > 1
+        return self.backoff.failures > 1
 
     def release(self) -> str:
         """Close the connection to one that ended, schedule the next; return what happened."""
-        self._channel.close()
+        self.channel.close()
         why = f"the zygote ended: {self._end()}"
-        wait_s = self._backoff.end(time.monotonic())
+        wait_s = self.backoff.end(time.monotonic())
         self.start_at = time.monotonic() + wait_s
         if self.is_failing:
             moment = time.strftime("%H:%M:%S", time.localtime(time.time() + wait_s))
-            why += f", {self._backoff.failures} times in succession; started again at {moment}"
+            why += f", {self.backoff.failures} times in succession; started again at {moment}"
         return why
-
-    def close(self) -> None:
-        """Let it end, with its children."""
-        self._channel.close()
 
     def _end(self) -> str:
         """Return how it ended; one that only gave up its connection is killed."""

@@ -86,7 +86,7 @@ class SlaveSupervisor:
 
     def fileno(self) -> int:
         """Return the descriptor of the socket to the zygote."""
-        return self._server.fileno()
+        return self._server.channel.fileno()
 
     @property
     def start_at(self) -> float | None:
@@ -116,7 +116,7 @@ class SlaveSupervisor:
 
     def _ask(self, key: int, name: str) -> None:
         try:
-            self._server.send({"key": key, "name": name})
+            self._server.channel.send({"key": key, "name": name})
         except OSError as error:
             _log.warning("cannot ask for slave %s: %s", name, error)
 
@@ -129,7 +129,7 @@ class SlaveSupervisor:
             self._spawned(key, pid)
         is_ours = self._pids.get(key) == pid
         if is_ours:
-            self._server.prove()
+            self._server.backoff.prove()
         return is_ours
 
     def adopt(self, key: int, pid: int, *, is_guest: bool = False) -> int | None:
@@ -310,7 +310,7 @@ class SlaveSupervisor:
     def close(self) -> None:
         """End the zygotes, and whatever components started and left behind."""
         self.sweep()
-        self._server.close()
+        self._server.channel.close()
         self.former_zygotes.close()
         end_children()
         self._remove_files(self._server.pid)  # it may have been at its warm-up

@@ -7,8 +7,10 @@ import signal
 import subprocess
 import sys
 from collections.abc import Iterator
+from pathlib import Path
 
 import pytest
+from waiting import until
 
 from rtkit.container import orphans
 from rtkit.container.orphans import (
@@ -113,6 +115,8 @@ def test_what_a_child_left_behind_is_ended_whatever_it_hides_from() -> None:
         assert child.stdout is not None
         left = int(child.stdout.readline())
         os.waitid(os.P_PID, child.pid, os.WEXITED | os.WNOWAIT)
+        comm = Path(f"/proc/{left}/comm")
+        until(lambda: comm.read_text() == "sleep\n", "it has told its pid and not begun yet")
         kept = subprocess.Popen(["sleep", "60"])
         assert (left, "sleep") in end_orphans({child.pid, kept.pid})
     os.waitid(os.P_PID, left, os.WEXITED)
