@@ -101,6 +101,8 @@ def test_who_is_wanted_between_two_zygotes_is_born_of_the_next_one(side: Side) -
     slave_supervisor.restart()
     first = side.greeting()
     assert slave_supervisor.expects(KEY, first["pid"], first["of"])
+    slave_supervisor.signal(KEY, signal.SIGKILL)
+    assert side.told(SlaveEnded) == SlaveEnded(KEY, "signal 9")
 
 
 def test_its_own_zygote_that_warms_up_is_no_slave_that_has_not_reported(
