@@ -3,28 +3,15 @@
 from __future__ import annotations
 
 import os
-import select
-import shlex
-import shutil
 import signal
-import subprocess
-import sys
-import tempfile
-import time
-import uuid
 from collections.abc import Callable, Iterator
-from contextlib import AbstractContextManager, contextmanager
-from pathlib import Path
-from typing import NamedTuple
+from contextlib import AbstractContextManager
 
 import pytest
 from forked import Commands
 from hypothesis import HealthCheck, settings
-
-from rtkit.cli.shared.commands import TABLE
-from rtkit.errors import RtkitError
-from rtkit.link.zenoh import ZenohLink, open_client, unix_endpoint
-from rtkit.tree.client import Tree
+from kept import KeptManager
+from shells import ROOT, Shell, opened_shell
 
 # A law holds or does not, however slow or busy the machine is that tries it.
 settings.register_profile(
@@ -32,168 +19,11 @@ settings.register_profile(
 )
 settings.load_profile("rtkit")
 
-ROOT = Path(__file__).parents[1]
-RUN_ID = "RTKIT_TEST_RUN"
-_STOP_S = 30.0
-SHARED_MEMORY = Path("/dev/shm")
-_INTERPRETED = {"LD_PRELOAD", "PYTHONHOME", "PYTHONSTARTUP", "RTKIT_FAULT"}
-"""Variables that count when an interpreter begins, or rtkit is imported."""
-_SETTINGS = (
-    "COLUMNS",
-    "FORCE_COLOR",
-    "NO_COLOR",
-    "RTCSH_CWD",
-    "RTKIT_CWD",
-    "RTKIT_EXIT_DETAIL",
-    "RTKIT_MANAGER",
-    "RTKIT_MODULE_PATH",
-    "RTKIT_REALM",
-    "RTKIT_SERVERS",
-    "RTCTREE_NAMESERVERS",
-    "RTC_MANAGER_CONFIG",
-)
-
 
 def pytest_configure() -> None:
     """Heed the keys of a terminal, commands too: a shell in the background starts them deaf."""
     signal.signal(signal.SIGINT, signal.default_int_handler)
     signal.signal(signal.SIGQUIT, signal.SIG_DFL)
-
-
-class Outcome(NamedTuple):
-    """What a command line came to."""
-
-    status: int
-    out: str
-    err: str
-
-
-class Shell:
-    """Types commands at a manager of its own.
-
-    Attributes:
-        folder: A short folder of this test alone; `modules` below it is a load path.
-        prefix: What commands, and so the manager, are run by, ``nsenter …``.
-        commands: Runs commands as forks, where a test needs no interpreter of its own for each.
-        environment: What commands, and so the manager, are started with.
-    """
-
-    def __init__(self, folder: Path, run_id: str) -> None:
-        self.folder = folder
-        self.prefix: list[str] = []
-        self.commands: Commands | None = None
-        self._opened: list[subprocess.Popen[str]] = []
-        self.modules = folder / "modules"
-        self.modules.mkdir()
-        for name in ("run", "state"):
-            (folder / name).mkdir(mode=0o700)
-        kept = {key: value for key, value in os.environ.items() if key not in _SETTINGS}
-        paths = [str(ROOT), os.environ.get("PYTHONPATH", "")]
-        self.environment = {
-            **kept,
-            "PYTHONPATH": os.pathsep.join(path for path in paths if path),
-            "RTKIT_RUNTIME_DIR": str(folder / "run"),
-            "RTKIT_STATE_DIR": str(folder / "state"),
-            "RTKIT_MODULE_PATH": str(self.modules),
-            "RTKIT_PORT": "none",
-            RUN_ID: run_id,
-        }
-
-    def command(self, line: str, begin: str = "") -> list[str]:
-        """Return what to execute for a command line; Python statements may come before it."""
-        name, *arguments = shlex.split(line)
-        module = TABLE[name][0] if name in TABLE else "rtkit.cli"
-        script = f"import sys; sys.argv[0] = {name!r}; from {module} import main; sys.exit(main())"
-        return [*self.prefix, sys.executable, "-c", begin + script, *arguments]
-
-    def run(self, line: str, text: str = "", timeout_s: float = 30.0) -> Outcome:
-        """Run a command to its end."""
-        is_plain = not self.prefix and not _INTERPRETED & self.environment.keys()
-        if self.commands is not None and is_plain:
-            place = {"environment": self.environment, "folder": str(self.folder)}
-            told = self.commands.run(shlex.split(line), text, **place)
-            return Outcome(told["status"], told["out"], told["err"])
-        done = subprocess.run(
-            self.command(line),
-            input=text,
-            capture_output=True,
-            text=True,
-            env=self.environment,
-            cwd=self.folder,
-            timeout=timeout_s,
-            check=False,
-        )
-        return Outcome(done.returncode, done.stdout, done.stderr)
-
-    def ok(self, line: str) -> str:
-        """Run a command that must succeed in silence and return what it printed."""
-        outcome = self.run(line)
-        assert (outcome.status, outcome.err) == (0, ""), f"{line}: {outcome.err}{self.log()}"
-        return outcome.out
-
-    def open(self, line: str, begin: str = "") -> subprocess.Popen[str]:
-        """Start a command; Python statements may come before it."""
-        process = subprocess.Popen(
-            self.command(line, begin),
-            stdin=subprocess.DEVNULL,
-            stdout=subprocess.PIPE,
-            stderr=subprocess.PIPE,
-            text=True,
-            env=self.environment,
-            cwd=self.folder,
-        )
-        self._opened.append(process)
-        return process
-
-    def close(self) -> None:
-        """Let go of what was opened: a test that fails does not come to its own end of it."""
-        for process in self._opened:
-            process.wait(_STOP_S)
-            for pipe in (process.stdout, process.stderr):
-                if pipe is not None:
-                    pipe.close()
-
-    def end_of(self, process: subprocess.Popen[str], timeout_s: float = 30.0) -> Outcome:
-        """Wait for a command that was started, and return what it came to."""
-        try:
-            out, err = process.communicate(timeout=timeout_s)
-        except subprocess.TimeoutExpired:
-            process.kill()
-            process.communicate()
-            raise
-        return Outcome(process.returncode, out, err)
-
-    def log(self) -> str:
-        """Return what managers and slaves logged and printed."""
-        files = sorted((self.folder / "state").glob("*.[lo][ou][gt]"))
-        return "".join(f"\n{file.name}:\n{file.read_text()}" for file in files)
-
-
-@contextmanager
-def opened_shell() -> Iterator[Shell]:
-    """Open a shell without a manager; whatever it starts must be gone at the end."""
-    run_id = uuid.uuid4().hex
-    before = set(SHARED_MEMORY.iterdir())
-    # A socket's path may have 107 bytes: the folders that pytest makes are too long.
-    folder = Path(tempfile.mkdtemp(prefix="rtk"))
-    shell = Shell(folder, run_id)
-    try:
-        yield shell
-        for socket in (folder / "run").glob("*.sock"):
-            if not _stopped(socket):
-                shell.run(f"rtmgr stop {socket.stem}")
-        left = _wait_for_end(_processes(run_id), 5.0)
-        found = {
-            "processes": [_describe(pid) for pid in left],
-            "files": sorted(path.name for path in (folder / "run").iterdir()),
-            "shared memory": _orphans(set(SHARED_MEMORY.iterdir()) - before),
-        }
-        assert not any(found.values()), f"left behind: {found}{shell.log()}"
-    finally:
-        for pid in _processes(run_id):
-            os.kill(pid, 9)
-        shell.close()
-        shutil.rmtree(folder)
 
 
 @pytest.fixture(scope="session")
@@ -208,11 +38,23 @@ def commands(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Commands]:
 def shell(request: pytest.FixtureRequest) -> Iterator[Shell]:
     """A shell without a manager; whatever it starts must be gone at the end.
 
-    Its commands are forks in modules of tests that say ``RUNS_FORKS``.
+    Its commands are forks, but in modules of tests that say ``RUNS_PROCESSES``: these are about
+    more than what a command says and does.
     """
-    with opened_shell() as shell:
-        if getattr(request.module, "RUNS_FORKS", False):
-            shell.commands = request.getfixturevalue("commands")
+    if _keeps_manager(request):
+        kept = request.getfixturevalue("kept_manager")
+        yield kept.take()
+        kept.give_back()
+        return
+    is_real = getattr(request.module, "RUNS_PROCESSES", False)
+    with opened_shell(None if is_real else request.getfixturevalue("commands")) as shell:
+        yield shell
+
+
+@pytest.fixture(scope="module")
+def shared_shell(commands: Commands) -> Iterator[Shell]:
+    """A shell for all tests of a module, which leave what is there as it is."""
+    with opened_shell(commands) as shell:
         yield shell
 
 
@@ -223,82 +65,23 @@ def shells() -> Callable[[], AbstractContextManager[Shell]]:
 
 
 @pytest.fixture
-def manager(shell: Shell) -> Shell:
-    """A shell with a running manager."""
-    shell.ok("rtmgr start")
+def manager(request: pytest.FixtureRequest, shell: Shell) -> Shell:
+    """A shell with a running manager, which nothing is known of.
+
+    In modules of tests that say ``KEEPS_MANAGER`` it is the one of the test before, if it is as new
+    (see `KeptManager`).
+    """
+    if not _keeps_manager(request):
+        shell.ok("rtmgr start")
     return shell
 
 
-def _stopped(socket: Path) -> bool:
-    """Stop a manager as `rtmgr stop` does, without the cost of a command; False if it is gone."""
-    try:
-        link = ZenohLink(open_client(unix_endpoint(str(socket)), _STOP_S))
-        with Tree(link, os.uname().nodename, socket.stem, _STOP_S) as tree:
-            pid = int(tree.get("manager.pid"))
-            pidfd = os.pidfd_open(pid)
-            try:
-                tree.set("stop", "")
-                return bool(select.select([pidfd], [], [], _STOP_S)[0])
-            finally:
-                os.close(pidfd)
-    except (RtkitError, ProcessLookupError):
-        return False
+@pytest.fixture(scope="module")
+def kept_manager(commands: Commands) -> Iterator[KeptManager]:
+    kept = KeptManager(commands)
+    yield kept
+    kept.close()
 
 
-def _processes(run_id: str) -> list[int]:
-    wanted = f"{RUN_ID}={run_id}".encode()
-    found = []
-    for entry in Path("/proc").iterdir():
-        if not entry.name.isdigit():
-            continue
-        try:
-            environment = (entry / "environ").read_bytes()
-        except OSError:
-            continue
-        if wanted in environment.split(b"\0"):
-            found.append(int(entry.name))
-    return found
-
-
-def _wait_for_end(pids: list[int], timeout_s: float) -> list[int]:
-    """Wait for processes to end and return those that did not."""
-    deadline = time.monotonic() + timeout_s
-    left = []
-    for pid in pids:
-        try:
-            pidfd = os.pidfd_open(pid)
-        except ProcessLookupError:
-            continue
-        try:
-            if not select.select([pidfd], [], [], max(0.0, deadline - time.monotonic()))[0]:
-                left.append(pid)
-        finally:
-            os.close(pidfd)
-    return left
-
-
-def _describe(pid: int) -> str:
-    try:
-        return f"{pid} {Path(f'/proc/{pid}/cmdline').read_bytes()!r}"
-    except OSError:
-        return str(pid)
-
-
-def _orphans(files: set[Path]) -> list[str]:
-    """Return those files of shared memory that no living process maps.
-
-    Not those of zenoh: a session that carries port data leaves 12 kB, the next one sweeps them.
-    Nor folders: a campaign that runs beside this test has some there.
-    """
-    files = {file for file in files if file.suffix != ".zenoh" and not file.is_dir()}
-    if not files:
-        return []
-    mapped = set()
-    for entry in Path("/proc").iterdir():
-        if entry.name.isdigit():
-            try:
-                text = (entry / "maps").read_text(errors="replace")
-            except OSError:
-                continue
-            mapped |= {str(file) for file in files if str(file) in text}
-    return sorted(str(file) for file in files if str(file) not in mapped and file.exists())
+def _keeps_manager(request: pytest.FixtureRequest) -> bool:
+    return getattr(request.module, "KEEPS_MANAGER", False) and "manager" in request.fixturenames

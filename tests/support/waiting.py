@@ -12,7 +12,7 @@ from rtkit.deployment.facts import ComponentFacts
 from rtkit.tree.client import Tree
 
 if TYPE_CHECKING:
-    from conftest import Shell
+    from shells import Shell
 
 T = TypeVar("T")
 BOUND_S = 50.0
@@ -49,7 +49,8 @@ def slave_pid(tree: Tree, name: str) -> int:
     return pid
 
 
-def told_pid(shell: Shell, path: str) -> int:
-    """Return the process id that `rtcat` tells of a manager or slave."""
+def told_pid(shell: Shell, slave: str = "") -> int:
+    """Return the process id that `rtcat` tells of a slave, or of the manager."""
+    path = "/localhost/manager.mgr" + f"/{slave}.mgr" * bool(slave)
     pid: int = json.loads(shell.ok(f"rtcat --json {path}"))["pid"]
     return pid

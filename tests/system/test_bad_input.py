@@ -24,6 +24,7 @@ from rtkit.link.zenoh import ZenohLink, open_client, unix_endpoint
 from rtkit.rtc.enums import Transition
 from rtkit.tree.client import Tree
 
+KEEPS_MANAGER = True
 BOUND_S = 60.0
 SEED = 20_240_607
 MODULE = """

@@ -13,8 +13,7 @@ from rtkit.rtc.enums import Transition
 from rtkit.rtc.profiles import ConnectorProfile, PortRef
 from rtkit.tree.client import Tree
 
-RUNS_FORKS = True
-
+KEEPS_MANAGER = True
 STEP = """
 import os
 from rtkit.component import Component, InPort, OutPort, TimedLong

@@ -6,8 +6,7 @@ from typing import Any
 
 import pytest
 
-RUNS_FORKS = True
-
+KEEPS_MANAGER = True
 MANAGER = "/localhost/manager.mgr"
 WHOLE = "/localhost/Whole.rtc"
 

@@ -9,6 +9,7 @@ import signal
 from typing import Any
 
 import pytest
+from waiting import told_pid
 
 from rtkit.tree.client import Tree
 from rtkit.tree.connect import connect
@@ -204,9 +205,8 @@ def test_processors_are_those_of_all_threads_and_slaves(shell: Any) -> None:
     shell.ok(f"rtmgr start -o manager.cpu_affinity:{processor}")
     shell.ok(f"rtmgr -c ConsoleOut?manager_name=s1 -c ConsoleIn {MANAGER}")
     shell.ok("rtact /localhost/ConsoleOut0.rtc /localhost/ConsoleIn0.rtc")
-    for path in (MANAGER, f"{MANAGER}/s1.mgr"):
-        pid = json.loads(shell.ok(f"rtcat --json {path}"))["pid"]
-        assert threads_on(pid) == {frozenset({processor})}, path
+    for slave in ("", "s1"):
+        assert threads_on(told_pid(shell, slave)) == {frozenset({processor})}, slave
 
 
 def test_what_is_logged_and_where(shell: Any) -> None:
@@ -252,7 +252,7 @@ def test_a_manager_starts_again(shell: Any) -> None:
     configure(shell, SYSTEM)
     shell.ok("rtmgr start")
     pid = json.loads(shell.ok("rtmgr status --json"))["pid"]
-    slave = json.loads(shell.ok(f"rtcat --json {MANAGER}/s1.mgr"))["pid"]
+    slave = told_pid(shell, "s1")
     shell.ok(f"rtmgr -c Controller?manager_name=s2 -s logger.log_level=DEBUG -d In0 {MANAGER}")
     shell.ok("rtconf /localhost/Controller0.rtc set gain 2.5")
     shell.ok("rtact /localhost/Controller0.rtc")

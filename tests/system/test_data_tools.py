@@ -16,6 +16,8 @@ from typing import Any
 import jsonrecords
 import pytest
 
+KEEPS_MANAGER = True
+
 EXAMPLES = Path(__file__).parents[2] / "examples" / "basic"
 DOUBLER = "/localhost/Doubler0.rtc"
 

@@ -8,8 +8,7 @@ import signal
 from typing import Any
 
 import jsonrecords
-
-SLAVE = "/localhost/manager.mgr/s.mgr"
+from waiting import told_pid
 
 
 def errors(shell: Any) -> list[tuple[str, str]]:
@@ -28,8 +27,7 @@ def test_everything_that_can_be_wrong_is_named_with_its_cure(manager: Any) -> No
         assert errors(manager) == [("managers", f"kill -CONT {pid}")]
     finally:
         os.kill(pid, signal.SIGCONT)
-    slave = json.loads(manager.ok(f"rtcat --json {SLAVE}"))["pid"]
-    os.kill(slave, signal.SIGKILL)
+    os.kill(told_pid(manager, "s"), signal.SIGKILL)
     manager.ok("rtwait /localhost/ConsoleIn0.rtc inactive")
     while ("components", zombie()) not in (found := errors(manager)):
         assert "slaves" not in dict(found)

@@ -13,6 +13,7 @@ from rtkit.rtc.enums import ExecutionKind, LifeCycleState, Transition
 from rtkit.rtc.profiles import ConnectorProfile, PortRef
 from rtkit.tree.client import Tree
 
+KEEPS_MANAGER = True
 DIARY = """
 import os
 from rtkit.component import Component, InPort, OutPort, TimedLong

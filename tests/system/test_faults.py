@@ -26,6 +26,8 @@ from rtkit.rtc.enums import Transition
 from rtkit.rtc.profiles import ConnectorProfile, PortRef
 from rtkit.tree.client import Tree
 
+KEEPS_MANAGER = True
+
 FAULTY = '''
 import ctypes, locale, os, signal, subprocess, sys, threading, time
 from rtkit.component import Component

@@ -8,7 +8,9 @@ import signal
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
-from xml.sax.saxutils import escape
+
+import rts_text
+from waiting import told_pid
 
 from rtkit.resources import resource
 from rtkit.tree.client import Tree
@@ -30,13 +32,8 @@ STATES = {
 def robot(folder: Path, name: str = "robot.xml", **changed: str) -> Path:
     """Write the profile of a robot with states."""
     told = {**STATES, **{key.replace("__", "."): text for key, text in changed.items()}}
-    properties = "".join(
-        f'<rtsExt:Properties rtsExt:name="rtkit.{key}" rtsExt:value="{escape(text)}"/>'
-        for key, text in told.items()
-    )
-    end = "</rts:RtsProfile>"
     file = folder / name
-    file.write_text(Path(FILE).read_text().replace(end, properties + end))
+    file.write_text(rts_text.with_properties(Path(FILE).read_text(), told))
     return file
 
 
@@ -44,11 +41,6 @@ def done(shell: Any, line: str) -> None:
     """Have done what tells its steps on stderr."""
     ended = shell.run(line)
     assert ended.status == 0, ended
-
-
-def pid(shell: Any, slave: str = "") -> int:
-    path = "/localhost/manager.mgr" + f"/{slave}.mgr" * bool(slave)
-    return int(json.loads(shell.ok(f"rtcat --json {path}"))["pid"])
 
 
 def followed(shell: Any, file: Path) -> Mapping[str, Any]:
@@ -85,7 +77,7 @@ def test_it_goes_on_when_the_shell_dies_and_when_the_manager_does(manager: Any, 
     follower.kill()
     follower.wait(30)
     watch = watching(shell)
-    os.kill(pid(shell, "motor"), signal.SIGKILL)
+    os.kill(told_pid(shell, "motor"), signal.SIGKILL)
     assert event(watch) == "degraded (explore -motor_lost-> degraded)"
     told = shell.ok(f"rtstate {file}")
     assert "\nfollowed by its manager: explore -motor_lost-> degraded\n" in told
@@ -93,7 +85,7 @@ def test_it_goes_on_when_the_shell_dies_and_when_the_manager_does(manager: Any, 
     assert event(watch) == "explore (degraded -by others-> explore)"
     # It is followed after a restart on command, too.
     done(shell, "rtmgr restart")
-    os.kill(pid(shell, "motor"), signal.SIGKILL)
+    os.kill(told_pid(shell, "motor"), signal.SIGKILL)
     assert event(watch) == "degraded (explore -motor_lost-> degraded)"
     done(shell, f"rtstate --goto explore {file}")
     assert event(watch) == "explore (degraded -by others-> explore)"
@@ -102,7 +94,7 @@ def test_it_goes_on_when_the_shell_dies_and_when_the_manager_does(manager: Any, 
         locks.take(tree)
         done(shell, "rtconf /localhost/Controller0.rtc set max_speed 9")
         assert event(watch).startswith("WAITS ")
-        os.kill(pid(shell), signal.SIGKILL)
+        os.kill(told_pid(shell), signal.SIGKILL)
     done(shell, "rtmgr start")
     told = event(watch)
     while not told.startswith("degraded"):
@@ -129,7 +121,7 @@ def test_one_profile_of_a_name_is_followed_until_it_is_ended(manager: Any) -> No
         assert each.wait(30) == 1
         assert each.stderr.read() == f"rtstate: {SYSTEM} is followed no more\n"
     assert json.loads(shell.ok("rtget --raw /localhost/manager.mgr.rtkit.follow")) == []
-    os.kill(pid(shell, "motor"), signal.SIGKILL)
+    os.kill(told_pid(shell, "motor"), signal.SIGKILL)
     assert "between states" in shell.run(f"rtstate {file}").out
 
 
@@ -161,7 +153,7 @@ def test_it_waits_for_commands_that_carry_plans_out(manager: Any, tree: Tree) ->
     watch = watching(shell)
     with PlanLocks("rtapply other.xml", 0.0, lambda _: None) as locks:
         locks.take(tree)
-        os.kill(pid(shell, "motor"), signal.SIGKILL)
+        os.kill(told_pid(shell, "motor"), signal.SIGKILL)
         assert event(watch).startswith("WAITS (rtapply other.xml (")
         assert followed(shell, file)["waits_for"].startswith("rtapply other.xml (")
         assert followed(shell, file)["is_led"] is False
@@ -172,7 +164,7 @@ def test_it_waits_for_commands_that_carry_plans_out(manager: Any, tree: Tree) ->
     # A manager that waits so ends all the same when it is to.
     with PlanLocks("rtapply other.xml", 0.0, lambda _: None) as locks:
         locks.take(tree)
-        os.kill(pid(shell, "motor"), signal.SIGKILL)
+        os.kill(told_pid(shell, "motor"), signal.SIGKILL)
         assert event(watch).startswith("WAITS ")
         done(shell, "rtmgr stop")
     for each in (watch, follower):
@@ -187,14 +179,14 @@ def test_what_fails_ends_it_and_stays_visible(manager: Any) -> None:
     follower = shell.open(f"rtstate --follow {file}")
     assert line(follower) == "explore (is so)"
     watch = watching(shell)
-    os.kill(pid(shell, "motor"), signal.SIGKILL)
+    os.kill(told_pid(shell, "motor"), signal.SIGKILL)
     assert follower.wait(30) == 1
     err = follower.stderr.read()
     assert err.startswith("rtstate: explore -motor_lost-> degraded: ")
     assert "rubbish" in err
     assert event(watch).startswith("TRANSITION_FAILED (explore -motor_lost-> degraded: ")
     assert event(watch) == "NOT_FOLLOWED (that transition failed)"
-    os.kill(pid(shell), signal.SIGKILL)
+    os.kill(told_pid(shell), signal.SIGKILL)
     done(shell, "rtmgr start")
     told = followed(shell, file)
     assert told["is_over"]

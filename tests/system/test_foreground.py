@@ -16,6 +16,7 @@ from rtkit.manager.core.deletion import FINALISE_S
 from rtkit.tree.client import Tree
 from rtkit.tree.connect import connect
 
+RUNS_PROCESSES = True
 MANAGER = "/localhost/manager.mgr"
 INT, QUIT = b"\x03", b"\x1c"
 HANGS = """

@@ -14,6 +14,7 @@ from rtkit.deployment.actions import Create, Load
 from rtkit.errors import Refused, RtkitError, Unreachable
 from rtkit.tree.client import Tree
 
+KEEPS_MANAGER = True
 MANAGER = "/localhost/manager.mgr"
 MODULE = """
 import ctypes, os, re, sys, time

@@ -18,6 +18,7 @@ from rtkit.resources import resource
 from rtkit.rtc.enums import Transition
 from rtkit.tree.client import Tree
 
+KEEPS_MANAGER = True
 SYSTEM = resource("profiles", "systems", "sensor-controller-motor.xml")
 HUNGRY = '''
 import os

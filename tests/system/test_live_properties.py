@@ -15,6 +15,7 @@ from terminal import opened
 from rtkit.property.values import Word
 from rtkit.wires.serve import serve
 
+KEEPS_MANAGER = True
 MODULE = '''
 class Arm:
     """An arm of nothing."""

@@ -12,6 +12,8 @@ from rtkit.tree import live_properties as live
 IN0 = "/localhost/In0.rtc"
 MANAGER = "/localhost/manager.mgr"
 
+KEEPS_MANAGER = True
+
 
 def test_the_operations_are_those_of_the_manager() -> None:
     assert {*live.READ, FOLLOW} == {*operations.READ, "get_loadable_modules"}

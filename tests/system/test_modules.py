@@ -9,8 +9,7 @@ from typing import Any
 
 import pytest
 
-RUNS_FORKS = True
-
+KEEPS_MANAGER = True
 MANAGER = "/localhost/manager.mgr"
 MODULE = '''
 from pathlib import Path

@@ -13,8 +13,7 @@ import pytest
 
 from rtkit.cli.completion.functions import script as functions
 
-RUNS_FORKS = True
-
+KEEPS_MANAGER = True
 MANAGER = "/localhost/manager.mgr"
 SECOND = "/localhost/manager.mgr/s1.mgr"
 

@@ -9,19 +9,15 @@ import signal
 from pathlib import Path
 from typing import Any
 
-from rtkit.resources import resource
+from waiting import told_pid
 
-RUNS_FORKS = True
+from rtkit.resources import resource
 
 FILE = resource("profiles", "systems", "sensor-controller-motor.xml")
 
 
 def steps(shell: Any, file: str) -> list[str]:
     return [step["text"] for step in json.loads(shell.ok(f"rtplan --json {file}"))["steps"]]
-
-
-def pid(shell: Any, slave: str) -> int:
-    return int(json.loads(shell.ok(f"rtcat --json /localhost/manager.mgr/{slave}.mgr"))["pid"])
 
 
 def test_a_robot_is_brought_up_changed_moved_repaired_and_left_alone(manager: Any) -> None:
@@ -36,7 +32,7 @@ def test_a_robot_is_brought_up_changed_moved_repaired_and_left_alone(manager: An
 
     # A parameter that differs stops its component, and no other.
     shell.ok("rtconf /localhost/Controller0.rtc set gain 7")
-    pids = {name: pid(shell, name) for name in ("sensor", "controller", "motor")}
+    pids = {name: told_pid(shell, name) for name in ("sensor", "controller", "motor")}
     changed = ["deactivate Controller0", "set Controller0.gain=1.0", "activate Controller0"]
     assert steps(shell, FILE) == changed
     assert shell.run(f"rtapply {FILE}").status == 0
@@ -54,8 +50,8 @@ def test_a_robot_is_brought_up_changed_moved_repaired_and_left_alone(manager: An
         pass
     assert shell.run(f"rtapply {FILE}").status == 0
     assert shell.run(f"rtcheck {FILE}") == (0, "", "")
-    assert pid(shell, "sensor") == pids["sensor"]
-    assert pid(shell, "controller") == pids["controller"]
+    assert told_pid(shell, "sensor") == pids["sensor"]
+    assert told_pid(shell, "controller") == pids["controller"]
 
     # One that is to be elsewhere is made anew there.
     moved = shell.folder / "moved.xml"
@@ -64,8 +60,8 @@ def test_a_robot_is_brought_up_changed_moved_repaired_and_left_alone(manager: An
     assert "create Motor0 on manager in slave wheels" in steps(shell, str(moved))
     assert shell.run(f"rtapply {moved}").status == 0
     assert steps(shell, str(moved)) == []
-    assert pid(shell, "sensor") == pids["sensor"]
-    assert pid(shell, "wheels") != pids["motor"]
+    assert told_pid(shell, "sensor") == pids["sensor"]
+    assert told_pid(shell, "wheels") != pids["motor"]
 
 
 def test_a_killed_apply_is_run_again_and_finishes(manager: Any) -> None:

@@ -14,8 +14,6 @@ import pytest
 
 from rtkit.tree.connect import connect
 
-RUNS_FORKS = True
-
 MANAGER = "/localhost/manager.mgr"
 GATE = """
 import os, signal, time

@@ -12,8 +12,6 @@ from typing import Any
 import pytest
 from waiting import told_pid, until
 
-RUNS_FORKS = True
-
 MANAGER = "/localhost/manager.mgr"
 COUNTER = '''
 from rtkit.component import Component, OutPort, Time, TimedLong
@@ -140,13 +138,13 @@ def pair(manager: Any) -> Any:
 
 def test_a_killed_manager_stops_no_component_and_loses_no_message(pair: Any) -> None:
     before = pair.ok("rtls -lR /localhost")
-    slaves = [told_pid(pair, f"{MANAGER}/{name}.mgr") for name in "ab"]
+    slaves = [told_pid(pair, name) for name in "ab"]
     kill_manager(pair)
     last, _ = count(pair)
     until(lambda: count(pair)[0] > last + 20, "numbers without a manager")
     pair.ok("rtmgr start")
     assert pair.ok("rtls -lR /localhost") == before
-    assert [told_pid(pair, f"{MANAGER}/{name}.mgr") for name in "ab"] == slaves
+    assert [told_pid(pair, name) for name in "ab"] == slaves
     last, _ = count(pair)
     until(lambda: count(pair)[0] > last + 20, "numbers under the next manager")
     assert count(pair)[1] == 0
@@ -162,7 +160,7 @@ def test_the_next_manager_is_in_charge(pair: Any) -> None:
 
 
 def test_the_end_of_a_found_slave_is_told_with_its_reason(pair: Any) -> None:
-    slave = told_pid(pair, f"{MANAGER}/a.mgr")
+    slave = told_pid(pair, "a")
     kill_manager(pair)
     pair.ok("rtmgr start")
     os.kill(slave, signal.SIGSTOP)
@@ -175,7 +173,7 @@ def test_the_end_of_a_found_slave_is_told_with_its_reason(pair: Any) -> None:
 
 def test_who_died_while_there_was_no_manager_is_told_once(pair: Any) -> None:
     """With how it ended where its zygote knows that; whose zygote died too is made again."""
-    slave = told_pid(pair, f"{MANAGER}/a.mgr")
+    slave = told_pid(pair, "a")
     kill_manager(pair)
     ended = os.pidfd_open(slave)
     os.kill(slave, signal.SIGSEGV)
@@ -185,7 +183,7 @@ def test_who_died_while_there_was_no_manager_is_told_once(pair: Any) -> None:
     shown = pair.ok("rtls -l /localhost")
     assert "*A.rtc  (signal 11)" in shown
     assert "slave a ended while no manager ran: signal 11" in pair.log()
-    slave = told_pid(pair, f"{MANAGER}/b.mgr")
+    slave = told_pid(pair, "b")
     zygote = parent_of(slave)
     kill_manager(pair)
     for pid in (zygote, slave):
@@ -202,7 +200,7 @@ def test_who_died_while_there_was_no_manager_is_told_once(pair: Any) -> None:
 @pytest.mark.parametrize("is_zygote_killed", [False, True])
 def test_a_stopped_slave_is_shown_and_comes_back(pair: Any, is_zygote_killed: bool) -> None:
     before = pair.ok("rtls -lR /localhost")
-    slave = told_pid(pair, f"{MANAGER}/a.mgr")
+    slave = told_pid(pair, "a")
     zygote = parent_of(slave)
     kill_manager(pair)
     os.kill(slave, signal.SIGSTOP)
@@ -230,7 +228,7 @@ def test_a_slave_that_hangs_over_a_restart_can_be_ended(pair: Any, end: str) -> 
     """One that hangs while it makes another component, and one that is stopped."""
     (pair.modules / "Hang.py").write_text(HANG)
     pair.run(f"rtmgr {MANAGER} --timeout 0.3 -c 'Hang?instance_name=H&manager_name=b'")
-    slaves = [told_pid(pair, f"{MANAGER}/{name}.mgr") for name in "ab"]
+    slaves = [told_pid(pair, name) for name in "ab"]
     kill_manager(pair)
     os.kill(slaves[0], signal.SIGSTOP)
     pair.ok("rtmgr start")
@@ -246,7 +244,7 @@ def test_a_slave_that_hangs_over_a_restart_can_be_ended(pair: Any, end: str) -> 
 
 
 def test_manager_and_zygote_killed(pair: Any) -> None:
-    slave = told_pid(pair, f"{MANAGER}/a.mgr")
+    slave = told_pid(pair, "a")
     zygote = parent_of(slave)
     kill_manager(pair)
     os.kill(zygote, signal.SIGKILL)
@@ -294,7 +292,7 @@ def test_a_slave_that_waits_for_a_manager_ends_with_all_that_it_started(pair: An
     (pair.modules / "Daemon.py").write_text(DAEMON)
     pair.ok(f"rtmgr {MANAGER} -c 'Daemon?instance_name=D&manager_name=d'")
     pair.ok("rtact /localhost/D.rtc")
-    slaves = [told_pid(pair, f"{MANAGER}/{name}.mgr") for name in "abd"]
+    slaves = [told_pid(pair, name) for name in "abd"]
     kill_manager(pair)
     for pid in slaves:
         os.kill(pid, signal.SIGTERM)

@@ -6,6 +6,7 @@ from typing import Any
 
 import pytest
 
+KEEPS_MANAGER = True
 MANAGER = "/localhost/manager.mgr"
 OVEN = "/localhost/Microwave0.rtc"
 

@@ -10,10 +10,12 @@ import signal
 from typing import Any
 
 import pytest
+from waiting import told_pid
 
 from rtkit.profile.read import read_rts
 from rtkit.resources import resource
 
+KEEPS_MANAGER = True
 FILE = resource("profiles", "systems", "sensor-controller-motor.xml")
 SLOW = """
 import os
@@ -49,10 +51,7 @@ def pids(shell: Any) -> dict[str, int]:
     path = "/localhost/manager.mgr"
     for name, slave in made.items():
         assert shell.ok(f"rtls -1 {path}/{slave}.mgr").split()[0] == f"{name}.rtc"
-    return {
-        name: json.loads(shell.ok(f"rtcat --json {path}/{slave}.mgr"))["pid"]
-        for name, slave in made.items()
-    }
+    return {name: told_pid(shell, slave) for name, slave in made.items()}
 
 
 def without_dates(file: Any) -> str:

@@ -19,6 +19,8 @@ from rtkit.rtc.profiles import ConnectorProfile, PortRef
 from rtkit.tree.client import Tree
 from rtkit.tree.connect import connect
 
+KEEPS_MANAGER = True
+
 FILE = resource("profiles", "systems", "my-service.xml")
 PEERS = """
 import os

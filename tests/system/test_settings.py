@@ -12,8 +12,7 @@ from rtkit.deployment.actions import SetParameters
 from rtkit.errors import Malformed
 from rtkit.tree.connect import connect
 
-RUNS_FORKS = True
-
+KEEPS_MANAGER = True
 MANAGER = "/localhost/manager.mgr"
 SAMPLE = "/localhost/ConfigSample0.rtc"
 

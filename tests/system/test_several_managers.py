@@ -10,39 +10,15 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
+import rts_text
+
+TYPE = "RTC:rtkit:example:{}:1.0"
 PAIRS = (("In1", "Out1", ""), ("In2", "Out2", "m1.mgr/"))
-HEAD = (
-    '<rts:RtsProfile xmlns:rts="http://www.openrtp.org/namespaces/rts"'
-    ' xmlns:rtsExt="http://www.openrtp.org/namespaces/rts_ext"'
-    ' xmlns:xsi="http://www.w3.org/2001/XMLSchema-instance" rts:id="RTSystem:Me:Two:0"'
-    ' rts:version="0.2" rts:creationDate="2026-01-01T00:00:00"'
-    ' rts:updateDate="2026-01-01T00:00:00">'
-)
-COMPONENT = """
-<rts:Components xsi:type="rtsExt:component_ext" rts:id="RTC:rtkit:example:{type}:1.0"
- rts:pathUri="localhost/{below}{name}.rtc" rts:instanceName="{name}" rts:isRequired="true">
- <rts:DataPorts rts:name="{name}.{port}"/>
- <rts:ExecutionContexts xsi:type="rtsExt:execution_context_ext" rts:id="0" rts:kind="PERIODIC"
-  rts:rate="10.0"/>
- <rtsExt:Properties rtsExt:name="rtkit.create" rtsExt:value="{create}"/>
-</rts:Components>"""
-WIRE = """
-<rts:DataPortConnectors xsi:type="rtsExt:dataport_connector_ext" rts:connectorId="{id}"
- rts:name="{id}" rts:dataType="IDL:RTC/TimedLong:1.0" rts:interfaceType="corba_cdr"
- rts:dataflowType="push" rts:subscriptionType="new">
- <rts:sourceDataPort rts:componentId="RTC:rtkit:example:ConsoleIn:1.0" rts:instanceName="{source}"
-  rts:portName="{source}.out"/>
- <rts:targetDataPort rts:componentId="RTC:rtkit:example:ConsoleOut:1.0" rts:instanceName="{sink}"
-  rts:portName="{sink}.in"/>
-</rts:DataPortConnectors>"""
-STATES = "".join(
-    f'<rtsExt:Properties rtsExt:name="rtkit.{name}" rtsExt:value="{value}"/>'
-    for name, value in {
-        "states": "run, standby",
-        "state.standby": "*=Inactive",
-        "transitions": "run -halt-&gt; standby; standby -go-&gt; run",
-    }.items()
-)
+STATES = {
+    "states": "run, standby",
+    "state.standby": "*=Inactive",
+    "transitions": "run -halt-> standby; standby -go-> run",
+}
 """States of the system, all of it active or all of it at rest."""
 
 
@@ -51,15 +27,23 @@ def profile(
 ) -> str:
     """Write a source and a sink in each of the managers, the source in a slave."""
     components = [
-        COMPONENT.format(type=type_, below=below, name=name, port=port, create=create)
+        rts_text.component(
+            name,
+            {"create": create},
+            type_id=TYPE.format(type_),
+            port=port,
+            folder=f"localhost/{below}".rstrip("/"),
+            rate=10.0,
+        )
         for source, sink, below in PAIRS
         for type_, name, port, create in (
             ("ConsoleIn", source, "out", "ConsoleIn?manager_name=source"),
             ("ConsoleOut", sink, "in", "ConsoleOut"),
         )
     ]
-    joined = [WIRE.format(id=f"w-{s}-{t}", source=s, sink=t) for s, t in wires]
-    path.write_text("".join([HEAD, *components, *joined, STATES, "</rts:RtsProfile>"]))
+    types = [TYPE.format(type_) for type_ in ("ConsoleIn", "ConsoleOut")]
+    joined = [rts_text.wire(f"w-{s}-{t}", f"{s}.out", f"{t}.in", types) for s, t in wires]
+    path.write_text(rts_text.system("Two", *components, *joined, rts_text.properties(STATES)))
     return str(path)
 
 
@@ -115,7 +99,7 @@ def test_a_system_in_two_managers_is_one_system(manager: Any) -> None:
     watching = shell.open(f"rtwatch -v -n 1 -f SYSTEM_STATE --system {file} /localhost")
     assert "listening\n" in iter(watching.stderr.readline, "")
     assert shell.run(f"rtstop {file}").status == 0
-    assert shell.end_of(watching).out.endswith(" RTSystem:Me:Two:0 state standby (was run)\n")
+    assert shell.end_of(watching).out.endswith(" RTSystem:Me:Two:1.0 state standby (was run)\n")
     assert shell.run(f"rtstate --event go {file}").status == 0
     assert set(states(shell).values()) == {"Active"}
     assert shell.run(f"rtstop {file}").status == 0

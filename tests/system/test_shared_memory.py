@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import os
 import signal
 import subprocess
@@ -13,6 +12,7 @@ from typing import Any
 import jsonrecords
 import mountkit
 import pytest
+from waiting import told_pid
 
 MODULE = '''
 import os
@@ -121,9 +121,9 @@ def test_nothing_stays_when_a_manager_was_stopped(shell: Any) -> None:
         shell.prefix = prefix
         bring_up(shell)
         go_on(shell)
-        told = json.loads(shell.ok("rtcat --json /localhost/manager.mgr/a.mgr"))
+        slave = told_pid(shell, "a")
         assert subprocess.run([*prefix, "ls", "/dev/shm"], capture_output=True, check=True).stdout
-        os.kill(told["pid"], signal.SIGKILL)
+        os.kill(slave, signal.SIGKILL)
         shell.run("rtmgr stop")
         left = subprocess.run(
             [*prefix, "ls", "-l", "/dev/shm"], capture_output=True, text=True, check=True

@@ -13,8 +13,7 @@ from typing import Any
 import pytest
 from waiting import told_pid, until
 
-RUNS_FORKS = True
-
+KEEPS_MANAGER = True
 MANAGER = "/localhost/manager.mgr"
 PROBE = '''
 import time
@@ -107,7 +106,7 @@ def test_components_from_birth_to_death(manager: Any) -> None:
     names = ["Conf.rtc", "SeqIn0.rtc", "SeqOut0.rtc", "manager.mgr/"]
     assert manager.ok("rtls /localhost").split() == names
     assert manager.ok(f"rtls {MANAGER}/s1.mgr") == "SeqIn0.rtc\n"
-    assert told_pid(manager, f"{MANAGER}/s1.mgr") != told_pid(manager, MANAGER)
+    assert told_pid(manager, "s1") != told_pid(manager)
 
     manager.ok("rtcon -i wire /localhost/SeqOut0.rtc:Long /localhost/SeqIn0.rtc:Long")
     manager.ok("rtact /localhost/SeqOut0.rtc /localhost/SeqIn0.rtc")
@@ -215,7 +214,7 @@ def test_a_slow_transition_is_waited_for_or_not(probe: Any) -> None:
 
 def test_a_killed_slave_leaves_zombies_with_the_reason(manager: Any) -> None:
     manager.ok(f"rtmgr -c ConsoleOut -c ConsoleOut?manager_name=s1 {MANAGER}")
-    os.kill(told_pid(manager, f"{MANAGER}/s1.mgr"), signal.SIGKILL)
+    os.kill(told_pid(manager, "s1"), signal.SIGKILL)
     while "*" not in manager.ok("rtls /localhost"):
         pass
     line = manager.ok("rtls -l /localhost/ConsoleOut1.rtc")
@@ -231,7 +230,7 @@ def test_a_killed_slave_leaves_zombies_with_the_reason(manager: Any) -> None:
 
 def test_a_stopped_slave_is_marked_and_does_not_hold_up_others(manager: Any) -> None:
     manager.ok(f"rtmgr -c ConsoleOut -c ConsoleOut?manager_name=s1 {MANAGER}")
-    pid = told_pid(manager, f"{MANAGER}/s1.mgr")
+    pid = told_pid(manager, "s1")
     os.kill(pid, signal.SIGSTOP)
     try:
         while "(stopped)" not in manager.ok("rtls -l /localhost"):
@@ -251,7 +250,7 @@ def test_a_stopped_slave_is_marked_and_does_not_hold_up_others(manager: Any) -> 
 def test_a_stopped_manager_is_told_in_time_and_a_wait_for_it_can_be_broken_off(
     manager: Any,
 ) -> None:
-    pid = told_pid(manager, MANAGER)
+    pid = told_pid(manager)
     os.kill(pid, signal.SIGSTOP)
     try:
         told = "rtls: manager 'manager' does not answer within 0.3 s\n"

@@ -14,13 +14,14 @@ import pytest
 SILENT = "manager 'm2' does not answer"
 
 
-@pytest.fixture
-def stopped(manager: Any) -> Iterator[Any]:
-    """A manager beside which another one is stopped."""
-    manager.ok("rtmgr start m2")
-    pid = json.loads(manager.ok("rtmgr status m2 --json"))["pid"]
+@pytest.fixture(scope="module")
+def stopped(shared_shell: Any) -> Iterator[Any]:
+    """A manager beside which another one is stopped; the tests only look at them."""
+    shared_shell.ok("rtmgr start")
+    shared_shell.ok("rtmgr start m2")
+    pid = json.loads(shared_shell.ok("rtmgr status m2 --json"))["pid"]
     os.kill(pid, signal.SIGSTOP)
-    yield manager
+    yield shared_shell
     os.kill(pid, signal.SIGCONT)
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import os
 import select
 import signal
@@ -10,6 +9,10 @@ import subprocess
 from pathlib import Path
 from typing import Any
 
+import rts_text
+from waiting import told_pid
+
+KEEPS_MANAGER = True
 STEP = """
 import os
 from rtkit.component import Component
@@ -35,20 +38,6 @@ class Step(Component):
 
 def StepInit(manager):
     manager.register_factory(Step)
-"""
-HEAD = """<?xml version="1.0" encoding="UTF-8"?>
-<rts:RtsProfile xmlns:rts="http://www.openrtp.org/namespaces/rts"
-  xmlns:rtsExt="http://www.openrtp.org/namespaces/rts_ext"
-  xmlns:xsi="http://www.w3.org/2001/XMLSchema-instance"
-  rts:id="RTSystem:Me:Steps:1.0" rts:version="0.2"
-  rts:creationDate="2025-01-01T00:00:00" rts:updateDate="2025-01-01T00:00:00">
-"""
-COMPONENT = """<rts:Components rts:id="RTC:::Step:" rts:pathUri="localhost/{0}.rtc"
-  rts:instanceName="{0}" rts:isRequired="{1}">
- <rts:ExecutionContexts rts:id="main" rts:kind="PERIODIC" rts:rate="1000.0"/>
- <rtsExt:Properties rtsExt:name="rtkit.create" rtsExt:value="Step?manager_name=slave{0}"/>
- <rtsExt:Properties rtsExt:name="rtkit.module" rtsExt:value="Step.py:StepInit"/>
-</rts:Components>
 """
 PATH = "/localhost/{}.rtc"
 EC = "in execution context main"
@@ -86,9 +75,18 @@ class Steps:
         self.shell = shell
         self.story = Path(shell.folder / "state" / "story")
         (shell.modules / "Step.py").write_text(STEP)
-        parts = [COMPONENT.format(n, str(n not in optional).lower()) for n in names]
+        parts = [
+            rts_text.component(
+                name,
+                {"create": f"Step?manager_name=slave{name}", "module": "Step.py:StepInit"},
+                type_id="RTC:::Step:",
+                required=name not in optional,
+                context="main",
+            )
+            for name in names
+        ]
         order = f"<rts:Activation>{''.join(activation)}</rts:Activation>"
-        text = f"{HEAD}{''.join(parts)}{order}</rts:RtsProfile>"
+        text = rts_text.system("Steps", *parts, order)
         (shell.folder / "steps.xml").write_text(text, encoding="utf-8")
         assert shell.run("rtresurrect steps.xml") == (0, "", "")
 
@@ -105,8 +103,7 @@ class Steps:
         return path
 
     def pid(self, instance: str) -> int:
-        answer = self.shell.ok(f"rtcat --json /localhost/manager.mgr/slave{instance}.mgr")
-        return int(json.loads(answer)["pid"])
+        return told_pid(self.shell, f"slave{instance}")
 
     def kill(self, instance: str) -> None:
         end_process(self.pid(instance))
@@ -272,7 +269,7 @@ def test_a_manager_killed_while_a_plan_waits(manager: Any) -> None:
     Steps(manager, entry("B", 1, wait(600_000)), entry("C", 2, after("B")), names="ABC")
     command = manager.open("rtstart --timeout 2 steps.xml")
     read_until(command, "Executing {1}")
-    pid = int(json.loads(manager.ok("rtcat --json /localhost/manager.mgr"))["pid"])
+    pid = told_pid(manager)
     end_process(pid)
     status, err = end(command)
     assert status == 1

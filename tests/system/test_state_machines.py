@@ -14,6 +14,7 @@ from rtkit.rtc.enums import Transition
 from rtkit.rtc.profiles import ConnectorProfile, PortRef
 from rtkit.tree.client import Tree
 
+KEEPS_MANAGER = True
 FILE = resource("profiles", "systems", "microwave.xml")
 LISTENER = """
 import os

@@ -7,8 +7,7 @@ from typing import Any
 
 import pytest
 
-RUNS_FORKS = True
-
+KEEPS_MANAGER = True
 MANAGER = "/localhost/manager.mgr"
 ODD = """from rtkit.component import Component
 

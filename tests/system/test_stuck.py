@@ -8,6 +8,8 @@ from typing import Any
 
 import pytest
 
+KEEPS_MANAGER = True
+
 MANAGER = "/localhost/manager.mgr"
 STUCK = '''
 import ctypes

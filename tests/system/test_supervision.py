@@ -18,6 +18,7 @@ from rtkit.rtc.enums import Transition
 from rtkit.rtc.profiles import ConnectorProfile, PortRef
 from rtkit.tree.client import Tree
 
+KEEPS_MANAGER = True
 MANAGER = "/localhost/manager.mgr"
 SYSTEM = resource("profiles", "systems", "sensor-controller-motor.xml")
 FRAIL = '''

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-import json
 import os
 import signal
 from pathlib import Path
 from typing import Any
-from xml.sax.saxutils import escape
+
+import rts_text
+from waiting import told_pid
 
 from rtkit.resources import resource
 
@@ -24,23 +25,14 @@ STATES = {
 }
 
 
-def pid(shell: Any, slave: str) -> int:
-    return int(json.loads(shell.ok(f"rtcat --json /localhost/manager.mgr/{slave}.mgr"))["pid"])
-
-
 def test_a_robot_is_led_from_state_to_state_and_follows_its_events(manager: Any) -> None:
     shell = manager
-    told = "".join(
-        f'<rtsExt:Properties rtsExt:name="rtkit.{name}" rtsExt:value="{escape(text)}"/>'
-        for name, text in STATES.items()
-    )
-    end = "</rts:RtsProfile>"
     robot = shell.folder / "robot.xml"
-    robot.write_text(Path(FILE).read_text().replace(end, told + end))
+    robot.write_text(rts_text.with_properties(Path(FILE).read_text(), STATES))
     assert shell.run(f"rtstate {robot}").status == 1
     assert shell.run(f"rtstate --goto standby {robot}").status == 0
     assert "* standby   is so\n" in shell.ok(f"rtstate {robot}")
-    sensor = pid(shell, "sensor")
+    sensor = told_pid(shell, "sensor")
 
     follower = shell.open(f"rtstate --follow -n 3 {robot}")
 
@@ -55,7 +47,7 @@ def test_a_robot_is_led_from_state_to_state_and_follows_its_events(manager: Any)
     # A property has a value.
     assert state() == "explore -driven-> slow"
     # A lost component.
-    os.kill(pid(shell, "motor"), signal.SIGKILL)
+    os.kill(told_pid(shell, "motor"), signal.SIGKILL)
     assert state() == "slow -motor_lost-> degraded"
     assert follower.wait(30) == 0
     assert follower.stderr.read() == ""
@@ -68,4 +60,4 @@ def test_a_robot_is_led_from_state_to_state_and_follows_its_events(manager: Any)
     ]
     assert "* degraded  is so\n" in shell.ok(f"rtstate {robot}")
     assert shell.run(f"rtstate --goto explore {robot}").status == 0
-    assert pid(shell, "sensor") == sensor
+    assert told_pid(shell, "sensor") == sensor
