@@ -100,8 +100,8 @@ def _outside_width(pins: Sequence[Pin]) -> float:
 
 def _label(interface: InterfaceSymbol) -> str:
     same = interface.name == interface.type or not interface.type
-    told = interface.name if same else f"{interface.name}: {interface.type}"
-    return shortened(told, 10, _MOST_OUTSIDE)
+    text = interface.name if same else f"{interface.name}: {interface.type}"
+    return shortened(text, 10, _MOST_OUTSIDE)
 
 
 def _pin(pin: Pin, x: int, y: int) -> Iterator[str]:

@@ -54,7 +54,7 @@ class Outlet:
         self._sent = 0
         self._asked: zenoh.Subscriber[None] | None = None
         if is_numbered:
-            self._asked = session.declare_subscriber(_question(publisher.key_expr), self._tell)
+            self._asked = session.declare_subscriber(_question(publisher.key_expr), self._answer)
 
     def put(self, payload: bytes) -> bool:
         """Send one value; False when the stream is closed."""
@@ -85,7 +85,7 @@ class Outlet:
         except zenoh.ZError:
             return False
 
-    def _tell(self, _sample: zenoh.Sample) -> None:
+    def _answer(self, _sample: zenoh.Sample) -> None:
         """Send how many values were sent before, in their row, so that it comes after them."""
         with contextlib.suppress(zenoh.ZError, RuntimeError):
             self._session.put(

@@ -70,9 +70,9 @@ class Note:
 
     def __post_init__(self) -> None:
         for name in ("text", "path", "found", "allowed"):
-            told = getattr(self, name)
-            if told is not None and len(told) > _LONGEST:
-                object.__setattr__(self, name, clipped(told))
+            value = getattr(self, name)
+            if value is not None and len(value) > _LONGEST:
+                object.__setattr__(self, name, clipped(value))
 
 
 def clipped(text: str) -> str:

@@ -62,8 +62,8 @@ def _verdict(constraint: c.Constraint, items: tuple[str, ...], wants_number: boo
 
 
 def _all(verdicts: Iterable[bool | None]) -> bool | None:
-    said = [verdict for verdict in verdicts if verdict is not None]
-    return all(said) if said else None
+    known = [verdict for verdict in verdicts if verdict is not None]
+    return all(known) if known else None
 
 
 def _only_names_values(group: c.ConstraintGroup) -> bool:
@@ -105,10 +105,10 @@ def _holds(test: c.ConstraintTest, text: str, wants_number: bool) -> bool | None
             verdicts = [_verdict(part, (text,), wants_number) for part in constraints]
             if kind == "And":
                 return _all(verdicts)
-            said = [verdict for verdict in verdicts if verdict is not None]
-            if not said:
+            known = [verdict for verdict in verdicts if verdict is not None]
+            if not known:
                 return None
-            return any(said) if kind == "Or" else not any(said)
+            return any(known) if kind == "Or" else not any(known)
 
 
 def _compare(test: c.Comparison, text: str, wants_number: bool) -> bool | None:

@@ -105,10 +105,10 @@ class InvalidProfile(InvalidDocument):
 
     def __init__(self, source: str, problems: Iterable[Note]) -> None:
         self.problems = tuple(dict.fromkeys(sorted(problems)))
-        told = dict.fromkeys((note.line, note.text) for note in self.problems)
-        shown = [f"{source}:{line}: {text}" for line, text in list(told)[:_SHOWN]]
-        if len(told) > _SHOWN:
-            shown.append(f"{source}: … and {len(told) - _SHOWN} more problems")
+        distinct = dict.fromkeys((note.line, note.text) for note in self.problems)
+        shown = [f"{source}:{line}: {text}" for line, text in list(distinct)[:_SHOWN]]
+        if len(distinct) > _SHOWN:
+            shown.append(f"{source}: … and {len(distinct) - _SHOWN} more problems")
         super().__init__("\n".join(shown))
 
 
@@ -142,7 +142,7 @@ class Findings:
         self.repairs: list[Note] = []
         self.remarks: list[Note] = []
         self.errors: list[Note] = []
-        self._said: set[str] = set()
+        self._remarked: set[str] = set()
         self._places = ElementPaths()
         self._far: dict[Any, int] = {}
         self._numbers: dict[Any, int] = {}
@@ -167,8 +167,8 @@ class Findings:
 
     def remark(self, element: Any, rule: str, text: str, **details: str | None) -> None:
         """Record, once, something that is allowed but worth knowing."""
-        if text not in self._said and len(self._said) < _MOST_REPAIRS:
-            self._said.add(text)
+        if text not in self._remarked and len(self._remarked) < _MOST_REPAIRS:
+            self._remarked.add(text)
             self.remarks.append(self._note(element, rule, text, **details))
 
     def wrong(self, element: Any, rule: str, text: str, **details: str | None) -> None:

@@ -48,11 +48,11 @@ def form_of(data: bytes, name: str = "") -> str:
     for mark in _MARKS:
         head = head.removeprefix(mark)
     head = head.replace(b"\0", b"").lstrip()
-    told = form_of_name(name)
+    by_name = form_of_name(name)
     if head.startswith(b"<"):
         return XML
     if head.startswith(b"{"):
-        return told if told == YAML else JSON
-    if told is not None:
-        return told
+        return by_name if by_name == YAML else JSON
+    if by_name is not None:
+        return by_name
     return YAML if re.search(_YAML_ROOT, head, re.MULTILINE) else XML

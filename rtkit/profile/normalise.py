@@ -68,8 +68,8 @@ def _respell(element: Any, attribute: Attr, value: str, found: Findings) -> bool
         better = attribute.respellings.get(text.lower(), value)
     elif not text and not (attribute.required and attribute.supply is None):
         if not attribute.required:
-            said = f"empty {short(attribute.name)} taken as absent"
-            found.repaired(element, "empty-value", said, **details)
+            message = f"empty {short(attribute.name)} taken as absent"
+            found.repaired(element, "empty-value", message, **details)
         del element.attrib[attribute.name]
         return False
     elif attribute.kind == FLAG:
@@ -83,12 +83,12 @@ def _respell(element: Any, attribute: Attr, value: str, found: Findings) -> bool
         better = better if is_date(better) else value
     if better != value:
         element.set(attribute.name, better)
-        said = f"{short(attribute.name)} {value!r} taken as {better!r}"
-        found.repaired(element, "respelled-value", said, **details)
+        message = f"{short(attribute.name)} {value!r} taken as {better!r}"
+        found.repaired(element, "respelled-value", message, **details)
     if attribute.check is not None and not attribute.check(better):
         name = short(attribute.name)
-        said = f"{name} is {value!r}; allowed: {attribute.allowed}"
-        found.wrong(element, "bad-value", said, **details)
+        message = f"{name} is {value!r}; allowed: {attribute.allowed}"
+        found.wrong(element, "bad-value", message, **details)
     return True
 
 
@@ -110,9 +110,9 @@ def _odd_attribute(element: Any, spec: ElementSpec, name: str, value: str, found
         if meant is not None and element.get(meant) is None:
             del element.attrib[name]
             element.set(meant, value)
-            said = f"{short(name)} taken as {short(meant)}"
+            text = f"{short(name)} taken as {short(meant)}"
             found.repaired(
-                element, "attribute-name", said, at=name, seen=short(name), allowed=short(meant)
+                element, "attribute-name", text, at=name, seen=short(name), allowed=short(meant)
             )
             attribute = spec.known[meant]
             if attribute.check is not None and not attribute.check(value):
@@ -120,9 +120,9 @@ def _odd_attribute(element: Any, spec: ElementSpec, name: str, value: str, found
             return int(attribute.required)
         if namespace in _CLOSED:
             del element.attrib[name]
-            said = f"unknown attribute {short(name)} dropped"
+            text = f"unknown attribute {short(name)} dropped"
             allowed = ", ".join(short(item.name) for item in spec.attributes)
-            found.repaired(element, "unknown-attribute", said, **details, allowed=allowed)
+            found.repaired(element, "unknown-attribute", text, **details, allowed=allowed)
             return 0
     found.remark(element, "foreign-kept", f"foreign attribute {short(name)} kept", **details)
     return 0
@@ -142,21 +142,21 @@ def _supply(element: Any, spec: ElementSpec, found: Findings) -> None:
             continue
         supply = attribute.supply
         if supply is None:
-            said = f"{short(element.tag)} has no {short(attribute.name)}"
-            found.wrong(element, "missing-attribute", said, allowed=attribute.allowed)
+            text = f"{short(element.tag)} has no {short(attribute.name)}"
+            found.wrong(element, "missing-attribute", text, allowed=attribute.allowed)
             continue
         value = supply if isinstance(supply, str) else supply(element, found)
         element.set(attribute.name, value)
-        said = f"{short(attribute.name)} is absent: taken as {value!r}"
-        found.repaired(element, "absent-attribute", said, allowed=attribute.allowed)
+        text = f"{short(attribute.name)} is absent: taken as {value!r}"
+        found.repaired(element, "absent-attribute", text, allowed=attribute.allowed)
 
 
 def _type(element: Any, spec: ElementSpec, seen: str | None, found: Findings) -> None:
     if spec.xsi_type is None or spec.xsi_type_text is None:
         if seen is not None and not _is_extended(element, spec, seen, found):
             del element.attrib[XSI_TYPE]
-            said = f"xsi:type {seen!r} dropped"
-            found.repaired(element, "xsi-type", said, at=XSI_TYPE, seen=seen)
+            text = f"xsi:type {seen!r} dropped"
+            found.repaired(element, "xsi-type", text, at=XSI_TYPE, seen=seen)
         return
     if seen is not None:
         prefix, _, local = seen.strip().rpartition(":")
@@ -166,13 +166,13 @@ def _type(element: Any, spec: ElementSpec, seen: str | None, found: Findings) ->
                 if found.scope is not None:
                     found.good_types.add((seen, spec))
                 return
-        said = f"unknown xsi:type {seen!r} taken as {spec.xsi_type_text!r}"
+        text = f"unknown xsi:type {seen!r} taken as {spec.xsi_type_text!r}"
         found.repaired(
-            element, "xsi-type", said, at=XSI_TYPE, seen=seen, allowed=spec.xsi_type_text
+            element, "xsi-type", text, at=XSI_TYPE, seen=seen, allowed=spec.xsi_type_text
         )
     else:
-        said = f"xsi:type is absent: taken as {spec.xsi_type_text!r}"
-        found.repaired(element, "xsi-type", said, allowed=spec.xsi_type_text)
+        text = f"xsi:type is absent: taken as {spec.xsi_type_text!r}"
+        found.repaired(element, "xsi-type", text, allowed=spec.xsi_type_text)
     set_type(element, spec.xsi_type_text, found)
 
 
@@ -215,8 +215,8 @@ def _children(element: Any, spec: ElementSpec, found: Findings, depth: int) -> N
         last = rank
         counts[expected.field] = count = counts.get(expected.field, 0) + 1
         if count > 1 and not expected.is_many:
-            said = f"second {short(item.tag)}; at most one is allowed"
-            found.wrong(item, "repeated-element", said, seen=str(count), allowed="at most one")
+            text = f"second {short(item.tag)}; at most one is allowed"
+            found.wrong(item, "repeated-element", text, seen=str(count), allowed="at most one")
         if expected.spec is None:
             _text(item, found)
         else:
@@ -224,38 +224,38 @@ def _children(element: Any, spec: ElementSpec, found: Findings, depth: int) -> N
     if is_disordered:
         was = [item.tag for item in element if item.tag in index]
         _sort(element, spec)
-        _tell_order(element, was, found)
+        _note_order(element, was, found)
     for field, least in spec.needs.items():
         if counts.get(field, 0) < least:
             names = " | ".join(short(item.name) for item in spec.children if item.field == field)
-            said = f"{short(element.tag)} needs at least {least} of: {names}"
+            text = f"{short(element.tag)} needs at least {least} of: {names}"
             seen = str(counts.get(field, 0))
-            found.wrong(element, "missing-element", said, seen=seen, allowed=f"at least {least}")
+            found.wrong(element, "missing-element", text, seen=seen, allowed=f"at least {least}")
 
 
-def _tell_order(element: Any, was: list[str], found: Findings) -> None:
+def _note_order(element: Any, was: list[str], found: Findings) -> None:
     present = set(was)
     tags = [item.tag for item in element if item.tag in present]
     seen, allowed = (", ".join(map(short, dict.fromkeys(each))) for each in (was, tags))
-    said = f"children of {short(element.tag)} put in order"
-    found.repaired(element, "element-order", said, seen=seen, allowed=allowed)
+    text = f"children of {short(element.tag)} put in order"
+    found.repaired(element, "element-order", text, seen=seen, allowed=allowed)
 
 
 def _no_text(element: Any, text: str | None, found: Findings) -> None:
     if text is not None and not text.isspace():
-        said = f"{short(element.tag)} may not hold text: {text.strip()[:40]!r}"
-        found.wrong(element, "text-content", said, seen=text.strip(), allowed="elements only")
+        message = f"{short(element.tag)} may not hold text: {text.strip()[:40]!r}"
+        found.wrong(element, "text-content", message, seen=text.strip(), allowed="elements only")
 
 
 def _text(item: Any, found: Findings) -> None:
     for name, value in item.items():
         del item.attrib[name]
-        said = f"unknown attribute {short(name)} dropped"
-        found.repaired(item, "unknown-attribute", said, at=name, seen=value, allowed="none")
+        text = f"unknown attribute {short(name)} dropped"
+        found.repaired(item, "unknown-attribute", text, at=name, seen=value, allowed="none")
     if len(item):
         inside = short(item[0].tag)
-        said = f"{short(item.tag)} may hold text only, not {inside}"
-        found.wrong(item, "text-content", said, seen=inside, allowed="text only")
+        text = f"{short(item.tag)} may hold text only, not {inside}"
+        found.wrong(item, "text-content", text, seen=inside, allowed="text only")
 
 
 def _sort(element: Any, spec: ElementSpec) -> None:
@@ -272,14 +272,14 @@ def _odd_child(
     if namespace in _OUR_NAMESPACES:
         meant = spec.child_by_local.get(local)
         if meant is not None:
-            said = f"{short(item.tag)} taken as {short(meant)}"
-            found.repaired(item, "element-name", said, seen=short(item.tag), allowed=short(meant))
+            text = f"{short(item.tag)} taken as {short(meant)}"
+            found.repaired(item, "element-name", text, seen=short(item.tag), allowed=short(meant))
             item.tag = meant
             return spec.index[meant]
         if namespace in _CLOSED:
-            said = f"unknown element {short(item.tag)} dropped"
+            text = f"unknown element {short(item.tag)} dropped"
             allowed = ", ".join(dict.fromkeys(short(each.name) for each in spec.children))
-            found.repaired(item, "unknown-element", said, seen=short(item.tag), allowed=allowed)
+            found.repaired(item, "unknown-element", text, seen=short(item.tag), allowed=allowed)
             element.remove(item)
             return None
     seen = short(item.tag)
@@ -301,7 +301,7 @@ def _clean_foreign(item: Any, found: Findings, depth: int) -> None:
         if namespace == XSI or _is_wrong_xml(namespace, local, value):
             del item.attrib[name]
             if local not in _HINTS:
-                said = f"{short(name)} of a foreign element dropped"
-                found.repaired(item, "xml-attribute", said, at=name, seen=value)
+                text = f"{short(name)} of a foreign element dropped"
+                found.repaired(item, "xml-attribute", text, at=name, seen=value)
     for below in item:
         _clean_foreign(below, found, depth + 1)

@@ -18,8 +18,8 @@ _KINDS = {
     clark("rts:DataPortConnectors"): (clark("rts:DataPorts"), "Data"),
     clark("rts:ServicePortConnectors"): (clark("rts:ServicePorts"), "Service"),
 }
-_TOLD = 50
-"""So many components are told as those that might have been meant."""
+_MOST_NAMED = 50
+"""So many components are named as those that might have been meant."""
 
 _NAMING = tuple(
     clark(f"rts:{tag}")
@@ -43,8 +43,8 @@ def _components(root: Any, found: Findings) -> dict[tuple[str, str], Any]:
             continue
         first = components.setdefault(key, component)
         if not key[1].strip():
-            said = "component without a name: rts:instanceName is empty"
-            found.wrong(component, "component-name", said, at=_INSTANCE, seen=key[1])
+            text = "component without a name: rts:instanceName is empty"
+            found.wrong(component, "component-name", text, at=_INSTANCE, seen=key[1])
         elif first is not component:
             found.wrong(
                 component,
@@ -54,8 +54,8 @@ def _components(root: Any, found: Findings) -> dict[tuple[str, str], Any]:
             )
         elif key[1] in instances:
             line = found.line(instances[key[1]])
-            said = f"instance name {key[1]} is also used on line {line}"
-            found.remark(component, "shared-name", said, at=_INSTANCE, seen=key[1])
+            text = f"instance name {key[1]} is also used on line {line}"
+            found.remark(component, "shared-name", text, at=_INSTANCE, seen=key[1])
         instances.setdefault(key[1], component)
     return components
 
@@ -110,11 +110,11 @@ def _other_id(connector: Any, taken: set[str], numbers: dict[str, int], found: F
     new = f"{was}_{number}"
     taken.add(new)
     connector.set(_CONNECTOR_ID, new)
-    said = f"connector id {was!r} is used before: taken as {new!r}"
+    text = f"connector id {was!r} is used before: taken as {new!r}"
     found.repaired(
         connector,
         "repeated-connector",
-        said,
+        text,
         at=_CONNECTOR_ID,
         seen=was,
         allowed="an id that no other connector has",
@@ -135,8 +135,8 @@ def _end(
         return
     component = components.get(key)
     if component is None:
-        said = f"{short(end.tag)} names component {key[1]} ({key[0]}), which is not listed"
-        found.wrong(end, "unknown-component", said, seen=key[1], allowed=_names(components))
+        text = f"{short(end.tag)} names component {key[1]} ({key[0]}), which is not listed"
+        found.wrong(end, "unknown-component", text, seen=key[1], allowed=_names(components))
         return
     if key not in ports.names:
         ports.names[key] = {
@@ -166,8 +166,8 @@ def _add_port(component: Any, tag: str, end: Any, connector: Any, found: Finding
     for key, value in properties.items():
         if value:
             add(found, made, "rtsExt:Properties", {"rtsExt:name": key, "rtsExt:value": value})
-    said = f"port {name} of {end.get(_INSTANCE)} is named by a connector only: added"
-    found.repaired(end, "unlisted-port", said, at=_PORT_NAME, seen=name)
+    text = f"port {name} of {end.get(_INSTANCE)} is named by a connector only: added"
+    found.repaired(end, "unlisted-port", text, at=_PORT_NAME, seen=name)
     return made
 
 
@@ -182,16 +182,16 @@ def _others(root: Any, components: dict[tuple[str, str], Any], found: Findings) 
         known = by_instance.get(instance, [])
         if len(known) == 1:
             item.set(_COMPONENT_ID, known[0])
-            said = f"rts:componentId {component_id!r} taken as {known[0]!r}"
+            text = f"rts:componentId {component_id!r} taken as {known[0]!r}"
             details = {"at": _COMPONENT_ID, "seen": component_id, "allowed": known[0]}
-            found.repaired(item, "component-id", said, **details)
+            found.repaired(item, "component-id", text, **details)
         else:
             tag = short(item.tag)
-            said = f"{tag} names component {instance} ({component_id}), which is not listed"
-            found.wrong(item, "unknown-component", said, seen=instance, allowed=_names(components))
+            text = f"{tag} names component {instance} ({component_id}), which is not listed"
+            found.wrong(item, "unknown-component", text, seen=instance, allowed=_names(components))
 
 
 def _names(components: dict[tuple[str, str], Any]) -> str:
-    told = [f"{instance} ({id})" for id, instance in islice(components, _TOLD)]
-    more = len(components) - len(told)
-    return ", ".join(told) + (f" and {more} more" if more else "")
+    named = [f"{instance} ({id})" for id, instance in islice(components, _MOST_NAMED)]
+    more = len(components) - len(named)
+    return ", ".join(named) + (f" and {more} more" if more else "")

@@ -55,9 +55,9 @@ def basic_info(info: Any, found: Findings) -> None:
     nearest = get_close_matches(value.upper().strip(), ACTIVITY_TYPES, 1, 0.7)
     if nearest:
         info.set(name, nearest[0])
-        said = f"rtc:activityType {value!r} taken as {nearest[0]!r}"
+        text = f"rtc:activityType {value!r} taken as {nearest[0]!r}"
         allowed = ", ".join(ACTIVITY_TYPES)
-        found.repaired(info, "respelled-value", said, at=name, seen=value, allowed=allowed)
+        found.repaired(info, "respelled-value", text, at=name, seen=value, allowed=allowed)
 
 
 def fragment_configuration(configuration: Any, found: Findings) -> None:
@@ -67,8 +67,8 @@ def fragment_configuration(configuration: Any, found: Findings) -> None:
     for local in ("name", "type"):
         if _loose(configuration, local) is None:
             configuration.set(clark(f"rtc:{local}"), "")
-            said = f"rtc:{local} is absent: taken as ''"
-            found.repaired(configuration, "absent-attribute", said, allowed="any text")
+            text = f"rtc:{local} is absent: taken as ''"
+            found.repaired(configuration, "absent-attribute", text, allowed="any text")
 
 
 def _is_fragment(configuration: Any, found: Findings) -> bool:
@@ -82,8 +82,8 @@ def only_one(negation: Any, found: Findings) -> None:
     """Refuse the negation of several constraints: nobody can tell what it means."""
     count = len(negation.findall(clark("rtc:Constraint")))
     if count > 1:
-        said = "rtc:Not holds more than one rtc:Constraint"
-        found.wrong(negation, "repeated-element", said, seen=str(count), allowed="one")
+        text = "rtc:Not holds more than one rtc:Constraint"
+        found.wrong(negation, "repeated-element", text, seen=str(count), allowed="one")
 
 
 def nested_language(language: Any, found: Findings) -> None:
@@ -92,18 +92,18 @@ def nested_language(language: Any, found: Findings) -> None:
         kind = _LANGUAGES.get(split(item.tag)[1].lower())
         if kind is None:
             continue
-        said = f"{short(item.tag)} taken as rtc:kind {kind!r}"
-        found.repaired(item, "old-form", said, seen=short(item.tag), allowed="rtc:kind")
+        text = f"{short(item.tag)} taken as rtc:kind {kind!r}"
+        found.repaired(item, "old-form", text, seen=short(item.tag), allowed="rtc:kind")
         language.remove(item)
         if _loose(language, "kind") is None:
             language.set(clark("rtc:kind"), kind)
         facts = [(split(name)[1], value) for name, value in item.items()]
-        facts += [(split(below.tag)[1], _said(below)) for below in item]
+        facts += [(split(below.tag)[1], _text_of(below)) for below in item]
         if facts:
             _target(language, facts, found)
 
 
-def _said(element: Any) -> str:
+def _text_of(element: Any) -> str:
     return (element.text or "").strip() or _loose(element, "name") or ""
 
 
@@ -122,13 +122,13 @@ def check_names(root: Any, found: Findings) -> None:
     """Tell of a fragment and of port names used twice."""
     missing = [name for name in ("rtc:BasicInfo", "rtc:Actions") if root.find(clark(name)) is None]
     if missing:
-        said = f"a fragment: no {' and no '.join(missing)}"
-        found.repaired(root, "fragment", said, allowed="one rtc:BasicInfo, one rtc:Actions")
+        text = f"a fragment: no {' and no '.join(missing)}"
+        found.repaired(root, "fragment", text, allowed="one rtc:BasicInfo, one rtc:Actions")
     seen: dict[str, int] = {}
     for port in root.iterchildren(clark("rtc:DataPorts"), clark("rtc:ServicePorts")):
         name = port.get(clark("rtc:name"))
         if name in seen:
-            said = f"port name {name} is also used on line {seen[name]}"
-            found.remark(port, "shared-name", said, at=clark("rtc:name"), seen=name)
+            text = f"port name {name} is also used on line {seen[name]}"
+            found.remark(port, "shared-name", text, at=clark("rtc:name"), seen=name)
         elif name is not None:
             seen[name] = found.line(port)

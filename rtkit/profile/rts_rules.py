@@ -59,11 +59,11 @@ def precondition(condition: Any, found: Findings) -> None:
     wait = condition.find(clark("rts:WaitTime"))
     preceding = condition.find(clark("rts:Preceding"))
     if wait is not None and preceding is not None:
-        said = "rts:WaitTime and rts:Preceding: one of them is allowed"
-        found.wrong(condition, "condition", said, seen="both", allowed="one of them")
+        text = "rts:WaitTime and rts:Preceding: one of them is allowed"
+        found.wrong(condition, "condition", text, seen="both", allowed="one of them")
     elif wait is None and preceding is None:
-        said = "target without WaitTime or Preceding: waits 0 ms"
-        found.repaired(condition, "condition", said, allowed="one of them")
+        text = "target without WaitTime or Preceding: waits 0 ms"
+        found.repaired(condition, "condition", text, allowed="one of them")
         condition.insert(0, add(found, condition, "rts:WaitTime", {"rts:waitTime": "0"}))
 
 
@@ -86,8 +86,8 @@ def present_version(root: Any, found: Findings) -> None:
         namespace, local = split(name)
         if local == "version" and namespace in _OWN and value in OLD_VERSIONS:
             root.set(name, PRESENT_VERSION)
-            said = f"version {value!r} taken as {PRESENT_VERSION!r}, whose form it has now"
-            found.repaired(root, "old-form", said, at=name, seen=value, allowed="0.2, 0.3")
+            text = f"version {value!r} taken as {PRESENT_VERSION!r}, whose form it has now"
+            found.repaired(root, "old-form", text, at=name, seen=value, allowed="0.2, 0.3")
 
 
 def version_0_1(root: Any, found: Findings) -> None:
@@ -103,8 +103,8 @@ def version_0_1(root: Any, found: Findings) -> None:
         ):
             for port in component.findall(clark(f"rts:{kind}s")):
                 for connector in port.findall(clark(f"rts:{kind}Connectors")):
-                    said = f"{kind}Connectors moved out of its port"
-                    found.repaired(connector, "old-form", said, allowed="below the root")
+                    text = f"{kind}Connectors moved out of its port"
+                    found.repaired(connector, "old-form", text, allowed="below the root")
                     _lift_connector(root, component, port, connector, (source, target), found)
         _lift_orders(root, component, found)
     _add_unlisted(root, components, found)
@@ -128,8 +128,8 @@ def _lift_connector(
 def _lift_orders(root: Any, component: Any, found: Findings) -> None:
     for name in ORDERS:
         for nested in component.findall(clark(f"rts:{name}")):
-            said = f"{name} moved out of its component"
-            found.repaired(nested, "old-form", said, allowed="below the root")
+            text = f"{name} moved out of its component"
+            found.repaired(nested, "old-form", text, allowed="below the root")
             order = root.find(clark(f"rts:{name}"))
             if order is None:
                 order = add(found, root, f"rts:{name}", {}, nested)
@@ -171,5 +171,5 @@ def _add_unlisted(root: Any, components: list[Any], found: Findings) -> None:
             )
             after.addnext(made)
             after = made
-            said = f"component {name} is named by a connector only: added"
-            found.repaired(end, "unlisted-component", said, at=clark(_REF[1]), seen=name)
+            text = f"component {name} is named by a connector only: added"
+            found.repaired(end, "unlisted-component", text, at=clark(_REF[1]), seen=name)

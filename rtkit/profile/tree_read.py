@@ -177,8 +177,8 @@ class _Filler:
         if key.text in (usual, *form.OTHER_WORDS.get(usual, ())):
             self._usual.add((key.text, name, tag))
         else:
-            said = f"key {key.text!r} taken as {usual!r}"
-            self._found.repaired_at(key.line, "key-name", said)
+            text = f"key {key.text!r} taken as {usual!r}"
+            self._found.repaired_at(key.line, "key-name", text)
 
     def _children(self, element: Any, part: Child, value: Node) -> None:
         is_unit = part.spec is not None and not part.spec.attributes and not part.spec.children
@@ -205,8 +205,8 @@ class _Filler:
         ):
             return value
         key = form.key_of(inner[0].name, part.name)
-        said = f"a list taken as {key!r} of {form.key_of(part.name, part.name)!r}"
-        self._found.repaired_at(value.line, "key-name", said)
+        text = f"a list taken as {key!r} of {form.key_of(part.name, part.name)!r}"
+        self._found.repaired_at(value.line, "key-name", text)
         return TableNode(value.line, ((ScalarNode(value.line, key), value),))
 
     def _set(self, element: Any, attribute: Attr, value: Node) -> None:
@@ -322,8 +322,8 @@ class _Filler:
             # The key is there, however wrong: a second error that it is missing would mislead.
             with suppress(ValueError):
                 element.set(name, without_bad_characters(text))
-            told = short(name)[:80]
-            why = f"{told} has a name or a character that no profile can hold"
+            shown = short(name)[:80]
+            why = f"{shown} has a name or a character that no profile can hold"
             self._wrong(node, why, _CHARACTER)
 
     def _has_too_many(self, table: TableNode) -> bool:

@@ -269,11 +269,11 @@ def plain(value: Any, spec: ElementSpec, tag: str) -> dict[str, Any]:
             continue
         key = key_of(part.name, tag)
         content = [_child(part, each) for each in (field if part.is_many else (field,))]
-        told = content if part.is_many else content[0]
+        written = content if part.is_many else content[0]
         if part.field in WAITS:
-            made[CONDITION] = {key: told}
+            made[CONDITION] = {key: written}
         else:
-            made[key] = told
+            made[key] = written
     return made | _foreign(getattr(value, spec.foreign_field))
 
 

@@ -107,11 +107,11 @@ def _text(value: Any) -> str:
     return str(int(value)) if is_whole else str(value)
 
 
-def told(**values: object) -> dict[str, str]:
+def as_fields(**values: object) -> dict[str, str]:
     """Return values as fields; absent and empty ones are the same."""
     return {name: _text(value) for name, value in values.items() if value not in (None, "")}
 
 
 def picked(model: Any, *names: str) -> dict[str, str]:
     """Return some values of a model as fields, under their names in the model."""
-    return told(**{name: getattr(model, name) for name in names})
+    return as_fields(**{name: getattr(model, name) for name in names})

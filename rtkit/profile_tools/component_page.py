@@ -170,14 +170,14 @@ def _parameter(item: rtc.ConfigurationParameter) -> tuple[str, ...]:
     doc = item.doc or rtc.ConfigurationDoc()
     limits = [format_constraint(item.constraint) or doc.range or "", doc.constraint or ""]
     is_named = doc.dataname and doc.dataname != item.name
-    told = [doc.description, item.comment, f"Data: {doc.dataname}" if is_named else ""]
+    texts = [doc.description, item.comment, f"Data: {doc.dataname}" if is_named else ""]
     return (
         item.name,
         item.type,
         item.default_value,
         item.unit or doc.unit or "",
         ", ".join(dict.fromkeys(filter(None, limits))),
-        "\n".join(dict.fromkeys(text for text in told if text)),
+        "\n".join(dict.fromkeys(text for text in texts if text)),
     )
 
 

@@ -28,7 +28,7 @@ def _identity(profile: rtc.RtcProfile) -> Iterator[Outline]:
     if profile.id:
         yield entry("id", profile.id)
     if info is not None:
-        yield from _told(info)
+        yield from _basic_info(info)
     if profile.language is not None:
         targets = [
             " ".join(filter(None, (target.lang_version, target.os, *target.os_versions)))
@@ -37,7 +37,7 @@ def _identity(profile: rtc.RtcProfile) -> Iterator[Outline]:
         yield entry("language", ", ".join(filter(None, (profile.language.kind, *targets))))
 
 
-def _told(info: rtc.BasicInfo) -> Iterator[Outline]:
+def _basic_info(info: rtc.BasicInfo) -> Iterator[Outline]:
     rows = [
         ("description", one_line(info.description)),
         ("abstract", one_line(info.abstract)),
@@ -63,11 +63,11 @@ def _ports(profile: rtc.RtcProfile) -> Iterator[Outline]:
 
 
 def _data_port(port: rtc.DataPortDeclaration) -> Outline:
-    told = one_line(port.comment) or (one_line(port.doc.description) if port.doc else "")
+    description = one_line(port.comment) or (one_line(port.doc.description) if port.doc else "")
     unit = f"[{port.unit}]" if port.unit else ""
     below = map(_event, port.events)
     direction = DIRECTIONS[port.port_type]
-    return entry(direction, port.name, f"{port.type} {unit}".rstrip(), told, below=below)
+    return entry(direction, port.name, f"{port.type} {unit}".rstrip(), description, below=below)
 
 
 def _event(event: rtc.FsmTransition) -> Outline:
@@ -95,8 +95,8 @@ def _parameters(profile: rtc.RtcProfile) -> Iterator[Outline]:
 def _parameter(item: rtc.ConfigurationParameter) -> Outline:
     value = f"{item.default_value} {item.unit or ''}".rstrip()
     limit = format_constraint(item.constraint)
-    told = one_line(item.comment) or (one_line(item.doc.description) if item.doc else "")
-    return entry(item.name or "(no name)", item.type, value, limit, told)
+    description = one_line(item.comment) or (one_line(item.doc.description) if item.doc else "")
+    return entry(item.name or "(no name)", item.type, value, limit, description)
 
 
 def _behaviour(profile: rtc.RtcProfile) -> Iterator[Outline]:

@@ -16,10 +16,10 @@ from rtkit.profile_tools.compared_things import (
     Thing,
     ThingKey,
     Things,
+    as_fields,
     fields_of,
     picked,
     put,
-    told,
 )
 
 _PARTS = (
@@ -44,8 +44,8 @@ def component_things(profile: RtcProfile, takes_all: bool) -> Things:
     for port in profile.data_ports:
         key = found.add((1, "port", port.name), port, _data_port(port), ("name", "events"))
         for event in port.events:
-            told_of = picked(event, "source", "target", "condition", "type")
-            found.add((2, "event", f"{key.name}.{event.name}"), event, told_of, ("name",), key)
+            fields = picked(event, "source", "target", "condition", "type")
+            found.add((2, "event", f"{key.name}.{event.name}"), event, fields, ("name",), key)
     for service in profile.service_ports:
         without = ("name", "service_interfaces")
         key = found.add((1, "service port", service.name), service, {}, without)
@@ -56,7 +56,7 @@ def component_things(profile: RtcProfile, takes_all: bool) -> Things:
     for item in parameters:
         found.add((3, "parameter", item.name), item, _parameter(item), ("name",))
     for old in profile.parameters:
-        default = told(default=old.default_value)
+        default = as_fields(default=old.default_value)
         found.add((3, "system parameter", old.name), old, default, ("name",))
     for field, name in ACTIONS.items():
         status = getattr(profile.actions, field, None)
@@ -69,7 +69,7 @@ def _component(profile: RtcProfile, takes_all: bool) -> dict[str, str]:
     info = profile.basic_info
     if not takes_all:
         language = profile.language.kind if profile.language else None
-        return (_info(info) if info else {}) | told(language=language)
+        return (_info(info) if info else {}) | as_fields(language=language)
     fields = fields_of(profile, _PARTS)
     for name, lists in _CONTAINERS.items():
         part = getattr(profile, name)
@@ -80,13 +80,13 @@ def _component(profile: RtcProfile, takes_all: bool) -> dict[str, str]:
 
 def _info(info: BasicInfo) -> dict[str, str]:
     kind = ("component_type", "activity_type", "component_kind", "rtc_type", "execution_type")
-    return picked(info, "name", "vendor", "category", "version", *kind) | told(
+    return picked(info, "name", "vendor", "category", "version", *kind) | as_fields(
         execution_rate=info.execution_rate or None, max_instances=info.max_instances or None
     )
 
 
 def _data_port(port: DataPortDeclaration) -> dict[str, str]:
-    return told(
+    return as_fields(
         port_type=port.port_type,
         type=normal_data_type(port.type),
         unit=port.unit,
@@ -99,7 +99,7 @@ def _data_port(port: DataPortDeclaration) -> dict[str, str]:
 
 
 def _parameter(item: ConfigurationParameter) -> dict[str, str]:
-    return told(
+    return as_fields(
         type=" ".join(item.type.split()).lower(),
         default=item.default_value,
         unit=item.unit,

@@ -151,8 +151,8 @@ def _connector(
     if isinstance(mine, DataPortDeclaration) and isinstance(its, DataPortDeclaration):
         types = [declared_port_type(port.port_type) for port in (mine, its)]
         if not types_fit(types):
-            told = f"{mine.port_type} and {its.port_type}"
-            raise Refused(f"{source.text} and {target.text} cannot be connected: {told}")
+            both = f"{mine.port_type} and {its.port_type}"
+            raise Refused(f"{source.text} and {target.text} cannot be connected: {both}")
         if are_reversed(types):
             source, target = target, source
         data_type = _common_type(source, target)
@@ -187,8 +187,8 @@ def _common_type(source: _End, target: _End) -> str:
     ]
     closed = [each for each in types if each.lower() not in ("", "any")]
     if len(set(closed)) > 1:
-        told = " and ".join(types)
-        raise Refused(f"{source.text} and {target.text} cannot be connected: {told}")
+        listed = " and ".join(types)
+        raise Refused(f"{source.text} and {target.text} cannot be connected: {listed}")
     return closed[0] if closed else types[0]
 
 

@@ -71,6 +71,6 @@ def _lost(profile: RtcProfile | RtsProfile, made: bytes, form: str) -> list[Note
         return []
     from rtkit.profile_tools.difference import differences
 
-    told = differences(profile, again, takes_all=True)
+    lost = differences(profile, again, takes_all=True)
     text = f"cannot be carried as {form.upper()}"
-    return [Note(1, f"{text}: {each.text}", rule="not-carried") for each in told]
+    return [Note(1, f"{text}: {each.text}", rule="not-carried") for each in lost]

@@ -64,13 +64,13 @@ def stated(profile: RtsProfile, statements: Iterable[Statement]) -> RtsProfile:
 
 
 def _with(
-    properties: tuple[ExtensionProperty, ...], said: Statement, whose: str
+    properties: tuple[ExtensionProperty, ...], statement: Statement, whose: str
 ) -> tuple[ExtensionProperty, ...]:
     """Return properties with one stated, in its place if it has one."""
-    kept = [each for each in properties if each.name != said.key]
-    if said.value is None:
+    kept = [each for each in properties if each.name != statement.key]
+    if statement.value is None:
         if len(kept) == len(properties):
-            raise NotFound(f"{whose} has no property {said.key}")
+            raise NotFound(f"{whose} has no property {statement.key}")
         return tuple(kept)
-    place = next((n for n, each in enumerate(properties) if each.name == said.key), len(kept))
-    return (*kept[:place], ExtensionProperty(said.key, said.value), *kept[place:])
+    place = next((n for n, each in enumerate(properties) if each.name == statement.key), len(kept))
+    return (*kept[:place], ExtensionProperty(statement.key, statement.value), *kept[place:])

@@ -106,9 +106,9 @@ def _context(context: rts.OwnedContext) -> Outline:
 
 def _data_connector(connector: rts.DataPortConnector) -> Outline:
     how = (connector.dataflow_type, connector.subscription_type, connector.interface_type)
-    told = " ".join(text.lower() for text in how if text)
+    types = " ".join(text.lower() for text in how if text)
     data_type = short_type(normal_data_type(connector.data_type))
-    return entry(connected(connector.source, connector.target), data_type, told)
+    return entry(connected(connector.source, connector.target), data_type, types)
 
 
 def _service_connector(connector: rts.ServicePortConnector) -> Outline:

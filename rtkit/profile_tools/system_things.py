@@ -9,7 +9,7 @@ from rtkit.profile import rts_model as rts
 from rtkit.profile.common import ExtensionProperty
 from rtkit.profile.rts_spec import ORDERS
 from rtkit.profile.words import OWN_PREFIX, normal_data_type, property_value, strip_instance
-from rtkit.profile_tools.compared_things import Collector, ThingKey, Things, told
+from rtkit.profile_tools.compared_things import Collector, ThingKey, Things, as_fields
 
 _Names = dict[tuple[str, str], str]
 """Names of components in a comparison, by id and instance name."""
@@ -32,7 +32,7 @@ _OF_COMPONENT = (
 _HIDDEN = "__"
 _OPTIONS = ("dataport.", "port.", OWN_PREFIX)
 _OF_THE_RUN = ("_ior", "_ref")
-_SAID_BY_ATTRIBUTES = tuple(
+_GIVEN_BY_ATTRIBUTES = tuple(
     f"dataport.{name}"
     for name in ("data_type", "interface_type", "dataflow_type", "subscription_type")
 )
@@ -69,7 +69,7 @@ def system_things(profile: rts.RtsProfile, takes_all: bool, shared: Container[st
     _orders(found, profile, names)
     for group in profile.groups:
         members = sorted(_called(names, m.component_id, m.instance_name) for m in group.members)
-        found.add((8, "group", group.group_id), group, told(members=", ".join(members)))
+        found.add((8, "group", group.group_id), group, as_fields(members=", ".join(members)))
     for system in profile.systems:
         found.add((9, "system", system.path), system, {})
     return found.things
@@ -91,7 +91,7 @@ def _called(names: _Names, component_id: str, instance_name: str) -> str:
 def _component(component: rts.ComponentInstance) -> dict[str, str]:
     composite = component.composite_type
     participants = sorted(each.instance_name for each in component.participants)
-    return told(
+    return as_fields(
         type=component.id,
         path=component.path_uri,
         required=component.is_required,
@@ -116,7 +116,7 @@ def _parts(found: Collector, owner: ThingKey, component: rts.ComponentInstance) 
 
 def _context(context: rts.OwnedContext) -> dict[str, str]:
     participants = sorted(each.instance_name for each in context.participants)
-    return told(kind=context.kind, rate=context.rate, participants=", ".join(participants))
+    return as_fields(kind=context.kind, rate=context.rate, participants=", ".join(participants))
 
 
 def _ports(found: Collector, profile: rts.RtsProfile, names: _Names) -> None:
@@ -135,7 +135,7 @@ def _ports(found: Collector, profile: rts.RtsProfile, names: _Names) -> None:
 
 def _data_port(port: rts.InstancePort) -> dict[str, str]:
     """Return the fields of a port itself, without those inferred from its connectors."""
-    return told(
+    return as_fields(
         direction=property_value(port.properties, "port.port_type"),
         type=normal_data_type(property_value(port.properties, "dataport.data_type") or ""),
     )
@@ -147,7 +147,7 @@ def _end(end: rts.TargetPort, names: _Names) -> str:
 
 
 def _data_connector(connector: rts.DataPortConnector) -> dict[str, str]:
-    return told(
+    return as_fields(
         data_type=normal_data_type(connector.data_type),
         interface_type=connector.interface_type.lower(),
         dataflow_type=connector.dataflow_type.lower(),
@@ -157,7 +157,7 @@ def _data_connector(connector: rts.DataPortConnector) -> dict[str, str]:
 
 
 def _service_connector(connector: rts.ServicePortConnector) -> dict[str, str]:
-    return told(trans_method=connector.trans_method) | _options(connector.properties, _OPTIONS)
+    return as_fields(trans_method=connector.trans_method) | _options(connector.properties, _OPTIONS)
 
 
 def _options(properties: Iterable[ExtensionProperty], prefixes: tuple[str, ...]) -> dict[str, str]:
@@ -167,7 +167,7 @@ def _options(properties: Iterable[ExtensionProperty], prefixes: tuple[str, ...])
         for item in properties
         if item.name.startswith(prefixes)
         and not item.name.endswith(_OF_THE_RUN)
-        and item.name not in _SAID_BY_ATTRIBUTES
+        and item.name not in _GIVEN_BY_ATTRIBUTES
     }
 
 
@@ -178,8 +178,8 @@ def _orders(found: Collector, profile: rts.RtsProfile, names: _Names) -> None:
             continue
         owner = found.add((7, "order", name), order, {}, ("targets",))
         for step in order.targets:
-            told_name = f"{name} {step.sequence} {_target(step.target_component, names)}"
-            found.add((7, "step", told_name), step, _step(step, names), (), owner)
+            step_name = f"{name} {step.sequence} {_target(step.target_component, names)}"
+            found.add((7, "step", step_name), step, _step(step, names), (), owner)
 
 
 def _target(target: rts.TargetComponent, names: _Names) -> str:
@@ -188,9 +188,9 @@ def _target(target: rts.TargetComponent, names: _Names) -> str:
 
 def _step(step: rts.OrderStep, names: _Names) -> dict[str, str]:
     preceding = step.preceding
-    fields = told(wait_ms=step.wait_time.wait_time if step.wait_time else None)
+    fields = as_fields(wait_ms=step.wait_time.wait_time if step.wait_time else None)
     if preceding is not None:
         after = ", ".join(_target(each, names) for each in preceding.preceding_components)
         timing = preceding.sending_timing or "SYNC"
-        fields |= told(after=after, timing=timing, timeout_ms=preceding.timeout or None)
+        fields |= as_fields(after=after, timing=timing, timeout_ms=preceding.timeout or None)
     return fields

@@ -113,7 +113,7 @@ def bare(hint: Any) -> Any:
 
 def spec_of(hint: Any, present: object, access: str, doc: str) -> PropertySpec:
     """Return what is declared of a property by its annotation, else by its present value."""
-    bounds, unit = _said(hint)
+    bounds, unit = _range_and_unit(hint)
     plain = bare(hint)
     if plain is None and isinstance(present, Enum):
         plain = type(present)
@@ -154,8 +154,8 @@ def type_of(hint: Any) -> Type:
     is_sized = origin is tuple and get_args(hint)[-1] is not Ellipsis
     if not is_numeric:
         item = type_of(bare(items[0])) if len(items) == 1 and not is_sized else None
-        is_told = item is not None and item.base not in ("any", "bytes")
-        return parse_type(f"list<{item.name}>" if item is not None and is_told else "list")
+        is_typed = item is not None and item.base not in ("any", "bytes")
+        return parse_type(f"list<{item.name}>" if item is not None and is_typed else "list")
     return parse_type(f"vector[{len(items)}]" if is_sized else "vector")
 
 
@@ -180,7 +180,7 @@ def _type_of_value(present: object) -> Type:
     return parse_type("any")
 
 
-def _said(hint: Any) -> tuple[Range, str]:
+def _range_and_unit(hint: Any) -> tuple[Range, str]:
     """Return range and unit that stand beside an annotation."""
     while get_origin(hint) in (typing.Final, typing.ClassVar):
         hint = get_args(hint)[0]

@@ -101,8 +101,8 @@ class Bulk:
         node = place.node
         assert node is not None
         if node.function is not None:
-            told = [each.name for each in node.function.describe().children]
-            return ["state", "stop", *told] if not place.path else []
+            names = [each.name for each in node.function.describe().children]
+            return ["state", "stop", *names] if not place.path else []
         value = self._values.value_of(node)
         if isinstance(value, bytes):
             return []

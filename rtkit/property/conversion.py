@@ -63,8 +63,8 @@ def _composed(thing: Any, depth: int) -> Content:
 def _has_text(thing: object) -> bool:
     """Return whether the text of an object says more than where it lies in memory."""
     cls = type(thing)
-    is_told = any("__str__" in vars(base) for base in cls.__mro__ if base is not object)
-    return is_told or cls.__module__ == "builtins"
+    has_own_text = any("__str__" in vars(base) for base in cls.__mro__ if base is not object)
+    return has_own_text or cls.__module__ == "builtins"
 
 
 def _item(thing: object, depth: int) -> Value:

@@ -138,8 +138,8 @@ def _member(kind: type[Enum], value: Content) -> Enum:
     for member in kind:
         if isinstance(value, str) and member.name == str(value):
             return member
-    told = " ".join(member.name for member in kind)
-    raise PropertyError("bad-value", f"expected one of {told}")
+    names = " ".join(member.name for member in kind)
+    raise PropertyError("bad-value", f"expected one of {names}")
 
 
 def _array(present: Any, value: Content) -> Any:

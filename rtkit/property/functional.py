@@ -17,7 +17,7 @@ from rtkit.property.types import Content, check
 from rtkit.property.user_code import AT_ONCE, Finished, UserCode, Work, is_coroutine
 from rtkit.property.values import Element, Value, Word
 
-Tell = Callable[[object], object]
+Report = Callable[[object], object]
 Run = Callable[[Work, Finished], None]
 """Runs some work; has the owner of the service take what came of it."""
 
@@ -59,7 +59,7 @@ class FunctionalProperty:
         self._is_to_stop = False
         self._stop: Callable[[], object] | None = None
         self._progress: Content | None = None
-        self._is_telling = False
+        self._is_reporting = False
 
     def describe(self) -> Element:
         """Return how it stands: ``<call state="done"><result>…</result></call>``.
@@ -168,23 +168,23 @@ class FunctionalProperty:
     ) -> Content | None:
         """Call it, to its end; on the thread that is for it."""
         outcome = self._function(*arguments[0], **arguments[1])
-        tell = partial(self._tell, user_code, changed)
+        report = partial(self._report, user_code, changed)
         if isinstance(outcome, Generator):
-            outcome = self._through(outcome, tell)
+            outcome = self._through(outcome, report)
         elif is_coroutine(outcome):
             outcome = user_code.awaited(outcome, self._cancellable)
         elif isinstance(outcome, AsyncGenerator):
-            outcome = user_code.awaited(_through(outcome, tell), self._cancellable)
+            outcome = user_code.awaited(_through(outcome, report), self._cancellable)
         return None if outcome is None else self._convert(outcome)
 
-    def _through(self, steps: Generator[object, object, object], tell: Tell) -> object:
+    def _through(self, steps: Generator[object, object, object], report: Report) -> object:
         self._stop = lambda: None
         while True:
             if self._is_to_stop:
                 steps.close()
                 return None
             try:
-                tell(next(steps))
+                report(next(steps))
             except StopIteration as end:
                 self._stop = None
                 return end.value
@@ -192,17 +192,17 @@ class FunctionalProperty:
     def _cancellable(self, cancel: Callable[[], object]) -> None:
         self._stop = cancel
 
-    def _tell(self, user_code: UserCode, changed: Callable[[], None], step: object) -> None:
+    def _report(self, user_code: UserCode, changed: Callable[[], None], step: object) -> None:
         """Report yielded values; of those that come too fast to be sent, only the latest."""
         if step is None:
             return
         self._progress = self._convert(step)
-        if not self._is_telling:
-            self._is_telling = True
+        if not self._is_reporting:
+            self._is_reporting = True
             user_code.post(partial(self._progressed, changed))
 
     def _progressed(self, changed: Callable[[], None]) -> None:
-        self._is_telling = False
+        self._is_reporting = False
         if self.state == "running":
             changed()
 
@@ -220,6 +220,6 @@ class FunctionalProperty:
         self._stop()
 
 
-async def _through(steps: AsyncGenerator[object, object], tell: Tell) -> None:
+async def _through(steps: AsyncGenerator[object, object], report: Report) -> None:
     async for step in steps:
-        tell(step)
+        report(step)

@@ -56,20 +56,20 @@ def start(
         raise PropertyError("conflict", f"revision of {target.name} is {node.revision}")
     arguments = function.bind(_arguments(function, ask.payload), given)
     waits = common.get("echo") not in (None, False, 0)
-    told = first_only(ask.answer)
+    answer_once = first_only(ask.answer)
     longest = common.get("timeout")
     bounds: list[Callable[[], object]] = []
 
     def changed() -> None:
         values.keep(node, function.describe())
         if waits and function.state != "running":
-            told(Answer(node.payload))
+            answer_once(Answer(node.payload))
             for end in bounds:
                 end()
 
     function.start(arguments, changed, values.user_code)
     if waits and isinstance(longest, int | float) and function.state == "running":
-        bounds.append(values.user_code.refuse_after(max(longest, 1e-3), told))
+        bounds.append(values.user_code.refuse_after(max(longest, 1e-3), answer_once))
     return None if waits else DONE
 
 

@@ -87,8 +87,8 @@ def identity_of(ask: PropertyRequest, id: str | None) -> Hashable:
 
 def shared(*parts: str) -> str:
     """Return an id that is the same one whoever asks with it, over whatever connection."""
-    told = "\0".join(parts).encode("utf-8", "surrogatepass")
-    return f"~{blake2b(told, digest_size=16).hexdigest()}"
+    joined = "\0".join(parts).encode("utf-8", "surrogatepass")
+    return f"~{blake2b(joined, digest_size=16).hexdigest()}"
 
 
 def is_shared(id: str | None) -> bool:

@@ -76,8 +76,8 @@ def wait_of(ask: PropertyRequest, now: float) -> float:
 
 def timeout_in(target: str) -> float:
     """Return the time-out that is stated in a target [s], infinity if there is none."""
-    _, is_told, tail = target.partition("timeout=")
-    number = lone_number(tail.partition("&")[0]) if is_told else None
+    _, is_stated, tail = target.partition("timeout=")
+    number = lone_number(tail.partition("&")[0]) if is_stated else None
     return math.inf if number is None or number != number else float(number)
 
 

@@ -299,9 +299,9 @@ class Replies:
         Raises:
             PropertyError: ``syntax``: it speaks no line protocol; ``too-large``.
         """
-        told = self._next()
+        received = self._next()
         self.is_idle = self._head is None and not self._splitter.waits
-        return told
+        return received
 
     def _next(self) -> tuple[str, Answer] | PropertyEvent | None:
         if self._head is None:

@@ -185,7 +185,7 @@ class Exported:
             declared = {each.key: each for of in found.takes.values() for each in of[0]}
             spec = replace(spec, parameters=tuple(declared.values()))
         is_unknown = member.hint is None and found.present is _UNSET
-        is_told = member.kind == "attribute" and found.is_plain
+        is_plain = member.kind == "attribute" and found.is_plain
 
         def given_to(accessor: str, given: dict[str, Value]) -> dict[str, Any]:
             known, hints = found.takes.get(accessor, ((), {}))
@@ -199,7 +199,7 @@ class Exported:
             present = self._read(holder(), member, named)
             if present is _UNSET:
                 raise PropertyError("unknown", f"not set yet: {name}")
-            if not is_told and is_nested(present):
+            if not is_plain and is_nested(present):
                 self._unfold(name, present)
             if is_unknown and not named:
                 self._learn(name, member, present)
@@ -215,7 +215,7 @@ class Exported:
             return _assign(thing, member, wanted, named)
 
         node = self._service.add(name, spec=spec, read=read, write=write)
-        if is_told:
+        if is_plain:
             node.is_quick = _quickness(holder, member, type(holder()))
 
     def _unfold(self, name: str, present: object) -> None:

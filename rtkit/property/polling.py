@@ -30,8 +30,8 @@ class Poller:
     def is_needed(self) -> bool:
         """Return whether something is to be read anew from time to time."""
         listeners = self._values.listeners
-        is_heard = listeners.is_any and bool(listeners.of_names or listeners.computed())
-        return is_heard or bool(self.remembered)
+        has_listeners = listeners.is_any and bool(listeners.of_names or listeners.computed())
+        return has_listeners or bool(self.remembered)
 
     def poll(self) -> None:
         """Read anew what is to be; what calls user code is read once at a time."""

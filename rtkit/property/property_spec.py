@@ -82,8 +82,8 @@ class PropertySpec:
             for number in _numbers(value):
                 self._check_range(number)
         if self.choices and not isinstance(value, bytes) and value not in self.choices:
-            told = " ".join(map(write, self.choices))
-            raise PropertyError("bad-value", f"expected one of {told}, found {write(value)}")
+            listed = " ".join(map(write, self.choices))
+            raise PropertyError("bad-value", f"expected one of {listed}, found {write(value)}")
         return value
 
     def _check_range(self, number: float) -> None:

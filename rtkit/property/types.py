@@ -87,7 +87,7 @@ def check(kind: Type, value: Content) -> Content:
         return value if item is None else tuple([_item(item, each) for each in value])
     if isinstance(value, Element) and base in ("element", "marker"):
         return _marker(value) if base == "marker" else value
-    raise PropertyError("bad-value", f"expected {kind.name}, found {_told(value)}")
+    raise PropertyError("bad-value", f"expected {kind.name}, found {_described(value)}")
 
 
 def _group(value: Content) -> tuple[Value, ...]:
@@ -105,7 +105,7 @@ def _as_word(value: str) -> Word:
         return value
     word = Word(value)
     if write(word).startswith('"'):
-        raise PropertyError("bad-value", f"expected word, found string {_told(value)}")
+        raise PropertyError("bad-value", f"expected word, found string {_described(value)}")
     return word
 
 
@@ -121,7 +121,7 @@ def _marker(value: Element) -> Element:
     return value
 
 
-def _told(value: Content) -> str:
+def _described(value: Content) -> str:
     if isinstance(value, bytes):
         return "bytes"
     text = write(value)

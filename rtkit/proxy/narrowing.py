@@ -17,7 +17,7 @@ _META, _ACCESS, _LISTED = ".meta", ".meta.access", "properties"
 MaySet = Callable[[str], bool]
 
 
-def tells_access(name: str, parameters: dict[str, str | None]) -> bool:
+def describes_access(name: str, parameters: dict[str, str | None]) -> bool:
     """Return whether the answer to a GET describes the access to properties."""
     is_listing = name == _LISTED or name.endswith(f".{_LISTED}")
     return name.endswith((_META, _ACCESS)) or (is_listing and "meta" in parameters)

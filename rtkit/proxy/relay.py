@@ -22,7 +22,7 @@ from rtkit.property.naming import RequestTarget, parse_target, write_parameters
 from rtkit.property.reading import read
 from rtkit.property.requests import PropertyRequest, Requester
 from rtkit.property.values import Value
-from rtkit.proxy.narrowing import narrowed, tells_access
+from rtkit.proxy.narrowing import describes_access, narrowed
 from rtkit.proxy.prefix import Allowed, Names
 from rtkit.proxy.subscriptions import RelayedSubscriptions
 from rtkit.proxy.uplink import Uplink
@@ -117,7 +117,7 @@ class Relay(PropertyProvider):
         self._check_caller("GET" if ask.payload is None else "SET", target.name, ask.caller)
         if ask.payload is not None and not self._is_allowed(target.name):
             self._refuse("SET", target.name, ask.caller, "the proxy lets nobody set it")
-        if ask.payload is None and tells_access(target.name, target.parameters):
+        if ask.payload is None and describes_access(target.name, target.parameters):
             ask = ask._replace(answer=self._narrowing(target.name, ask))
         self._forward(name, target.parameters, ask)
 

@@ -169,8 +169,8 @@ class Tree(ByPath, Closing):
             return []
         key = keys.extension_key(self._service, "lacking")
         try:
-            told = json.loads(self._ask(key, json.dumps(makings)))
-            return [str(why) for _, why in zip(makings, told, strict=True)]
+            reasons = json.loads(self._ask(key, json.dumps(makings)))
+            return [str(why) for _, why in zip(makings, reasons, strict=True)]
         except (TypeError, ValueError) as error:
             raise Malformed(f"the manager's answer cannot be read: {error}") from error
 
@@ -251,12 +251,12 @@ class Tree(ByPath, Closing):
 
         return decode_text(FullSnapshot, self._ask(keys.extension_key(self._service, "picture")))
 
-    def listen(self, line: str, heard: Callable[[str], object]) -> Callable[[], object]:
-        """Have `heard` called with what the manager sends on a topic; return what ends that.
+    def listen(self, line: str, receive: Callable[[str], object]) -> Callable[[], object]:
+        """Have `receive` called with what the manager sends on a topic; return what ends that.
 
         For `rtkit.tree.subscription`; it is called on threads of the transport.
         """
-        return self.link.listen(keys.line_key(self._service, line), heard)
+        return self.link.listen(keys.line_key(self._service, line), receive)
 
     def get(self, name: str) -> str:
         """Return the value of a property of the manager: ``tree.get("naming.formats")``.
@@ -288,27 +288,27 @@ class Tree(ByPath, Closing):
         bound = (self.timeout_s if timeout_s is None else timeout_s) + _GRACE_S * is_change
 
         def answer() -> str:
-            with self._told(is_change):
+            with self._naming_manager(is_change):
                 value = reply().value()
             fault.point("command.answered")
             return value
 
         fault.point("command.asking")
-        with self._told(is_change):
+        with self._naming_manager(is_change):
             reply = self.link.send(key, payload, bounded(bound))
         fault.point("command.asked")
         return answer
 
     @contextmanager
-    def _told(self, is_change: bool) -> Iterator[None]:
+    def _naming_manager(self, is_change: bool) -> Iterator[None]:
         """Name the manager that could not be reached."""
         try:
             yield
         except Unreachable as error:
             if self.has_ended():
-                told = f"manager {self.manager!r} ended before it answered"
+                message = f"manager {self.manager!r} ended before it answered"
                 unsure = "; whether it did what was asked shows when it is started again"
-                raise Unreachable(told + unsure * is_change) from error
+                raise Unreachable(message + unsure * is_change) from error
             raise Unreachable(f"{self.manager} on {self.host}: {error}") from error
 
 

@@ -149,14 +149,14 @@ class LiveProperties(_LiveService):
         """Wait for word of the manager, and fold it in."""
         assert self._subscription is not None
         try:
-            self._hear(self._subscription, wait_s)
+            self._take_events(self._subscription, wait_s)
         except (OSError, ValueError):
             if not self._is_closed:
                 raise
             raise Unreachable("the connection has ended") from None
         self._take(self._subscription.facts)
 
-    def _hear(self, subscription: ManagerSubscription, wait_s: float | None) -> None:
+    def _take_events(self, subscription: ManagerSubscription, wait_s: float | None) -> None:
         """Take what comes from the manager in time [s].
 
         Raises:
@@ -164,11 +164,11 @@ class LiveProperties(_LiveService):
         """
         from rtkit.tree.subscription import SubscriptionEnded
 
-        for heard in subscription.wait(None if wait_s is None else max(0.0, wait_s)):
-            if isinstance(heard, SubscriptionEnded):
-                raise Unreachable(heard.why)
-            if isinstance(heard, Metrics):
-                self._take_metrics(heard)
+        for event in subscription.wait(None if wait_s is None else max(0.0, wait_s)):
+            if isinstance(event, SubscriptionEnded):
+                raise Unreachable(event.why)
+            if isinstance(event, Metrics):
+                self._take_metrics(event)
 
     def _await_metrics(self, subscription: ManagerSubscription) -> None:
         """Take the next metrics, so that counters are known.
@@ -178,7 +178,7 @@ class LiveProperties(_LiveService):
         """
         until = time.monotonic() + _FIGURES_S
         while self._metrics is None and (left := until - time.monotonic()) > 0:
-            self._hear(subscription, left)
+            self._take_events(subscription, left)
 
     def _take_metrics(self, metrics: Metrics) -> None:
         for process in metrics.processes:
@@ -272,14 +272,14 @@ class ThisHost(_LiveService):
     def __init__(self, services: Sequence[str], managers: Sequence[str]) -> None:
         super().__init__()
         uname = os.uname()
-        told: Mapping[str, Value] = {
+        values: Mapping[str, Value] = {
             "name": uname.nodename,
             "system": f"{uname.sysname} {uname.release} {uname.machine}",
             "processors": os.cpu_count() or 0,
             "managers": tuple(map(Word, managers)),
             "services": tuple(map(Word, services)),
         }
-        for name, value in told.items():
+        for name, value in values.items():
             self._service.add(name, value, PropertySpec(access="r"))
         load = PropertySpec(
             parse_type("vector[3]"), "r", doc="Load average over 1, 5 and 15 minutes"

@@ -17,7 +17,7 @@ from rtkit.errors import RtkitError, Unreachable
 from rtkit.link.transport import DeadLink
 from rtkit.rtc.profiles import ConnectorProfile
 from rtkit.tree.client import DEFAULT_TIMEOUT_S, Tree
-from rtkit.tree.subscription import Heard, ManagerSubscription
+from rtkit.tree.subscription import ManagerEvent, ManagerSubscription
 
 Answer = Callable[[], tuple[Result, ...]]
 Start = Callable[[str], Tree]
@@ -248,13 +248,13 @@ class ManagerSetSubscription(Closing):
             for source in subscription.sources
         ]
 
-    def take(self) -> list[Heard]:
+    def take(self) -> list[ManagerEvent]:
         """Return what has come from all of them."""
         return [
-            heard for subscription in self._subscriptions.values() for heard in subscription.take()
+            event for subscription in self._subscriptions.values() for event in subscription.take()
         ]
 
-    def wait(self) -> list[Heard]:
+    def wait(self) -> list[ManagerEvent]:
         """Wait until something has come, and take it."""
         while True:
             with suppress(InterruptedError):

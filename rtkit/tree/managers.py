@@ -57,9 +57,9 @@ def stop(name: str, timeout_s: float) -> None:
 
 
 def restart(
-    name: str, timeout_s: float, hear: Callable[[int, float], list[str] | None]
+    name: str, timeout_s: float, receive: Callable[[int, float], list[str] | None]
 ) -> tuple[int, list[str]]:
-    """Have a manager end everything and start again; return its pid and what `hear` received of it.
+    """Have a manager end everything and start again; return its pid and what `receive` returned.
 
     It has `timeout_s` [s] for the end, where what hangs has its graces, and again for the start.
 
@@ -72,10 +72,10 @@ def restart(
             pid = int(tree.set("restart", f"/proc/{os.getpid()}/fd/{write}"))
         os.close(write)
         write = -1
-        told = hear(read, 2 * timeout_s)
-        if told is None:
+        lines = receive(read, 2 * timeout_s)
+        if lines is None:
             raise Unreachable(f"manager {name!r} was not ready again within {2 * timeout_s:g} s")
-        return pid, told
+        return pid, lines
     finally:
         os.close(read)
         if write >= 0:

@@ -23,18 +23,18 @@ _ASK_AGAIN_S = 0.2
 class PlanLocks(Closing):
     """The locks of this process; managers end them by themselves when it ends."""
 
-    def __init__(self, command: str, wait_s: float, tell: Callable[[str], object]) -> None:
+    def __init__(self, command: str, wait_s: float, notify: Callable[[str], object]) -> None:
         """Prepare to take locks.
 
         Args:
             command: What they are for, as others see it.
             wait_s: How long to wait for those who have them [s].
-            tell: Receives for whom it waits, and who gives none.
+            notify: Receives for whom it waits, and who gives none.
         """
         pid, user = os.getpid(), user_name(os.getuid())
         self._holder = LockHolder(uuid.uuid4().hex, command, user, os.uname().nodename, pid)
         self._wait_s = wait_s
-        self._tell = tell
+        self._notify = notify
         self._taken: list[Tree] = []
 
     def take(self, *trees: Tree) -> None:
@@ -45,7 +45,7 @@ class PlanLocks(Closing):
             Unreachable: A manager does not answer.
         """
         until = time.monotonic() + self._wait_s
-        told = ""
+        notified = ""
         while True:
             busy = self._try([*trees])
             left_s = until - time.monotonic()
@@ -56,9 +56,9 @@ class PlanLocks(Closing):
                 waited = f" (waited {self._wait_s:g} s)" if self._wait_s else ""
                 hint = "" if self._wait_s else "; --wait SECONDS waits for its end"
                 raise Refused(f"{why}{waited}{hint}")
-            if why != told:
-                self._tell(f"waits: {why}")
-                told = why
+            if why != notified:
+                self._notify(f"waits: {why}")
+                notified = why
             self._await(tree, min(_ASK_AGAIN_S, left_s))
 
     def close(self) -> None:
@@ -77,7 +77,7 @@ class PlanLocks(Closing):
                 self._give(self._taken[known:])
                 return tree, f"manager {tree.manager!r} is in use by {error}"
             except (NotFound, Malformed) as error:
-                self._tell(f"manager {tree.manager!r} keeps no others off meanwhile: {error}")
+                self._notify(f"manager {tree.manager!r} keeps no others off meanwhile: {error}")
             except BaseException:
                 self._give(self._taken[known:])
                 raise

@@ -13,7 +13,7 @@ from rtkit.property.messages import PropertyEvent
 from rtkit.tree.property_connections import PropertyConnections, printed_error
 from rtkit.wires.property_client import PropertyClient
 
-_Heard = tuple[str, PropertyEvent | Exception]
+_Received = tuple[str, PropertyEvent | Exception]
 
 
 class PropertySubscription(Closing):
@@ -28,7 +28,7 @@ class PropertySubscription(Closing):
     def __init__(
         self, places: PropertyConnections, targets: Sequence[str], parameters: str
     ) -> None:
-        self._come: deque[_Heard] = deque()
+        self._come: deque[_Received] = deque()
         self._wakeup = Wakeup()
         names: dict[int, dict[str, str]] = {}
         ends: dict[int, PropertyClient] = {}
@@ -61,8 +61,8 @@ class PropertySubscription(Closing):
         except RtkitError as error:
             self._note(next(iter(names.values()), first), error)
 
-    def _note(self, typed: str, heard: PropertyEvent | Exception) -> None:
-        self._come.append((typed, heard))
+    def _note(self, typed: str, received: PropertyEvent | Exception) -> None:
+        self._come.append((typed, received))
         self._wakeup.ring()
 
     def take(self) -> tuple[str, PropertyEvent] | None:
@@ -76,10 +76,10 @@ class PropertySubscription(Closing):
         # What came between the two has rung again.
         if not self._come:
             return None
-        typed, heard = self._come.popleft()
-        if isinstance(heard, Exception):
-            raise printed_error(typed, heard) from heard
-        return typed, heard
+        typed, received = self._come.popleft()
+        if isinstance(received, Exception):
+            raise printed_error(typed, received) from received
+        return typed, received
 
     def close(self) -> None:
         """Take no more."""

@@ -53,7 +53,7 @@ class Starter:
         self._announce = announce
         self._report = report
         self._count = count
-        self._told: set[str] = set()
+        self._reported: set[str] = set()
         self._execution = StartExecution(plan, monotonic(), timeout_s, tree.timeout_s)
         self._wakeup: Wakeup
         self._subscription: ManagerSubscription | ManagerSetSubscription | None = None
@@ -99,7 +99,7 @@ class Starter:
         watched = execution.watched
         self._look(watched)
         begun = execution.ready(monotonic())
-        self._tell(execution.reports())
+        self._report_new(execution.reports())
         all_turns = len(execution.plan.turns)
         self._count(all_turns - len(execution.waiting) - len(execution.running), all_turns)
         for turn in begun:
@@ -122,9 +122,9 @@ class Starter:
         """
         if self._subscription is None:
             self._subscription = subscription_at(self._tree)
-        for heard in self._subscription.take():
-            if isinstance(heard, SubscriptionEnded):
-                raise Unreachable(heard.why)
+        for event in self._subscription.take():
+            if isinstance(event, SubscriptionEnded):
+                raise Unreachable(event.why)
         return self._subscription.facts
 
     def _send(self, turn: ScheduledAction) -> None:
@@ -173,7 +173,7 @@ class Starter:
                 self._execution.answered(turn, outcome, monotonic())
             else:
                 failure = failure or outcome
-        self._tell(self._execution.reports())
+        self._report_new(self._execution.reports())
         return failure
 
     def _settle(self) -> str:
@@ -196,10 +196,10 @@ class Starter:
             if turns
         )
 
-    def _tell(self, reports: Iterable[str]) -> None:
+    def _report_new(self, reports: Iterable[str]) -> None:
         for text in reports:
-            if text not in self._told:
-                self._told.add(text)
+            if text not in self._reported:
+                self._reported.add(text)
                 self._report(text)
 
 

@@ -33,7 +33,7 @@ from rtkit.tree.client import Tree
 QUEUE = 4096
 """How many deltas a subscriber may be behind."""
 
-_HEAR_S = 0.5
+_FIRST_DELTA_S = 0.5
 _TRIES = 20
 
 
@@ -56,7 +56,7 @@ class SubscriptionEnded(NamedTuple):
     why: str
 
 
-Heard = TreeChange | Metrics | SubscriptionEnded
+ManagerEvent = TreeChange | Metrics | SubscriptionEnded
 
 
 class ManagerSubscription(Closing):
@@ -74,7 +74,7 @@ class ManagerSubscription(Closing):
             Unreachable: The manager does not answer, or what it sends does not arrive.
         """
         self.tree = tree
-        self._heard: deque[tuple[str, str]] = deque(maxlen=QUEUE)
+        self._received: deque[tuple[str, str]] = deque(maxlen=QUEUE)
         self._wakeup = Wakeup()
         self._process: int | None = None
         self._is_over = False
@@ -106,7 +106,7 @@ class ManagerSubscription(Closing):
         wakeup = self._wakeup.fileno()
         return [wakeup] if self._process is None else [wakeup, self._process]
 
-    def wait(self, timeout_s: float | None = None) -> list[Heard]:
+    def wait(self, timeout_s: float | None = None) -> list[ManagerEvent]:
         """Wait until something has come, and take it; empty when the time is up."""
         until = None if timeout_s is None else monotonic() + timeout_s
         while not self._is_over:
@@ -118,21 +118,21 @@ class ManagerSubscription(Closing):
                 return taken
         return []
 
-    def take(self) -> list[Heard]:
+    def take(self) -> list[ManagerEvent]:
         """Return what has come, in order; `facts` are then what they are after all of it."""
         self._wakeup.hush()
-        heard: list[Heard] = []
-        while self._heard and not self._is_over:
-            line, text = self._heard.popleft()
+        events: list[ManagerEvent] = []
+        while self._received and not self._is_over:
+            line, text = self._received.popleft()
             if line == METRICS:
-                heard.append(decode_text(Metrics, text))
+                events.append(decode_text(Metrics, text))
             else:
-                heard += self._delta(decode_text(Delta, text))
+                events += self._delta(decode_text(Delta, text))
         if not self._is_over and self._is_gone():
-            heard.append(self._end("was killed"))
-        return heard
+            events.append(self._end("was killed"))
+        return events
 
-    def _delta(self, delta: Delta) -> list[Heard]:
+    def _delta(self, delta: Delta) -> list[ManagerEvent]:
         if delta.run == self._run and delta.number <= self._number:
             return []
         if delta.is_last:
@@ -140,11 +140,11 @@ class ManagerSubscription(Closing):
         if (delta.run, delta.number) != (self._run, self._number + 1):
             return self._catch_up(delta)
         self._number = delta.number
-        told = tuple(user_events(self.facts, delta))
+        changes = tuple(user_events(self.facts, delta))
         self.facts = applied(self.facts, delta)
-        return [TreeChange(delta.time, told)] if told else []
+        return [TreeChange(delta.time, changes)] if changes else []
 
-    def _catch_up(self, delta: Delta) -> list[Heard]:
+    def _catch_up(self, delta: Delta) -> list[ManagerEvent]:
         """Derive the changes of missed deltas from a new snapshot."""
         lost = max(0, delta.number - self._number - 1) if delta.run == self._run else 0
         try:
@@ -152,9 +152,9 @@ class ManagerSubscription(Closing):
         except Unreachable as error:
             return [self._end(str(error))]
         missed = delta_between(self.facts, snapshot.facts, snapshot.run, snapshot.number)
-        told = tuple(user_events(self.facts, missed))
+        changes = tuple(user_events(self.facts, missed))
         self._run, self._number, self.facts = snapshot.run, snapshot.number, snapshot.facts
-        return [TreeChange(delta.time, told, lost)] if told or lost else []
+        return [TreeChange(delta.time, changes, lost)] if changes or lost else []
 
     def _end(self, why: str) -> SubscriptionEnded:
         self._is_over = True
@@ -165,7 +165,7 @@ class ManagerSubscription(Closing):
 
     def _take_in(self, line: str) -> Callable[[str], object]:
         def take_in(text: str) -> None:
-            self._heard.append((line, text))
+            self._received.append((line, text))
             self._wakeup.ring()
 
         return take_in
@@ -174,8 +174,8 @@ class ManagerSubscription(Closing):
         """Take a snapshot, again until deltas of the manager are seen to arrive."""
         for _ in range(_TRIES):
             snapshot = self.tree.full_snapshot()
-            until = monotonic() + _HEAR_S
-            while not any(line == TREE for line, _ in self._heard):
+            until = monotonic() + _FIRST_DELTA_S
+            while not any(line == TREE for line, _ in self._received):
                 if not select.select([self._wakeup], [], [], max(0.0, until - monotonic()))[0]:
                     break
                 self._wakeup.hush()

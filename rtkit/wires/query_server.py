@@ -133,7 +133,7 @@ class QueryServer:
         group = self._groups.get(query.group)
         if group is None or not group.is_used:
             group = SharedSubscription(self, self._host, query.group, self._identity)
-        if not self._is_heard(query.target, group):
+        if not self._is_listening(query.target, group):
             return None
         self._groups[query.group] = group
         first = subscription.first()
@@ -141,7 +141,7 @@ class QueryServer:
         group.flush(monotonic())
         return Joined(first, group.enter(query.subscription))
 
-    def _is_heard(self, target: str, group: SharedSubscription) -> bool:
+    def _is_listening(self, target: str, group: SharedSubscription) -> bool:
         """Make a group listen, or listen on; return whether it does."""
         answers: list[Answer] = []
         self._service.handle(PropertyRequest(_shared(target), "self", answers.append, group))

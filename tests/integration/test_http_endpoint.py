@@ -441,8 +441,8 @@ def test_streams_are_bounded_and_alive(
         raw.send(raw.request("GET", "/ps/robot/count", "Accept: text/event-stream", LAST))
         assert raw.statuses() == ["403"]
         heartbeat = client._streams[0]
-        begin = heartbeat.heard_at
-        while heartbeat.heard_at == begin:
+        begin = heartbeat.received_at
+        while heartbeat.received_at == begin:
             client._receive(BOUND_S)
         assert client.event(0) is None
     served.close()

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from rtkit.link.folder_watch import FolderWatch
     from rtkit.tree.client import Tree
     from rtkit.tree.scope import Scope
-    from rtkit.tree.subscription import Heard, ManagerSubscription
+    from rtkit.tree.subscription import ManagerEvent, ManagerSubscription
 
 _AGAIN_S = 0.05
 _LATER_S = 1.0
@@ -43,7 +43,7 @@ class ManagerTold(NamedTuple):
     """An event, and the manager that it is from."""
 
     manager: str
-    heard: Heard | ManagerSeen
+    heard: ManagerEvent | ManagerSeen
 
 
 class Observers(Closing):

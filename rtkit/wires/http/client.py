@@ -258,7 +258,7 @@ class HttpClient(Closing):
         for number, stream in by_number.items():
             if number in ready:
                 stream.receive()
-            elif now - stream.heard_at > SILENT_S:
+            elif now - stream.received_at > SILENT_S:
                 self._why = Unreachable("the connection has ended: nothing was heard of it")
             for event in stream.events():
                 self._inbox.put(event)
@@ -283,14 +283,14 @@ class _Stream:
     """Connection that carries events, and the part of the next one that has come.
 
     Attributes:
-        heard_at: When anything came last [s, monotonic].
+        received_at: When anything came last [s, monotonic].
         has_ended: Nothing will come any more.
         was_last: Because the property has gone.
     """
 
     def __init__(self, end: _BoundedSocket, response: HTTPResponse) -> None:
         self.end = end
-        self.heard_at = monotonic()
+        self.received_at = monotonic()
         self.has_ended = False
         self.was_last = False
         self._response = response
@@ -312,7 +312,7 @@ class _Stream:
         except OSError:
             data = b""
         self.has_ended = not data
-        self.heard_at = monotonic()
+        self.received_at = monotonic()
         self._data += data
 
     def close(self) -> None:

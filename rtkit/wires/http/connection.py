@@ -113,13 +113,13 @@ class HttpConnection(SocketClient):
 
     def flush(self, now: float) -> float | None:
         """See `IOHandler.flush`."""
-        due = self.send_due(now, lambda: len(self._out) < _ROOM_FOR_EVENTS, self._tell)
+        due = self.send_due(now, lambda: len(self._out) < _ROOM_FOR_EVENTS, self._send_event)
         if self.is_stream and not self.listeners and not self._is_closing:
             self._finish()
         self._work()
         return due if self.is_open else None
 
-    def _tell(self, listener: Listener, event: PropertyEvent) -> None:
+    def _send_event(self, listener: Listener, event: PropertyEvent) -> None:
         if self._progress is None or self._progress.is_new(event):
             self._stream(write_sse(event))
 

@@ -81,8 +81,8 @@ class Guard:
         )
         own = given.get("cnonce", "")
         right = digest.response(self._secret, method, uri, nonce, count, own)
-        said = given.get("response", "").encode("utf-8", "replace")
-        return hmac.compare_digest(said, right.encode()) and is_whole
+        received = given.get("response", "").encode("utf-8", "replace")
+        return hmac.compare_digest(received, right.encode()) and is_whole
 
     def _nonce(self, now: float) -> str:
         stamp = f"{int(now * 1000):x}"

@@ -118,7 +118,7 @@ def payload_of(body: bytes, content_type: str, is_text: bool) -> Payload:
         raise PropertyError("syntax", f"{error.pos} expected JSON: {error.msg}") from None
     except (RecursionError, ValueError) as error:
         raise PropertyError("too-large", f"JSON: {type(error).__name__}") from None
-    if isinstance(plain, dict) and plain.keys() == _TOLD:
+    if isinstance(plain, dict) and plain.keys() == _GET_KEYS:
         text, plain = plain["text"], plain["value"]
         if isinstance(text, str) and _named(payload_to_plain(text)) == plain:
             return text  # nobody has changed what a GET told, so it means what it meant there
@@ -128,7 +128,7 @@ def payload_of(body: bytes, content_type: str, is_text: bool) -> Payload:
     return write(value)
 
 
-_TOLD = {"target", "value", "text"}
+_GET_KEYS = {"target", "value", "text"}
 
 
 def response(

@@ -284,7 +284,7 @@ def _check_size(payload: Payload) -> None:
 
 
 def _servant(base: Any, take: Taking) -> Any:
-    def hear(self: object, events: list[Any], current: object = None) -> object:
+    def receive(self: object, events: list[Any], current: object = None) -> object:
         return take([protocol.read_event(each) for each in events])
 
-    return type("Ear", (base,), {"hear": hear})()
+    return type("Ear", (base,), {"hear": receive})()

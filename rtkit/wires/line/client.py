@@ -138,10 +138,10 @@ class LineClient(Closing):
             raise Unreachable(f"no answer within {self._timeout_s:g} s") from None
         except OSError as error:
             # What it said before it hung up is worth more than that it did.
-            if not self._has_said_more():
+            if not self._has_received_more():
                 raise Unreachable(f"the connection has ended: {error.strerror}") from error
 
-    def _has_said_more(self) -> bool:
+    def _has_received_more(self) -> bool:
         try:
             data = self._end.recv(_PIECE, socket.MSG_DONTWAIT)
         except OSError:

@@ -199,11 +199,11 @@ class Connection(SocketClient):
 
     def flush(self, now: float) -> float | None:
         """See `IOHandler.flush`."""
-        due = self.send_due(now, lambda: len(self._out) < _ROOM_FOR_EVENTS, self._tell)
+        due = self.send_due(now, lambda: len(self._out) < _ROOM_FOR_EVENTS, self._send_event)
         self._work()
         return due if self.is_open else None
 
-    def _tell(self, listener: Listener, event: PropertyEvent) -> None:
+    def _send_event(self, listener: Listener, event: PropertyEvent) -> None:
         self._write(write_event(event))
 
     def check(self, now: float) -> None:

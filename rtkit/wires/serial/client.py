@@ -50,7 +50,7 @@ _BELIEVED = 2
 """How many refusals that name no request are received until one counts as the answer."""
 
 _KNOWS = Answer(KNOWS_DEADLINES)
-_Told = tuple[str, Answer] | PropertyEvent | bytes
+_Received = tuple[str, Answer] | PropertyEvent | bytes
 """A reply with its id, an event, or a line without a check that holds."""
 
 
@@ -283,7 +283,7 @@ class SerialClient(Closing):
             if isinstance(received, PropertyEvent):
                 self._keep(received)
 
-    def _receive(self, until: float | None, *, may_wake: bool = False) -> _Told | None:
+    def _receive(self, until: float | None, *, may_wake: bool = False) -> _Received | None:
         while True:
             try:
                 received = self._replies.next()

@@ -122,12 +122,12 @@ class _SerialConnection(Connection):
     def _write(self, message: bytes) -> None:
         super()._write(frame(message) if self._requests.has_checks else message)
 
-    def _tell(self, listener: Listener, event: PropertyEvent) -> None:
+    def _send_event(self, listener: Listener, event: PropertyEvent) -> None:
         if event.code:
             self._sent_events.pop(listener, None)
         else:
             self._sent_events[listener] = event
-        super()._tell(listener, event)
+        super()._send_event(listener, event)
 
     def unlisten(self, listener: Listener) -> None:
         """See `Requester.unlisten`."""
@@ -147,7 +147,7 @@ class _SerialConnection(Connection):
         property_name = name.rpartition("/")[2].removesuffix(".listen")
         for listener, event in list(self._sent_events.items()):
             if listener.name == property_name and not listener.pending:
-                super()._tell(listener, event)
+                super()._send_event(listener, event)
 
     def close(self) -> None:
         """See `Connection.close`."""

@@ -11,7 +11,7 @@ from rtkit.property.property_spec import PropertySpec
 from rtkit.property.requests import PropertyRequest
 from rtkit.property.service import Service
 from rtkit.property.types import parse_type
-from rtkit.proxy.narrowing import narrowed, tells_access
+from rtkit.proxy.narrowing import describes_access, narrowed
 
 
 @pytest.fixture
@@ -69,7 +69,7 @@ def read_only(row: re.Match[str]) -> str:
 def test_answers_that_tell_no_access_are_not_looked_at(
     name: str, parameters: dict[str, str | None], tells: bool
 ) -> None:
-    assert tells_access(name, parameters) is tells
+    assert describes_access(name, parameters) is tells
 
 
 def test_what_cannot_be_read_is_passed_on_as_it_is() -> None:

@@ -72,7 +72,7 @@ def test_what_is_told_after_its_end_is_not_heard(world: FakeManager) -> None:
 
 
 def test_news_that_do_not_arrive(world: FakeManager, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(subscription, "_HEAR_S", 0.0)
+    monkeypatch.setattr(subscription, "_FIRST_DELTA_S", 0.0)
     monkeypatch.setattr(Tree, "listen", lambda *_: lambda: None)
     with pytest.raises(Unreachable, match="does not arrive"):
         ManagerSubscription(fake_tree(world))
