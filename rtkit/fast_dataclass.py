@@ -117,8 +117,8 @@ def _made(
     inherited, title = set(columns), namespace["__qualname__"].rpartition(".")[2]
     for name, hint in namespace.get("__annotations__", {}).items():
         default = namespace.pop(name, _MISSING)
-        told = default if isinstance(default, _Field) else _Field(default)
-        columns[name] = told._replace(name=name, type=hint)
+        column = default if isinstance(default, _Field) else _Field(default)
+        columns[name] = column._replace(name=name, type=hint)
     _check_order(title, columns)
     for name in ("__dict__", "__weakref__"):
         namespace.pop(name, None)
@@ -240,8 +240,8 @@ def _compiled(cls: Any, columns: Mapping[str, _Field]) -> Callable[..., None]:
 
 def _repr(self: Any) -> str:
     shown = (c.name for c in self.__record_fields__.values() if c.repr)
-    told = ", ".join(f"{name}={getattr(self, name)!r}" for name in shown)
-    return f"{type(self).__qualname__}({told})"
+    values = ", ".join(f"{name}={getattr(self, name)!r}" for name in shown)
+    return f"{type(self).__qualname__}({values})"
 
 
 def _comparing(columns: Mapping[str, _Field], frozen: bool, order: bool) -> dict[str, Any]:

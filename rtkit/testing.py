@@ -198,10 +198,10 @@ class Trial(Closing, Generic[C]):
             with self._time():
                 value = zero_value(kind, Time.now())
         try:
-            told = carried(kind, value)
+            sent = carried(kind, value)
         except Malformed as error:
             raise Malformed(f"{self.component.instance}:{port}: {error}") from error
-        self._sinks[key](told)
+        self._sinks[key](sent)
 
     def received(self, port: str) -> list[Any]:
         """Return what an out port has written since the last call.
@@ -242,10 +242,12 @@ class _Clock:
     @contextmanager
     def installed(self) -> Iterator[None]:
         """Have the module `time` return this time."""
-        told = {name: lambda: self._now_ns / 1e9 for name in ("time", "monotonic", "perf_counter")}
-        told_ns = {f"{name}_ns": lambda: self._now_ns for name in told}
+        clocks = {
+            name: lambda: self._now_ns / 1e9 for name in ("time", "monotonic", "perf_counter")
+        }
+        clocks_ns = {f"{name}_ns": lambda: self._now_ns for name in clocks}
         with ExitStack() as stack:
-            for name, function in {**told, **told_ns, "sleep": self.move}.items():
+            for name, function in {**clocks, **clocks_ns, "sleep": self.move}.items():
                 stack.callback(setattr, time, name, getattr(time, name))
                 setattr(time, name, function)
             yield

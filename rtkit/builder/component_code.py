@@ -17,7 +17,7 @@ from rtkit.builder.source_layout import (
     mapping,
 )
 from rtkit.builder.source_layout import lines as lines_of
-from rtkit.builder.source_text import INDENT, clean, docstring, one_line, told, width
+from rtkit.builder.source_text import INDENT, clean, doc_text, docstring, one_line, width
 from rtkit.builder.subject import (
     GeneratedComponent,
     GeneratedInterface,
@@ -116,12 +116,12 @@ def _imports(subject: GeneratedComponent) -> Iterator[str]:
 def _class(subject: GeneratedComponent, types: TypesCode) -> list[str]:
     base = "FsmComponent" if subject.machine else "Component"
     doc = subject.info.doc
-    more = [f"{LABELS[key]}{text}" for key in LABELS if (text := clean(told(doc, key)))]
+    more = [f"{LABELS[key]}{text}" for key in LABELS if (text := clean(doc_text(doc, key)))]
     lines = [f"class {subject.class_name}(rt.{base}):"]
     lines += docstring(
         neutral(subject.type_name),
         subject.info.description,
-        [told(doc, "description"), *more],
+        [doc_text(doc, "description"), *more],
         INDENT,
     )
     blocks = [
@@ -171,8 +171,8 @@ def _named(attribute: str, name: str) -> list[tuple[str, Node]]:
 def port_doc(port: GeneratedPort) -> str:
     """Return the purpose of a data port, with its unit."""
     profile = port.profile
-    text = one_line(told(profile.doc, "description") or profile.comment)
-    unit = one_line(profile.unit or told(profile.doc, "unit"))
+    text = one_line(doc_text(profile.doc, "description") or profile.comment)
+    unit = one_line(profile.unit or doc_text(profile.doc, "unit"))
     return f"{text} [{unit}]".strip() if unit and f"[{unit}]" not in text else text
 
 
@@ -191,20 +191,20 @@ def _port(port: GeneratedPort) -> list[str]:
 def service_doc(service: GeneratedServicePort) -> str:
     """Return the purpose of a service port."""
     profile = service.profile
-    texts = [told(profile.doc, "description"), told(profile.doc, "ifdescription")]
-    texts += [told(each.doc, "description") for each in profile.service_interfaces]
+    texts = [doc_text(profile.doc, "description"), doc_text(profile.doc, "ifdescription")]
+    texts += [doc_text(each.doc, "description") for each in profile.service_interfaces]
     return next(filter(None, map(one_line, [*texts, profile.comment])), "")
 
 
 def _service(service: GeneratedServicePort) -> list[str]:
     text = service_doc(service)
     named = _named(service.attribute, service.name)
-    told: list[tuple[str, Node]] = [("doc", text)] if text else []
+    doc: list[tuple[str, Node]] = [("doc", text)] if text else []
     called = [each for each in service.offers if each.protocol]
     described = [each for each in service.offers if not each.protocol]
     if len(service.offers) == 1 and called:
         kind = "provided" if called[0].is_provided else "required"
-        given = [*_offer(called[0], service.name), *named, *told]
+        given = [*_offer(called[0], service.name), *named, *doc]
         return assigned(service.attribute, CallExpression(f"rt.ServicePort.{kind}", given))
     if described:
         named = [*named, ("interfaces", tuple(_described(each) for each in described))]
@@ -214,7 +214,7 @@ def _service(service: GeneratedServicePort) -> list[str]:
         )
         for each in called
     ]
-    return chained(service.attribute, [CallExpression("rt.ServicePort", [*named, *told]), *steps])
+    return chained(service.attribute, [CallExpression("rt.ServicePort", [*named, *doc]), *steps])
 
 
 def _offer(offer: GeneratedInterface, port: str) -> list[tuple[str, Node]]:
@@ -277,10 +277,10 @@ def _others(subject: GeneratedComponent) -> Iterator[str]:
 
 def callback_doc(name: str, doc: ActionDoc | None) -> list[str]:
     """Return the docstring of a callback."""
-    before, after = clean(told(doc, "pre_condition")), clean(told(doc, "post_condition"))
+    before, after = clean(doc_text(doc, "pre_condition")), clean(doc_text(doc, "post_condition"))
     more = [f"{PRECONDITION}{before}"] if before else []
     more += [f"{POSTCONDITION}{after}"] if after else []
-    return docstring(SUMMARIES[name], told(doc, "description"), more, BODY)
+    return docstring(SUMMARIES[name], doc_text(doc, "description"), more, BODY)
 
 
 def _machine_callbacks(machine: GeneratedStateMachine) -> Iterator[list[str]]:

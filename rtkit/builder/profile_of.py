@@ -112,9 +112,9 @@ def _documentation(component: Component) -> tuple[str, rtc.BasicDoc | None]:
     fields: dict[str, Any] = {}
     for part in _paragraphs(vars(type(component)).get("__doc__")):
         found = {field: _labelled(part, label) for field, label in LABELS.items()}
-        told = {field: text for field, text in found.items() if text is not None}
-        fields |= told
-        if not told:
+        labelled = {field: text for field, text in found.items() if text is not None}
+        fields |= labelled
+        if not labelled:
             plain.append(part)
     if plain[:1] == [neutral(component.type.type_name)]:
         del plain[0]

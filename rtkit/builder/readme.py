@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 from rtkit.builder.component_code import LABELS, SUMMARIES, port_doc, service_doc
 from rtkit.builder.packaging import project_name
 from rtkit.builder.regions import MARKDOWN_STAMP
-from rtkit.builder.source_text import clean, one_line, told
+from rtkit.builder.source_text import clean, doc_text, one_line
 from rtkit.builder.subject import GeneratedComponent, GeneratedPort
 from rtkit.component.owned_contexts import PERIODIC
 
@@ -60,8 +60,8 @@ def _table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> list[str]:
 
 def _documentation(subject: GeneratedComponent) -> Iterator[str]:
     doc = subject.info.doc
-    texts = [("", told(doc, "description"))]
-    texts += [(label, told(doc, key)) for key, label in LABELS.items()]
+    texts = [("", doc_text(doc, "description"))]
+    texts += [(label, doc_text(doc, key)) for key, label in LABELS.items()]
     first = True
     for label, text in texts:
         if clean(text):
@@ -136,7 +136,7 @@ def _tables(subject: GeneratedComponent) -> Iterator[list[str]]:
     if moves:
         yield ["## States", "", *_table(["state", "event", "next"], moves)]
     callbacks = [
-        [_code(each.name), _plain(told(each.status.doc, "description") or SUMMARIES[each.name])]
+        [_code(each.name), _plain(doc_text(each.status.doc, "description") or SUMMARIES[each.name])]
         for each in subject.callbacks
     ]
     if callbacks:
@@ -161,7 +161,7 @@ def _type(port: GeneratedPort) -> str:
 
 def _port_text(port: GeneratedPort) -> str:
     facts = [("", port_doc(port))]
-    facts += [(label, told(port.profile.doc, name)) for name, label in _PORT_FACTS.items()]
+    facts += [(label, doc_text(port.profile.doc, name)) for name, label in _PORT_FACTS.items()]
     return "; ".join(f"{label}{_plain(text)}" for label, text in facts if one_line(text))
 
 

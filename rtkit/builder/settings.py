@@ -7,7 +7,7 @@ from collections.abc import Callable
 from typing import Any
 
 from rtkit.builder.identifiers import Taken, attribute_name, cut
-from rtkit.builder.source_text import one_line, told
+from rtkit.builder.source_text import doc_text, one_line
 from rtkit.builder.subject import GeneratedParameter
 from rtkit.component.kinds import elements, read_bool, read_float, read_int
 from rtkit.errors import Malformed
@@ -58,8 +58,8 @@ def _setting(
         attribute=attribute,
         name=name,
         default=default_value(each.type, each.default_value, f"parameter {name}", note),
-        unit=one_line(each.unit or told(each.doc, "unit")),
-        doc=one_line(told(each.doc, "description") or each.comment),
+        unit=one_line(each.unit or doc_text(each.doc, "unit")),
+        doc=one_line(doc_text(each.doc, "description") or each.comment),
         constraint=_constraint(each, name, note),
         widget=property_value(each.properties, WIDGET) or "",
     )

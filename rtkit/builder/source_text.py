@@ -176,7 +176,7 @@ def _begins_with_a_name(text: str) -> bool:
     return first.isascii() and first.isalpha() and first[0].islower() and first != first.lower()
 
 
-def told(doc: object, name: str) -> str:
+def doc_text(doc: object, name: str) -> str:
     """Return a text of a documentation element, which may be absent."""
     return getattr(doc, name, None) or ""
 

@@ -128,5 +128,7 @@ def _in_ports(subject: GeneratedComponent) -> list[str]:
 def _service(offers: tuple[GeneratedInterface, ...]) -> Node:
     # Interfaces that are only described come first.
     known = sorted(offers, key=lambda offer: bool(offer.protocol))
-    told = [f"{each.type_name} {'Provided' if each.is_provided else 'Required'}" for each in known]
-    return (PortType.SERVICE.value, *told)
+    interfaces = [
+        f"{each.type_name} {'Provided' if each.is_provided else 'Required'}" for each in known
+    ]
+    return (PortType.SERVICE.value, *interfaces)

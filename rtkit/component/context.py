@@ -200,7 +200,7 @@ class ExecutionContext:
         handle = self.handle_for(component)
         self._participants = (*self._participants, Participant(component, handle))
         component.take_part(self)
-        self._tell_all()
+        self._notify_all()
         return ReturnCode.OK
 
     def remove_component(self, component: DrivenComponent) -> ReturnCode:
@@ -214,7 +214,7 @@ class ExecutionContext:
         self._participants = tuple(other for other in self._participants if other is not each)
         component.leave(self)
         self.changed(component)
-        self._tell_all()
+        self._notify_all()
         return ReturnCode.OK
 
     def order(self, first: tuple[DrivenComponent, ...]) -> None:
@@ -450,7 +450,7 @@ class ExecutionContext:
         self.watch("", "")
         return failure
 
-    def _tell_all(self) -> None:
+    def _notify_all(self) -> None:
         for each in self._participants:
             self.changed(each.component)
 

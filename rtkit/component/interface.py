@@ -318,8 +318,8 @@ class _Exception:
         if not self._is_plain:
             function: Any = cls.__init__
             shape = _without_self(inspect.signature(function)).parameters
-            told = _hints(function, cls.__name__)
-            hints = {name: told.get(name) for name in shape}
+            declared = _hints(function, cls.__name__)
+            hints = {name: declared.get(name) for name in shape}
         for name, hint in hints.items():
             layout_of_hint(hint, f"{label}: {cls.__name__}.{name}")
         self._names = tuple(hints)
@@ -333,8 +333,8 @@ class _Exception:
             Malformed: It does not have that, or of another type.
         """
         if self._is_plain:
-            told = error.args[0] if len(error.args) == 1 else str(error)
-            return codec_for(self._record).encode(self._record(str(told)))
+            text = error.args[0] if len(error.args) == 1 else str(error)
+            return codec_for(self._record).encode(self._record(str(text)))
         if not self._names:
             return b""
         try:

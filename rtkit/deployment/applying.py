@@ -105,8 +105,8 @@ class Applier:
         except RtkitError as error:
             raise from_kind(error.kind, f"{error}; {self._after(before, rolls_back)}") from error
         except KeyboardInterrupt as error:
-            told = self._after(before, rolls_back=rolls_back)
-            raise KeyboardInterrupt("; ".join(filter(None, (str(error), told)))) from error
+            outcome = self._after(before, rolls_back=rolls_back)
+            raise KeyboardInterrupt("; ".join(filter(None, (str(error), outcome)))) from error
 
     def _see(self, before: Snapshot, now: Snapshot) -> Model:
         """Return the model of what lives now; report parts of the wanted system that do not exist.
@@ -181,7 +181,7 @@ class Applier:
                 doing.layers(f"{number} of {count}", todo, model, LiveIndex(snapshot, system))
             )
             awaited = Counter(step.text for each in rounds for step in each.steps)
-            todo = self._tell(todo, awaited, f"[{number}/{count}]")
+            todo = self._report_finished(todo, awaited, f"[{number}/{count}]")
             for part in (part for each in rounds for part in self._parts(each)):
                 begun = len(self._runner.done)
                 try:
@@ -189,10 +189,12 @@ class Applier:
                 finally:
                     # Also of a batch that failed: who reads it wants to know what was done.
                     awaited.subtract(step.text for step in self._runner.done[begun:])
-                    todo = self._tell(todo, awaited, f"[{number}/{count}]")
+                    todo = self._report_finished(todo, awaited, f"[{number}/{count}]")
         return ""
 
-    def _tell(self, moves: Iterable[Operator], awaited: Counter[str], where: str) -> list[Operator]:
+    def _report_finished(
+        self, moves: Iterable[Operator], awaited: Counter[str], where: str
+    ) -> list[Operator]:
         """Report the steps of which no action is awaited any more; return the others."""
         left = []
         for move in moves:
@@ -282,11 +284,11 @@ def _obstacle(move: Operator, model: Model) -> str:
     for variable in move.heeds if move.kind == "activate" else ():
         is_known = not variable.startswith("cfg:") or variable[4:] in model.keys
         if is_known and not model.allows(variable, model.now(variable)):
-            return f"{move.text} comes after {_told(model, variable)}"
+            return f"{move.text} comes after {_step_text(model, variable)}"
     return ""
 
 
-def _told(model: Model, variable: str) -> str:
+def _step_text(model: Model, variable: str) -> str:
     """Return what is desired of a variable as the step that reaches it."""
     desired = model.desired[variable]
     key = model.keys.get(variable.removeprefix("cfg:"))

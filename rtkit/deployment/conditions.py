@@ -89,8 +89,8 @@ def _orders(order: rts.Order | None, name: str, profile: rts.RtsProfile) -> Orde
     except InvalidDocument as error:
         raise InvalidDocument(f"{name}: {error}") from error
     if circle:
-        told = " waits for ".join(named(target, contexts) for target in [*circle, circle[0]])
-        raise InvalidDocument(f"{name}: conditions in a circle: {told}")
+        waits = " waits for ".join(named(target, contexts) for target in [*circle, circle[0]])
+        raise InvalidDocument(f"{name}: conditions in a circle: {waits}")
     return found
 
 

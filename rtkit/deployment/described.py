@@ -72,7 +72,7 @@ def service_port(
     )
 
 
-def interfaces_told(
+def stated_interfaces(
     properties: Mapping[str, str],
 ) -> Iterable[tuple[str, str, PortInterfaceProfile]]:
     """Yield (instance, port, interface) for each interface that a connector's properties name."""

@@ -119,7 +119,7 @@ def surplus(system: WantedSystem, live: LiveIndex) -> Iterator[Deviation]:
     names = {component.instance for component in system.components}
     connectors = [connector.profile for connector in system.connectors]
     wanted = {connector.connector_id for connector in connectors}
-    told = {
+    unmatched = {
         frozenset(connector.ports)
         for connector in connectors
         if live.connector(connector.connector_id) is None
@@ -134,8 +134,8 @@ def surplus(system: WantedSystem, live: LiveIndex) -> Iterator[Deviation]:
         if living is not None:
             yield from _unnamed(component, living)
     for connector in live.snapshot.connectors:
-        is_told = connector.connector_id in wanted or frozenset(connector.ports) in told
-        if not is_told and any(end.instance in names for end in connector.ports):
+        is_wanted = connector.connector_id in wanted or frozenset(connector.ports) in unmatched
+        if not is_wanted and any(end.instance in names for end in connector.ports):
             path = " ".join(_port_path(live, end) for end in connector.ports)
             text = f"Connection {connector.connector_id} is not in the profile"
             yield Deviation("connection", path, text, False, found=connector.connector_id)

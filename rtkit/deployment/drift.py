@@ -153,8 +153,8 @@ def changed_code(facts: ComponentFacts, present: Mapping[str, str]) -> str:
 
     `present` has the CRC-32 of files as they are now.
     """
-    told = (line.partition(" ") for line in facts.code.splitlines())
-    changed = (file for loaded, _, file in told if present.get(file, loaded) != loaded)
+    parts = (line.partition(" ") for line in facts.code.splitlines())
+    changed = (file for loaded, _, file in parts if present.get(file, loaded) != loaded)
     return next(changed, "")
 
 

@@ -15,7 +15,7 @@ from rtkit.deployment.conditions import OrderTarget, StartCondition
 from rtkit.deployment.start_schedule import ScheduledAction, StartPlan, words
 from rtkit.rtc.enums import LifeCycleState, Transition
 
-_MOST_TOLD = 3
+_MOST_PENDING = 3
 
 
 class StartExecution:
@@ -104,7 +104,7 @@ class StartExecution:
         self._over.add(turn.target)
         self._moved_at = now
         if not result.ok:
-            self._failed(turn, turn.step.told(result.why))
+            self._failed(turn, turn.step.failure_text(result.why))
 
     def cancel(self, why: str) -> None:
         """Begin nothing more; what was begun is still waited for."""
@@ -113,8 +113,8 @@ class StartExecution:
 
     def reports(self) -> list[str]:
         """Return what failed without ending the plan, since the last call."""
-        told, self._reports = self._reports, []
-        return told
+        reports, self._reports = self._reports, []
+        return reports
 
     def next_moment(self) -> float | None:
         """Return when `ready` is to be called again though nothing happened; None for never.
@@ -221,7 +221,7 @@ class StartExecution:
                 self.cancel(
                     "Error executing plan: Preceding condition timed out:"
                     f" action {{{number}}} waited {condition.timeout_ms}ms"
-                    f" for: {self._told(condition)}"
+                    f" for: {self._described(condition)}"
                 )
                 return
         if any(now >= moment for moment in self._end_of_patience()):
@@ -243,16 +243,16 @@ class StartExecution:
         return [max(self._moved_at, self._armed_at + self.plan.last_moment_s) + self._patience_s]
 
     def _too_late(self, how: str) -> None:
-        told = [f"action {{{turn.id}}} is under way" for turn in self._running.values()]
-        told += [
-            f"action {{{number}}} waits for: {self._told(condition)}"
+        pending = [f"action {{{turn.id}}} is under way" for turn in self._running.values()]
+        pending += [
+            f"action {{{number}}} waits for: {self._described(condition)}"
             for number, condition in self._unmet_since
         ]
-        more = [f"and {len(told) - _MOST_TOLD} more"] if len(told) > _MOST_TOLD else []
-        details = ", ".join([*told[:_MOST_TOLD], *more])
+        more = [f"and {len(pending) - _MOST_PENDING} more"] if len(pending) > _MOST_PENDING else []
+        details = ", ".join([*pending[:_MOST_PENDING], *more])
         self.cancel(f"Error executing plan: {how}" + (f"; {details}" if details else ""))
 
-    def _told(self, condition: StartCondition) -> str:
+    def _described(self, condition: StartCondition) -> str:
         assert condition.preceding is not None
         state = self._states.get(condition.preceding, "not seen")
         how = f"it is {state}" if condition.is_sync else "not sent"

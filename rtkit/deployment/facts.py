@@ -98,9 +98,9 @@ class RestartStatus:
     @property
     def stops(self) -> str:
         """Return why it, or for its sake everything, was deactivated; empty for nothing."""
-        told = [f"deactivated: {self.rested}"] if self.rested else []
-        told += [f"all was deactivated: {self.halted}"] if self.halted else []
-        return "; ".join(told)
+        reasons = [f"deactivated: {self.rested}"] if self.rested else []
+        reasons += [f"all was deactivated: {self.halted}"] if self.halted else []
+        return "; ".join(reasons)
 
     @property
     def history(self) -> str:

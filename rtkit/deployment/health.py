@@ -84,48 +84,48 @@ def read_rules(options: Mapping[str, str]) -> tuple[HealthRule, ...]:
     Raises:
         Malformed: One makes no sense; names it.
     """
-    told = tuple(sorted((k, v) for k, v in options.items() if k.startswith(HEALTH)))
-    return _read(told) if told else ()
+    stated = tuple(sorted((k, v) for k, v in options.items() if k.startswith(HEALTH)))
+    return _read(stated) if stated else ()
 
 
 @lru_cache(maxsize=256)
-def _read(told: tuple[tuple[str, str], ...]) -> tuple[HealthRule, ...]:
-    return tuple(_rule(key, *_parts(key, text)) for key, text in told)
+def _read(stated: tuple[tuple[str, str], ...]) -> tuple[HealthRule, ...]:
+    return tuple(_rule(key, *_parts(key, text)) for key, text in stated)
 
 
 def _parts(key: str, text: str) -> tuple[str, Reaction]:
-    said, colon, word = text.rpartition(":")
+    bound, colon, word = text.rpartition(":")
     if not colon:
         is_word = key == STUCK and finite(text) is None
-        said, word = ("", text) if is_word else (text, Reaction.LOG)
+        bound, word = ("", text) if is_word else (text, Reaction.LOG)
     try:
-        return said.strip(), Reaction(word.strip().lower())
+        return bound.strip(), Reaction(word.strip().lower())
     except ValueError:
         raise Malformed(f"{key}: not one of {', '.join(Reaction)}: {word.strip()}") from None
 
 
-def _rule(key: str, said: str, reaction: Reaction) -> HealthRule:
+def _rule(key: str, bound: str, reaction: Reaction) -> HealthRule:
     kind, _, name = key.removeprefix(HEALTH).partition(".")
     if key == STUCK:
-        within_s = _number(key, said, "s") if said else inf
+        within_s = _number(key, bound, "s") if bound else inf
         if not within_s:
             raise Malformed(f"{key}: a callback cannot come back within 0 s")
         return HealthRule(kind, reaction, most=within_s)
     if kind == "overrun" and not name:
-        return HealthRule(kind, reaction, most=_number(key, said, "s"))
+        return HealthRule(kind, reaction, most=_number(key, bound, "s"))
     if kind == "rate" and name:
-        least, dash, most = said.partition("-")
+        least, dash, most = bound.partition("-")
         if not dash:
-            raise Malformed(f"{key}: not MIN-MAX [Hz]: {said}")
+            raise Malformed(f"{key}: not MIN-MAX [Hz]: {bound}")
         rule = HealthRule(kind, reaction, name, _number(key, least, "Hz"), _number(key, most, "Hz"))
         if rule.least > rule.most:
-            raise Malformed(f"{key}: the lowest rate is above the highest: {said}")
+            raise Malformed(f"{key}: the lowest rate is above the highest: {bound}")
         return rule
     if kind == "value" and name:
-        sign = next((each for each in (*COMPARE, "=") if said.startswith(each)), "")
-        value = said.removeprefix(sign).strip()
+        sign = next((each for each in (*COMPARE, "=") if bound.startswith(each)), "")
+        value = bound.removeprefix(sign).strip()
         if not sign or (sign != "=" and finite(value) is None):
-            raise Malformed(f"{key}: not <, <=, >, >= and a number, or = and a value: {said}")
+            raise Malformed(f"{key}: not <, <=, >, >= and a number, or = and a value: {bound}")
         return HealthRule(kind, reaction, name, condition=(sign, value))
     known = "stuck, overrun, rate.PORT, value.PARAMETER"
     raise Malformed(f"unknown rule of health: {key} (one of {known})")

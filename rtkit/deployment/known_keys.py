@@ -88,7 +88,7 @@ def odd_options(
         with suppress(Malformed):  # refused where it is read
             options = parse_create(text).options if text else {}
             if not options.keys() <= _USUAL_OPTIONS:
-                yield from (f"{each.instance_name}: {told}" for told in unknown(options))
+                yield from (f"{each.instance_name}: {note}" for note in unknown(options))
 
 
 def _among(

@@ -42,7 +42,7 @@ class PlannedAction:
     holds: bool = False
     where: str = ""
 
-    def told(self, why: str) -> str:
+    def failure_text(self, why: str) -> str:
         """Return why it failed, with where it was unless that is stated already."""
         return why if not self.where or self.where in why else f"{self.where}: {why}"
 

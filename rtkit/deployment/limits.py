@@ -60,11 +60,11 @@ class SlaveLimits:
     @property
     def text(self) -> str:
         """Return all limits that are set, in one line."""
-        told = [f"memory {bytes_text(self.memory)}"] if self.memory else []
-        told += [f"processes {self.processes}"] if self.processes else []
-        told += [f"descriptors {self.descriptors}"] if self.descriptors else []
-        told += [f"processor {self.processor:g}"] if self.processor else []
-        return ", ".join(told)
+        parts = [f"memory {bytes_text(self.memory)}"] if self.memory else []
+        parts += [f"processes {self.processes}"] if self.processes else []
+        parts += [f"descriptors {self.descriptors}"] if self.descriptors else []
+        parts += [f"processor {self.processor:g}"] if self.processor else []
+        return ", ".join(parts)
 
 
 NO_LIMITS = SlaveLimits()
@@ -93,8 +93,8 @@ def read_limits(options: Mapping[str, str]) -> SlaveLimits:
     Raises:
         Malformed: One makes no sense; names it.
     """
-    said = tuple(sorted((k, v) for k, v in options.items() if k.startswith(LIMIT)))
-    return _read(said) if said else NO_LIMITS
+    stated = tuple(sorted((k, v) for k, v in options.items() if k.startswith(LIMIT)))
+    return _read(stated) if stated else NO_LIMITS
 
 
 def limits_in(create: str) -> SlaveLimits:
@@ -108,9 +108,9 @@ def limits_in(create: str) -> SlaveLimits:
 
 
 @lru_cache(maxsize=256)
-def _read(said: tuple[tuple[str, str], ...]) -> SlaveLimits:
+def _read(stated: tuple[tuple[str, str], ...]) -> SlaveLimits:
     values: dict[str, Any] = {}
-    for key, text in said:
+    for key, text in stated:
         kind = key.removeprefix(LIMIT)
         if kind not in _READERS:
             hint = did_you_mean(kind, _READERS, 1, lambda each: LIMIT + each)
@@ -219,25 +219,25 @@ def overbooked(reserved: Mapping[str, SlaveLimits], capacity: Capacity) -> str:
         ("memory", capacity.memory, bytes_text),
         ("processor", capacity.processors, "{:g}".format),
     ):
-        said = {name: float(getattr(each, kind)) for name, each in reserved.items()}
-        total = round(sum(said.values()), 6)
+        amounts = {name: float(getattr(each, kind)) for name, each in reserved.items()}
+        total = round(sum(amounts.values()), 6)
         if total > have:
-            who = _largest(said, text)
+            who = _largest(amounts, text)
             return f"{LIMIT}{kind}: {text(total)} in all ({who}), but this host has {text(have)}"
     return ""
 
 
-def _largest(said: Mapping[str, float], text: Callable[[float], str], most: int = 4) -> str:
+def _largest(amounts: Mapping[str, float], text: Callable[[float], str], most: int = 4) -> str:
     """Return who may use most, the others by their number."""
-    ranked = sorted(filter(said.get, said), key=lambda name: -said[name])
-    told = [f"{name} {text(said[name])}" for name in ranked]
-    return ", ".join([*told[:most], *([f"{len(told) - most} more"] if len(told) > most else [])])
+    ranked = sorted(filter(amounts.get, amounts), key=lambda name: -amounts[name])
+    parts = [f"{name} {text(amounts[name])}" for name in ranked]
+    return ", ".join([*parts[:most], *([f"{len(parts) - most} more"] if len(parts) > most else [])])
 
 
 def wanted_limits(system: WantedSystem) -> dict[str, SlaveLimits]:
     """Return the limits that a system states for its components, by instance; empty ones too."""
-    said = {c.instance: c.policy for c in system.components if c.policy is not None}
-    return {instance: read_limits(policy) for instance, policy in said.items()}
+    policies = {c.instance: c.policy for c in system.components if c.policy is not None}
+    return {instance: read_limits(policy) for instance, policy in policies.items()}
 
 
 def reserved(

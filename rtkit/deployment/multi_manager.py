@@ -57,11 +57,11 @@ def joined(snapshots: Sequence[Snapshot], homes: Homes) -> Snapshot:
                 connectors[connector.connector_id] = each.manager
     parts = [_part(each, bearers, connectors) for each in snapshots]
     shown = [parts[0], *map(_shown_below, parts[1:])]
-    told = {each.name: getattr(first, each.name) for each in fields(first)}
-    told["components"] = tuple(facts for each in shown for facts in each.components)
-    told["connectors"] = tuple(connector for each in shown for connector in each.connectors)
-    told["systems"] = tuple(system for each in snapshots for system in each.systems)
-    return JointSnapshot(**told, others=tuple(shown[1:]))
+    values = {each.name: getattr(first, each.name) for each in fields(first)}
+    values["components"] = tuple(facts for each in shown for facts in each.components)
+    values["connectors"] = tuple(connector for each in shown for connector in each.connectors)
+    values["systems"] = tuple(system for each in snapshots for system in each.systems)
+    return JointSnapshot(**values, others=tuple(shown[1:]))
 
 
 def _part(each: Snapshot, bearers: Homes, connectors: Mapping[str, str]) -> Snapshot:

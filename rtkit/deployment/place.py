@@ -118,12 +118,12 @@ def check_paths(profile: RtsProfile) -> None:
     connectors += profile.service_port_connectors
     for connector in connectors:
         for end in (connector.source, connector.target):
-            told = property_value(end.properties, PATH_ID)
+            stated = property_value(end.properties, PATH_ID)
             own = paths.get(end.instance_name, "")
-            if told and _bare(told) != own:
+            if stated and _bare(stated) != own:
                 raise InvalidDocument(
                     f"connector {connector.connector_id}: {PATH_ID} of {end.instance_name}"
-                    f" is {told}, but its path is {own}"
+                    f" is {stated}, but its path is {own}"
                 )
 
 

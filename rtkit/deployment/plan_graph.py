@@ -44,14 +44,14 @@ def to_dot(plan: StartPlan) -> Iterator[str]:
 def _condition(
     condition: StartCondition, turn: ScheduledAction, ids: dict[OrderTarget, int]
 ) -> str:
-    told = f"Order {condition.sequence}"
+    label = f"Order {condition.sequence}"
     if condition.preceding is None:
-        told += f"/Wait {condition.wait_ms}ms" if condition.wait_ms else ""
-        return _edge(_ARMED, f"a{turn.id}", told)
-    told += "/Sync" if condition.is_sync else "/After"
-    told += f", at most {condition.timeout_ms}ms" if condition.timeout_ms else ""
+        label += f"/Wait {condition.wait_ms}ms" if condition.wait_ms else ""
+        return _edge(_ARMED, f"a{turn.id}", label)
+    label += "/Sync" if condition.is_sync else "/After"
+    label += f", at most {condition.timeout_ms}ms" if condition.timeout_ms else ""
     before = f"a{ids[condition.preceding]}"
-    return _edge(before, f"a{turn.id}", told, is_dashed=not condition.is_sync)
+    return _edge(before, f"a{turn.id}", label, is_dashed=not condition.is_sync)
 
 
 def _edge(before: str, after: str, label: str, *, is_dashed: bool = False) -> str:

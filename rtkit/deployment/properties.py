@@ -56,7 +56,7 @@ def of_component(
     Of a composite `ends` states whose ports it shows, by their names on it.
     """
     kind = facts.type
-    told = {
+    texts = {
         "type": kind.type_name,
         "vendor": kind.vendor,
         "category": kind.category,
@@ -69,7 +69,7 @@ def of_component(
     doc = "Life-cycle state; set to Active or Inactive to change it"
     spec = PropertySpec(parse_type("word"), choices=_STATES, doc=doc)
     shown = [Shown("state", Word(facts.state), spec, _state_change(facts))]
-    shown += [_text(name, text) for name, text in told.items()]
+    shown += [_text(name, text) for name, text in texts.items()]
     shown.append(_list("names", facts.names))
     if facts.members:
         shown.append(_list("members", facts.members))

@@ -55,7 +55,7 @@ class PlanRunner:
         self._progress = progress
         self._count = count
         self._passed = self._known = 0
-        self._told: set[str] = set()
+        self._reported: set[str] = set()
         self.attempted: list[Action] = []
         self.done: list[PlannedAction] = []
         self.failed: list[PlannedAction] = []
@@ -72,7 +72,7 @@ class PlanRunner:
             if check.failure and check.is_required:
                 failures.append(check.failure)
             else:
-                self._tell(check.failure)
+                self._report_once(check.failure)
         self._refuse(failures)
 
     def _refuse(self, failures: Sequence[str]) -> None:
@@ -109,20 +109,20 @@ class PlanRunner:
                 self.done += together
             elif any(step.is_required for step in together):
                 self.failed += together
-                failures.append(together[0].told(result.why))
+                failures.append(together[0].failure_text(result.why))
             else:
-                self._failed(together, together[0].told(result.why))
+                self._failed(together, together[0].failure_text(result.why))
         self._refuse(failures)
 
     def _failed(self, steps: Sequence[PlannedAction], why: str) -> None:
         if any(step.is_required for step in steps):
             self.failed += steps
             raise Refused(f"Required action failed: {why}")
-        self._tell(why)
+        self._report_once(why)
 
-    def _tell(self, why: str) -> None:
-        if why and why not in self._told:
-            self._told.add(why)
+    def _report_once(self, why: str) -> None:
+        if why and why not in self._reported:
+            self._reported.add(why)
             self._report(f"Action failed: {why}")
 
     def _send(self, actions: Sequence[Action]) -> tuple[Result, ...]:
@@ -170,8 +170,8 @@ def roll_back(runner: PlanRunner, before: Snapshot, error: BaseException) -> str
         removed, remaining = runner.undo(before)
     except (RtkitError, KeyboardInterrupt) as trouble:
         return f"what was made could not be removed ({str(trouble) or 'interrupted again'})"
-    told = [f"removed again: {', '.join(removed)}"] if removed else []
-    told += [f"remains: {', '.join(remaining)}"] if remaining else []
+    parts = [f"removed again: {', '.join(removed)}"] if removed else []
+    parts += [f"remains: {', '.join(remaining)}"] if remaining else []
     if UNFINISHED in error.args:
-        told.append("the manager may still be busy with what it was last asked for")
-    return "; ".join(told)
+        parts.append("the manager may still be busy with what it was last asked for")
+    return "; ".join(parts)

@@ -160,20 +160,20 @@ def arrange(
 def _numbered(
     turn: ScheduledAction, number: int, names: Mapping[OrderTarget, str]
 ) -> ScheduledAction:
-    told = _brackets(turn.conditions, names)
-    text = f"{{{number}}} {told}{turn.step.text}"
+    brackets = _brackets(turn.conditions, names)
+    text = f"{{{number}}} {brackets}{turn.step.text}"
     return replace(turn, id=number, step=replace(turn.step, text=text))
 
 
 def _brackets(conditions: Sequence[StartCondition], names: Mapping[OrderTarget, str]) -> str:
     """Return all conditions of an action, those of one place together."""
-    told: dict[int, list[str]] = {}
+    grouped: dict[int, list[str]] = {}
     for condition in conditions:
         what = words(condition, names)
-        told.setdefault(condition.sequence, []).extend([what] if what else [])
+        grouped.setdefault(condition.sequence, []).extend([what] if what else [])
     parts = [
         f"Order {sequence}" + (f"/{', '.join(what)}" if what else "")
-        for sequence, what in told.items()
+        for sequence, what in grouped.items()
     ]
     return f"[{', '.join(parts)}] " if parts else ""
 

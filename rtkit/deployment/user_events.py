@@ -105,20 +105,20 @@ def _systems(before: Snapshot, delta: Delta) -> Iterator[UserEvent]:
     for each in delta.systems:
         old = known.pop(each.system, None)
 
-        def told(event: str, detail: str = "", each: Followed = each) -> UserEvent:
+        def user_event(event: str, detail: str = "", each: Followed = each) -> UserEvent:
             return UserEvent(SYSTEM_STATE, "", "", each.system, event, detail, system=each)
 
         if old is None or (old.is_over and not each.is_over):
-            yield told("FOLLOWED")
+            yield user_event("FOLLOWED")
             old = Followed(each.system)
         if each.why and each.why != old.why:
-            yield told("TRANSITION_FAILED", each.why)
+            yield user_event("TRANSITION_FAILED", each.why)
         if each.waits and each.waits != old.waits:
-            yield told("WAITS", each.waits)
+            yield user_event("WAITS", each.waits)
         if each.count != old.count:
-            yield told(each.state, str(each))
+            yield user_event(each.state, str(each))
         if each.is_over and not old.is_over:
-            yield told("NOT_FOLLOWED", "that transition failed")
+            yield user_event("NOT_FOLLOWED", "that transition failed")
     for each in known.values():
         yield UserEvent(SYSTEM_STATE, "", "", each.system, "NOT_FOLLOWED", system=each)
 

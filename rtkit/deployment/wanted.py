@@ -13,7 +13,6 @@ from rtkit.deployment.described import (
     contexts_of,
     data_port,
     guests_of,
-    interfaces_told,
     kind_of,
     lasting,
     properties_of,
@@ -21,6 +20,7 @@ from rtkit.deployment.described import (
     script_of,
     service_port,
     sets_of,
+    stated_interfaces,
     type_of,
 )
 from rtkit.deployment.place import Hosts, check_map, place
@@ -158,22 +158,22 @@ def _wiring(profile: RtsProfile) -> _Wiring:
             if type_name:
                 wiring.types.setdefault(ref, type_name)
     for service in profile.service_port_connectors:
-        _tell_interfaces(service, wiring)
+        _add_interfaces(service, wiring)
     return wiring
 
 
-def _tell_interfaces(service: ServicePortConnector, wiring: _Wiring) -> None:
+def _add_interfaces(service: ServicePortConnector, wiring: _Wiring) -> None:
     ends = [_ref(service.source), _ref(service.target)]
-    for instance, port, interface in interfaces_told(properties_of(service.properties)):
-        told = PortRef(instance, port)
-        if told not in ends:
+    for instance, port, interface in stated_interfaces(properties_of(service.properties)):
+        end = PortRef(instance, port)
+        if end not in ends:
             continue
-        other = ends[1 - ends.index(told)]
+        other = ends[1 - ends.index(end)]
         wanted_other = Polarity.REQUIRED
         if interface.polarity is Polarity.REQUIRED:
             wanted_other = Polarity.PROVIDED
         mirrored = replace(interface, polarity=wanted_other)
-        for ref, each in ((told, interface), (other, mirrored)):
+        for ref, each in ((end, interface), (other, mirrored)):
             known = wiring.interfaces.get(ref, ())
             if all(
                 (k.type_name, k.instance_name) != (each.type_name, each.instance_name)
@@ -243,8 +243,8 @@ def _limited(create: CreateString) -> str:
 
 def _supervised(made: WantedComponent, own: Mapping[str, str]) -> WantedComponent:
     """Return a component with its policy, if the profile states one, or all of how it is made."""
-    said = {**own, **extension.policy_in(made.create)}
-    policy = {key: value for key, value in said.items() if value}
+    stated = {**own, **extension.policy_in(made.create)}
+    policy = {key: value for key, value in stated.items() if value}
     return replace(made, policy=policy) if policy or made.is_create_stated else made
 
 
@@ -263,13 +263,13 @@ def _restarts_of_slaves(profile: RtsProfile) -> dict[str, str]:
         Malformed: One makes no sense.
     """
     prefix = extension.SLAVE_RESTART
-    told = {k: v for k, v in properties_of(profile.properties).items() if k.startswith(prefix)}
-    if told:
+    restarts = {k: v for k, v in properties_of(profile.properties).items() if k.startswith(prefix)}
+    if restarts:
         from rtkit.deployment.supervision import restart_of
 
-        for key, word in told.items():
+        for key, word in restarts.items():
             restart_of(key, word)
-    return {key.removeprefix(prefix): word for key, word in told.items()}
+    return {key.removeprefix(prefix): word for key, word in restarts.items()}
 
 
 def _check_policy(options: Mapping[str, str]) -> None:
@@ -327,8 +327,8 @@ def _as_stand_in(
         **_stated(component, made),
     }
     scripted = f"{extension.STAND_IN}."
-    said = properties_of(component.properties).items()
-    options.update((name, value) for name, value in said if name.startswith(scripted))
+    properties = properties_of(component.properties).items()
+    options.update((name, value) for name, value in properties if name.startswith(scripted))
     if choices.transmit:
         options[extension.TRANSMIT] = "default"
     identity = type_of(made.id)
@@ -388,13 +388,13 @@ def _ref(end: TargetPort) -> PortRef:
 
 
 def _data(connector: DataPortConnector) -> tuple[ConnectorProfile, bool]:
-    told = (
+    values = (
         connector.data_type,
         connector.interface_type,
         connector.dataflow_type,
         connector.subscription_type,
     )
-    stated = {key: value for key, value in zip(DATA_ATTRIBUTES, told, strict=True) if value}
+    stated = {key: value for key, value in zip(DATA_ATTRIBUTES, values, strict=True) if value}
     if connector.push_interval:
         stated[PUSH_INTERVAL] = repr(connector.push_interval).removesuffix(".0")
     return _connector(connector, stated), True

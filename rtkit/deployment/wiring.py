@@ -132,8 +132,8 @@ def _supervision(
     """Yield rates of contexts and the policy, where they are other or not known yet."""
     facts = live.at(component.instance)
     if component.instance in pending:
-        said = zip(component.contexts, component.rates, strict=True)
-        left = [(context.id, rate) for context, rate in said if rate and component.pattern is None]
+        pairs = zip(component.contexts, component.rates, strict=True)
+        left = [(context.id, rate) for context, rate in pairs if rate and component.pattern is None]
         policy = None  # the create string states it
     elif facts is None or absence(component, live):
         return

@@ -43,16 +43,16 @@ class Comments:
 
     def of(self, line: int, end_line: int) -> str:
         """Return the comment of a declaration that stands on these lines; may be empty."""
-        before = _said(self._before.get(line - 1, []))
+        before = _text_of(self._before.get(line - 1, []))
         behind = self._behind.get(end_line)
-        return before or (_said([behind]) if behind else "")
+        return before or (_text_of([behind]) if behind else "")
 
 
 def _is_line(comment: Comment, earlier: list[Comment]) -> bool:
     return comment.text.startswith("//") and all(e.text.startswith("//") for e in earlier)
 
 
-def _said(comments: Iterable[Comment]) -> str:
+def _text_of(comments: Iterable[Comment]) -> str:
     lines: list[str] = []
     for comment in comments:
         for raw in comment.text.split("\n"):

@@ -102,20 +102,20 @@ def _parser() -> Any:
     from rtkit.idl.grammar import GRAMMAR
 
     # The lexer hands comments to the present reader, because the parser itself is made once.
-    heard: list[Token] = []
+    tokens: list[Token] = []
     parser = Lark(
         GRAMMAR,
         parser="lalr",
         propagate_positions=True,
         maybe_placeholders=True,
-        lexer_callbacks={"COMMENT": _keep(heard)},
+        lexer_callbacks={"COMMENT": _keep(tokens)},
     )
-    return parser, heard
+    return parser, tokens
 
 
-def _keep(heard: list[Token]) -> Callable[[Token], Token]:
+def _keep(tokens: list[Token]) -> Callable[[Token], Token]:
     def keep(token: Token) -> Token:
-        heard.append(token)
+        tokens.append(token)
         return token
 
     return keep
@@ -124,13 +124,13 @@ def _keep(heard: list[Token]) -> Callable[[Token], Token]:
 def _parse(source: IdlSource) -> tuple[Tree[Token], Comments]:
     from lark.exceptions import UnexpectedInput
 
-    parser, heard = _parser()
-    heard.clear()
+    parser, tokens = _parser()
+    tokens.clear()
     try:
         tree: Tree[Token] = parser.parse(source.text)
     except UnexpectedInput as error:
         raise InvalidIdl(_explain(error, source)) from None
-    comments = [Comment(str(token), token.line or 1, token.end_line or 1) for token in heard]
+    comments = [Comment(str(token), token.line or 1, token.end_line or 1) for token in tokens]
     return tree, Comments([line.text for line in source.lines], comments)
 
 

@@ -82,14 +82,14 @@ class CostTable:
         if costs is None or callable(costs):
             return
         table = costs if isinstance(costs, CostTable) else CostTable(costs)
-        told = dict.fromkeys((*table.by_command, *(row.command for row in table.rows)))
+        priced = dict.fromkeys((*table.by_command, *(row.command for row in table.rows)))
         known = frozenset(names)
-        unknown = [name for name in told if name not in known]
+        unknown = [name for name in priced if name not in known]
         if not unknown:
             return
         from difflib import get_close_matches
 
-        without = [name for name in known if name not in told]
+        without = [name for name in known if name not in priced]
         for name in unknown:
             near = get_close_matches(name, without, 1, _MISSPELT)
             if near:

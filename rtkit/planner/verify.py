@@ -18,7 +18,7 @@ def verify(problem: Problem, plan: Plan) -> str:
             return f"step {number} ({step.command}): {why}"
         state, cost = step.after, cost + step.cost
     if not problem.is_goal(state):
-        return f"what is desired does not hold at the end: {_told(problem, state)}"
+        return f"what is desired does not hold at the end: {_text(problem, state)}"
     if not isclose(cost, plan.cost, rel_tol=1e-9):
         return f"the steps cost {cost:g}, not {plan.cost:g}"
     return ""
@@ -26,7 +26,7 @@ def verify(problem: Problem, plan: Plan) -> str:
 
 def _fault(problem: Problem, step: Step, state: State) -> str:
     if step.before != state:
-        return f"begins at {_told(problem, step.before)}, not at {_told(problem, state)}"
+        return f"begins at {_text(problem, step.before)}, not at {_text(problem, state)}"
     command = _offered(problem, step.command, state)
     if command is None:
         return "there is no such command"
@@ -35,7 +35,7 @@ def _fault(problem: Problem, step: Step, state: State) -> str:
         return f"does not hold: {broken.name}"
     after = command.effect(state)
     if after != step.after:
-        return f"leads to {_told(problem, after)}, not to {_told(problem, step.after)}"
+        return f"leads to {_text(problem, after)}, not to {_text(problem, step.after)}"
     for place, (name, domain) in enumerate(problem.variables.items()):
         if after[place] is not state[place] and after[place] not in domain:
             return f"{name} cannot be {after[place]!r}"
@@ -50,5 +50,5 @@ def _offered(problem: Problem, command: Command, state: State) -> Command | None
     return next(found, None)
 
 
-def _told(problem: Problem, state: State) -> str:
+def _text(problem: Problem, state: State) -> str:
     return ", ".join(f"{name}={value}" for name, value in problem.named(state).items())

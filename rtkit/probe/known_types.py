@@ -59,7 +59,7 @@ def data_type(name: str, typed: str, definition: str = "") -> type:
 
 
 def type_or_bytes(
-    name: str, typed: str, say: Callable[[str], object], definition: str = ""
+    name: str, typed: str, notify: Callable[[str], object], definition: str = ""
 ) -> type:
     """Return the class of a data type; bytes, with a note, where it is not defined.
 
@@ -68,5 +68,5 @@ def type_or_bytes(
     try:
         return data_type(name, typed, definition)
     except NotFound as error:
-        say(f"note: {error}; its values are taken as they are")
+        notify(f"note: {error}; its values are taken as they are")
         return bytes

@@ -11,37 +11,37 @@ from rtkit.probe.stats import Spread, Summary
 _SIZES = ("B", "kB", "MB", "GB", "TB")
 
 
-def lines_of(stream: Stream, told: Summary) -> Iterator[str]:
+def lines_of(stream: Stream, summary: Summary) -> Iterator[str]:
     """Yield the lines about one stream."""
     yield f"{stream.name}  {' '.join(str(end.path) for end in stream.ends)}"
-    yield f"  values    {told.values}"
-    if told.interval_s is not None:
-        yield f"  rate      {told.rate_hz:.4g} Hz, {size_text(told.bytes_per_s)}/s"
-        yield f"  interval  {_times(told.interval_s)}"
-    if told.size_bytes is not None:
-        least, most = size_text(told.size_bytes.least), size_text(told.size_bytes.most)
+    yield f"  values    {summary.values}"
+    if summary.interval_s is not None:
+        yield f"  rate      {summary.rate_hz:.4g} Hz, {size_text(summary.bytes_per_s)}/s"
+        yield f"  interval  {_times(summary.interval_s)}"
+    if summary.size_bytes is not None:
+        least, most = size_text(summary.size_bytes.least), size_text(summary.size_bytes.most)
         yield f"  size      {least}" + (f" to {most}" if least != most else "")
-    if told.latency_s is not None:
-        yield f"  latency   {_times(told.latency_s)}"
-    for name, spread in told.fields.items():
+    if summary.latency_s is not None:
+        yield f"  latency   {_times(summary.latency_s)}"
+    for name, spread in summary.fields.items():
         if spread is not None:
             yield f"  {name:<8}  {_numbers(spread)}"
 
 
-def record_of(stream: Stream, told: Summary, lost: int) -> dict[str, Any]:
+def record_of(stream: Stream, summary: Summary, lost: int) -> dict[str, Any]:
     """Return the same as data for JSON; times in seconds; `lost` of all streams."""
     return {
         "stream": stream.name,
         "ports": [str(end.path) for end in stream.ends],
         "type": stream.data_type,
-        "values": told.values,
+        "values": summary.values,
         "lost": lost,
-        "rate_hz": told.rate_hz,
-        "bytes_per_s": told.bytes_per_s,
-        "interval_s": told.interval_s._asdict() if told.interval_s else None,
-        "size_bytes": told.size_bytes._asdict() if told.size_bytes else None,
-        "latency_s": told.latency_s._asdict() if told.latency_s else None,
-        "fields": {name: each._asdict() if each else None for name, each in told.fields.items()},
+        "rate_hz": summary.rate_hz,
+        "bytes_per_s": summary.bytes_per_s,
+        "interval_s": summary.interval_s._asdict() if summary.interval_s else None,
+        "size_bytes": summary.size_bytes._asdict() if summary.size_bytes else None,
+        "latency_s": summary.latency_s._asdict() if summary.latency_s else None,
+        "fields": {name: each._asdict() if each else None for name, each in summary.fields.items()},
     }
 
 

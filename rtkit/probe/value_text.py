@@ -56,16 +56,16 @@ def _is_image(value: Any) -> bool:
 
 def _image(value: Any) -> str:
     """Return the properties of an image without its pixels."""
-    told = [f"{value.width} x {value.height}"]
+    parts = [f"{value.width} x {value.height}"]
     for each in fields(value):
         item = getattr(value, each.name)
         if isinstance(item, bytes):
-            told.append(f"{len(item)} bytes")
+            parts.append(f"{len(item)} bytes")
         elif each.name == _STAMP:
-            told.insert(0, f"[{stamp_text(item)}]")
+            parts.insert(0, f"[{stamp_text(item)}]")
         elif each.name not in ("width", "height"):
-            told.append(f"{each.name} {_text(item, False)}")
-    return f"{type(value).__name__}({', '.join(told)})"
+            parts.append(f"{each.name} {_text(item, False)}")
+    return f"{type(value).__name__}({', '.join(parts)})"
 
 
 def plain(value: Any) -> Any:

@@ -108,15 +108,15 @@ class RecordingSelection(NamedTuple):
         if not count or first_ns is None or last_ns is None:
             return ""
         if self.is_by_index:
-            what, first, last, told = "index", 0, count - 1, f"0 to {count - 1}"
+            what, first, last, extent = "index", 0, count - 1, f"0 to {count - 1}"
         else:
             what, first, last = "time", first_ns, last_ns
-            told = f"{first_ns / NANOSECONDS:.9f} to {last_ns / NANOSECONDS:.9f}"
+            extent = f"{first_ns / NANOSECONDS:.9f} to {last_ns / NANOSECONDS:.9f}"
         if self.start is not None and self.start > last:
-            raise Refused(f"Start {what} out of bounds: the recording has {told}")
+            raise Refused(f"Start {what} out of bounds: the recording has {extent}")
         is_empty = self.is_by_index and self.start is None and self.end == 0
         if self.end is not None and (self.end < max(first, self.start or first) or is_empty):
-            return f"End {what} out of bounds: the recording has {told}"
+            return f"End {what} out of bounds: the recording has {extent}"
         return ""
 
     def of(self, entries: Iterable[RecordedValue]) -> Iterator[RecordedValue]:

@@ -83,8 +83,8 @@ class _CheckedConnector:
                 parse_options({each.name: value})
             except Malformed as error:
                 odd, severity = [str(error)], ERROR
-            told = property_place(self._place, connector.properties, each.name)
-            at = self._place.at("push_interval") if told is None else told[0], value
+            stated = property_place(self._place, connector.properties, each.name)
+            at = self._place.at("push_interval") if stated is None else stated[0], value
             for text in odd:
                 found = self._found("connector-property", f": {text}", at)
                 yield found._replace(severity=severity)
@@ -96,8 +96,8 @@ class _CheckedConnector:
             places = [self._view.process_of(name) for name in ends]
             if interface_name(at[1]) == DIRECT and None not in places and places[0] != places[1]:
                 known = [place or "the manager" for place in places]
-                told = ", ".join(map("{} in {}".format, ends, known))
-                text = f": interface type direct joins ports of one process: {told}"
+                where = ", ".join(map("{} in {}".format, ends, known))
+                text = f": interface type direct joins ports of one process: {where}"
                 yield self._found("interface-type", text, at)._replace(severity=ERROR)
 
     def _directions(self) -> Iterator[StaticFinding]:
@@ -156,14 +156,14 @@ class _CheckedConnector:
     def _stated(self, field: str) -> list[_At]:
         """Return what is stated and where: by the property, which counts, and by the attribute."""
         attribute = getattr(self._connector, field) or ""
-        told = property_place(self._place, self._connector.properties, f"dataport.{field}")
-        stated = [] if told is None else [told]
-        is_other = told is None or told[1].strip().lower() != attribute.strip().lower()
+        found = property_place(self._place, self._connector.properties, f"dataport.{field}")
+        stated = [] if found is None else [found]
+        is_other = found is None or found[1].strip().lower() != attribute.strip().lower()
         return [*stated, (self._place.at(field), attribute)] if attribute and is_other else stated
 
     def _is_pushed(self) -> bool:
-        told = property_value(self._connector.properties, "dataport.dataflow_type")
-        return (told or self._connector.dataflow_type).strip().lower() in ("push", "")
+        stated = property_value(self._connector.properties, "dataport.dataflow_type")
+        return (stated or self._connector.dataflow_type).strip().lower() in ("push", "")
 
 
 def _common(ends: list[DataEnd], key: str) -> str:

@@ -59,9 +59,9 @@ def _order(
         circle = ring(found)
         if not circle:
             break
-        told = _told([named(target, contexts) for target in [*circle, circle[0]]])
-        text = f"{name}: conditions in a circle: {told}"
-        yield StaticFinding(ERROR, "condition-circle", text, places[circle[0]], told)
+        waits = _waits_text([named(target, contexts) for target in [*circle, circle[0]]])
+        text = f"{name}: conditions in a circle: {waits}"
+        yield StaticFinding(ERROR, "condition-circle", text, places[circle[0]], waits)
         apart = set(circle)
         for target in circle:
             found[target] = tuple(c for c in found[target] if c.preceding not in apart)
@@ -97,7 +97,7 @@ def _earliest_ms(orders: _Orders) -> dict[OrderTarget, int]:
     return first
 
 
-def _told(names: list[str]) -> str:
+def _waits_text(names: list[str]) -> str:
     if len(names) > _NAMES:
         half = _NAMES // 2
         names = [*names[:half], f"… {len(names) - 2 * half} more …", *names[-half:]]

@@ -64,10 +64,10 @@ def _active_set(part: CheckedComponent) -> Iterator[StaticFinding]:
 
 def _create_string(part: CheckedComponent) -> Iterator[StaticFinding]:
     """Yield values in the create string of a component with which it would not be made."""
-    told = property_place(part.place, part.component.properties, CREATE)
-    if told is None or part.blueprint is None:
+    stated = property_place(part.place, part.component.properties, CREATE)
+    if stated is None or part.blueprint is None:
         return
-    where, text = told
+    where, text = stated
     try:
         options = parse_create(text).options
     except Malformed as error:

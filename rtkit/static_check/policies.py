@@ -34,11 +34,11 @@ def restart_findings(view: View) -> Iterator[StaticFinding]:
     for part in view.parts:
         for number, each in enumerate(part.component.properties):
             if is_policy(each.name):
-                told = {each.name: each.value or ""}
+                stated = {each.name: each.value or ""}
                 try:
-                    read_policy(told)
-                    read_rules(told)
-                    read_limits(told)
+                    read_policy(stated)
+                    read_rules(stated)
+                    read_limits(stated)
                 except Malformed as error:
                     where = part.place.below("properties", number).at("value")
                     text = f"{part.name}: {error}"
@@ -64,12 +64,12 @@ def _slaves(view: View) -> set[str]:
 def _states(view: View) -> Iterator[StaticFinding]:
     """Yield what is wrong with states; those of a state chart are checked when it is read."""
     profile = view.profile
-    told = properties_of(profile.properties)
-    if STATE_CHART in told:
+    properties = properties_of(profile.properties)
+    if STATE_CHART in properties:
         return
     sets = {c.instance_name: [s.id for s in c.configuration_sets] for c in profile.components}
     try:
-        machine_of(told, sets)
+        machine_of(properties, sets)
     except Malformed as error:
         named = property_place(TOP, profile.properties, STATES)
         where, text = named if named is not None else (TOP, None)
@@ -95,9 +95,9 @@ def limit_remarks(
 def _limits(part: CheckedComponent) -> SlaveLimits:
     """Return the limits of a component; none where they make no sense (another rule)."""
     own = properties_of(part.component.properties)
-    said = {key: value for key, value in own.items() if key.startswith(LIMIT)}
+    stated = {key: value for key, value in own.items() if key.startswith(LIMIT)}
     with suppress(Malformed):
-        return read_limits(said) if said else limits_in(own.get(CREATE, ""))
+        return read_limits(stated) if stated else limits_in(own.get(CREATE, ""))
     return NO_LIMITS
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 
-from rtkit.deployment.described import interfaces_told
+from rtkit.deployment.described import stated_interfaces
 from rtkit.profile.rts_model import ServicePortConnector
 from rtkit.profile.words import strip_instance
 from rtkit.report.finding import ERROR, WARNING
@@ -29,7 +29,7 @@ def service_findings(view: View) -> Iterator[StaticFinding]:
         met.setdefault((source.owner, source.port), []).append(target.interfaces)
         met.setdefault((target.owner, target.port), []).append(source.interfaces)
         yield from _match(connector, place, source, target)
-        yield from _told(connector, place, source, target)
+        yield from _stated_findings(connector, place, source, target)
     for part in view.parts:
         yield from _unmet(part, met)
 
@@ -62,34 +62,34 @@ def _match(
         )
 
 
-def _told(
+def _stated_findings(
     connector: ServicePortConnector, place: ProfileLocation, source: ServiceEnd, target: ServiceEnd
 ) -> Iterator[StaticFinding]:
-    """Yield what properties of the connector tell of interfaces that the types do not have."""
+    """Yield what properties of the connector state of interfaces that the types do not have."""
     ends = {
         (end.instance_name, strip_instance(end.port_name, end.instance_name)): known
         for end, known in ((connector.source, source), (connector.target, target))
     }
     for number, each in enumerate(connector.properties):
-        for instance, port, told in interfaces_told({each.name: ""}):
+        for instance, port, stated in stated_interfaces({each.name: ""}):
             known = ends.get((instance, port))
-            if known is None or not known.interfaces or _has(known.interfaces, told):
+            if known is None or not known.interfaces or _has(known.interfaces, stated):
                 continue
             text = (
                 f"connector {connector.connector_id}: {known.name} has"
-                f" {_words(known.interfaces)}, not {told.type_name} {told.polarity.lower()}"
+                f" {_words(known.interfaces)}, not {stated.type_name} {stated.polarity.lower()}"
             )
             where = place.below("properties", number).at("name")
             rule = "service-interface"
-            if any(is_same_type(told.type_name, own.type_name) for own in known.interfaces):
+            if any(is_same_type(stated.type_name, own.type_name) for own in known.interfaces):
                 rule = "service-polarity"
-            found = f"{told.type_name} {told.polarity.lower()}"
+            found = f"{stated.type_name} {stated.polarity.lower()}"
             yield StaticFinding(ERROR, rule, text, where, found, _words(known.interfaces))
 
 
-def _has(interfaces: _Interfaces, told: PortInterfaceProfile) -> bool:
+def _has(interfaces: _Interfaces, stated: PortInterfaceProfile) -> bool:
     return any(
-        is_same_type(own.type_name, told.type_name) and own.polarity is told.polarity
+        is_same_type(own.type_name, stated.type_name) and own.polarity is stated.polarity
         for own in interfaces
     )
 

@@ -31,12 +31,13 @@ class Options(NamedTuple):
 
     def chosen(self, findings: Iterable[Finding]) -> tuple[Finding, ...]:
         """Return those that are to be shown, by line."""
-        told = (each for each in findings if each.rule not in self.ignored)
+        shown = (each for each in findings if each.rule not in self.ignored)
         if self.strict:
-            told = (
-                each._replace(severity=ERROR) if each.severity == WARNING else each for each in told
+            shown = (
+                each._replace(severity=ERROR) if each.severity == WARNING else each
+                for each in shown
             )
-        return tuple(sorted(told, key=lambda finding: finding.line))
+        return tuple(sorted(shown, key=lambda finding: finding.line))
 
 
 USUAL = Options()
@@ -91,8 +92,8 @@ def verdict(system: Opened, catalogue: Catalogue, options: Options = USUAL) -> C
         )
         return Checked(system.file, "", tuple(errors))
     positions = system.positions
-    told = findings(system.profile, catalogue, options.capacity)
-    found = (_finding(each, system.file, positions) for each in told)
+    static_findings = findings(system.profile, catalogue, options.capacity)
+    found = (_finding(each, system.file, positions) for each in static_findings)
     return Checked(system.file, _what(system.profile, catalogue), options.chosen(found))
 
 

@@ -147,10 +147,10 @@ class View:
         """Yield what the system profile states of data ports itself."""
         for part in self.parts:
             for port in part.component.data_ports:
-                told = {each.name: each.value or "" for each in port.properties}
-                kind = stated_port_type(told.get("port.port_type", ""))
-                type = told.get("dataport.data_type", "")
-                offers = {key: offered(key, told.get(f"dataport.{key}")) for key in OFFERS}
+                stated = {each.name: each.value or "" for each in port.properties}
+                kind = stated_port_type(stated.get("port.port_type", ""))
+                type = stated.get("dataport.data_type", "")
+                offers = {key: offered(key, stated.get(f"dataport.{key}")) for key in OFFERS}
                 ports = (DataPortType(kind, type, {}),) if kind is not None else ()
                 name = strip_instance(port.name, part.name)
                 yield (part.component.id, part.name, name), _Stated(ports, offers)

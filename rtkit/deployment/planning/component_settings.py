@@ -53,8 +53,8 @@ def settings(
     wanted = drift.policy_text(component.policy)
     live = None
     if facts is not None:
-        told = drift.policy_difference(component, facts)
-        live = told.found if told is not None else drift.policy_text(policy_in(facts.create))
+        drifted = drift.policy_difference(component, facts)
+        live = drifted.found if drifted is not None else drift.policy_text(policy_in(facts.create))
     default = wanted if component.create else UNKNOWN  # who is made so has it from the beginning
     yield ComponentSetting(
         POLICY,
@@ -76,8 +76,8 @@ def _rates(
     if facts is not None:
         wished.update((each.context, each.wanted) for each in drift.rates(component, facts))
     else:
-        told = zip(component.contexts, component.rates, strict=False)
-        wished.update((context.id, rate) for context, rate in told if rate)
+        rates = zip(component.contexts, component.rates, strict=False)
+        wished.update((context.id, rate) for context, rate in rates if rate)
     is_alone = len(component.contexts) < 2
     for context, rate in wished.items():
         if facts is not None and context not in now:
@@ -110,9 +110,9 @@ def kept(facts: ComponentFacts) -> Iterator[ComponentSetting]:
         yield ComponentSetting(ACTIVE_SET, key, facts.active_set, facts.active_set)
     for context, rate in _own_rates(facts):
         text = f"set rate of {facts.instance} in {context}="
-        told = rate_text(rate)
+        present = rate_text(rate)
         yield ComponentSetting(
-            f"{RATE}{context}", ParameterVariable(UNKNOWN, True, text), told, told
+            f"{RATE}{context}", ParameterVariable(UNKNOWN, True, text), present, present
         )
 
 
@@ -129,8 +129,8 @@ def making(
 ) -> ComponentSetting:
     """Return that a component is, or was when a plan began, made otherwise for these reasons."""
     key = ParameterVariable(AS_WANTED, text=f"{component.instance} made ", is_fixed=True)
-    told = "; ".join(reasons) or AS_WANTED
-    return ComponentSetting(MADE, key, AS_WANTED, told if facts is not None else None)
+    live = "; ".join(reasons) or AS_WANTED
+    return ComponentSetting(MADE, key, AS_WANTED, live if facts is not None else None)
 
 
 def unlike(component: WantedComponent, facts: ComponentFacts | None) -> list[str]:

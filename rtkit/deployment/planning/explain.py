@@ -29,14 +29,14 @@ class NoPlan(Impossible):
         reasons: Sequence[str],
         more: Sequence[str] = (),
     ) -> None:
-        self.wishes = tuple(map(_told, wishes))
+        self.wishes = tuple(map(_text, wishes))
         self.variables = tuple(variable for variable, _ in wishes)
         self.reasons = tuple(reasons)
         self.more = tuple(more)
         how = "cannot hold together" if len(wishes) > 1 else "cannot be"
-        told = f"impossible: {', '.join(words)} {how}"
-        told += f" ({'; '.join(reasons)})" if reasons else ""
-        super().__init__(told + (f"; moreover: {'; '.join(more)}" if more else ""))
+        message = f"impossible: {', '.join(words)} {how}"
+        message += f" ({'; '.join(reasons)})" if reasons else ""
+        super().__init__(message + (f"; moreover: {'; '.join(more)}" if more else ""))
 
 
 def explained(model: Model, error: Impossible) -> NoPlan:
@@ -82,7 +82,7 @@ def _concerns(model: Model, variable: str, units: Collection[str]) -> bool:
     return kind in ("mgr", "mod") or owner_of(name) in units
 
 
-def _told(desired: Wished) -> str:
+def _text(desired: Wished) -> str:
     variable, value = desired
     return f"{variable}={value if isinstance(value, str) else '|'.join(value)}"
 
@@ -92,18 +92,18 @@ def _words(model: Model, desired: Wished) -> str:
     variable, values = desired
     kind, _, name = variable.partition(":")
     value = values if isinstance(values, str) else " or ".join(values)
-    told = model.text_of(variable)
+    text = model.text_of(variable)
     match kind:
         case "cmp":
             return {ANY: name, ABSENT: f"no {name}"}.get(value, f"{name} at {value}")
         case "cfg":
-            return f"{told}{value}"
+            return f"{text}{value}"
         case "con":
-            return told if value == YES else f"no {told}"
+            return text if value == YES else f"no {text}"
         case "mod":
-            module, _, manager = told.rpartition(" on ")
+            module, _, manager = text.rpartition(" on ")
             return f"{module} {value} on {manager}"
-    return f"{told} {value}"
+    return f"{text} {value}"
 
 
 def _reasons(model: Model, wishes: Sequence[Wished]) -> Iterator[str]:

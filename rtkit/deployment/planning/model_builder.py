@@ -129,8 +129,8 @@ class ModelBuilder:
                 to be created again, and that is not allowed.
         """
         managers = self.live.managers
-        for name, told in managers.items():
-            self._live[f"mgr:{name}"] = var.UP if told.pid else var.DOWN
+        for name, snapshot in managers.items():
+            self._live[f"mgr:{name}"] = var.UP if snapshot.pid else var.DOWN
         for component in self.system.components:
             self._component(component)
         for connector in self.system.connectors:
@@ -219,8 +219,8 @@ class ModelBuilder:
         if self.replaces and (reasons or self._reasons(component, was)):
             found.append(component_settings.making(component, facts, reasons))
         elif reasons:
-            told = f"{component.path} cannot be changed in place: {'; '.join(reasons)}"
-            self._trouble(component, f"{told}; --replace makes it again")
+            text = f"{component.path} cannot be changed in place: {'; '.join(reasons)}"
+            self._trouble(component, f"{text}; --replace makes it again")
         return found, reasons if self.replaces else []
 
     def _trouble(self, component: WantedComponent, why: str) -> None:
@@ -405,8 +405,8 @@ class ModelBuilder:
                 return f"port missing: {path} (its type has none)" if is_known else ""
             found.append(port)
         why = refusal(found, wanted.profile.properties)
-        told = " to ".join(address(self.system, end) for end in wanted.profile.ports)
-        return f"{told}: {why}" if why else ""
+        ends = " to ".join(address(self.system, end) for end in wanted.profile.ports)
+        return f"{ends}: {why}" if why else ""
 
     def _port(self, end: PortRef, *, is_pending: bool) -> PortProfile | None:
         """Return a port that lives, or as it will be when its component lives."""

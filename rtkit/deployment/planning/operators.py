@@ -123,14 +123,14 @@ class Operators:
         """Make a connection."""
         ends = dict.fromkeys(self._model.connectors[name].ends)
         needs = [Requirement(f"con:{name}", (var.NO,)), *map(_there, ends)]
-        text = f"connect {self._told(name)}"
+        text = f"connect {self._text(name)}"
         return self._made("connect", name, text, needs, (f"con:{name}", var.YES))
 
     def disconnect(self, name: str) -> Operator:
         """Remove a connection."""
         heeds = tuple(f"act:{end}" for end in dict.fromkeys(self._model.connectors[name].ends))
         needs = [Requirement(f"con:{name}", (var.YES, var.OTHER))]
-        text = f"disconnect {self._told(name)}"
+        text = f"disconnect {self._text(name)}"
         return self._made("disconnect", name, text, needs, (f"con:{name}", var.NO), heeds=heeds)
 
     def configure(self, key: str, value: str) -> Operator:
@@ -183,7 +183,7 @@ class Operators:
         cost = self._model.cost(kind, subject)
         return Operator(kind, subject, text, tuple(needs), changes, cost, value, heeds)
 
-    def _told(self, name: str) -> str:
+    def _text(self, name: str) -> str:
         return self._model.connectors[name].text or name
 
 

@@ -68,8 +68,8 @@ class Values:
                     continue
                 why = "" if present == value else self._misfit(parameter, value)
                 if why:
-                    told = f"{component.path}: {set_id}.{parameter} cannot be {value!r}: {why}"
-                    self.misfits.append(told)
+                    message = f"{component.path}: {set_id}.{parameter} cannot be {value!r}: {why}"
+                    self.misfits.append(message)
                     continue
                 is_hot = set_id not in self._seen or self._is_hot(parameter)
                 default = value if component.pattern is not None else UNKNOWN

@@ -31,8 +31,8 @@ def lines(plan: DeploymentPlan, costs: Costs = USUAL) -> Iterator[str]:
         ]
         widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
         for number, text, cost, change in rows:
-            told = f"  {number:>{widths[0]}}  {text:<{widths[1]}}  {cost:>{widths[2]}}  {change}"
-            yield told.rstrip()
+            line = f"  {number:>{widths[0]}}  {text:<{widths[1]}}  {cost:>{widths[2]}}  {change}"
+            yield line.rstrip()
         if any(len(layer) > 1 for layer in plan.layers):
             yield f"at once: {'; '.join(_ranges([n + 1 for n in each]) for each in plan.layers)}"
         yield from _sources(plan, costs)
@@ -113,8 +113,8 @@ def _sources(plan: DeploymentPlan, costs: Costs) -> Iterator[str]:
     for move in plan.moves:
         kinds.setdefault(costs.origin(move.kind, move.subject), {})[move.kind] = None
     if kinds.keys() - {TABLE}:
-        told = (f"{source}: {', '.join(kinds[source])}" for source in ORIGINS if source in kinds)
-        yield f"costs: {'; '.join(told)}"
+        parts = (f"{source}: {', '.join(kinds[source])}" for source in ORIGINS if source in kinds)
+        yield f"costs: {'; '.join(parts)}"
 
 
 def _change(move: Operator, before: str, after: str) -> str:
@@ -131,8 +131,8 @@ def _replacing(plan: DeploymentPlan, move: Operator) -> str:
     if move.kind != "delete":
         return ""
     fixed = (f"cfg:{key}" for key in model.keys_of[move.subject] if model.keys[key].is_fixed)
-    told = [model.now(each) for each in fixed if not model.allows(each, model.now(each))]
-    return f"replace: {'; '.join(told)}" if told else ""
+    reasons = [model.now(each) for each in fixed if not model.allows(each, model.now(each))]
+    return f"replace: {'; '.join(reasons)}" if reasons else ""
 
 
 def _subject(move: Operator) -> str:
@@ -143,10 +143,10 @@ def _subject(move: Operator) -> str:
 
 def _ranges(numbers: Sequence[int]) -> str:
     """Return numbers with those that follow one another as a range: ``2-4 7``."""
-    told: list[list[int]] = []
+    ranges: list[list[int]] = []
     for number in numbers:
-        if told and told[-1][-1] == number - 1:
-            told[-1].append(number)
+        if ranges and ranges[-1][-1] == number - 1:
+            ranges[-1].append(number)
         else:
-            told.append([number])
-    return " ".join(f"{each[0]}-{each[-1]}" if len(each) > 1 else f"{each[0]}" for each in told)
+            ranges.append([number])
+    return " ".join(f"{each[0]}-{each[-1]}" if len(each) > 1 else f"{each[0]}" for each in ranges)

@@ -116,14 +116,14 @@ def _contexts_unlike(before: Snapshot, now: Snapshot) -> Iterator[str]:
 
 def difference(model: Model, variable: str, was: str) -> str:
     """Return in words how a variable is, and how it was."""
-    kind, told, value = variable[:3], model.text_of(variable), model.now(variable)
+    kind, text, value = variable[:3], model.text_of(variable), model.now(variable)
     if kind == "cfg":
-        return f"{told}{value} (was {was})"
+        return f"{text}{value} (was {was})"
     if kind in ("act", "mgr"):
-        return f"{told} is {value} (was {was})"
+        return f"{text} is {value} (was {was})"
     if var.ABSENT in (value, was) or var.NO in (value, was):
-        return f"{told} is there" if was in (var.ABSENT, var.NO) else f"{told} is not there"
-    return f"{told} is another" if kind == "con" else f"{told} is at {value} (was at {was})"
+        return f"{text} is there" if was in (var.ABSENT, var.NO) else f"{text} is not there"
+    return f"{text} is another" if kind == "con" else f"{text} is at {value} (was at {was})"
 
 
 def rollback_goal(now: Model, before: Model, joined: Mapping[str, tuple[str, ...]]) -> Model:

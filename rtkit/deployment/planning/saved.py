@@ -133,14 +133,14 @@ def changes(was: Model, now: Model) -> Iterator[str]:
         ("mgr", was.managers, now.managers),
     ):
         title = "component " if kind == "cmp" else ""
-        told = {
+        texts = {
             name: title + (now if name in new else was).text_of(f"{kind}:{name}")
             for name in {**old, **new}
         }
-        yield from (f"{told[name]} is not there any more" for name in old if name not in new)
-        yield from (f"{told[name]} is there now" for name in new if name not in old)
+        yield from (f"{texts[name]} is not there any more" for name in old if name not in new)
+        yield from (f"{texts[name]} is there now" for name in new if name not in old)
         yield from (
-            f"{told[name]} would be made otherwise"
+            f"{texts[name]} would be made otherwise"
             for name in old
             if name in new and old[name] != new[name]
         )
@@ -180,7 +180,7 @@ def _move(moves: Operators, kind: str, subject: str, value: str, cost: float) ->
 
 def _model(data: Mapping[str, Any]) -> Model:
     tables = {
-        name: {one: cls(**_tupled(told)) for one, told in data[key].items()}
+        name: {one: cls(**_tupled(record)) for one, record in data[key].items()}
         for key, (name, cls) in _TABLES.items()
     }
     managers = {

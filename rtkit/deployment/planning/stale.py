@@ -39,8 +39,8 @@ class Stale:
                 self._files[facts.instance] = file
         self._slaves = {
             (manager, process.name)
-            for manager, told in live.managers.items()
-            for process in told.processes
+            for manager, snapshot in live.managers.items()
+            for process in snapshot.processes
             if process.is_slave
         }
 

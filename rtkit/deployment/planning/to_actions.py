@@ -116,9 +116,9 @@ class ActionBuilder:
         if key == ACTIVE_SET:
             yield act.ActivateSet(name, move.value)
         elif key.startswith(NAME):
-            told = key.removeprefix(NAME)
+            alias = key.removeprefix(NAME)
             is_back = move.value == NAMELESS
-            yield act.Unregister(told) if is_back else act.Register(name, told)
+            yield act.Unregister(alias) if is_back else act.Register(name, alias)
         elif key == POLICY:
             yield act.SetPolicy(name, self._policy(name, move.value))
         elif key.startswith(RATE):
@@ -126,10 +126,10 @@ class ActionBuilder:
         else:
             yield from self._set(name, key, move.value, live)
 
-    def _policy(self, name: str, told: str) -> Mapping[str, str]:
+    def _policy(self, name: str, text: str) -> Mapping[str, str]:
         """Return the policy that is sent: the wanted one, else the one of before."""
         wanted = self._wanted.get(name)
-        if wanted is not None and wanted.policy is not None and policy_text(wanted.policy) == told:
+        if wanted is not None and wanted.policy is not None and policy_text(wanted.policy) == text:
             return wanted.policy
         was = self._before.namesake(name)
         return policy_in(was.create) if was is not None else {}

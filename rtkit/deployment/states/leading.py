@@ -107,10 +107,10 @@ class Leader:
             try:
                 self._reach(passage)
             except RtkitError as error:
-                told = f"{before or 'the beginning'} -{event}-> {self.state}: {error}"
+                message = f"{before or 'the beginning'} -{event}-> {self.state}: {error}"
                 if FAILED not in self._machine.table[self.state]:
-                    raise from_kind(error.kind, told) from error
-                self._failed(told)
+                    raise from_kind(error.kind, message) from error
+                self._failed(message)
                 passage = self._by(FAILED)
             else:
                 return passage

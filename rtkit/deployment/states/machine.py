@@ -81,10 +81,10 @@ def machine_of(
     Raises:
         Malformed: They make no sense; lists everything that does not.
     """
-    told = {key: text for key, text in properties.items() if key.startswith(_PREFIXES)}
-    if chart is None and not told:
+    stated = {key: text for key, text in properties.items() if key.startswith(_PREFIXES)}
+    if chart is None and not stated:
         return None
-    reading = _Reading(told, sets)
+    reading = _Reading(stated, sets)
     machine = reading.machine(chart)
     if reading.problems:
         raise Malformed("; ".join(reading.problems))
@@ -100,8 +100,8 @@ _PREFIXES = (
 
 
 class _Reading:
-    def __init__(self, told: Mapping[str, str], sets: Mapping[str, Sequence[str]]) -> None:
-        self._told = told
+    def __init__(self, properties: Mapping[str, str], sets: Mapping[str, Sequence[str]]) -> None:
+        self._properties = properties
         self._sets = sets
         self.problems: list[str] = []
 
@@ -122,7 +122,7 @@ class _Reading:
 
     def _chart(self, chart: Table) -> Table:
         for key in (extension.STATES, extension.TRANSITIONS):
-            if key in self._told:
+            if key in self._properties:
                 self.problems.append(f"{key}: the state chart tells that already")
         nested = [name for name in chart if "." in name]
         if nested:
@@ -132,7 +132,7 @@ class _Reading:
         return {name: dict(leading) for name, leading in chart.items()} or {"": {}}
 
     def _table(self) -> dict[str, dict[str, str]]:
-        names = [name.strip() for name in self._told.get(extension.STATES, "").split(",")]
+        names = [name.strip() for name in self._properties.get(extension.STATES, "").split(",")]
         names = [name for name in names if name]
         table: dict[str, dict[str, str]] = {}
         for name in names:
@@ -144,7 +144,7 @@ class _Reading:
         if not table:
             self.problems.append(f"{extension.STATES} names no state")
             return {"": {}}
-        for text in self._told.get(extension.TRANSITIONS, "").split(";"):
+        for text in self._properties.get(extension.TRANSITIONS, "").split(";"):
             if text.strip():
                 self._transition(text.strip(), table)
         return table
@@ -188,11 +188,11 @@ class _Reading:
         return found
 
     def _named(self, prefix: str) -> Iterator[str]:
-        return (key.removeprefix(prefix) for key in self._told if key.startswith(prefix))
+        return (key.removeprefix(prefix) for key in self._properties if key.startswith(prefix))
 
     def _try(self, read, key: str, sets: Mapping[str, Sequence[str]]):  # type: ignore[no-untyped-def]
         try:
-            return read(self._told[key], sets)
+            return read(self._properties[key], sets)
         except Malformed as error:
             self.problems.append(f"{key}: {error}")
             return None

@@ -55,7 +55,7 @@ def spec_from_text(text: str) -> tuple[States, bool]:
         raise Malformed(f"not what a system is followed by: {error}") from error
 
 
-def _spec(told: dict[str, Any]) -> tuple[States, bool]:
+def _spec(record: dict[str, Any]) -> tuple[States, bool]:
     from rtkit.deployment.goal import DeploymentGoal
     from rtkit.deployment.planning.step_costs import Costs
     from rtkit.deployment.states.events import EventCondition
@@ -64,7 +64,7 @@ def _spec(told: dict[str, Any]) -> tuple[States, bool]:
     from rtkit.deployment.states.variants import StateDifference
     from rtkit.deployment.system import WantedSystem
 
-    table: dict[str, dict[str, str]] = told["table"]
+    table: dict[str, dict[str, str]] = record["table"]
     if not table:
         raise Malformed("it has no state")
     for leading in table.values():
@@ -73,18 +73,18 @@ def _spec(told: dict[str, Any]) -> tuple[States, bool]:
     machine = SystemStates(
         table,
         {
-            name: tuple(StateDifference(*map(str, each)) for each in told["wishes"][name])
+            name: tuple(StateDifference(*map(str, each)) for each in record["wishes"][name])
             for name in table
         },
-        {event: EventCondition(*map(str, each)) for event, each in told["conditions"].items()},
+        {event: EventCondition(*map(str, each)) for event, each in record["conditions"].items()},
     )
-    system = decode(WantedSystem, told["wanted"])
-    values, origins = told["costs"]
+    system = decode(WantedSystem, record["wanted"])
+    values, origins = record["costs"]
     goal = DeploymentGoal(
         system,
-        ranks={str(name): int(rank) for name, rank in told["ranks"].items()},
+        ranks={str(name): int(rank) for name, rank in record["ranks"].items()},
         costs=Costs({str(k): float(v) for k, v in values.items()}, dict(origins)),
-        replaces=bool(told["replaces"]),
-        is_strict=bool(told["is_strict"]),
+        replaces=bool(record["replaces"]),
+        is_strict=bool(record["is_strict"]),
     )
-    return States(str(told["system"]), machine, goal), bool(told["rolls_back"])
+    return States(str(record["system"]), machine, goal), bool(record["rolls_back"])

@@ -135,17 +135,17 @@ def _changed(
 ) -> WantedComponent:
     active = wished.get(ACTIVE_SET, component.active_set)
     sets = {name: dict(values) for name, values in component.sets.items()}
-    said = set()
+    stated = set()
     for what, value in wished.items():
         set_id, dot, parameter = what.partition(".")
         if dot:
             set_id = set_id or active or "default"
             sets.setdefault(set_id, {})[parameter] = value
-            said.add((set_id, parameter))
+            stated.add((set_id, parameter))
     led_by = frozenset(
         (set_id, name)
         for set_id, values in sets.items()
         for name in values
-        if parameter_path(set_id, name) in watched and (set_id, name) not in said
+        if parameter_path(set_id, name) in watched and (set_id, name) not in stated
     )
     return replace(component, sets=sets, active_set=active, kept=led_by)
