@@ -58,10 +58,12 @@ class AttachedProcess:
         self._start("holder", self._container.run)
         self._hold(components, timeout_s)
         try:
-            self._connection.visit(self._container.tell_all, timeout_s)
+            self._connection.visit(self._container.report_all, timeout_s)
         except OSError as error:
             raise Unreachable(f"manager {self._manager!r} takes no guests: {error}") from error
-        self._start("control", lambda: self._connection.listen(self.put, self._container.tell_all))
+        self._start(
+            "control", lambda: self._connection.listen(self.put, self._container.report_all)
+        )
         if not self._welcomed.wait(timeout_s):
             raise Unreachable(f"manager {self._manager!r} does not answer within {timeout_s:g} s")
         for instance in sorted(self._held - set(self._welcome or ())):

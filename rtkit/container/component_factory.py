@@ -44,7 +44,7 @@ class ComponentFactory:
         Raises:
             RtkitError: There is none, or it cannot be imported.
         """
-        return self._told(self._loader.load(path, init))
+        return self._record(self._loader.load(path, init))
 
     def unload(self, message: Message) -> str:
         """Forget a module; return where its file is, empty if there is none of that name."""
@@ -68,13 +68,13 @@ class ComponentFactory:
     @property
     def modules(self) -> list[Any]:
         """All modules of this process."""
-        return list(map(self._told, self._loader.modules))
+        return list(map(self._record, self._loader.modules))
 
     def found(self) -> list[Any]:
         """Return the modules that were found by the names of types since this was asked last."""
-        return list(map(self._told, self._loader.found()))
+        return list(map(self._record, self._loader.found()))
 
-    def _told(self, module: ModuleProfile) -> dict[str, Any]:
+    def _record(self, module: ModuleProfile) -> dict[str, Any]:
         fingerprint = self._loader.fingerprint(module.file)
         odd = self._loader.remarks(module)
         return {"module": encode(module), "fingerprint": fingerprint, "remarks": odd}

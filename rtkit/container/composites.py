@@ -63,7 +63,7 @@ class Composites:
             touched.append(outer)
             outer = outer.composite
         for each in dict.fromkeys([*touched, *composite.member_components]):
-            self._host.tell(each)
+            self._host.report(each)
         then(error)
         if self._waiting:
             self._begin()

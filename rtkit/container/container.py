@@ -118,11 +118,11 @@ class ComponentContainer:
         """End `run` after finalising every component, from any thread."""
         self._inbox.put(_CLOSE)
 
-    def tell_all(self, tell: Callable[[Message], object]) -> None:
-        """Have `tell` called with everything that is held, before any later report."""
+    def report_all(self, send: Callable[[Message], object]) -> None:
+        """Have `send` called with everything that is held, before any later report."""
 
         def introduce() -> None:
-            tell(self._holding())
+            send(self._holding())
             if self._component_factory is not None and self._component_factory.modules:
                 self._send({"loaded": self._component_factory.modules})
 
@@ -232,12 +232,12 @@ class ComponentContainer:
         for text in odd:
             component.report(text)
         changed = component_factory.changed(component)
-        told = {"changed": changed, "remarks": odd} if changed or odd else instance
+        answer = {"changed": changed, "remarks": odd} if changed or odd else instance
         if is_composite(component):
-            self._compose(message, component, told)
+            self._compose(message, component, answer)
             return LATER
-        self.tell(component)
-        return told
+        self.report(component)
+        return answer
 
     def hold(self, component: Component) -> None:
         """Initialise a component and drive its contexts; only on the thread of `run`.
@@ -251,12 +251,12 @@ class ComponentContainer:
         for context in component.contexts.values():
             self._drive(component, context)
 
-    def _compose(self, message: Message, composite: Composite, told: object) -> None:
+    def _compose(self, message: Message, composite: Composite, answer: object) -> None:
         composite.resolve = self.component
 
         def done(error: RtkitError | None) -> None:
             if error is None:
-                self.answer(message, told)
+                self.answer(message, answer)
             else:
                 self._end(composite.instance)
                 self.refuse(message, error)
@@ -290,9 +290,9 @@ class ComponentContainer:
         """Have a component's facts reported soon, once for however many changes until then."""
         if component not in self._stale:
             self._stale.add(component)
-            self.post(lambda: self.tell(component))
+            self.post(lambda: self.report(component))
 
-    def tell(self, component: DrivenComponent) -> None:
+    def report(self, component: DrivenComponent) -> None:
         """Report the facts of a component, and answer those who waited for its settings."""
         self._stale.discard(component)
         held = self._components.get(component.instance)
@@ -409,7 +409,7 @@ class ComponentContainer:
         return {
             "components": components,
             "wires": [encode(connector) for connector in self._connectors.held],
-            "asked": self._asked.told(self._components),
+            "asked": self._asked.by_component(self._components),
         }
 
     # configuration and state
@@ -421,7 +421,7 @@ class ComponentContainer:
             _check_composite(component, message["set_id"], message["values"])
         configuration.set(message["set_id"], message["values"])
         if message["set_id"] != configuration.active_set:
-            self.tell(component)
+            self.report(component)
             return ""
         configuration.activate(message["set_id"])
         return self._take_over(component, message)
@@ -448,7 +448,7 @@ class ComponentContainer:
         self._takeovers.setdefault(component.instance, []).append(message)
         if context is None:
             component.configuration.update()
-            self.tell(component)
+            self.report(component)
         else:
             try:
                 context.wake()

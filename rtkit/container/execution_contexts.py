@@ -62,7 +62,7 @@ class ExecutionContexts:
             )
         context.set_rate(check_rate(message["rate"]))
         for each in context.participants:
-            self._host.tell(each)
+            self._host.report(each)
 
     def _tick(self, message: Message) -> object:
         component, context = self._of(message)
@@ -219,7 +219,7 @@ class StateMachines:
 
     def _changed(self, message: Message, component: FsmComponent, error: RtkitError | None) -> None:
         if error is None:
-            self._host.tell(component)
+            self._host.report(component)
             self._host.answer(message, "")
         else:
             self._host.refuse(message, error)

@@ -86,7 +86,7 @@ class ManagerConnection:
         self._channel = channel
 
     def visit(
-        self, tell_all: Callable[[Callable[[Message], object]], object], timeout_s: float
+        self, report_all: Callable[[Callable[[Message], object]], object], timeout_s: float
     ) -> None:
         """Attach to the manager, and report all that is held.
 
@@ -94,14 +94,14 @@ class ManagerConnection:
             OSError: No manager listens, or the report is not sent in time.
         """
         channel = _connect(self._path)
-        told = threading.Event()
+        sent = threading.Event()
 
         def introduce(held: Message) -> None:
             self._introduce(channel, held)
-            told.set()
+            sent.set()
 
-        tell_all(introduce)
-        if not told.wait(timeout_s):
+        report_all(introduce)
+        if not sent.wait(timeout_s):
             raise TimeoutError(f"not ready within {timeout_s:g} s")
 
     def send(self, message: Message) -> None:
@@ -114,22 +114,22 @@ class ManagerConnection:
     def listen(
         self,
         put: Callable[[Message], object],
-        tell_all: Callable[[Callable[[Message], object]], object],
+        report_all: Callable[[Callable[[Message], object]], object],
     ) -> None:
         """Pass on messages of managers, one after the other; return when the end was requested.
 
         Args:
             put: Takes a message of a manager.
-            tell_all: Calls its argument with everything that is held.
+            report_all: Calls its argument with everything that is held.
         """
         channel = self._channel
         while channel is not None:
-            while self._hear(channel, put):
+            while self._receive(channel, put):
                 pass
             channel.close()
-            channel = None if self._is_over else self._seek(tell_all)
+            channel = None if self._is_over else self._seek(report_all)
 
-    def _hear(self, channel: ControlChannel, put: Callable[[Message], object]) -> bool:
+    def _receive(self, channel: ControlChannel, put: Callable[[Message], object]) -> bool:
         """Hand messages to the container; False at the end, or when the manager is gone."""
         sources: list[Any] = [channel, self._ending]
         wait_s = None if self._at_leisure is None else _LEISURE_S
@@ -151,7 +151,7 @@ class ManagerConnection:
             self._channel = None
         return messages is not None
 
-    def _seek(self, tell_all: Callable[..., object]) -> ControlChannel | None:
+    def _seek(self, report_all: Callable[..., object]) -> ControlChannel | None:
         """Wait for the next manager and report everything to it; None when the end came instead."""
         _log().warning("the manager is gone; waiting for the next one")
         fault.point("slave.alone")
@@ -159,7 +159,7 @@ class ManagerConnection:
             with contextlib.suppress(OSError):
                 channel = _connect(self._path)
                 fault.point("slave.connected")
-                tell_all(partial(self._introduce, channel))
+                report_all(partial(self._introduce, channel))
                 return channel
             if select.select([self._ending], [], [], _SEEK_S)[0] and self._shall_end():
                 return None

@@ -32,7 +32,7 @@ class ContainerServices(Protocol):
             NotFound: There is none of that name.
         """
 
-    def tell(self, component: DrivenComponent) -> None:
+    def report(self, component: DrivenComponent) -> None:
         """Report the facts of a component."""
 
     def answer(self, message: Message, value: Any) -> None:

@@ -56,7 +56,7 @@ def check(options: Mapping[str, str]) -> None:
         except Malformed as error:
             raise Malformed(f"{key}: {error}") from None
         if wanted.isdisjoint(there):
-            raise Refused(f"{key}: no such processors: {text} (there are {_told(there)})")
+            raise Refused(f"{key}: no such processors: {text} (there are {_text(there)})")
 
 
 def _is_of_context(key: str) -> bool:
@@ -88,9 +88,9 @@ def end() -> None:
 
 
 def _missing(wanted: frozenset[int], error: OSError) -> str:
-    there = _told(os.sched_getaffinity(0))
-    return f"cannot run on processors {_told(wanted)} ({error.strerror}; this process has {there})"
+    there = _text(os.sched_getaffinity(0))
+    return f"cannot run on processors {_text(wanted)} ({error.strerror}; this process has {there})"
 
 
-def _told(numbers: Iterable[int]) -> str:
+def _text(numbers: Iterable[int]) -> str:
     return ",".join(map(str, sorted(numbers)))

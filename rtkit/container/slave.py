@@ -98,7 +98,7 @@ class Slave:
 
     def _listen(self) -> None:
         try:
-            self._connection.listen(self.put, self._container.tell_all)
+            self._connection.listen(self.put, self._container.report_all)
         finally:
             fault.point("slave.told_to_end")
             self._container.close()

@@ -37,7 +37,7 @@ class CheckpointWriter:
         self._path = path
         self._first = _line({"slave": name})
         self._lines: dict[str, bytes] = {}
-        self._told = 0
+        self._live_size = 0
         self._size = len(self._first)
         self._is_failing = False
         self._write(path, self._first, os.O_CREAT | os.O_TRUNC)
@@ -49,19 +49,19 @@ class CheckpointWriter:
         if line == before:
             return
         self._lines[instance] = line
-        self._told += len(line) - len(before)
+        self._live_size += len(line) - len(before)
         self._append(line)
 
     def strike(self, instance: str) -> None:
         """Write down that a component is no more."""
         line = self._lines.pop(instance, None)
         if line is not None:
-            self._told -= len(line)
+            self._live_size -= len(line)
             self._append(_line({"gone": instance}))
 
     def _append(self, line: bytes) -> None:
         self._size += len(line)
-        if self._size > _SLACK + _MOST * self._told:
+        if self._size > _SLACK + _MOST * self._live_size:
             self._rewrite()
         else:
             self._write(self._path, line, os.O_APPEND)
@@ -105,11 +105,11 @@ def read_checkpoint(path: str) -> SlaveCheckpoint | None:
     held: dict[str, Any] = {}
     for line in lines[1:]:
         try:
-            told = json.loads(line)
-            if "gone" in told:
-                held.pop(told["gone"], None)
+            record = json.loads(line)
+            if "gone" in record:
+                held.pop(record["gone"], None)
             else:
-                held[told["instance"]] = told
+                held[record["instance"]] = record
         except (ValueError, LookupError, TypeError):
             continue  # its slave was killed while it wrote
     return SlaveCheckpoint(str(first), list(held.values()))

@@ -73,11 +73,11 @@ def write_stacks(descriptor: int) -> None:
     Its own function would do for up to a hundred threads; an active component is one.
     """
     frames = sys._current_frames()  # noqa: SLF001 - which is meant for this
-    told = "".join(_told(*each) for each in frames.items())
-    os.write(descriptor, told.encode("utf-8", "backslashreplace"))
+    text = "".join(_text(*each) for each in frames.items())
+    os.write(descriptor, text.encode("utf-8", "backslashreplace"))
 
 
-def _told(thread: int, innermost: FrameType) -> str:
+def _text(thread: int, innermost: FrameType) -> str:
     lines = [f"Thread 0x{thread:016x} (most recent call first):"]
     frame: FrameType | None = innermost
     while frame is not None and len(lines) <= _DEPTH:

@@ -62,6 +62,6 @@ class UserRequests:
                 if request.get("participant") == instance:
                     del requests[key]
 
-    def told(self, instances: Iterable[str]) -> dict[str, list[Message]]:
+    def by_component(self, instances: Iterable[str]) -> dict[str, list[Message]]:
         """Return the requests by component, for each of these components."""
         return {each: list(self._requests.get(each, {}).values()) for each in instances}

@@ -98,7 +98,7 @@ def run(name: str, wanted: CommandLineSettings, is_shown: bool = False) -> int:
             loop.run()
             fault.point("manager.finished")
     except RtkitError as error:
-        if not report.is_heard:
+        if not report.is_awaited:
             raise
         report.give_up(str(error))
         return error.exit_code
@@ -385,13 +385,13 @@ def _names(host: str, name: str, settings: Settings) -> tuple[str, ...]:
 
 def _system() -> dict[str, str]:
     """Return what this machine is."""
-    told = os.uname()
+    system = os.uname()
     return {
-        "os.name": told.sysname,
-        "os.release": told.release,
-        "os.version": told.version,
-        "os.arch": told.machine,
-        "os.hostname": told.nodename,
+        "os.name": system.sysname,
+        "os.release": system.release,
+        "os.version": system.version,
+        "os.arch": system.machine,
+        "os.hostname": system.nodename,
     }
 
 

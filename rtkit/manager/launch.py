@@ -47,20 +47,20 @@ def start(name: str, wanted: CommandLineSettings, timeout_s: float) -> Started:
     os.close(ready_write)
     fault.point("start.spawned")
     try:
-        told = hear(ready_read, timeout_s)
+        lines = receive_lines(ready_read, timeout_s)
     finally:
         os.close(ready_read)
-    if told is None:
+    if lines is None:
         os.kill(pid, signal.SIGKILL)
         os.waitpid(pid, 0)
         raise Unreachable(f"manager {name!r} was not ready within {timeout_s:g} s and was ended")
-    if told[-1:] != [READY]:
+    if lines[-1:] != [READY]:
         os.waitpid(pid, 0)
     fault.point("start.told")
-    return read_report(name, pid, told)
+    return read_report(name, pid, lines)
 
 
-def read_report(name: str, pid: int, told: list[str]) -> Started:
+def read_report(name: str, pid: int, lines: list[str]) -> Started:
     """Return the report of a manager about its start.
 
     Raises:
@@ -68,11 +68,11 @@ def read_report(name: str, pid: int, told: list[str]) -> Started:
         Partial: There is none, because of these failures.
     """
     kinds: dict[str, list[str]] = {WARNING: [], FAILURE: [], ERROR: []}
-    for line in told:
+    for line in lines:
         for kind, texts in kinds.items():
             if line.startswith(kind):
                 texts.append(line.removeprefix(kind))
-    if told[-1:] == [READY]:
+    if lines[-1:] == [READY]:
         return Started(pid, tuple(kinds[WARNING]), tuple(kinds[FAILURE]))
     why = " ".join(kinds[ERROR])
     why = why or f"manager {name!r} ended at once{_last_line(places.output_file(name))}"
@@ -88,7 +88,7 @@ def run(name: str, wanted: CommandLineSettings) -> int:
     return run_daemon(name, wanted, is_shown=True)
 
 
-def hear(descriptor: int, timeout_s: float) -> list[str] | None:
+def receive_lines(descriptor: int, timeout_s: float) -> list[str] | None:
     """Return the lines received until the manager is ready or ends, None when time is up."""
     deadline = time.monotonic() + min(timeout_s, _LONGEST_S)
     text = b""

@@ -112,7 +112,7 @@ class Loop:
         self._guard = FaultGuard(core.state, self._ring)
         self._keeper = keeper
         keeper.failed = self.note_fault
-        keeper.heard = lambda *told: self.post(ev.RowsStored(*told))
+        keeper.stored = lambda *outcome: self.post(ev.RowsStored(*outcome))
         self.requests = PendingRequests()
         self.query_server = ManagerQueryServer(core.state, self.requests)
         self.following = Following(self.post, core.state, self.requests, self.note_fault)
@@ -395,8 +395,8 @@ class Loop:
         if self._limiter is not None:
             reason = self._limiter.reason(event.key, reason, words.text)
         known = replace(event, reason=reason, last=words.text)
-        said = f"; its last words: {known.last}" if known.last else ""
-        _log.warning("slave %s ended: %s%s", process.name, known.reason, said)
+        last_words = f"; its last words: {known.last}" if known.last else ""
+        _log.warning("slave %s ended: %s%s", process.name, known.reason, last_words)
         return known
 
     def _log_crash(self, key: int, process: Process, words: ExitDiagnostics) -> None:
@@ -426,8 +426,8 @@ class Loop:
         if self._descendants is not None:
             self._descendants.note(self._slave_supervisor.processes)
 
-    def _listened(self, line: str, is_heard: bool) -> None:
-        self.post(ev.ListenersChanged(line, is_heard))
+    def _listened(self, line: str, has_listeners: bool) -> None:
+        self.post(ev.ListenersChanged(line, has_listeners))
 
     def _publish(self, line: str, message: Message) -> None:
         whole = {**message, "time": time.time()}
@@ -437,7 +437,7 @@ class Loop:
                 used = usage(process["pid"])
                 if used is not None:
                     process.update(used._asdict())
-        self.following.heard(line, whole)
+        self.following.on_published(line, whole)
         if line in self._announce:
             self._announce[line](json.dumps(whole, separators=(",", ":")))
 

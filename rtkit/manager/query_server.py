@@ -222,7 +222,7 @@ def _lines(search: Search) -> Iterator[str]:
 
 def _record(offer: OfferedType, file: str) -> str:
     known = offer.type
-    told = {
+    fields = {
         "implementation_id": known.type_name,
         "type_name": known.type_name,
         "description": known.description,
@@ -236,4 +236,4 @@ def _record(offer: OfferedType, file: str) -> str:
         "module": file,
     }
     values = {f"conf.default.{name}": text for name, text in offer.parameters.items()}
-    return record(known.full_id, {**told, **values})
+    return record(known.full_id, {**fields, **values})

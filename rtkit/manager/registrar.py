@@ -29,7 +29,7 @@ class Registrar:
         self._interval_s = interval_s
         self._found = found
         self._is_registered = False
-        self._is_told = False
+        self._is_warned = False
         self._closed = threading.Event()
         self._thread = threading.Thread(target=self._run, name="registrar", daemon=True)
         self._thread.start()
@@ -53,11 +53,11 @@ class Registrar:
         try:
             self._ask(operation)
         except RtkitError as error:
-            if not self._is_told:
+            if not self._is_warned:
                 _log.warning("cannot reach the master at %s: %s", self._master, error)
-                self._is_told = True
+                self._is_warned = True
             return False
-        self._is_told = False
+        self._is_warned = False
         return True
 
     def _ask(self, operation: str) -> None:

@@ -33,7 +33,7 @@ class Report:
             os.set_inheritable(self._descriptor, False)
 
     @property
-    def is_heard(self) -> bool:
+    def is_awaited(self) -> bool:
         """Return whether somebody waits."""
         return self._descriptor is not None
 

@@ -90,16 +90,16 @@ class TcpEndpoint:
 
     def _ask(self) -> None:
         """Have the port opened."""
-        deadline, told = time.monotonic() + _START_S, b""
+        deadline, received = time.monotonic() + _START_S, b""
         with contextlib.suppress(BrokenPipeError):  # then nothing is read either
             self._end.sendall(self._wanted)
-        while not told.endswith(b"\n"):
+        while not received.endswith(b"\n"):
             left = max(0.0, deadline - time.monotonic())
             data = self._end.recv(4096) if select.select([self._end], [], [], left)[0] else b""
             if not data:
                 raise Unreachable(f"the process of the TCP port was not ready in {_START_S:g} s")
-            told += data
-        text = told.decode("utf-8", "replace").strip()
+            received += data
+        text = received.decode("utf-8", "replace").strip()
         if text != _READY:
             raise Unreachable(text)
         self._backoff.prove()

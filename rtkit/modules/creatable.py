@@ -60,12 +60,12 @@ class _Finder:
         offered: Sequence[TypeProfile] = ()
         if path and path not in self._loaded:
             try:
-                told = self._offered(path, init)
+                found = self._offered(path, init)
             except (NotFound, Refused, Malformed) as error:
                 return f"{error}{self._near(path) if isinstance(error, NotFound) else ''}"
-            if told is None:
+            if found is None:
                 return ""  # its types are known only when it runs
-            offered = told
+            offered = found
         if create.implementation_id in COMPOSITES or _is_among(create, (*self._types, *offered)):
             return ""
         return self._not_found(create, path, offered)
@@ -105,13 +105,13 @@ class _Finder:
         if name in named:
             there = [k.full_id for k in (*self._types, *offered) if k.type_name == name]
             return f"component type {name} is not known so; there is {', '.join(there)}"
-        told = f"component type {name} is not known"
+        message = f"component type {name} is not known"
         if path and offered:
-            return f"{told}; module {path} offers {', '.join(k.type_name for k in offered)}"
+            return f"{message}; module {path} offers {', '.join(k.type_name for k in offered)}"
         looked = f" (looked in {', '.join(self._search.folders)} and among installed packages)"
         search = self._search if self._is_search_allowed else None
         more = instead(name, named, COMPOSITES, search)
-        return f"{told}{looked if may_search else ''}{more}"
+        return f"{message}{looked if may_search else ''}{more}"
 
     def _near(self, path: str) -> str:
         known = [each.removesuffix(SUFFIX) for each in self._search.modules()]

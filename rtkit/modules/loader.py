@@ -311,8 +311,8 @@ def _import_failure(error: BaseException, file: str) -> str:
         if trace.tb_frame.f_code.co_filename == file:
             line = trace.tb_lineno
         trace = trace.tb_next
-    said = f": {error}" if str(error) else ""
-    return f"module does not import: {type(error).__name__}{said} ({file}:{line or 1})"
+    reason = f": {error}" if str(error) else ""
+    return f"module does not import: {type(error).__name__}{reason} ({file}:{line or 1})"
 
 
 def _initialise(module: ModuleType, name: str, path: str) -> list[type[Component]]:

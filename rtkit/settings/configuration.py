@@ -63,14 +63,14 @@ def read(wanted: CommandLineSettings) -> ManagerConfiguration:
     """
     settings = Settings()
     file, entries = _read_file(wanted)
-    told = rtcconf.warnings(entries, file)
+    warnings = rtcconf.warnings(entries, file)
     overrides = [rtcconf.parse_override(text) for text in wanted.overrides]
-    told += rtcconf.warnings(overrides, file)
+    warnings += rtcconf.warnings(overrides, file)
     for entry in (*entries, *overrides):
         settings.take(entry.key, entry.value)
-    if told and settings.flag(STRICT):
-        raise Malformed("; ".join(told))
-    return ManagerConfiguration(settings, file, tuple(told))
+    if warnings and settings.flag(STRICT):
+        raise Malformed("; ".join(warnings))
+    return ManagerConfiguration(settings, file, tuple(warnings))
 
 
 def _read_file(wanted: CommandLineSettings) -> tuple[str, list[rtcconf.RtcConfEntry]]:

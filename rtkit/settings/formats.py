@@ -78,7 +78,7 @@ def expand(
         Malformed: A template gives a name with an empty element.
     """
     made = type or TypeProfile("")
-    told = {
+    fields = {
         "n": instance,
         "t": made.type_name,
         "m": made.type_name,
@@ -90,12 +90,12 @@ def expand(
         "p": str(pid),
         "%": "%",
     }
-    clean = {letter: text.replace("/", "_").replace(":", "_") for letter, text in told.items()}
+    clean = {letter: text.replace("/", "_").replace(":", "_") for letter, text in fields.items()}
     return tuple(dict.fromkeys(f"{LOCAL}/{_expand(each, clean)}" for each in templates))
 
 
-def _expand(template: str, told: dict[str, str]) -> str:
-    name = _LETTER.sub(lambda found: told[found[1]], template)
+def _expand(template: str, fields: dict[str, str]) -> str:
+    name = _LETTER.sub(lambda found: fields[found[1]], template)
     if any(part in ("", ".", "..") for part in name.split("/")):
         raise Malformed(f"name template {template} gives a name with an empty element: {name}")
     return name

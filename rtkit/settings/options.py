@@ -40,12 +40,12 @@ def unknown_options(options: Mapping[str, str]) -> Iterator[str]:
             set_id, _, name = key.removeprefix(CONF).partition(".")
             if not set_id or not name:
                 yield f"not conf.SET.PARAMETER: {key}"
-        elif key not in connector and not key.startswith("port.") and (told := _told_of(key)):
-            yield told
+        elif key not in connector and not key.startswith("port.") and (warning := _warning_of(key)):
+            yield warning
 
 
 @lru_cache(maxsize=256)  # the components of a system have the same few options
-def _told_of(key: str) -> str:
+def _warning_of(key: str) -> str:
     if _is_known(key):
         return ""
     known = [*_OPTIONS, *_EXTENSIONS, *properties.KNOWN]

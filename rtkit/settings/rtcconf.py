@@ -88,19 +88,19 @@ def parse_override(text: str) -> RtcConfEntry:
 
 def warnings(entries: Iterable[RtcConfEntry], file: str) -> list[str]:
     """Return findings about keys that are not known, given twice, or without effect."""
-    told = []
+    findings = []
     seen: dict[str, int] = {}
     for key, value, line in entries:
         place = f"{file}:{line}: " if line else ""
         name = properties.canonical(key)
         if properties.find(key) is None:
-            told.append(place + properties.unknown(key))
+            findings.append(place + properties.unknown(key))
         elif name in seen and line:
-            told.append(f"{place}{key} was given in line {seen[name]} already; this one counts")
+            findings.append(f"{place}{key} was given in line {seen[name]} already; this one counts")
         elif properties.vain(key, value):
-            told.append(place + properties.vain(key, value))
+            findings.append(place + properties.vain(key, value))
         seen[name] = line
-    return told
+    return findings
 
 
 def _logical_lines(text: str) -> Iterator[tuple[int, str]]:

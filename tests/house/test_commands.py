@@ -239,7 +239,7 @@ holder = ComponentContainer(told.put, PortWiring("box", Streams("none")), compon
 thread = threading.Thread(target=holder.run)
 thread.start()
 holder.post(lambda: holder.hold(Tool("Tool0", [Tap("in", {{}})], 0.0)))
-holder.tell_all(told.put)
+holder.report_all(told.put)
 where = {{"instance": "Tool0", "context": "0", "call": 1}}
 holder.put({{"op": "change_state", "transition": "activate", **where}})
 while told.get(timeout=30.0).get("reply") != 1: pass

@@ -119,9 +119,9 @@ def test_a_stranger_with_the_pid_of_a_guest_that_left_is_let_be(side: Side) -> N
     slave_supervisor = side.slave_supervisor
     with subprocess.Popen(["sleep", "60"]) as stranger:
         assert slave_supervisor.adopt(KEY, stranger.pid, is_guest=True) is not None
-        assert not slave_supervisor.is_untold(KEY)
+        assert not slave_supervisor.is_unwatched(KEY)
         slave_supervisor.distrust_pid(KEY)
-        assert slave_supervisor.is_untold(KEY)
+        assert slave_supervisor.is_unwatched(KEY)
         slave_supervisor.signal(KEY, signal.SIGKILL)
         assert slave_supervisor.lost(KEY) == SlaveEnded(KEY, "exit status unknown")
         slave_supervisor.sweep()

@@ -231,7 +231,7 @@ class FakeManager:
         held = self.containers.held_by(process.pid)
         wires = [wire for (pid, _), wire in self.containers.ends.items() if pid == process.pid]
         told = [{**self.containers.told(each), **self.containers.memory[each]} for each in held]
-        asked = self.containers.asked.told(held)
+        asked = self.containers.asked.by_component(held)
         self.shell.feed(ev.SlaveFound(process.pid, process.name, told, wires, asked=asked))
 
     def settle(self) -> None:

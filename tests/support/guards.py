@@ -144,7 +144,7 @@ GUARDS = (
     Guard(
         "system/test_restart.py::test_a_killed_manager_stops_no_component_and_loses_no_message",
         "rtkit/container/manager_connection.py",
-        "            channel = None if self._is_over else self._seek(tell_all)",
+        "            channel = None if self._is_over else self._seek(report_all)",
         "            channel = None",
     ),
     Guard(
@@ -194,7 +194,7 @@ GUARDS = (
         "system/test_desired_state.py::test_what_cannot_be_recorded_is_refused_and_nothing_runs_worse",
         "rtkit/manager/core/durable_replies.py",
         "                self._take_back(done, why)",
-        "                done.tell(done.results)",
+        "                done.send(done.results)",
     ),
     Guard(
         "unit/manager/test_logfile.py::test_a_full_file_is_begun_anew_and_the_older_ones_are_bounded",

@@ -129,10 +129,10 @@ def _forget_desired_state(name: str) -> bool:
 
 
 def _restart(app: App, name: str) -> None:
-    from rtkit.manager.launch import hear, read_report
+    from rtkit.manager.launch import read_report, receive_lines
     from rtkit.tree import managers
 
-    pid, told = managers.restart(name, app.timeout_s, hear)
+    pid, told = managers.restart(name, app.timeout_s, receive_lines)
     _tell_start(app, name, read_report(name, pid, told))
 
 

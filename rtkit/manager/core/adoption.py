@@ -109,14 +109,14 @@ def take_missed(state: ManagerState, process: Process, holding: Holding) -> None
     state.drop_if_empty(process.key)
 
 
-def unsaid_wires(state: ManagerState, process: Process, holding: Holding) -> list[ConnectorProfile]:
+def absent_wires(state: ManagerState, process: Process, holding: Holding) -> list[ConnectorProfile]:
     """Return the connectors that a slave was taken to hold ends of, and does not."""
-    said = {connector.connector_id for connector in holding.wires}
+    reported = {connector.connector_id for connector in holding.wires}
     return [
         connector
         for instance in state.held_by(process.key)
         for connector in state.connectors_of(instance)
-        if connector.connector_id not in said
+        if connector.connector_id not in reported
     ]
 
 
@@ -147,13 +147,13 @@ def _take_end(state: ManagerState, process: Process, connector: ConnectorProfile
         for facts, end in zip(ends, connector.ports, strict=True)
     )
     containers = {state.containers.get(end.instance) for end in connector.ports}
-    said = {
+    reported = {
         key for (id, key), other in state.loose.items() if (id, other) == (connector_id, connector)
     }
     silent = {process.key for process in state.processes.values() if process.silence}
-    if known is None and is_alive and containers <= said | silent:
+    if known is None and is_alive and containers <= reported | silent:
         state.connectors[connector_id] = connector
-        for key in said & containers:
+        for key in reported & containers:
             del state.loose[connector_id, key]
 
 

@@ -107,13 +107,13 @@ class Batches:
     def operate(self, asked: ev.OperationRequested) -> None:
         """Begin an operation."""
 
-        def tell(results: list[Result]) -> None:
+        def answer(results: list[Result]) -> None:
             (result,) = results
             text, kind = (result.value, "") if result.ok else (result.why, result.kind)
             self._out.append(ev.AnswerClient(asked.request, Reply(text, kind)))
 
         def done(result: Result) -> None:
-            self._keeping.finish([operations.action(asked.name, asked.argument)], [result], tell)
+            self._keeping.finish([operations.action(asked.name, asked.argument)], [result], answer)
 
         if self.is_stopping:
             self._out.append(ev.AnswerClient(asked.request, Reply(STOPPING, Refused.kind)))
@@ -199,12 +199,12 @@ class Batches:
 
         before = list(results)  # those that are taken back are changed in their place
 
-        def tell(recorded: list[Result]) -> None:
-            self._tell(job, text if recorded == before else results_to_text(recorded))
+        def answer(recorded: list[Result]) -> None:
+            self._conclude(job, text if recorded == before else results_to_text(recorded))
 
-        self._keeping.finish([action for action, _ in done], results, tell)
+        self._keeping.finish([action for action, _ in done], results, answer)
 
-    def _tell(self, job: _Job, text: str) -> None:
+    def _conclude(self, job: _Job, text: str) -> None:
         """Answer a batch, now that its changes are recorded, or rolled back."""
         id, kept = job.batch.id, self._state.kept
         self._answer(job, Reply(text))

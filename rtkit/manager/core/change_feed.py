@@ -42,9 +42,9 @@ class ChangeFeed:
         """Derive again what was known of the state, which is the same now."""
         self._is_other()
 
-    def listen(self, is_heard: bool) -> None:
+    def listen(self, has_listeners: bool) -> None:
         """Note that somebody listens now, or that nobody does any more."""
-        if not is_heard:
+        if not has_listeners:
             self._known = None
         elif self._known is None:
             self._begin()

@@ -106,9 +106,9 @@ class Core:
             ev.SnapshotRequested: lambda event: self._announcer.send_picture(event.request),
             ev.ListenersChanged: self._listened,
             ev.FollowAsked: self._follow,
-            ev.FollowSaid: self._follows.say,
+            ev.FollowSaid: self._follows.take_report,
             ev.OperationRequested: self._batches.operate,
-            ev.ContainerReported: self._heard,
+            ev.ContainerReported: self._on_report,
             ev.SlaveForked: self._forked,
             ev.SlaveReady: lambda event: self._ready(event.key),
             ev.SlaveFound: self._found,
@@ -168,33 +168,33 @@ class Core:
     def _restore(self, request: int) -> None:
         self._announcer.release()
 
-        def tell(results: list[Result]) -> None:
+        def answer(results: list[Result]) -> None:
             self._out.append(ev.AnswerClient(request, Reply(results[0].value)))
 
         def done(result: Result) -> None:
-            self._keeping.finish([act.Tick("", "")], [result], tell)
+            self._keeping.finish([act.Tick("", "")], [result], answer)
 
         self._is_restoring = True  # slaves that report from now on are late
         self._tasks.begin(restore(self.state, self._supervisor.resume), RESTORE_S, done)
 
     # reports of processes
 
-    def _heard(self, event: ev.ContainerReported) -> None:
+    def _on_report(self, event: ev.ContainerReported) -> None:
         message, process = event.message, self.state.processes.get(event.key)
         if process is None or not process.is_alive:
             return  # sent before it died, received after
         if "reply" in message:
-            self._tasks.hear(process.key, message)
+            self._tasks.take_answer(process.key, message)
         elif "facts" in message:
             facts = adoption.take_report(self.state, process, message["facts"])
-            self._limiting.heard(facts)
-            self._supervisor.heard(facts, self._now)
+            self._limiting.on_facts(facts)
+            self._supervisor.on_facts(facts, self._now)
             for connector in self.state.connectors_of(facts.instance):
                 ends = [end for end in connector.ports if end.instance == facts.instance]
                 if any(facts.port(end.port) is None for end in ends):
                     self._cut(connector)
         elif "metrics" in message:
-            self._survey.hear(process, message["metrics"])
+            self._survey.take_report(process, message["metrics"])
         elif "loaded" in message:
             modules.take_all(self.state, process, message["loaded"])
         elif "gone" in message:
@@ -258,7 +258,7 @@ class Core:
         for message in adoption.take(self.state, process, holding):
             self._out.append(ev.SendToContainer(process.key, message))
         adoption.believe(self.state, process, holding)
-        for connector in adoption.unsaid_wires(self.state, process, holding) if was_silent else ():
+        for connector in adoption.absent_wires(self.state, process, holding) if was_silent else ():
             self._cut(connector)
         if process.is_guest:
             welcome = {"welcome": self.state.held_by(process.key)}
@@ -357,8 +357,8 @@ class Core:
             process.stuck.pop(instance, None)
         if self.state.containers.get(instance) == event.key:
             self.state.update(instance, trouble=self.state.trouble_of(instance, process))
-            self._supervisor.heard(self.state.components[instance], self._now)
-            self._health_monitor.stuck(instance, self._now, is_all_told=event.is_all)
+            self._supervisor.on_facts(self.state.components[instance], self._now)
+            self._health_monitor.stuck(instance, self._now, is_all_known=event.is_all)
 
     # the end
 

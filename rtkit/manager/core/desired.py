@@ -93,7 +93,7 @@ class RestartRecord(Record):
         """Return when the restart is due, monotonic [s]; 0 without one."""
         return self.ledger.times[-1] if self.pending and self.ledger.times else 0.0
 
-    def told(self, degraded: str) -> RestartStatus:
+    def restart_status(self, degraded: str) -> RestartStatus:
         """Return the restart status, with the rule of health that it breaks."""
         return RestartStatus(
             self.restarts,
@@ -378,23 +378,23 @@ OPERATIONS: Mapping[type[Action], str] = {
 _ACTIONS: Mapping[object, type[Action]] = {op: kind for kind, op in OPERATIONS.items()}
 
 
-def requests_from(told: object) -> Asked:
+def requests_from(reported: object) -> Asked:
     """Return the actions that a process reports; none where it reports nothing.
 
     Raises:
         Malformed: They cannot be read.
     """
-    if told is None:
+    if reported is None:
         return {}
-    if not isinstance(told, Mapping):
+    if not isinstance(reported, Mapping):
         raise Malformed("what was asked of components is no table")
-    return {str(instance): _actions(str(instance), each) for instance, each in told.items()}
+    return {str(instance): _actions(str(instance), each) for instance, each in reported.items()}
 
 
-def _actions(instance: str, told: object) -> tuple[Action, ...]:
-    if not isinstance(told, list):
+def _actions(instance: str, reported: object) -> tuple[Action, ...]:
+    if not isinstance(reported, list):
         raise Malformed(f"what was asked of {instance} is no list")
-    return tuple(_action(instance, message) for message in told)
+    return tuple(_action(instance, message) for message in reported)
 
 
 def _action(instance: str, message: object) -> Action:

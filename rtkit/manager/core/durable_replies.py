@@ -21,7 +21,7 @@ from rtkit.manager.core.state import ManagerState
 from rtkit.manager.core.tasks import Tasks, failed
 from rtkit.rtc.enums import Transition
 
-Tell = Callable[[list[Result]], object]
+SendResults = Callable[[list[Result]], object]
 _log = logging.getLogger(__name__)
 _UNDO_S = 10.0
 """How long it may take to take back what cannot be kept [s]."""
@@ -34,7 +34,7 @@ class _Done(NamedTuple):
 
     actions: Sequence[Action]
     results: list[Result]
-    tell: Tell
+    send: SendResults
 
 
 class _Flight(NamedTuple):
@@ -42,7 +42,7 @@ class _Flight(NamedTuple):
 
     rows: tuple[Row, ...]
     done: list[_Done]
-    heard: list[Callable[[str], object]]
+    waiting: list[Callable[[str], object]]
 
 
 class DurableReplies:
@@ -63,21 +63,21 @@ class DurableReplies:
         """Return whether nothing is on its way."""
         return not self._flights
 
-    def finish(self, actions: Sequence[Action], results: list[Result], tell: Tell) -> None:
+    def finish(self, actions: Sequence[Action], results: list[Result], send: SendResults) -> None:
         """Have results sent when the changes that they report are stored."""
         if self._is_forgetting or not any(result.ok for result in results):
-            tell(results)
+            send(results)
         elif self._state.kept.has_changed:
-            self._keep().done.append(_Done(actions, results, tell))
+            self._keep().done.append(_Done(actions, results, send))
         elif self._flights:  # perhaps with what another batch was waiting for
-            self._flights[self._number].done.append(_Done(actions, results, tell))
+            self._flights[self._number].done.append(_Done(actions, results, send))
         else:
-            tell(results)
+            send(results)
 
     def admit(self, actions: Sequence[Action], go_on: Callable[[str], object]) -> None:
         """Call `go_on` with why actions cannot be begun; with an empty text when they can."""
         if self._state.unkept and not all(map(_is_ending, actions)):
-            self._keep().heard.append(go_on)
+            self._keep().waiting.append(go_on)
         else:
             go_on("")
 
@@ -92,13 +92,13 @@ class DurableReplies:
             self._state.kept.not_kept(flight.rows)
         else:
             self._state.kept.is_kept(flight.rows)
-        for heard in flight.heard:
-            heard(why)
+        for go_on in flight.waiting:
+            go_on(why)
         for done in flight.done:
             if why:
                 self._take_back(done, why)
             else:
-                done.tell(done.results)
+                done.send(done.results)
 
     def run(self, now: float) -> None:
         """Have kept what came of itself, once nothing is under way, and at once what is urgent.
@@ -146,13 +146,13 @@ class DurableReplies:
         self._state.kept.keep_all()
         again = self._keep()
         again.done.extend(flight.done)
-        again.heard.extend(flight.heard)
+        again.waiting.extend(flight.waiting)
 
     def _take_back(self, done: _Done, why: str) -> None:
-        def tell(_result: Result) -> None:
-            done.tell(done.results)
+        def send(_result: Result) -> None:
+            done.send(done.results)
 
-        self._tasks.begin(self._undo(done, why), _UNDO_S, tell)
+        self._tasks.begin(self._undo(done, why), _UNDO_S, send)
 
     def _undo(self, done: _Done, why: str) -> Procedure:
         """Roll back what was made and cannot be stored, the last first; report what stays."""

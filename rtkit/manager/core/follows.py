@@ -37,11 +37,11 @@ class Follows:
             try:
                 if why and asked.text is not None:
                     raise Refused(unkept(why))
-                told = self._change(asked)
+                text = self._change(asked)
             except RtkitError as error:
                 self._out.append(AnswerClient(asked.request, failure(error)))
             else:
-                self._answer_when_kept(asked.request, told)
+                self._answer_when_kept(asked.request, text)
 
         self._keeping.admit([_BEGIN] if asked.text is not None else [], go_on)
 
@@ -65,27 +65,27 @@ class Follows:
         kept.put("reached", name, Followed(name))
         return f"{name} is followed"
 
-    def say(self, said: FollowSaid) -> None:
+    def take_report(self, report: FollowSaid) -> None:
         """Take in what became of a system, if it is still followed."""
-        if said.told.system in self._state.kept.followed:
-            self._state.kept.put("reached", said.told.system, said.told)
-        self._answer_when_kept(said.request, "")
+        if report.told.system in self._state.kept.followed:
+            self._state.kept.put("reached", report.told.system, report.told)
+        self._answer_when_kept(report.request, "")
 
     def _answer_when_kept(self, request: int, text: str) -> None:
-        def tell(results: list[Result]) -> None:
+        def answer(results: list[Result]) -> None:
             why = self._state.unkept
             reply = failure(Refused(unkept(why))) if why else Reply(results[0].value)
             self._out.append(AnswerClient(request, reply))
 
-        self._keeping.finish([act.Tick("", "")], [Result(value=text)], tell)
+        self._keeping.finish([act.Tick("", "")], [Result(value=text)], answer)
 
 
-def told(kept: DesiredState) -> str:
+def as_json(kept: DesiredState) -> str:
     """Return all systems that are followed, with their states and events, as JSON."""
-    return json.dumps([_told(kept, name) for name in kept.followed])
+    return json.dumps([_record(kept, name) for name in kept.followed])
 
 
-def _told(kept: DesiredState, name: str) -> dict[str, Any]:
+def _record(kept: DesiredState, name: str) -> dict[str, Any]:
     spec = json.loads(kept.followed[name])
     plain = encode(kept.reached.get(name, Followed(name)))
     return {**plain, "table": spec["table"], "conditions": spec["conditions"]}

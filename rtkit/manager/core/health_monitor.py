@@ -56,12 +56,12 @@ class HealthMonitor:
             rules = read_rules(parse_create(desired.create).options)
             self._react(instance, dict(broken(rules, before, sample)), now)
 
-    def stuck(self, instance: str, now: float, *, is_all_told: bool) -> None:
+    def stuck(self, instance: str, now: float, *, is_all_known: bool) -> None:
         """Judge at once one of which a callback does not come back.
 
         If its line is not known yet, that is waited for, but not for long.
         """
-        if is_all_told:
+        if is_all_known:
             self._judge_stuck(instance, now)
         elif instance in self._state.ruled:
             self._tasks.begin(self._judge_soon(instance), _LINE_S)
@@ -82,7 +82,7 @@ class HealthMonitor:
         for rule in read_rules(parse_create(desired.create).options):
             if rule.kind == "stuck":
                 self._break(instance, rule, why, now)
-                self._tell(instance)
+                self._report(instance)
 
     def _sample(self, instance: str, metrics: ComponentMetrics | None, now: float) -> Sample:
         state = self._state
@@ -104,7 +104,7 @@ class HealthMonitor:
                 _log.info("%s is well again (%s)", instance, key[1].kind)
         for rule, why in now_broken.items():
             self._break(instance, rule, why, now)
-        self._tell(instance)
+        self._report(instance)
 
     def _break(self, instance: str, rule: HealthRule, why: str, now: float) -> None:
         """Note that a rule is broken; run its action if it was not before."""
@@ -113,7 +113,7 @@ class HealthMonitor:
         if is_new:
             self._act(instance, rule, why, now)
 
-    def _tell(self, instance: str) -> None:
+    def _report(self, instance: str) -> None:
         degraded = [why for (i, r), why in self._broken.items() if (i, r.reaction) == _of(instance)]
         self._state.degraded[instance] = degraded[0] if degraded else ""
         self._state.report_restart_status(instance)

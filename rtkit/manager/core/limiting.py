@@ -63,7 +63,7 @@ class Limiting:
         process.verdict = why
         self._tasks.begin(end_slaves([process], HANGING_S), _END_S, ignored)
 
-    def heard(self, facts: ComponentFacts) -> None:
+    def on_facts(self, facts: ComponentFacts) -> None:
         """Take note of how a component is: one that failed for a limit has reached it."""
         if facts.instance not in self._state.limits or not facts.cause:
             return

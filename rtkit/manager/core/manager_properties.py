@@ -72,15 +72,15 @@ def change(state: ManagerState, argument: str) -> Procedure:
     before = state.settings.copy()
     state.settings.change(key, value)
     if canonical(key).startswith(_OF_PROCESSES):
-        told = message(state)
+        sent = message(state)
         try:
-            yield Call(state.processes[OWN_PROCESS], told)
+            yield Call(state.processes[OWN_PROCESS], sent)
         except RtkitError:
             state.settings.put_back(key, before)
             raise
         for process in list(state.processes.values()):
             if process.is_slave and process.is_ready:
-                yield Send(process, told)
+                yield Send(process, sent)
     state.kept.put("setting", key, value)
     return Result(value=lookup(state, key) or "")
 

@@ -35,13 +35,13 @@ class MetricsCollector:
         self._unanswered: set[int] = set()
         self._answers: dict[int, tuple[ComponentMetrics, ...]] = {}
 
-    def listen(self, is_heard: bool) -> None:
+    def listen(self, has_listeners: bool) -> None:
         """Note that somebody wants metrics now, or that nobody does any more."""
-        self._is_heard = is_heard
+        self._is_heard = has_listeners
         self._ask_at = 0.0
         self._tell_by = None
 
-    def hear(self, process: Process, report: object) -> None:
+    def take_report(self, process: Process, report: object) -> None:
         """Take the metrics of a process.
 
         Raises:
@@ -60,7 +60,7 @@ class MetricsCollector:
         if self._tell_by is not None and (not self._asked or now >= self._tell_by):
             self._tell_by = None
             if self._is_heard:
-                self._tell()
+                self._publish()
             self._judge.judge(self._answers, now)
         if self._tell_by is None and now >= self._ask_at:
             late_s = now - self._ask_at
@@ -78,7 +78,7 @@ class MetricsCollector:
         self._unanswered &= self._asked
         self._unanswered |= self._asked
 
-    def _tell(self) -> None:
+    def _publish(self) -> None:
         self._number += 1
         processes = [
             encode(self._metrics(each))

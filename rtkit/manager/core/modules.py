@@ -72,13 +72,13 @@ def take(state: ManagerState, module: ModuleProfile, path: str = "") -> None:
     state.modules[f"{module.path}:{module.init}" if is_second else module.path] = module
 
 
-def take_all(state: ManagerState, process: Process, told: object) -> None:
+def take_all(state: ManagerState, process: Process, reported: object) -> None:
     """Take in the report of a process about what it has loaded by itself.
 
     Raises:
         Malformed: It cannot be read.
     """
-    for each in told if isinstance(told, list) else ():
+    for each in reported if isinstance(reported, list) else ():
         tried, before = read(each), set(state.modules)
         take(state, tried.module)
         process.found += state.modules.keys() - before
@@ -139,8 +139,8 @@ def try_module(
     """
     process: Process = yield fx.AcquireSlave(TRIAL, trial_of=path)
     try:
-        told = yield fx.Call(process, {"op": "load", "path": path, "init": init})
-        tried = read(told)
+        report = yield fx.Call(process, {"op": "load", "path": path, "init": init})
+        tried = read(report)
     except RtkitError as error:
         yield fx.Spawn(_kill(process))
         failure = _explained(path, process, error) if isinstance(error, Unreachable) else error
@@ -167,16 +167,16 @@ def share_trial(state: ManagerState, path: str, init: str) -> Generator[fx.Effec
         raise trial.failure
 
 
-def read(told: Any) -> CheckedModule:
+def read(given: Any) -> CheckedModule:
     """Read the report of a process about a module that it has loaded.
 
     Raises:
         Malformed: It cannot be read.
     """
-    if not isinstance(told, dict) or not isinstance(told.get("fingerprint"), int):
+    if not isinstance(given, dict) or not isinstance(given.get("fingerprint"), int):
         raise Malformed("what was told of the module cannot be read")
-    remarks = tuple(map(str, told.get("remarks") or ()))
-    return CheckedModule(decode(ModuleProfile, told.get("module")), told["fingerprint"], remarks)
+    remarks = tuple(map(str, given.get("remarks") or ()))
+    return CheckedModule(decode(ModuleProfile, given.get("module")), given["fingerprint"], remarks)
 
 
 def _kill(process: Process) -> fx.Procedure:

@@ -38,8 +38,8 @@ _ESCAPED = "%&=?\n"
 
 def record(name: str, values: Mapping[str, str]) -> str:
     """Return ``NAME?key=value&…``, values with escapes, empty ones left out."""
-    told = "&".join(f"{key}={_escape(value)}" for key, value in values.items() if value)
-    return f"{name}?{told}" if told else name
+    query = "&".join(f"{key}={_escape(value)}" for key, value in values.items() if value)
+    return f"{name}?{query}" if query else name
 
 
 def type_record(profile: TypeProfile) -> str:
@@ -79,7 +79,7 @@ def _slaves(state: ManagerState) -> str:
 
 
 READ: Mapping[str, Callable[[ManagerState], str]] = {
-    FOLLOW: lambda state: follows.told(state.kept),
+    FOLLOW: lambda state: follows.as_json(state.kept),
     "get_loaded_modules": _loaded_modules,
     "get_factory_profiles": _factory_profiles,
     "get_components": lambda state: "\n".join(each.instance for each in _living(state)),

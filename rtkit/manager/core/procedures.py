@@ -271,21 +271,21 @@ def _make(
         "kept": {"names": list(state.claims[instance].names), "create": str(again)},
     }
     if process.key == OWN_PROCESS:
-        told = yield from _make_here(state, process, message)
+        report = yield from _make_here(state, process, message)
     else:
-        told = yield Call(process, message)
+        report = yield Call(process, message)
     facts = state.components.get(instance)
     if facts is None or facts.zombie:
         raise Refused(f"{instance} ended while it was made")
-    return again, _oddities(told, instance, process)
+    return again, _oddities(report, instance, process)
 
 
-def _oddities(told: object, instance: str, process: Process) -> str:
+def _oddities(report: object, instance: str, process: Process) -> str:
     """Return what is odd in a component that was made: its options, code that was edited since."""
-    if not isinstance(told, dict):
+    if not isinstance(report, dict):
         return ""
-    found = [str(each) for each in told.get("remarks") or ()]
-    path = told.get("changed")
+    found = [str(each) for each in report.get("remarks") or ()]
+    path = report.get("changed")
     if path:
         what = f"{instance} is made of {path} as {process.name} had loaded it"
         way_out = f"rtmgr -u {path} lets the next one have the new code"
@@ -298,10 +298,10 @@ def _make_here(
 ) -> Generator[Effect, Any, object]:
     """Have the manager's own process make a component, once others have tried its modules."""
     while True:
-        told = yield Call(own, {**message, "tried": dict(state.tried)})
-        if not isinstance(told, dict) or "untried" not in told:
-            return told
-        yield from share_trial(state, str(told["untried"]), str(told["init"]))
+        report = yield Call(own, {**message, "tried": dict(state.tried)})
+        if not isinstance(report, dict) or "untried" not in report:
+            return report
+        yield from share_trial(state, str(report["untried"]), str(report["init"]))
 
 
 def _modules_for(state: ManagerState, create: CreateString) -> list[list[str]]:
@@ -404,8 +404,8 @@ def change_state(state: ManagerState, action: act.ChangeState) -> Procedure:
         "instance": action.instance,
     }
     _forgive(state, action)
-    told = yield Call(process, message, float(bound or 0))
-    return Result(note=told if isinstance(told, str) else "")
+    answer = yield Call(process, message, float(bound or 0))
+    return Result(note=answer if isinstance(answer, str) else "")
 
 
 def _forgive(state: ManagerState, action: act.ChangeState) -> None:

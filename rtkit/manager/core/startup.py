@@ -108,10 +108,10 @@ class StartUp:
                 self._fail(key, item, str(error))
                 continue
             if actions:
-                heard = partial(self._heard, key, item)
+                on_reply = partial(self._on_reply, key, item)
                 asked = tuple(map(act.strict, actions) if self._is_strict else actions)
                 batch = Batch(asked, True, TIMEOUT_S)
-                self._post(BatchRequested(batch, self._requests.add(heard)))
+                self._post(BatchRequested(batch, self._requests.add(on_reply)))
                 return
         self._done(self._failures)
 
@@ -132,7 +132,7 @@ class StartUp:
         for text in odd:
             self._warn(f"{key}: {item}: {text}")
 
-    def _heard(self, key: str, item: str, reply: Reply) -> None:
+    def _on_reply(self, key: str, item: str, reply: Reply) -> None:
         try:
             for result in results_from_text(reply.value()):
                 result.raise_for_error()

@@ -207,7 +207,7 @@ class ManagerState:
 
     def restart_status_of(self, instance: str) -> RestartStatus:
         """Return the restart status and the health of a component."""
-        return self.watched(instance).told(self.degraded.get(instance, ""))
+        return self.watched(instance).restart_status(self.degraded.get(instance, ""))
 
     def is_in_hand(self, instance: str) -> bool:
         """Return whether a component is dead, and its policy restarts it or gave up."""
@@ -225,17 +225,17 @@ class ManagerState:
 
     def trouble_in(self, process: Process) -> str:
         """Return what is wrong with a process and is shown at none of its components."""
-        told = [process.silence] if process.silence else []
-        told += [
+        parts = [process.silence] if process.silence else []
+        parts += [
             f"{name} is {text}"
             for name, text in process.stuck.items()
             if self.containers.get(name) != process.key
         ]
         if process.key == OWN_PROCESS:
-            told += [self.remark] if self.remark else []
-            told += [f"the desired state cannot be recorded: {self.unkept}"] if self.unkept else []
-            told[:0] = [f"no slave can be started: {self.barred}"] if self.barred else []
-        return "; ".join(told)
+            parts += [self.remark] if self.remark else []
+            parts += [f"the desired state cannot be recorded: {self.unkept}"] if self.unkept else []
+            parts[:0] = [f"no slave can be started: {self.barred}"] if self.barred else []
+        return "; ".join(parts)
 
     def living_process(self, name: str) -> Process | None:
         """Return the living process of that name, or None."""

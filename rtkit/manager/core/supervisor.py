@@ -97,7 +97,7 @@ class Supervisor:
             self.lost(instances, why, now)
         for facts in list(state.components.values()):
             if not facts.zombie:
-                self.heard(facts, now)
+                self.on_facts(facts, now)
 
     def lost(self, instances: Iterable[str], why: str, now: float) -> None:
         """Take note of components that ended at monotonic time `now` [s]."""
@@ -171,7 +171,7 @@ class Supervisor:
             raise failures[0]
         state.watch(instance, restarts=state.watched(instance).restarts + 1)
 
-    def heard(self, facts: ComponentFacts, now: float) -> None:
+    def on_facts(self, facts: ComponentFacts, now: float) -> None:
         """Take note of how a component is: in Error it counts as lost."""
         state, instance = self._state, facts.instance
         if instance in state.claims or instance in state.ending:
@@ -251,7 +251,7 @@ class Supervisor:
         for instance in instances:
             if instance in still and lives(state, instance):
                 self._note(instance, now)
-                self.heard(state.components[instance], now)
+                self.on_facts(state.components[instance], now)
             elif instance in state.kept.watched:
                 state.watch(instance, pending="")
         self.lost(dead, failures[0] if failures else "it ended at its start", now)

@@ -43,7 +43,7 @@ class _Task:
         since: When it began to wait, monotonic [s].
         key: Of the process that it waits for.
         is_late: Its time is up; what it waits for is being inspected.
-        told: The failure in a container's answer, and the error that stands for it.
+        reported: The failure in a container's answer, and the error that stands for it.
     """
 
     steps: fx.Procedure
@@ -54,7 +54,7 @@ class _Task:
     since: float = 0.0
     key: int = -1
     is_late: bool = False
-    told: tuple[RtkitError, Result] | None = None
+    reported: tuple[RtkitError, Result] | None = None
 
 
 class _Step(NamedTuple):
@@ -116,7 +116,7 @@ class Tasks:
         self._state.processes[process.key] = process
         return process
 
-    def hear(self, key: int, message: Message) -> None:
+    def take_answer(self, key: int, message: Message) -> None:
         """Take the answer of a container; one that nobody waits for any more is ignored."""
         number = message["reply"]
         task = self._waiting.get(number) if isinstance(number, int) else None
@@ -127,7 +127,7 @@ class Tasks:
             self._go_on(number, message.get("value", ""))
         else:
             error = from_kind(result.kind, result.why)
-            task.told = (error, result)
+            task.reported = (error, result)
             self._go_on(number, None, error)
 
     def process_is_up(self, process: Process) -> None:
@@ -353,8 +353,8 @@ def _advance(task: _Task, value: Any, error: RtkitError | None) -> fx.Effect | N
     except StopIteration as stop:
         result: Result = stop.value
     except RtkitError as failure:
-        told = task.told
-        result = told[1] if told is not None and told[0] is failure else failed(failure)
+        reported = task.reported
+        result = reported[1] if reported is not None and reported[0] is failure else failed(failure)
     except Exception as bug:
         _log.exception("a procedure failed")
         result = failed(RtkitError(f"{type(bug).__name__}: {bug}"))

@@ -61,25 +61,25 @@ class Following:
         for name in [name for name in self._workers if name not in kept.followed]:
             self._workers.pop(name).end()
         for name, text in kept.followed.items():
-            told = kept.reached.get(name, Followed(name))
+            reached = kept.reached.get(name, Followed(name))
             known = self._workers.get(name)
-            if told.is_over:
+            if reached.is_over:
                 self._workers.pop(name, None)
             elif known is None or not known.is_alive():
-                self._workers[name] = self._attendant(name, text, told)
+                self._workers[name] = self._attendant(name, text, reached)
 
-    def _attendant(self, name: str, text: str, told: Followed) -> FollowingWorker:
+    def _attendant(self, name: str, text: str, reached: Followed) -> FollowingWorker:
         from rtkit.manager.following.worker import FollowingWorker, OwnSite
 
         purpose = f"the manager itself, which follows {name}"
         site = OwnSite(self._post, self._state.name, purpose)
 
-        def say(told: Followed) -> None:
-            self._post(FollowSaid(told, self._requests.add(site.answer)))
+        def report(outcome: Followed) -> None:
+            self._post(FollowSaid(outcome, self._requests.add(site.answer)))
             site.awaited()
 
         listen = partial(self._listen, f"{name} {next(self._numbers)}")
-        worker = FollowingWorker(text, told, site, say, listen, self._failed)
+        worker = FollowingWorker(text, reached, site, report, listen, self._failed)
         worker.start()
         return worker
 
@@ -88,7 +88,7 @@ class Following:
         for line in (TREE, METRICS):
             self._post(ListenersChanged(line, line in lines, who))
 
-    def heard(self, line: str, message: Mapping[str, Any]) -> None:
+    def on_published(self, line: str, message: Mapping[str, Any]) -> None:
         """Pass what the manager publishes on its topics to the followers."""
         attendants = [*self._workers.values()]
         if line == TREE:

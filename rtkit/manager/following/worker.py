@@ -44,16 +44,16 @@ class FollowingWorker(Thread):
     """One thread that follows one system.
 
     Attributes:
-        told: Its reports so far.
+        reached: Its reports so far.
         needs_figures: Whether a condition is on what components do; known once it runs.
     """
 
     def __init__(
         self,
         text: str,
-        told: Followed,
+        reached: Followed,
         site: OwnSite,
-        say: Callable[[Followed], object],
+        report: Callable[[Followed], object],
         listen: Callable[[Sequence[str]], object],
         failed: Callable[[str, BaseException], object] = lambda _work, _error: None,
     ) -> None:
@@ -61,22 +61,22 @@ class FollowingWorker(Thread):
 
         Args:
             text: What a system is followed by (`rtkit.deployment.facts`).
-            told: Its last state and transition.
+            reached: Its last state and transition.
             site: Where it lives.
-            say: Stores and reports its outcome; returns when that is stored.
+            report: Stores and reports its outcome; returns when that is stored.
             listen: Has `changed` called with what is published on these topics, and no others.
             failed: Takes note of a fault of its own.
         """
         super().__init__(name="follower", daemon=True)
         self._text = text
         self._site = site
-        self._say = say
+        self._report = report
         self._listen = listen
         self._failed_at = failed
         self._changed = Event()
         self._rolls_back = False
         self._metrics: dict[str, ComponentMetrics] = {}
-        self.told = told
+        self.reached = reached
         self.needs_metrics = False
 
     def end(self) -> None:
@@ -101,7 +101,7 @@ class FollowingWorker(Thread):
         except Exception as error:
             kind = error.kind if isinstance(error, RtkitError) else "error"
             why = str(error) if isinstance(error, RtkitError) else f"a bug in rtkit: {error!r}"
-            _log.error("%s is followed no more: %s", self.told.system, why)
+            _log.error("%s is followed no more: %s", self.reached.system, why)
             if not isinstance(error, RtkitError):
                 self._failed_at("following", error)
             self._give_up(why, kind)
@@ -110,7 +110,7 @@ class FollowingWorker(Thread):
 
     def _give_up(self, why: str, kind: str) -> None:
         try:
-            self._tell(why=why, kind=kind, is_over=True, is_led=False, waits="")
+            self._update(why=why, kind=kind, is_over=True, is_led=False, waits="")
         except (Ended, RtkitError) as error:
             _log.error("that could not be kept: %s", error)
 
@@ -122,7 +122,7 @@ class FollowingWorker(Thread):
         conditions = self._states.machine.conditions.values()
         self.needs_metrics = any(condition.needs_metrics for condition in conditions)
         self._listen((TREE, METRICS) if self.needs_metrics else (TREE,))
-        last = self.told
+        last = self.reached
         if last.is_led:
             self._came(leader.lead(SystemTransition(last.before, last.event, last.state)))
         elif last.state:
@@ -140,8 +140,8 @@ class FollowingWorker(Thread):
             if passage is not None:
                 self._came(passage)
                 continue
-            if self.told.waits:
-                self._tell(waits="")
+            if self.reached.waits:
+                self._update(waits="")
             took_s = time.monotonic() - began_s
             self._changed.wait()
             self._site.pause(min(max(_PAUSE_S, _PAUSES * took_s), _LONGEST_PAUSE_S))
@@ -151,8 +151,8 @@ class FollowingWorker(Thread):
         holder = self._site.holder()
         if holder is None:
             return False
-        if str(holder) != self.told.waits and leader.due(self._site.snapshot(), self._metrics):
-            self._tell(waits=str(holder))
+        if str(holder) != self.reached.waits and leader.due(self._site.snapshot(), self._metrics):
+            self._update(waits=str(holder))
         self._site.pause()
         return True
 
@@ -160,11 +160,11 @@ class FollowingWorker(Thread):
         from rtkit.deployment.applying import Applier
 
         goal = self._states.goal(passage.state)
-        self._site.take_lock(lambda whom: self._tell(waits=whom))
+        self._site.take_lock(lambda whom: self._update(waits=whom))
         try:
             before, event, state = passage
             now = time.time()
-            self._tell(before=before, event=event, state=state, is_led=True, waits="", time=now)
+            self._update(before=before, event=event, state=state, is_led=True, waits="", time=now)
             snapshot = self._site.snapshot()
             applier = Applier(self._site, goal, _log.warning, _log.info)
             applier.run(goal.plan(snapshot), snapshot, rolls_back=self._rolls_back)
@@ -173,27 +173,27 @@ class FollowingWorker(Thread):
 
     def _failed(self, why: str) -> None:
         _log.warning("%s", why)
-        self._tell(why=why)
+        self._update(why=why)
 
     def _came(self, passage: SystemTransition) -> None:
         from rtkit.deployment.states.machine import FAILED
 
         before, event, state = passage
-        self._tell(
+        self._update(
             before=before,
             event=event,
             state=state,
-            count=self.told.count + 1,
+            count=self.reached.count + 1,
             time=time.time(),
             is_led=False,
             waits="",
-            why=self.told.why if event == FAILED else "",
+            why=self.reached.why if event == FAILED else "",
         )
-        _log.info("%s: %s", self.told.system, self.told)
+        _log.info("%s: %s", self.reached.system, self.reached)
 
-    def _tell(self, **changes: Any) -> None:
-        self.told = replace(self.told, **changes)
-        self._say(self.told)
+    def _update(self, **changes: Any) -> None:
+        self.reached = replace(self.reached, **changes)
+        self._report(self.reached)
 
 
 TIMEOUT_S = 10.0
@@ -269,16 +269,16 @@ class OwnSite:
 
     def take_lock(self, waits: Callable[[str], object]) -> None:
         """Keep others from carrying plans out; `waits` receives whom it waits for."""
-        told = ""
+        before = ""
         while True:
             wanted = {**encode(self._holder), "since": time.time()}
             try:
                 self._ask("lease", json.dumps({"take": wanted}), is_extension=True)
                 return
             except Refused as error:
-                if str(error) != told:
-                    told = str(error)
-                    waits(told)
+                if str(error) != before:
+                    before = str(error)
+                    waits(before)
             self.pause()
 
     def give_lock(self) -> None:

@@ -41,13 +41,13 @@ class ControlGroups:
         """
         folder = self._folders.get(pid) or self._make(pid)
         share = limits.processor * _MORE
-        told = {
+        values = {
             "memory.max": str(limits.memory or "max"),
             "memory.swap.max": "0" if limits.memory else "max",
             "pids.max": str(limits.processes * _THREADS or "max"),
             "cpu.max": f"{max(1000, int(share * _PERIOD_US)) if share else 'max'} {_PERIOD_US}",
         }
-        _write_all(folder, told)
+        _write_all(folder, values)
         _write(f"{folder}/cgroup.procs", str(pid))
 
     def was_out_of_memory(self, pid: int) -> bool:
@@ -131,8 +131,8 @@ def _own_group(text: str) -> str | None:
     return next((line[3:] for line in text.splitlines() if line.startswith("0::/")), None)
 
 
-def _write_all(folder: str, told: Mapping[str, str]) -> None:
-    for name, text in told.items():
+def _write_all(folder: str, values: Mapping[str, str]) -> None:
+    for name, text in values.items():
         if os.path.exists(f"{folder}/{name}"):  # not every kernel has each controller
             _write(f"{folder}/{name}", text)
 

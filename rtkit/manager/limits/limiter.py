@@ -54,7 +54,7 @@ class _Limited:
     pid: int
     limits: SlaveLimits
     look_at: float = 0.0
-    is_told: bool = False
+    is_reported: bool = False
     times: deque[tuple[float, float]] = field(default_factory=deque)
     shared_at: float = -inf
     shared: int = 0
@@ -82,7 +82,7 @@ class Limiter:
         elif known is None:
             self._slaves[key] = _Limited(pid, limits)
         else:
-            known.limits, known.is_told = limits, False
+            known.limits, known.is_reported = limits, False
 
     def forget(self, key: int) -> None:
         """Let go of a slave that ended."""
@@ -97,9 +97,9 @@ class Limiter:
         for key, slave in self._slaves.items():
             if slave.look_at > now:
                 continue
-            why = "" if slave.is_told else reached(slave.limits, _usage(slave, now))
+            why = "" if slave.is_reported else reached(slave.limits, _usage(slave, now))
             if why:
-                slave.is_told = True
+                slave.is_reported = True
                 found.append(SlaveOverLimit(key, why))
             bare = SlaveLimits(processor=slave.limits.processor)
             slave.look_at = now + (_SLOWLY_S if slave.limits == bare else LOOK_S)
@@ -110,10 +110,10 @@ class Limiter:
         slave = self._slaves.get(key)
         if slave is None or not slave.limits.memory:
             return reason
-        groups, is_told = self._groups, any(words in last for words in _NO_MEMORY)
+        groups, is_memory_named = self._groups, any(words in last for words in _NO_MEMORY)
         if groups is not None and groups.was_out_of_memory(slave.pid):
             return memory_reached(slave.limits, "the kernel gave no more")
-        if is_told and reason.startswith("signal"):
+        if is_memory_named and reason.startswith("signal"):
             return memory_reached(slave.limits, f"{reason}: {last}")
         return reason
 

@@ -82,9 +82,9 @@ def end_descendants(manager: str) -> list[int]:
 def _read(path: str) -> dict[int, int]:
     """Return the processes of a list, by pid when each began; only of this run of the machine."""
     with suppress(OSError, ValueError, TypeError, AttributeError), open(path, "rb") as file:
-        told = json.load(file)
-        if told.get("boot") == boot_id():
-            return {int(pid): int(began) for pid, began in told["began"].items()}
+        record = json.load(file)
+        if record.get("boot") == boot_id():
+            return {int(pid): int(began) for pid, began in record["began"].items()}
     return {}
 
 

@@ -24,7 +24,7 @@ _LINES = 3
 _MAX_TEXT = 300
 _CRASH = re.compile(r"^Fatal Python error: ", re.MULTILINE)
 _CULPRIT = re.compile(r"^Current thread 0x([0-9a-f]+)", re.MULTILINE)
-_TOLD = ("WARN", "ERROR", "FATAL")
+_LEVELS = ("WARN", "ERROR", "FATAL")
 _PRINTED = ("stdout", "stderr")
 
 
@@ -58,10 +58,10 @@ def exit_diagnostics(manager: str, slave: str, pid: int) -> ExitDiagnostics:
     culprit = _CULPRIT.search(after)
     thread = int(culprit[1], 16) if culprit else 0
     place = place_of(after, thread, must_be_own=True) if culprit else ""
-    said = before.splitlines()[1:]
-    if not any(map(str.strip, said)) and not place:
-        said = _logged(places.log_file(manager, slave), pid)
-    return ExitDiagnostics(place, _short(said), thread, after.strip())
+    lines = before.splitlines()[1:]
+    if not any(map(str.strip, lines)) and not place:
+        lines = _logged(places.log_file(manager, slave), pid)
+    return ExitDiagnostics(place, _short(lines), thread, after.strip())
 
 
 def log_crash(manager: str, slave: str, pid: int, words: ExitDiagnostics, instance: str) -> None:
@@ -86,8 +86,8 @@ def log_crash(manager: str, slave: str, pid: int, words: ExitDiagnostics, instan
 
 
 def _short(lines: list[str]) -> str:
-    told = [" ".join(line.split()) for line in lines if line.strip()][-_LINES:]
-    text = printable("; ".join(told))
+    parts = [" ".join(line.split()) for line in lines if line.strip()][-_LINES:]
+    text = printable("; ".join(parts))
     return text if len(text) <= _MAX_TEXT else "…" + text[1 - _MAX_TEXT :]
 
 
@@ -96,8 +96,8 @@ def _logged(path: str, pid: int) -> list[str]:
     for line in _end(path, _LOG_BYTES).splitlines():
         try:
             record = json.loads(line)
-            is_told = record["level"] in _TOLD or record.get("logger") in _PRINTED
-            if record["pid"] == pid and is_told:
+            is_shown = record["level"] in _LEVELS or record.get("logger") in _PRINTED
+            if record["pid"] == pid and is_shown:
                 lines.append(str(record["message"]))
         except (ValueError, LookupError, TypeError):
             continue  # the first one is cut off

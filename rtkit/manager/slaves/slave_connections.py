@@ -190,7 +190,7 @@ class SlaveConnections:
             self._on_former_zygote_message(former_zygote)
 
     def _on_former_zygote_message(self, former_zygote: ControlChannel, _mask: int = 0) -> None:
-        events = self._slave_supervisor.heard(former_zygote)
+        events = self._slave_supervisor.events_from(former_zygote)
         if events is None:
             self._selector.unregister(former_zygote)
             for key, pidfd in self._slave_supervisor.orphans():
@@ -222,7 +222,7 @@ class SlaveConnections:
         messages = self._received(channel)
         if messages is None:
             self.drop(key)
-            if self._slave_supervisor.is_untold(key):
+            if self._slave_supervisor.is_unwatched(key):
                 self._lost(key)
             return
         for message in messages:

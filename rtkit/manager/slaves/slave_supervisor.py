@@ -158,12 +158,12 @@ class SlaveSupervisor:
         pid = self._pids.get(key)
         return None if pid is None else self._ended(pid, UNKNOWN)
 
-    def is_untold(self, key: int) -> bool:
+    def is_unwatched(self, key: int) -> bool:
         """Return whether a slave was adopted too late for zygote or pidfd to report its end."""
         is_seen = key in self._pidfds or self.former_zygotes.has(self._pids.get(key, 0))
         return key in self._adopted and not is_seen
 
-    def heard(self, former_zygote: ControlChannel) -> list[ev.Event] | None:
+    def events_from(self, former_zygote: ControlChannel) -> list[ev.Event] | None:
         """Return what an earlier manager's zygote reports; None when it ended."""
         messages = self.former_zygotes.receive(former_zygote)
         if messages is None:

@@ -126,7 +126,7 @@ class _Stage:
 
     def _listen(self) -> None:
         try:
-            self._connection.listen(self._container.put, self._container.tell_all)
+            self._connection.listen(self._container.put, self._container.report_all)
         finally:
             self._container.close()
 

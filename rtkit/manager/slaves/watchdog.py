@@ -32,7 +32,7 @@ _STACK_POLLS = 20
 _ASKED_POLLS = 4
 """How many of them it has to answer who asks; then it is sent a signal."""
 
-Told = CallbackStuck | ProcessInspected
+WatchdogEvent = CallbackStuck | ProcessInspected
 
 
 DEADLINE_KEY = "exec_cxt.callback_deadline"
@@ -160,7 +160,7 @@ class Watchdog:
             watched.due_ns = min(watched.due_ns, time.monotonic_ns() + _POLL_NS)
             self._look_at_ns = min(self._look_at_ns, watched.due_ns)
 
-    def inspect(self, key: int, age_s: float) -> Iterator[Told]:
+    def inspect(self, key: int, age_s: float) -> Iterator[WatchdogEvent]:
         """Yield what has been under way in a process for longer than that [s].
 
         `ProcessInspected` comes when all is reported, perhaps only with the next `poll`.
@@ -173,7 +173,7 @@ class Watchdog:
         yield from self._poll(key, watched, time.monotonic_ns(), self._shortest_s())
         self._look_at_ns = self._earliest_ns()
 
-    def poll(self) -> Iterator[Told]:
+    def poll(self) -> Iterator[WatchdogEvent]:
         """Yield what got stuck since the last poll, then its line, and what goes on again."""
         now_ns, shortest_s = time.monotonic_ns(), self._shortest_s()
         soon_ns = now_ns + int(shortest_s * 0.5e9)  # one look at all costs less than many
@@ -185,7 +185,9 @@ class Watchdog:
     def _earliest_ns(self) -> int:
         return min((each.due_ns for each in self._watched.values()), default=0)
 
-    def _poll(self, key: int, watched: _Watched, now_ns: int, shortest_s: float) -> Iterator[Told]:
+    def _poll(
+        self, key: int, watched: _Watched, now_ns: int, shortest_s: float
+    ) -> Iterator[WatchdogEvent]:
         if watched.stack_polls:
             yield from self._lines(key, watched, now_ns)
         inside = watched.reader.inside()
@@ -234,7 +236,7 @@ class Watchdog:
             bound_s = min(bound_s, watched.age_s)
         return age_ns > bound_s * 1e9
 
-    def _lines(self, key: int, watched: _Watched, now_ns: int) -> Iterator[Told]:
+    def _lines(self, key: int, watched: _Watched, now_ns: int) -> Iterator[WatchdogEvent]:
         """Yield the lines of what is stuck, when the stack is written that names them."""
         stacks = read_stacks(self._pattern, watched.pid)
         places = {each: place_of(stacks, beat.thread) for each, beat in watched.stuck.items()}

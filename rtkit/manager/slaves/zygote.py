@@ -81,7 +81,7 @@ class Zygote:
         self._wake, self._wake_write = os.pipe()
         for descriptor in (self._wake, self._wake_write):
             os.set_blocking(descriptor, False)
-        self._selector.register(channel, selectors.EVENT_READ, self._hear)
+        self._selector.register(channel, selectors.EVENT_READ, self._receive)
         self._selector.register(self._wake, selectors.EVENT_READ, self._reap)
 
     def run(self) -> None:
@@ -92,7 +92,7 @@ class Zygote:
         for name in AHEAD:
             importlib.import_module(name)
         gc.freeze()  # decision 49: a slave's collector would copy each page that it looks through
-        self._tell({"ready": os.getpid()})
+        self._report({"ready": os.getpid()})
         later: list[Callable[[], object]] = [self._warm_up] * _REHEARSALS
         later += [partial(_make_types, name) for name in _AT_LEISURE]
         later.insert(0, self._pack)  # last of all
@@ -117,7 +117,7 @@ class Zygote:
             _log.exception("cannot rehearse")
         gc.collect()
 
-    def _hear(self) -> None:
+    def _receive(self) -> None:
         channel = self._channel
         messages = channel.receive() if channel is not None else None
         if channel is not None and messages is None:
@@ -143,13 +143,13 @@ class Zygote:
         connection, _ = self._listener.accept()
         self._unlisten()
         self._channel = ControlChannel(connection)
-        self._selector.register(self._channel, selectors.EVENT_READ, self._hear)
+        self._selector.register(self._channel, selectors.EVENT_READ, self._receive)
         children = sorted(self._children)
-        self._tell({"children": children, "names": self._children, "zygote": os.getpid()})
+        self._report({"children": children, "names": self._children, "zygote": os.getpid()})
         fault.point("zygote.accepted")
         kept, self._reports = self._reports, []
         for report in kept:
-            self._tell(report)
+            self._report(report)
 
     def _unlisten(self) -> None:
         if self._listener is not None:
@@ -158,8 +158,8 @@ class Zygote:
             self._listener = None
             os.unlink(self._path)
 
-    def _tell(self, message: Message) -> None:
-        """Report to the manager, or keep it for the next one; `_hear` notices that it is gone."""
+    def _report(self, message: Message) -> None:
+        """Report to the manager, or keep it for the next; `_receive` notices that it is gone."""
         if self._channel is None:
             self._reports.append(message)
             return
@@ -172,12 +172,12 @@ class Zygote:
         try:
             pid = _forked()
         except OSError as error:
-            self._tell({"failed": key, "reason": f"cannot fork: {error.strerror}"})
+            self._report({"failed": key, "reason": f"cannot fork: {error.strerror}"})
             return
         if pid:
             self._children[pid] = message["name"].replace("%p", str(pid))
             fault.point("zygote.forked")
-            self._tell({"forked": key, "pid": pid})
+            self._report({"forked": key, "pid": pid})
             fault.point("zygote.told")
         else:
             self._become_slave(key, message)
@@ -210,9 +210,9 @@ class Zygote:
                 name = self._children.pop(report.si_pid, None)
                 self._end_orphans(name)
                 if name is not None:
-                    self._tell({"ended": report.si_pid, "reason": exit_reason(report)})
+                    self._report({"ended": report.si_pid, "reason": exit_reason(report)})
             elif report.si_pid in self._children:
-                self._tell({"halted": report.si_pid, "is_halted": report.si_code in STOPS})
+                self._report({"halted": report.si_pid, "is_halted": report.si_code in STOPS})
 
     def _end_orphans(self, name: str | None) -> None:
         """End what a slave that ended left behind, and then what that left: it has come to us."""

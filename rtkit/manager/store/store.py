@@ -93,7 +93,7 @@ class StoredRows(NamedTuple):
     """Rows of a store at its opening, and a finding about it."""
 
     rows: list[Row]
-    told: str = ""
+    finding: str = ""
 
 
 class Store:
@@ -282,7 +282,7 @@ class Store:
 
     def _find_in_copy(self, why: sqlite3.Error) -> StoredRows:
         """Read what cannot be written, or not where it is."""
-        told = f"the state store cannot be written: {self._failure(why)}"
+        finding = f"the state store cannot be written: {self._failure(why)}"
         with tempfile.TemporaryDirectory(dir=places.runtime_dir()) as folder:
             copy = os.path.join(folder, "copy")
             try:
@@ -291,11 +291,11 @@ class Store:
                         shutil.copyfile(self._path + suffix, copy + suffix)
                 db = sqlite3.connect(copy, isolation_level=None)
                 try:
-                    return StoredRows(_read(db, self._path)[0], told)
+                    return StoredRows(_read(db, self._path)[0], finding)
                 finally:
                     db.close()
             except (OSError, sqlite3.Error, _Damaged) as error:
-                return StoredRows([], f"{told}, nor read: {error}")
+                return StoredRows([], f"{finding}, nor read: {error}")
 
 
 class Noted:
@@ -366,9 +366,9 @@ def _read(db: sqlite3.Connection, path: str) -> tuple[list[Row], int]:
             empty = " (it is empty)" if not os.path.getsize(path) else ""
             raise _Damaged(f"not a state store{empty}")
         if version > VERSION:
-            told = f"a newer rtkit wrote the state store, {path} (version {version})"
+            reason = f"a newer rtkit wrote the state store, {path} (version {version})"
             aside = "rtmgr start -o rtkit.restore:NO puts it aside and begins empty"
-            raise Refused(f"{told}: use that one, or {aside}")
+            raise Refused(f"{reason}: use that one, or {aside}")
         if version != VERSION:
             raise _Damaged(f"version {version} of its form")
         (found,) = db.execute("pragma quick_check(1)").fetchone()
@@ -390,8 +390,8 @@ def holder_of(path: str) -> str:
     whole = struct.pack("hhqqi4x", fcntl.F_WRLCK, os.SEEK_SET, _LOCKS, _LOCKS_LENGTH, 0)
     try:
         with open(path, "rb+") as file:
-            told = fcntl.fcntl(file, fcntl.F_GETLK, whole)
-        kind, _, _, _, pid = struct.unpack("hhqqi4x", told)
+            lock = fcntl.fcntl(file, fcntl.F_GETLK, whole)
+        kind, _, _, _, pid = struct.unpack("hhqqi4x", lock)
         if kind == fcntl.F_UNLCK or pid <= 0:
             return ""
         with open(f"/proc/{pid}/comm", encoding="utf-8", errors="replace") as comm:

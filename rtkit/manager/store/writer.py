@@ -19,7 +19,7 @@ from rtkit.link import places
 if TYPE_CHECKING:
     from rtkit.manager.store.store import Row, Store
 
-Heard = Callable[[int, str, bool], object]
+Stored = Callable[[int, str, bool], object]
 """Called with the number of what was to be kept, why it is not (empty when it is), and whether
 nothing is that was kept before: then all is to be kept again."""
 
@@ -37,7 +37,7 @@ class StoreWriter:
     """Writes the store at a path on one thread; rows that come meanwhile join the next commit.
 
     Attributes:
-        heard: Receives what was stored, on that thread.
+        stored: Receives what was stored, on that thread.
         failed: Receives faults of its own, with the name of the work.
     """
 
@@ -47,7 +47,7 @@ class StoreWriter:
         self._thread: threading.Thread | None = None
         self._store: Store | None = None
         self._is_forgotten = False
-        self.heard: Heard = lambda _number, _why, _is_lost: None
+        self.stored: Stored = lambda _number, _why, _is_lost: None
         self.failed: Failed = lambda _work, _error: None
 
     def find(self) -> tuple[list[Row], str]:
@@ -60,7 +60,7 @@ class StoreWriter:
         if not (self._is_there() or os.path.lexists(f"{self._path}-commits")):
             return [], ""
         found = self._opened().find()
-        return found.rows, found.told
+        return found.rows, found.finding
 
     def set_aside(self) -> str:
         """Begin without what is there; return a finding about it."""
@@ -76,7 +76,7 @@ class StoreWriter:
             self._thread.start()
 
     def keep(self, number: int, rows: Sequence[Row]) -> None:
-        """Have rows written; `heard` is called when they are."""
+        """Have rows written; `stored` is called when they are."""
         self.begin()
         self._inbox.put(_Order(number, rows))
 
@@ -135,4 +135,4 @@ class StoreWriter:
                 self.failed("store", error)
                 why = f"a fault of rtkit: {error}"
             for order in whole:
-                self.heard(order.number, why, is_lost)
+                self.stored(order.number, why, is_lost)

@@ -19,7 +19,7 @@ def asked(*messages: dict[str, Any]) -> UserRequests:
 
 
 def desired(noted: UserRequests) -> DesiredComponent:
-    return desired_by("A", requests_from(noted.told(["A"]))["A"])
+    return desired_by("A", requests_from(noted.by_component(["A"]))["A"])
 
 
 def test_the_last_request_of_each_kind_counts_and_values_add_up() -> None:
@@ -66,7 +66,7 @@ def test_what_ended_was_asked_nothing() -> None:
     assert desired(noted) == DesiredComponent("")
     noted.note({"instance": "A", "op": "activate_set", "set_id": "s"})
     noted.forget("A")
-    assert noted.told(["A"]) == {"A": []}
+    assert noted.by_component(["A"]) == {"A": []}
 
 
 @pytest.mark.parametrize(

@@ -12,7 +12,7 @@ from rtkit.deployment.facts import Followed
 from rtkit.deployment.states.states_text import spec_to_text
 from rtkit.deployment.user_events import user_events
 from rtkit.manager.core import events as ev
-from rtkit.manager.core.follows import told
+from rtkit.manager.core.follows import as_json
 from rtkit.property.exchange import Reply
 from rtkit.rtc.serde import decode, decode_text
 
@@ -39,7 +39,7 @@ def test_what_is_followed_is_kept_and_told(shell: FakeShell) -> None:
     assert asked(shell, TEXT) == Reply(f"{NAME} is followed")
     assert shell.state.snapshot().systems == (Followed(NAME),)
     assert said(shell, LED) == Reply("")
-    (plain,) = json.loads(told(shell.state.kept))
+    (plain,) = json.loads(as_json(shell.state.kept))
     assert plain["system"] == NAME
     assert (plain["state"], plain["before"], plain["event"]) == ("explore", "standby", "start")
     assert plain["table"]["standby"] == {"start": "explore"}

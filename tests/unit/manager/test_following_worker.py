@@ -131,13 +131,13 @@ def test_it_leads_a_system_to_its_first_state_and_on_by_events(manager: Manager)
     assert manager.came() == "standby (at first)"
     manager.end()
     # The next one goes on from there, without a transition.
-    manager.follow(manager.worker.told)
+    manager.follow(manager.worker.reached)
     assert manager.states.goal("explore") is not None
     _lead(manager, "explore")
     assert manager.came() == "standby -by others-> explore"
     manager.world.kill("Motor")
     assert manager.came() == "explore -motor_lost-> degraded"
-    assert manager.worker.told.count == 3
+    assert manager.worker.reached.count == 3
     assert manager.place.locks == 1
     assert not manager.place.is_locked
     manager.end()
@@ -168,7 +168,7 @@ def test_it_waits_for_who_carries_a_plan_out_and_ends_while_it_does(manager: Man
     assert (told.state, told.waits, told.is_led) == ("explore", str(OTHER), False)
     manager.place.others.set()
     assert manager.came() == "explore -motor_lost-> degraded"
-    assert manager.worker.told.waits == ""
+    assert manager.worker.reached.waits == ""
     manager.end()
     _lead(manager, "explore")
     manager.follow(Followed(statekit.SYSTEM, "explore", count=1))

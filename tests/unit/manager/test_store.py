@@ -73,7 +73,7 @@ def test_a_store_that_cannot_be_renamed_is_told(path: str, monkeypatch: pytest.M
     monkeypatch.setattr(os, "rename", refuse)
     found = Store(path).find()
     assert found.rows == []
-    assert "cannot be renamed" in found.told
+    assert "cannot be renamed" in found.finding
 
 
 def alter(path: str, *statements: str) -> None:
@@ -143,7 +143,7 @@ def test_several_are_put_aside_under_several_names(path: str) -> None:
     os.unlink(f"{path}-wal")
     for number in (1, 2, 3):
         Path(path).write_text("rubbish")
-        assert f"damaged-{number}" in Store(path).find().told
+        assert f"damaged-{number}" in Store(path).find().finding
 
 
 def test_one_of_a_newer_rtkit_is_left_as_it_is(path: str) -> None:
@@ -246,7 +246,7 @@ def test_the_keeper_tells_that_the_store_is_gone_before_it_makes_another(path: s
     keeper.find()
     os.unlink(path)
     told: list[tuple[int, bool]] = []
-    keeper.heard = lambda number, why, is_lost: told.append((number, is_lost))
+    keeper.stored = lambda number, why, is_lost: told.append((number, is_lost))
     keeper.keep(1, [("wire", "w", "1")])
     keeper.close()
     assert told == [(1, True)]
@@ -286,7 +286,7 @@ def test_a_journal_that_lacks_its_end_is_told(path: str, keep: float) -> None:
     assert told.startswith(f"the state store lacks its last {5 - len(rows)} changes ({path})")
     store.write([("wire", "w", "1")])
     store.close()
-    assert Store(path).find().told == ""
+    assert Store(path).find().finding == ""
 
 
 def test_an_older_store_in_its_place_is_told(path: str) -> None:
@@ -294,7 +294,7 @@ def test_an_older_store_in_its_place_is_told(path: str) -> None:
     killed(path, 4)
     for suffix in ("", "-wal"):
         os.replace(older + suffix, path + suffix)
-    assert "lacks its last 2 changes" in Store(path).find().told
+    assert "lacks its last 2 changes" in Store(path).find().finding
 
 
 def test_a_store_of_an_earlier_rtkit_counts_from_now_on(path: str) -> None:
@@ -304,7 +304,7 @@ def test_a_store_of_an_earlier_rtkit_counts_from_now_on(path: str) -> None:
     store.write([("wire", "w", "1")])
     store.close()
     os.unlink(path)
-    assert "was removed" in Store(path).find().told
+    assert "was removed" in Store(path).find().finding
 
 
 @pytest.mark.parametrize("suffix", ["", "-wal", NOTED])
@@ -351,7 +351,7 @@ def test_the_keeper_tells_what_is_on_the_disk_and_what_is_not(tmp_path: Path) ->
     keeper = StoreWriter(str(path))
     assert keeper.find() == ([], "")
     told: list[tuple[int, str]] = []
-    keeper.heard = lambda number, why, _is_lost: told.append((number, why))
+    keeper.stored = lambda number, why, _is_lost: told.append((number, why))
     keeper.keep(1, ROWS[:1])
     keeper.keep(2, ROWS[1:])
     keeper.keep(3, [("wire", None, "2")])  # type: ignore[list-item]
