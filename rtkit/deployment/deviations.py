@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping
 
 from rtkit.deployment import drift
-from rtkit.deployment.described import DATA_ATTRIBUTES
 from rtkit.deployment.facts import ComponentFacts
 from rtkit.deployment.live_index import LiveIndex, absence, context_of
 from rtkit.deployment.system import HIDDEN, WantedComponent, WantedConnector, WantedSystem, address
@@ -233,14 +232,11 @@ def _connection(
             "connection", path, text, wanted.is_required, "", connector.connector_id, ids
         )
         return
-    for key in DATA_ATTRIBUTES:
-        expected, found = connector.properties.get(key, ""), known.properties.get(key, "")
-        if expected and differing({key: expected.lower()}, {key: found.lower()}):
-            text = (
-                f"Property {key} of connection from {source} to {target} is incorrect."
-                f" (value: {found})"
-            )
-            yield Deviation("property", path, text, wanted.is_required, key, expected, found)
+    for key in differing(connector.properties, known.properties):
+        expected, found = connector.properties[key], known.properties.get(key, "")
+        text = f"Property {key} of connection from {source} to {target} is incorrect."
+        text += f" (value: {found})"
+        yield Deviation("property", path, text, wanted.is_required, key, expected, found)
 
 
 def _parameters(component: WantedComponent, facts: ComponentFacts) -> Iterator[Deviation]:

@@ -74,6 +74,18 @@ def test_properties_of_connections_compare_in_any_case(system, world):
     ]
 
 
+def test_every_property_of_a_connection_is_compared(system, world):
+    wire = world.connectors["wire"]
+    key, others = "dataport.push_interval", dict(wire.properties)
+    system.connectors[0].profile.properties[key] = "0.5"
+    stem = f"Property {key} of connection from /localhost/Source0.rtc:out to"
+    for found, marks in (("0.50", []), ("2", ["2"]), ("", [""])):
+        present = {**others, key: found} if found else others
+        world.connectors["wire"] = ConnectorProfile("wire", "wire", wire.ports, present)
+        told = [f"{stem} /localhost/Sink0.rtc:in is incorrect. (value: {mark})" for mark in marks]
+        assert texts(system, world) == told
+
+
 def test_sets_and_parameters(system, world):
     world.perform(act.ActivateSet("Sink0", "default"))
     world.perform(act.SetParameters("Source0", "fast", {"gain": "8"}))
