@@ -26,8 +26,12 @@ AT = option(
 
 
 @contextmanager
-def connected(app: App, at: str | None) -> Iterator[PropertyConnections]:
+def connected(
+    app: App, at: str | None, parameters: Sequence[str] = ()
+) -> Iterator[PropertyConnections]:
     """Connect to owners of properties for as long as the context lasts.
+
+    A time-out among the parameters of the requests bounds also what is asked before them.
 
     Raises:
         UsageError: ``--at`` is no address.
@@ -41,7 +45,12 @@ def connected(app: App, at: str | None) -> Iterator[PropertyConnections]:
             endpoint_side_of(at).check(at)
         except Malformed as error:
             raise click.BadParameter(str(error), param_hint="--at") from None
-    places = PropertyConnections(working_directory(), at or "", app.timeout_s)
+    timeout_s = app.timeout_s
+    if parameters:
+        from rtkit.wires.property_client import bound_in
+
+        timeout_s = bound_in(joined(parameters), timeout_s)
+    places = PropertyConnections(working_directory(), at or "", timeout_s)
     try:
         yield places
     finally:

@@ -56,7 +56,7 @@ def main(
         raise WrongArguments("No targets specified.")
     if is_raw and is_json:
         raise click.UsageError("--raw and --json exclude each other")
-    with connected(app, at) as places:
+    with connected(app, at, parameters) as places:
         from rtkit.tree.property_connections import asked
 
         more = joined(parameters)

@@ -71,7 +71,7 @@ def main(
     more = [*parameters, *(["echo"] if has_echo else [])]
     if revision is not None:
         more.append(f"if={revision}")
-    with connected(app, at) as places:
+    with connected(app, at, parameters) as places:
         from rtkit.tree.property_connections import asked, bound_of
 
         place, end = places.find(given[0])
