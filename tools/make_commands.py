@@ -17,7 +17,7 @@ from pathlib import Path
 import click
 
 from rtkit import __version__, cli
-from rtkit.cli.help.topics import DETAILS, STATUSES, TOLD_APART, TOPICS
+from rtkit.cli.help.topics import DETAILS, EXIT_DETAIL_NOTE, STATUSES, TOPICS
 from rtkit.cli.shared.command import Main
 from rtkit.cli.shared.commands import WORDS
 from rtkit.cli.shared.group import CommandGroup
@@ -195,7 +195,7 @@ def _tail(name: str, main: Main | None) -> Iterator[str]:
         yield from _item(status, meaning)
     yield ".PP"
     told = ", ".join(f"{status} {meaning}" for status, meaning in DETAILS.items())
-    yield _escape(f"{TOLD_APART}: {told}.")
+    yield _escape(f"{EXIT_DETAIL_NOTE}: {told}.")
     yield ".SH ENVIRONMENT"
     for variable, meaning in _ENVIRONMENT:
         yield from _item(variable, meaning)

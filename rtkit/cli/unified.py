@@ -40,7 +40,7 @@ def run(argv: Sequence[str] | None = None, tree: Tree | None = None) -> int:
     if verb == HELP:
         if arguments[1:2] and arguments[1] in (*COMMANDS, *COMMANDS.values()):
             return _run(name, arguments[1], ["-h"], is_script=argv is None, tree=tree)
-        return _tell(name, arguments[1:])
+        return _help_topic(name, arguments[1:])
     if verb == COMPLETE:
         return _complete(name, arguments[1:], tree)
     if verb not in COMMANDS and verb not in COMMANDS.values():
@@ -57,22 +57,22 @@ def _run(
     return main(arguments, tree=tree, name=f"{name} {verb}")
 
 
-def _tell(name: str, arguments: Sequence[str]) -> int:
+def _help_topic(name: str, arguments: Sequence[str]) -> int:
     from rtkit.cli.help.topics import TOPICS, overview, text
 
-    told = f"{name} {HELP}"
+    command = f"{name} {HELP}"
     if not arguments or arguments[0] in ("-h", "--help"):
-        return write(told, overview(name))
+        return write(command, overview(name))
     usage = f"Usage: {name} help [TOPIC|VERB]"
     if len(arguments) > 1:
-        return _refuse(usage, f"{told}: takes one topic, not also: {' '.join(arguments[1:])}", 1)
+        return _refuse(usage, f"{command}: takes one topic, not also: {' '.join(arguments[1:])}", 1)
     if arguments[0] in TOPICS:
-        return write(told, text(arguments[0]))
+        return write(command, text(arguments[0]))
     from rtkit.rtc.nearest import did_you_mean
 
     known = [*TOPICS, *COMMANDS, *COMMANDS.values()]
     hint = did_you_mean(arguments[0], known) or f" (one of {', '.join(TOPICS)})"
-    return _refuse(usage, f"{told}: no such topic: {arguments[0]}{hint}", _BAD_LINE)
+    return _refuse(usage, f"{command}: no such topic: {arguments[0]}{hint}", _BAD_LINE)
 
 
 def _refuse(usage: str, why: str, status: int) -> int:
@@ -95,8 +95,8 @@ def _shell_init(name: str, arguments: Sequence[str]) -> int:
     if len(arguments) != 1:
         print(usage, file=sys.stderr)
         return _WRONG_COUNT
-    told = f"{name} shell-init: no such shell: {arguments[0]} (one of {', '.join(SHELLS)})"
-    return _refuse(usage, told, _BAD_LINE)
+    why = f"{name} shell-init: no such shell: {arguments[0]} (one of {', '.join(SHELLS)})"
+    return _refuse(usage, why, _BAD_LINE)
 
 
 def _complete(name: str, arguments: Sequence[str], tree: Tree | None) -> int:
@@ -108,11 +108,11 @@ def _complete(name: str, arguments: Sequence[str], tree: Tree | None) -> int:
 
 
 def _help(name: str) -> str:
-    told = SUMMARIES | WORDS
-    width = max(map(len, told)) + 2
+    summaries = SUMMARIES | WORDS
+    width = max(map(len, summaries)) + 2
     lines = max(len(line) for line, _ in EXAMPLES) + 2
     examples = "\n".join(f"  {line:<{lines}}{does}" for line, does in EXAMPLES[:2])
-    verbs = "\n".join(f"  {verb:<{width}}{told[verb]}" for verb in sorted(told))
+    verbs = "\n".join(f"  {verb:<{width}}{summaries[verb]}" for verb in sorted(summaries))
     return f"""{_USAGE.format(name)}
 
 Each verb is also a command of its own: {name} ls is rtls.

@@ -29,8 +29,8 @@ def _lines(checked: list[Checked], tool: str, timestamp: str) -> Iterator[str]:
     yield "    <properties/>"
     for each in checked:
         yield from _case(each, tool)
-    told = [plain_line(f) for each in checked for f in each.findings if f.severity != ERROR]
-    yield f"    <system-out>{_text(_NEW_LINE.join(told))}</system-out>"
+    notes = [plain_line(f) for each in checked for f in each.findings if f.severity != ERROR]
+    yield f"    <system-out>{_text(_NEW_LINE.join(notes))}</system-out>"
     yield "    <system-err/>"
     yield "  </testsuite>"
     yield "</testsuites>"
@@ -45,9 +45,9 @@ def _case(each: Checked, tool: str) -> Iterator[str]:
     first, more = errors[0], len(errors) - 1
     message = first.full_text + (f" (and {more} more)" if more else "")
     yield f"{head}>"
-    told = _NEW_LINE.join(map(plain_line, errors))
+    details = _NEW_LINE.join(map(plain_line, errors))
     yield f'      <failure type="{_value(first.rule)}" message="{_value(message)}">'
-    yield f"{_text(told)}</failure>"
+    yield f"{_text(details)}</failure>"
     yield "    </testcase>"
 
 

@@ -38,11 +38,11 @@ def plain_lines(
         if not is_quiet:
             yield _verdict(each, style)
     if files.total() > 1 and not is_quiet:
-        told = ", ".join(
+        verdicts = ", ".join(
             f"{files[word]} {style(word, role)}" for word, role in _ROLES if files[word]
         )
         counts = _counts(severities)
-        yield f"{files.total()} checked: {told}{f' ({counts})' if counts else ''}"
+        yield f"{files.total()} checked: {verdicts}{f' ({counts})' if counts else ''}"
 
 
 def plain_line(finding: Finding, style: Style = as_is) -> str:
@@ -61,9 +61,9 @@ def plain_line(finding: Finding, style: Style = as_is) -> str:
 
 def _verdict(each: Checked, style: Style) -> str:
     word = _word(each)
-    told = ", ".join(filter(None, (each.what, _counts(Counter(f.severity for f in each.findings)))))
-    told = f" ({told})" if told and each.is_read else ""
-    return f"{style(each.name, 'name')}: {style(word, dict(_ROLES)[word])}{told}"
+    text = ", ".join(filter(None, (each.what, _counts(Counter(f.severity for f in each.findings)))))
+    text = f" ({text})" if text and each.is_read else ""
+    return f"{style(each.name, 'name')}: {style(word, dict(_ROLES)[word])}{text}"
 
 
 def _word(each: Checked) -> str:
@@ -88,9 +88,9 @@ def _command(finding: Finding) -> str:
     if finding.line:
         properties["line"] = str(finding.line)
     properties["title"] = finding.rule
-    told = ",".join(f"{key}={value.translate(_PROPERTY)}" for key, value in properties.items())
+    fields = ",".join(f"{key}={value.translate(_PROPERTY)}" for key, value in properties.items())
     text = finding.full_text + (f" ({finding.path})" if finding.path else "")
-    return f"::{_LEVELS[finding.severity]} {told}::{text.translate(_MESSAGE)}"
+    return f"::{_LEVELS[finding.severity]} {fields}::{text.translate(_MESSAGE)}"
 
 
 def json_lines(checked: Iterable[Checked]) -> Iterator[str]:

@@ -108,8 +108,8 @@ def candidates(
         if name == "help" and not before:
             from rtkit.cli.help.topics import TOPICS
 
-            told = [Candidate(topic, about) for topic, about in TOPICS.items()]
-            return [*(each for each in told if each.text.startswith(typed)), *_verbs(typed)]
+            topics = [Candidate(topic, about) for topic, about in TOPICS.items()]
+            return [*(each for each in topics if each.text.startswith(typed)), *_verbs(typed)]
     from rtkit.cli.completion.grammar import ask
 
     asked = ask(name, before, typed)
@@ -136,8 +136,8 @@ def candidates(
 
 
 def _verbs(typed: str) -> list[Candidate]:
-    told = {**SUMMARIES, **WORDS, "--version": "", "--help": ""}
-    return [Candidate(word, about) for word, about in told.items() if word.startswith(typed)]
+    summaries = {**SUMMARIES, **WORDS, "--version": "", "--help": ""}
+    return [Candidate(word, about) for word, about in summaries.items() if word.startswith(typed)]
 
 
 def _bounded() -> float:

@@ -64,8 +64,8 @@ def _changeable(state: str) -> Maker:
     def make(asked: CursorMeaning, live: CompletionSource) -> Found:
         is_named = "-e" in asked.options
         again = [each for each in asked.arguments if each != asked.typed]
-        told = paths(live, asked.typed, WantedPath(living if is_named else in_state(state)))
-        return [each for each in told if each.text not in again]
+        candidates = paths(live, asked.typed, WantedPath(living if is_named else in_state(state)))
+        return [each for each in candidates if each.text not in again]
 
     return make
 

@@ -74,8 +74,8 @@ def ask(name: str, words: Sequence[str], typed: str) -> CursorMeaning | None:
         return before
     group = main.command
     if not before.arguments:
-        told = tuple(Candidate(word, group.summary(word)) for word in group.words)
-        return before if before.kind == "option" else before._replace(kind="words", words=told)
+        choices = tuple(Candidate(word, group.summary(word)) for word in group.words)
+        return before if before.kind == "option" else before._replace(kind="words", words=choices)
     word = before.arguments[0]
     if word not in group.words:
         return before._replace(kind="")
@@ -110,8 +110,8 @@ def _ask(name: str, main: Main, words: Sequence[str], typed: str) -> CursorMeani
         if equals and front in known:
             return _value(main, asked._replace(typed=value, front=f"{front}="), known[front])
         return asked._replace(kind="option", words=_options(main.command, name))
-    told = tuple(Candidate(word) for word in main.words)
-    return asked._replace(kind=_argument(main, len(arguments)), words=told)
+    candidates = tuple(Candidate(word) for word in main.words)
+    return asked._replace(kind=_argument(main, len(arguments)), words=candidates)
 
 
 def _option(
@@ -141,8 +141,8 @@ def _has_value(option: click.Option) -> bool:
 
 def _value(main: Main, asked: CursorMeaning, option: click.Option) -> CursorMeaning:
     if isinstance(option.type, click.Choice):
-        told = tuple(Candidate(str(each)) for each in option.type.choices)
-        return asked._replace(kind="words", words=told)
+        candidates = tuple(Candidate(str(each)) for each in option.type.choices)
+        return asked._replace(kind="words", words=candidates)
     kind = main.values.get(option.opts[0])
     if kind is None:
         kind = _by_metavar(option.metavar or "", _BY_METAVAR)
@@ -167,9 +167,9 @@ def _by_metavar(metavar: str, kinds: dict[str, str]) -> str:
 
 def _options(command: click.Command, name: str) -> tuple[Candidate, ...]:
     context = click.Context(command, info_name=name, **command.context_settings)
-    told = []
+    candidates = []
     for parameter in command.get_params(context):
         if isinstance(parameter, click.Option):
             about = (parameter.help or "").partition(". ")[0].removesuffix(".")
-            told += [Candidate(text, about) for text in parameter.opts]
-    return tuple(told)
+            candidates += [Candidate(text, about) for text in parameter.opts]
+    return tuple(candidates)

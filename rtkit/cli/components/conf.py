@@ -110,7 +110,7 @@ def change(app: App, facts: ComponentFacts, wanted: Sets, active_set: str = "") 
     """
     from rtkit.deployment.actions import ActivateSet, SetParameters
 
-    check(facts, wanted, app.tell)
+    check(facts, wanted, app.verbose)
     actions: list[Action] = [
         SetParameters(facts.instance, set_id, values) for set_id, values in wanted.items()
     ]
@@ -121,11 +121,11 @@ def change(app: App, facts: ComponentFacts, wanted: Sets, active_set: str = "") 
         result.raise_for_error()
 
 
-def check(facts: ComponentFacts, wanted: Sets, tell: Callable[[str], object]) -> None:
+def check(facts: ComponentFacts, wanted: Sets, notify: Callable[[str], object]) -> None:
     """Refuse parameters that do not exist, and texts that do not fit.
 
     What the component says of its parameters counts, and what an RTC profile found here says of
-    those of which the component says nothing. `tell` receives places that cannot be read.
+    those of which the component says nothing. `notify` receives places that cannot be read.
 
     Raises:
         NotFound: No such parameter.
@@ -133,7 +133,7 @@ def check(facts: ComponentFacts, wanted: Sets, tell: Callable[[str], object]) ->
     """
     from rtkit.component.constraint_check import misfit, misfit_of
 
-    declared = _declared(facts, wanted, tell)
+    declared = _declared(facts, wanted, notify)
     bad: list[tuple[str, RtkitError]] = []
     for set_id, values in wanted.items():
         for name, text in values.items():
@@ -155,17 +155,17 @@ def check(facts: ComponentFacts, wanted: Sets, tell: Callable[[str], object]) ->
 
 
 def _declared(
-    facts: ComponentFacts, wanted: Sets, tell: Callable[[str], object]
+    facts: ComponentFacts, wanted: Sets, notify: Callable[[str], object]
 ) -> Mapping[str, ParameterType]:
     """Return the constraints that an RTC profile has where the component itself has none."""
     from rtkit.component.constraint_check import CONSTRAINT_SET
 
-    told = facts.sets.get(CONSTRAINT_SET, {})
-    if all(name in told for values in wanted.values() for name in values):
+    constraints = facts.sets.get(CONSTRAINT_SET, {})
+    if all(name in constraints for values in wanted.values() for name in values):
         return {}
     from rtkit.cli.shared.component_profiles import profiles
 
-    found = list(profiles((), tell, with_shipped=False))
+    found = list(profiles((), notify, with_shipped=False))
     if not found:
         return {}
     from rtkit.static_check.stock import CandidateDocument, stocked
@@ -196,8 +196,8 @@ def show_sets(facts: ComponentFacts, sets: Sets, asked: ConfRequest) -> None:
         style = terminal.STYLES["active-set" if is_active else "name"]
         line = ("-" if asked.is_long else "+") + terminal.styled(name, style)
         line += "*" if is_active else "" if asked.is_long else " "
-        told = sets[name].get(DESCRIPTION, "")
-        lines.append(f"{line} ({terminal.printable(told)})" if told else line)
+        description = sets[name].get(DESCRIPTION, "")
+        lines.append(f"{line} ({terminal.printable(description)})" if description else line)
         if asked.is_long:
             lines += terminal.pairs(sorted(sets[name].items()))
     terminal.write(lines)

@@ -177,9 +177,9 @@ def _edit(
         raise Refused(f"Not a composite component: {path.typed}")
     for change in adding:
         _check_process(snapshot, whole, change)
-    said = whole.sets.get(_SET, {})
-    parts = parts_of(said).without(removing).with_added(adding)
-    if parts == parts_of(said):
+    given = whole.sets.get(_SET, {})
+    parts = parts_of(given).without(removing).with_added(adding)
+    if parts == parts_of(given):
         return
     actions: list[Action] = [
         SetParameters(whole.instance, _SET, parts.values),

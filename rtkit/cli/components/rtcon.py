@@ -78,7 +78,7 @@ def _properties(app: App, texts: Sequence[str]) -> dict[str, str]:
         if not equals or not key:
             raise UsageProblem(f"Bad property format: {text} (it is KEY=VALUE)")
         if key in given:
-            app.say(f"{app.name}: warning: property {key} is given twice, the last value holds")
+            app.report(f"{app.name}: warning: property {key} is given twice, the last value holds")
         given[key] = value
     return given
 
@@ -130,7 +130,7 @@ def _make(app: App, wires: Sequence[ConnectorProfile], present: set[str]) -> Non
     last = results[-1]
     if last.ok:
         for connector in wires:
-            app.tell(f"{connector.ports[0]} -> {connector.ports[1]}: {connector.connector_id}")
+            app.verbose(f"{connector.ports[0]} -> {connector.ports[1]}: {connector.connector_id}")
         return
     made = [connector.connector_id for connector in wires[: len(results) - 1]]
     undo = [Disconnect(each) for each in made if each not in present]

@@ -62,7 +62,7 @@ def main(
     elif word == "getstate":
         terminal.write([terminal.printable(facts.fsm_state)])
     elif word == "geteventprofiles":
-        terminal.write([terminal.printable(_told(facts.fsm_events))])
+        terminal.write([terminal.printable(_events_text(facts.fsm_events))])
     elif word == "getstructure":
         from rtkit.profile.scxml import write_scxml
 
@@ -103,7 +103,7 @@ def _record(facts: ComponentFacts) -> dict[str, object]:
     }
 
 
-def _told(events: Mapping[str, str]) -> str:
+def _events_text(events: Mapping[str, str]) -> str:
     return ", ".join(f"{name}:{kind.removeprefix(_MODULE)}" for name, kind in events.items())
 
 
@@ -129,5 +129,5 @@ def _set_structure(app: App, instance: str, source: str) -> None:
     name, data = read_input(source)
     chart = read_scxml(data, name)
     for note in chart.notes:
-        app.tell(f"{source}:{note.line}: {note.text}")
+        app.verbose(f"{source}:{note.line}: {note.text}")
     app.tree.perform(SetStructure(instance, chart.states))

@@ -65,7 +65,7 @@ def _lines(
 
     decoders = {
         name: codec_for(
-            type_or_bytes(channel.data_type, f"stream {name}", app.say, channel.definition)
+            type_or_bytes(channel.data_type, f"stream {name}", app.report, channel.definition)
         ).decode
         for name, channel in channels.items()
     }

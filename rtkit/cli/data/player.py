@@ -73,9 +73,9 @@ def _record(name: str, info: Info) -> dict[str, object]:
 
 def _channel_record(channel: RecordedStream, info: Info) -> dict[str, object]:
     span = info.spans.get(channel.name)
-    told = {name: value for name, value in channel._asdict().items() if name != "definition"}
+    fields = {name: value for name, value in channel._asdict().items() if name != "definition"}
     return {
-        **told,
+        **fields,
         "entries": info.counts[channel.name],
         "first": _iso(span and span.first_ns),
         "last": _iso(span and span.last_ns),
@@ -161,8 +161,8 @@ def play(
     own_ports = [OutPort(bytes, own.name) for own in renamed]
     with Probe(app.tree, "rtlog_player", renamed, own_ports) as probe:
         probe.connect(LOSSLESS if is_lossless else SURE)
-        app.tell(f"{probe.component.instance} is connected")
-        app.say(_announcement(part, pace))
+        app.verbose(f"{probe.component.instance} is connected")
+        app.report(_announcement(part, pace))
         with metered(app, "play") as show:
             is_whole = part.start is None and part.end is None
             total = sum(source.counts[name] for name in outs) if is_whole else None
@@ -172,7 +172,7 @@ def play(
         if not probe.flush():
             raise Refused("cannot say whether all values have arrived: the other end is silent")
     if is_over:
-        app.say("End of log reached.")
+        app.report("End of log reached.")
 
 
 def _announcement(part: RecordingSelection, pace: PlaybackPace) -> str:
@@ -215,13 +215,13 @@ def _matched(
             channel = next(fitting, None)
             if channel is None:
                 raise Refused(
-                    f"{typed}: no stream of {stream.data_type} is left: {_told(channels)}"
+                    f"{typed}: no stream of {stream.data_type} is left: {_contents(channels)}"
                 )
             left.remove(channel)
         else:
             channel = named.get(stream.name)
             if channel is None:
-                app.say(f"{app.name}: warning: {typed}: no such stream, {_told(channels)}")
+                app.report(f"{app.name}: warning: {typed}: no such stream, {_contents(channels)}")
                 continue
             if not is_same_type(channel.data_type, stream.data_type):
                 raise Refused(
@@ -233,7 +233,7 @@ def _matched(
     return chosen
 
 
-def _told(channels: Sequence[RecordedStream]) -> str:
+def _contents(channels: Sequence[RecordedStream]) -> str:
     names = (f"{channel.name} ({channel.data_type or 'any'})" for channel in channels)
     return f"the recording has {', '.join(names) or 'none'}"
 

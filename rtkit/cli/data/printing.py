@@ -86,11 +86,11 @@ class Counter(Sink):
         from rtkit.probe.stream_report import lines_of, record_of
 
         for stream in self._streams:
-            told = self._stats[stream.name].summary()
+            stats = self._stats[stream.name].summary()
             if self._is_json:
-                terminal.write([json_records.line("stream-stats", record_of(stream, told, lost))])
+                terminal.write([json_records.line("stream-stats", record_of(stream, stats, lost))])
             else:
-                terminal.write(map(terminal.printable, lines_of(stream, told)))
+                terminal.write(map(terminal.printable, lines_of(stream, stats)))
 
 
 class Plotter(Sink):
@@ -216,13 +216,13 @@ def json_line(stream: Stream, decode: Callable[[bytes], Any], fields: tuple[str,
 
     def line(arrival: Arrival) -> str:
         value = decode(arrival.payload)
-        told = {text: plain(read(value)) for text, read in readers.items()} or plain(value)
+        shown = {text: plain(read(value)) for text, read in readers.items()} or plain(value)
         record = {
             "stream": stream.name,
             "ports": ports,
             "type": stream.data_type,
             "received": json_records.time_text(arrival.time_ns),
-            "value": told,
+            "value": shown,
         }
         return json_records.line("value", record)
 

@@ -15,7 +15,7 @@ from rtkit.cli.shared import stdout_reader
 from rtkit.cli.shared.app import App
 from rtkit.cli.shared.atomic import STDOUT
 from rtkit.cli.shared.progress import Show, metered
-from rtkit.cli.shared.signals import heard_by_main
+from rtkit.cli.shared.signals import waking_main
 from rtkit.errors import Refused
 
 if TYPE_CHECKING:
@@ -54,11 +54,11 @@ def record(
     app.bound(duration_s)
     streams = named_streams(app, ports, PortType.OUT, _name)
     types = {
-        s.name: type_or_bytes(s.data_type, s.ends[0].path.typed, app.say, s.definition)
+        s.name: type_or_bytes(s.data_type, s.ends[0].path.typed, app.report, s.definition)
         for s in streams
     }
     with (
-        heard_by_main(),
+        waking_main(),
         _ended_in_order(),
         opened(name, form) as file,
         _sink(form, file, streams, types) as sink,
@@ -66,16 +66,16 @@ def record(
         _reading(name, probe) as reader,
     ):
         probe.connect(LOSSLESS if is_lossless else {})
-        app.tell(f"{probe.component.instance} is connected")
+        app.verbose(f"{probe.component.instance} is connected")
         limit = _Limit(part, duration_s)
-        app.say(limit.announcement)
+        app.report(limit.announcement)
         with metered(app, "record", is_writing=name == STDOUT) as show:
             _take(probe, sink, limit, {n: stamp_reader(cls) for n, cls in types.items()}, show)
         reader.check()
         lost, is_cut = probe.lost, not probe.is_connected
     if lost:
-        app.say(f"{app.name}: {lost} values were lost")
-    app.tell(f"{sink.count} entries in {name}")
+        app.report(f"{app.name}: {lost} values were lost")
+    app.verbose(f"{sink.count} entries in {name}")
     if is_cut:
         raise Refused("no connection is left: the components or the connections have gone")
     if not sink.count:
@@ -224,10 +224,10 @@ class _Limit:
 
     def progress(self, count: int, now: float) -> tuple[float, float | None, str]:
         """Return the part recorded and the whole, as entries or [s], and the number of entries."""
-        told = f"{count} entries"
+        text = f"{count} entries"
         if self.until is None:
-            return count, self.count, told
-        return now - self._begin, self.until - self._begin, told
+            return count, self.count, text
+        return now - self._begin, self.until - self._begin, text
 
 
 def _take(

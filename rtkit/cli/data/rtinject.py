@@ -89,7 +89,7 @@ def main(
         limit = _ENDLESS
     with Probe(app.tree, "rtinject_writer", streams, out_ports(types)) as probe:
         probe.connect(LOSSLESS if lossless else SURE)
-        app.tell(f"{probe.component.instance} is connected")
+        app.verbose(f"{probe.component.instance} is connected")
         _write(probe, values, period_s, limit, duration_s)
         if not probe.flush():
             raise Refused("cannot say whether all values have arrived: the other end is silent")

@@ -106,7 +106,7 @@ def main(
         stdout_reader.while_read(probe.stop) as reader,
     ):
         probe.connect(LOSSLESS if lossless else {})
-        app.tell(f"{probe.component.instance} is connected")
+        app.verbose(f"{probe.component.instance} is connected")
         until = None if duration_s is None else time.monotonic() + duration_s
         for piece in _limited(probe.arrivals(until), limit, is_by_piece=rate is not None):
             sink.take(piece)
@@ -115,7 +115,7 @@ def main(
         is_cut = not probe.is_connected
     sink.finish(lost)
     if lost:
-        app.say(f"{app.name}: {lost} values were lost")
+        app.report(f"{app.name}: {lost} values were lost")
     if is_cut:
         raise Refused("no connection is left: the components or the connections have gone")
     return 0 if sink.count else 1

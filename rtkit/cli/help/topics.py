@@ -49,7 +49,7 @@ def text(topic: str) -> str:
 def _statuses() -> str:
     lines = ["Statuses: what the exit status of a command says.", ""]
     lines += [f"  {status:<5}{meaning}" for status, meaning in STATUSES.items()]
-    lines += ["", f"{TOLD_APART}:", ""]
+    lines += ["", f"{EXIT_DETAIL_NOTE}:", ""]
     lines += [f"  {status:<5}{meaning}" for status, meaning in DETAILS.items()]
     return "\n".join(lines)
 
@@ -100,4 +100,4 @@ DETAILS: dict[str, str] = {
     "70": "a bug",
 }
 """Exit statuses that tell failures apart with ``--exit-detail``."""
-TOLD_APART = "With --exit-detail (or RTKIT_EXIT_DETAIL=1) failures are told apart"
+EXIT_DETAIL_NOTE = "With --exit-detail (or RTKIT_EXIT_DETAIL=1) failures are told apart"

@@ -96,5 +96,5 @@ def _lines(found: Sequence[Diagnosis], *, is_all: bool) -> Iterator[str]:
         severity: sum(each.severity == severity for each in found)
         for severity in ("error", "warning", "note")
     }
-    told = [counted(n, word) for word, n in counts.items() if n]
-    yield f"{len(found)} things looked at: {', '.join(told) or 'all in order'}"
+    parts = [counted(n, word) for word, n in counts.items() if n]
+    yield f"{len(found)} things looked at: {', '.join(parts) or 'all in order'}"

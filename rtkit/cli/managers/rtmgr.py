@@ -146,8 +146,8 @@ def main(
         _check_word(words, bool(asked), is_configured)
         from rtkit.settings.properties import STRICT
 
-        said = (*overrides, f"{STRICT}:YES") if app.is_strict else overrides
-        return _word(app, words, is_json, (file, said, lenient))
+        properties = (*overrides, f"{STRICT}:YES") if app.is_strict else overrides
+        return _word(app, words, is_json, (file, properties, lenient))
     if is_configured:
         raise UsageProblem(f"{_FOR_START} are for rtmgr start and rtmgr run")
     check_at_most_one(words, "manager")

@@ -88,14 +88,14 @@ def _context(profile: RtcProfile) -> ContextPattern:
 
 def _data_port(port: DataPortDeclaration) -> PortProfile:
     kind = declared_port_type(port.port_type)
-    told = {
+    fields = {
         "dataport.data_type": port.type,
         "dataport.interface_type": port.interface_type,
         "dataport.dataflow_type": port.dataflow_type,
         "dataport.subscription_type": port.subscription_type,
         "description": port.comment,
     }
-    properties = {key: value for key, value in told.items() if value}
+    properties = {key: value for key, value in fields.items() if value}
     return PortProfile(port.name, kind, {"port.port_type": kind.value, **properties})
 
 

@@ -133,7 +133,9 @@ class StepRunner:
             actions = list(map(strict, actions))
         results = self._app.tree.apply(actions)
         for step, result in zip(steps, results, strict=False):
-            self._app.tell(f"{step.kind} {step.typed}: {result.value if result.ok else 'failed'}")
+            self._app.verbose(
+                f"{step.kind} {step.typed}: {result.value if result.ok else 'failed'}"
+            )
             for note in filter(None, (result.note, result.left_out)):
                 self._app.fail(f"note: {note}")
         made = [

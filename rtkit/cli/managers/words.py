@@ -50,7 +50,7 @@ def run_word(
     elif word == "dump":
         dump(app, chosen, file)
     else:
-        _tell_status(chosen, managers.status(chosen, app.timeout_s), is_json)
+        _print_status(chosen, managers.status(chosen, app.timeout_s), is_json)
     return 0
 
 
@@ -68,7 +68,7 @@ def _launch(app: App, word: str, typed: str, options: tuple[str, tuple[str, ...]
     check_instance_name(name)
     if word == "run":
         return launch.run(name, wanted)
-    _tell_start(app, name, launch.start(name, wanted, app.timeout_s))
+    _report_start(app, name, launch.start(name, wanted, app.timeout_s))
     return 0
 
 
@@ -89,14 +89,14 @@ def _stop(app: App, name: str) -> None:
     is_forgotten = absent is not None and _forget_desired_state(name)
     if absent is not None and not left and not is_forgotten:
         raise absent
-    told = [f"had been killed; what it left was ended ({left} slaves)"] if left else []
+    notes = [f"had been killed; what it left was ended ({left} slaves)"] if left else []
     if is_forgotten:
-        told = told or ["does not run"]
-        told.append("what it kept for its next start is removed")
-    if told:
-        app.fail(f"manager {name!r} {'; '.join(told)}")
+        notes = notes or ["does not run"]
+        notes.append("what it kept for its next start is removed")
+    if notes:
+        app.fail(f"manager {name!r} {'; '.join(notes)}")
     else:
-        app.tell(f"manager {name} ended")
+        app.verbose(f"manager {name} ended")
 
 
 def _end_remains(name: str) -> int:
@@ -132,20 +132,20 @@ def _restart(app: App, name: str) -> None:
     from rtkit.manager.launch import read_report, receive_lines
     from rtkit.tree import managers
 
-    pid, told = managers.restart(name, app.timeout_s, receive_lines)
-    _tell_start(app, name, read_report(name, pid, told))
+    pid, report = managers.restart(name, app.timeout_s, receive_lines)
+    _report_start(app, name, read_report(name, pid, report))
 
 
-def _tell_start(app: App, name: str, started: Started) -> None:
+def _report_start(app: App, name: str, started: Started) -> None:
     for text in started.warnings:
         app.fail(f"warning: {text}")
     if started.failures:
         why = f"manager {name} runs (pid {started.pid}), but not all of its start was done"
         raise Partial(why, [(text, Refused(text)) for text in started.failures])
-    app.tell(f"manager {name} runs: pid {started.pid}, socket {places.manager_socket(name)}")
+    app.verbose(f"manager {name} runs: pid {started.pid}, socket {places.manager_socket(name)}")
 
 
-def _tell_status(name: str, status: Status, is_json: bool) -> None:
+def _print_status(name: str, status: Status, is_json: bool) -> None:
     if is_json:
         record = json_records.picked(status, "pid uptime_s components slaves socket address")
         terminal.write([json_records.line("manager-status", {"name": name, **record})])
@@ -185,7 +185,7 @@ def dump(app: App, name: str, file: str) -> None:
     with connect(name, app.timeout_s) as tree:
         text = tree.dump()
     write_output(text.encode(), output, is_new=output != STDOUT, mode=0o600)
-    app.tell(f"manager {name}: {output}, {len(text)} bytes")
+    app.verbose(f"manager {name}: {output}, {len(text)} bytes")
 
 
 def replay(app: App, file: str, is_json: bool) -> int:
@@ -205,7 +205,7 @@ def replay(app: App, file: str, is_json: bool) -> int:
     if found.header.get("rtkit") != __version__:
         app.fail(f"note: of rtkit {found.header.get('rtkit')}; this one may do otherwise")
     if is_json:
-        return _tell_json(file, found, run)
+        return _print_json(file, found, run)
     header = found.header
     terminal.write(
         [
@@ -217,7 +217,7 @@ def replay(app: App, file: str, is_json: bool) -> int:
         ]
     )
     terminal.write(
-        map(terminal.printable, _told(found, run, None if app.is_verbose else _MOST_SHOWN))
+        map(terminal.printable, _replay_lines(found, run, None if app.is_verbose else _MOST_SHOWN))
     )
     nouns = {"process": "processes", "component": "components", "connector": "connectors"}
     ended = ", ".join(counted(len(getattr(run.state, nouns[noun])), noun) for noun in nouns)
@@ -248,7 +248,7 @@ def _read(file: str) -> Dump:
         raise Malformed(f"{file}: {error}") from error
 
 
-def _told(found: Dump, run: Replay, most: int | None) -> Iterator[str]:
+def _replay_lines(found: Dump, run: Replay, most: int | None) -> Iterator[str]:
     """Yield a line for each event, and below it what the core did; faults with their place."""
     from rtkit.manager.core.event_ring import Fault
 
@@ -265,7 +265,7 @@ def _told(found: Dump, run: Replay, most: int | None) -> Iterator[str]:
             yield f"            {'FAULT' if step.is_bug else 'refused'}: {step.error}"
 
 
-def _tell_json(file: str, found: Dump, run: Replay) -> int:
+def _print_json(file: str, found: Dump, run: Replay) -> int:
     from rtkit.manager.core.event_ring import Fault
 
     steps = list(run.steps())

@@ -79,8 +79,8 @@ def _is_live() -> bool:
 
 def _write_pages(top: Top, look: Look, number: int | None, *, is_json: bool) -> None:
     left, skips_left = number, _MOST_SKIPPED
-    for told in top.subscriptions.listen(None):
-        if not top.take(told) or not top.has_rates:
+    for events in top.subscriptions.listen(None):
+        if not top.take(events) or not top.has_rates:
             continue
         if skips_left and not top.is_whole:
             skips_left -= 1

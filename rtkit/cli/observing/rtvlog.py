@@ -104,7 +104,7 @@ def main(
         raise WrongArguments("No component specified.")
     app.bound(duration_s)
     wanted = _all_of(
-        _about(app, paths), _loud_enough(level), _said_by(sources), _with(grep), _after(since_s)
+        _about(app, paths), _loud_enough(level), _sent_by(sources), _with(grep), _after(since_s)
     )
     is_tail = follow and since_s is None
     before = number if number is not None else _BEFORE if is_tail else None
@@ -117,7 +117,7 @@ def main(
             time.sleep(_SETTLE_S)
             terminal.write_now([line for entry in logbook.delta() for line in show(entry)])
         if logbook.unreadable:
-            app.say(f"{app.name}: {logbook.unreadable} lines are no records")
+            app.report(f"{app.name}: {logbook.unreadable} lines are no records")
     finally:
         logbook.close()
 
@@ -131,16 +131,16 @@ def _loud_enough(level: str) -> Wanted:
     return lambda entry: entry.level in words
 
 
-def _said_by(sources: Sequence[str]) -> Wanted:
+def _sent_by(sources: Sequence[str]) -> Wanted:
     names = tuple(each.casefold() for each in sources)
     if not names or "all" in names:
         return lambda entry: True
 
-    def is_said(entry: LogEntry) -> bool:
-        said = {entry.source.casefold(), entry.component.casefold()}
-        return any(one == name or one.startswith(f"{name}.") for one in said for name in names)
+    def is_from_source(entry: LogEntry) -> bool:
+        origins = {entry.source.casefold(), entry.component.casefold()}
+        return any(one == name or one.startswith(f"{name}.") for one in origins for name in names)
 
-    return is_said
+    return is_from_source
 
 
 def _with(text: str | None) -> Wanted:

@@ -91,16 +91,18 @@ def main(
     problems = _reach(app, goals, until)
     carried = [goal for goal in goals if goal.wanted == DATA]
     if carried and not problems:
-        problems = _hear(app, carried, until)
+        problems = _await_values(app, carried, until)
     if is_json:
-        terminal.write(json_records.lines("goal", _told(goals, problems, time.monotonic() - begin)))
+        terminal.write(
+            json_records.lines("goal", _goal_records(goals, problems, time.monotonic() - begin))
+        )
         return app.status(RtkitError()) if problems else 0
     if problems:
         raise Partial("", failures=_failures(problems, timeout_s))
     return 0
 
 
-def _told(
+def _goal_records(
     goals: Sequence[WaitGoal], problems: Sequence[Problem], waited_s: float
 ) -> Iterator[dict[str, object]]:
     why = dict(problems)
@@ -160,7 +162,7 @@ def _reach(app: App, goals: Sequence[WaitGoal], until: float) -> Sequence[Proble
 
     with Observers(app, (TREE,), is_patient=True) as subscriptions:
         if subscriptions.why is not None:
-            app.tell(str(subscriptions.why))
+            app.verbose(str(subscriptions.why))
         problems = _problems(goals, subscriptions)
         for _ in subscriptions.listen(until) if problems else ():
             problems = _problems(goals, subscriptions)
@@ -181,8 +183,8 @@ def _problems(goals: Sequence[WaitGoal], subscriptions: Observers) -> list[Probl
     if subscription is None:
         return [(goal, "is at a manager that does not answer") for goal in goals]
     root = build(listing_of(subscription.facts))
-    told = ((goal, goal.problem(find(root, goal.path, subscription.facts.host))) for goal in goals)
-    return [(goal, problem) for goal, problem in told if problem]
+    pairs = ((goal, goal.problem(find(root, goal.path, subscription.facts.host))) for goal in goals)
+    return [(goal, problem) for goal, problem in pairs if problem]
 
 
 def _failures(problems: Sequence[Problem], timeout_s: float) -> list[tuple[str, RtkitError]]:
@@ -192,7 +194,7 @@ def _failures(problems: Sequence[Problem], timeout_s: float) -> list[tuple[str, 
     ]
 
 
-def _hear(app: App, goals: Sequence[WaitGoal], until: float) -> Sequence[Problem]:
+def _await_values(app: App, goals: Sequence[WaitGoal], until: float) -> Sequence[Problem]:
     """Wait until each of these ports has carried a value; return those that did not in time."""
     from rtkit.probe.port_spec import PortSpec, find_streams
     from rtkit.probe.probe import Probe, tap_ports

@@ -31,7 +31,7 @@ from rtkit.cli.shared.terminal import clock
 from rtkit.deployment.user_events import HEARTBEAT, KINDS, SYSTEM_STATE, UserEvent, heartbeats
 
 if TYPE_CHECKING:
-    from rtkit.cli.shared.observers import ManagerTold
+    from rtkit.cli.shared.observers import ObservedEvent
     from rtkit.cli.system.gathering import Managers
     from rtkit.deployment.facts import Snapshot
     from rtkit.deployment.metrics import Metrics
@@ -113,9 +113,9 @@ def main(
     with Observers(app, lines, is_wide=is_wide) as subscriptions:
         watch = _Watch(app, subscriptions, scopes, wanted, states, managers)
         watch.begin()
-        app.tell("listening")
-        for told in subscriptions.listen(until):
-            records = list(watch.records(told))[:left]
+        app.verbose("listening")
+        for events in subscriptions.listen(until):
+            records = list(watch.records(events))[:left]
             terminal.write_now([_json(each) if is_json else _line(each) for each in records])
             left = None if left is None else left - len(records)
             if left == 0:
@@ -171,23 +171,23 @@ class _Watch:
         self._host = app.tree.host
         self.count = 0
 
-    def records(self, told: Sequence[ManagerTold]) -> Iterator[Record]:
+    def records(self, events: Sequence[ObservedEvent]) -> Iterator[Record]:
         """Yield a record for each event."""
         from rtkit.deployment.metrics import Metrics
         from rtkit.tree.subscription import TreeChange
 
-        for manager, heard in told:
-            if isinstance(heard, TreeChange):
-                if heard.lost:
-                    self._app.fail(f"{heard.lost} news were missed; what they led to is told")
-                yield from self._chosen(manager, heard.time, heard.user_events)
-                yield from self._came_to(manager, heard.time)
-            elif isinstance(heard, Metrics):
-                yield from self._chosen(manager, heard.time, self._heartbeats(manager, heard))
-            elif isinstance(heard, ManagerSeen):
-                self._app.fail(str(heard))
+        for manager, event in events:
+            if isinstance(event, TreeChange):
+                if event.lost:
+                    self._app.fail(f"{event.lost} news were missed; what they led to is told")
+                yield from self._chosen(manager, event.time, event.user_events)
+                yield from self._came_to(manager, event.time)
+            elif isinstance(event, Metrics):
+                yield from self._chosen(manager, event.time, self._heartbeats(manager, event))
+            elif isinstance(event, ManagerSeen):
+                self._app.fail(str(event))
             else:
-                self._app.fail(f"{heard.why}; waiting for it to come back")
+                self._app.fail(f"{event.why}; waiting for it to come back")
 
     def _chosen(
         self, manager: str, moment: float, happened: Iterable[UserEvent]
@@ -201,9 +201,11 @@ class _Watch:
 
     def _is_seen(self, user_event: UserEvent) -> bool:
         """Return whether the arrival of a system in a state is reported all the same."""
-        told = user_event.system
-        is_own = self._states is not None and told is not None and told.system == self._states.name
-        return is_own and told is not None and user_event.event == told.state
+        system = user_event.system
+        is_own = (
+            self._states is not None and system is not None and system.system == self._states.name
+        )
+        return is_own and system is not None and user_event.event == system.state
 
     def begin(self) -> None:
         """Record the state of the system before anything happens."""
@@ -262,10 +264,10 @@ class _Watch:
 
 def _restart(user_event: UserEvent) -> Record:
     """Return which restart it was, in numbers; nothing for other events."""
-    told = user_event.restart
-    if told is None:
+    restart = user_event.restart
+    if restart is None:
         return {}
-    return {"restart": picked(told, "count=restarts why took_s")}
+    return {"restart": picked(restart, "count=restarts why took_s")}
 
 
 def _json(record: Record) -> str:

@@ -34,13 +34,13 @@ class DocumentedComponent(NamedTuple):
 
     Attributes:
         sets: Its configuration sets, hidden ones too.
-        told: Sections from its RTC profile, for one that says nothing itself.
+        more: Sections from its RTC profile, for one that says nothing itself.
     """
 
     type: TypeProfile
     ports: Sequence[PortProfile]
     sets: Mapping[str, Mapping[str, str]]
-    told: tuple[Section, ...] = ()
+    more: tuple[Section, ...] = ()
 
     @property
     def has_documentation(self) -> bool:
@@ -69,7 +69,7 @@ def page_of(subject: DocumentedComponent, *, has_picture: bool) -> Made:
         *((title, doc.get(key, "")) for title, key in _FIELDS),
     ]
     picture = component_svg(name, pins) if has_picture and pins else ""
-    shown = (*(sections[key] for key in order), *subject.told)
+    shown = (*(sections[key] for key in order), *subject.more)
     page = Page(
         name, subject.type.description, present(facts), picture, f"The ports of {name}", shown
     )
@@ -106,9 +106,9 @@ def _ports(ports: Iterable[PortProfile]) -> Section | None:
 
 
 def _parameters(sets: Mapping[str, Mapping[str, str]]) -> Section | None:
-    told = sets.get(_DESCRIPTION_SET, {})
+    descriptions = sets.get(_DESCRIPTION_SET, {})
     rows = tuple(
-        (name, value, told.get(name, "")) for name, value in sets.get("default", {}).items()
+        (name, value, descriptions.get(name, "")) for name, value in sets.get("default", {}).items()
     )
     return section(_TITLES[_CONFIG], table=PageTable(("Name", "Value", "Description"), rows))
 

@@ -47,7 +47,7 @@ def read_document(app: App, file: str | None = None, *, kind: str | None = None)
     name, data = read_bytes_of(file)
     reading = read_profile(data, name, kind=kind)
     for note in reading.notes:
-        app.tell(f"{name}:{note.line}: {note.text}")
+        app.verbose(f"{name}:{note.line}: {note.text}")
     return ReadDocument(name, data, reading.profile, reading.notes)
 
 
@@ -63,12 +63,12 @@ def read_bytes_of(file: str | None) -> tuple[str, bytes]:
     return read_input(file)
 
 
-def say_findings(app: App, findings: Iterable[Finding]) -> None:
+def report_findings(app: App, findings: Iterable[Finding]) -> None:
     """Print findings on stderr, one a line."""
     from rtkit.report.lines import plain_line
 
     for finding in findings:
-        app.say(plain_line(finding))
+        app.report(plain_line(finding))
 
 
 def write_page(page: Page, form: str, output: str, dot: str = "") -> None:

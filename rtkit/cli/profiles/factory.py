@@ -43,10 +43,10 @@ def component_class(typed: str, wanted: str) -> FactoryOffer:
     folders = [".", *os.environ.get("RTKIT_MODULE_PATH", "").split(os.pathsep)]
     place = os.path.abspath(path) if "/" in path or os.path.isfile(path) else path
     search = Search([each for each in folders if each] + [resource("examples", "basic")])
-    file, real, source, told = search.read(place)
+    file, real, source, declared = search.read(place)
     with among_neighbours(real):
         module = import_file(file, source)
-    init = name or told or f"{os.path.basename(file).removesuffix(SUFFIX)}Init"
+    init = name or declared or f"{os.path.basename(file).removesuffix(SUFFIX)}Init"
     found = getattr(module, init, None)
     if found is None:
         raise NotFound(f"no {init} in module {path} ({file})")
@@ -58,15 +58,15 @@ def component_class(typed: str, wanted: str) -> FactoryOffer:
 def _registered(init: Any, typed: str, wanted: str) -> type[Component]:
     if not callable(init):
         raise Malformed(f"{typed} is neither an init function nor a component class")
-    heard = _RegistrationRecorder()
+    recorder = _RegistrationRecorder()
     try:
-        init(heard)
+        init(recorder)
     except BaseException as error:
         raise Refused(f"{typed} failed: {describe_failure(error, init)}") from error
-    fitting = [each for each in heard.classes if wanted in ("", each.type_profile().type_name)]
+    fitting = [each for each in recorder.classes if wanted in ("", each.type_profile().type_name)]
     if len(fitting) == 1:
         return fitting[0]
-    names = _listed([each.type_profile().type_name for each in heard.classes])
+    names = _listed([each.type_profile().type_name for each in recorder.classes])
     if not fitting:
         what = f"no type {wanted}; there are: {names}" if wanted else "no component type"
         raise NotFound(f"{typed} offers {what}")

@@ -75,9 +75,9 @@ def main(
             " -o DIR gives this one its own"
         )
     for note in project.remarks:
-        app.tell(note)
+        app.verbose(note)
     for note in project.notes:
-        app.say(f"note: {note}")
+        app.report(f"note: {note}")
     changes = generated_project.compare(project)
     conflicts = [each for each in changes if each.is_conflict]
     if conflicts and not force:
@@ -86,10 +86,10 @@ def main(
         raise Refused("nothing was written; --force writes, and keeps these as NAME.bak")
     if not dry_run:
         generated_project.write(changes, is_forced=force)
-    _tell(app, changes, is_json=is_json, is_forced=force)
+    _print(app, changes, is_json=is_json, is_forced=force)
 
 
-def _tell(app: App, changes: Sequence[FileChange], *, is_json: bool, is_forced: bool) -> None:
+def _print(app: App, changes: Sequence[FileChange], *, is_json: bool, is_forced: bool) -> None:
     if is_json:
         assignments = [each.assignment_when(is_forced=is_forced) for each in changes]
         records = (

@@ -61,7 +61,7 @@ def main(
 
     subject = _of_module(words[0]) if _is_module(words[0]) else _of_tree(app, words[0])
     if not subject.has_documentation:
-        subject = subject._replace(told=_from_profile(app, subject.type))
+        subject = subject._replace(more=_from_profile(app, subject.type))
     made = page_of(subject, has_picture=graph)
     for warning in made.warnings:
         app.fail(f"warning: {warning}")
@@ -87,8 +87,8 @@ def _of_module(typed: str) -> DocumentedComponent:
     from rtkit.component.describe import describe
 
     component = instance_of(component_class(typed, "").cls, typed, is_initialised=False)
-    told = describe(component)
-    return DocumentedComponent(component.type, told.ports, told.sets)
+    described = describe(component)
+    return DocumentedComponent(component.type, described.ports, described.sets)
 
 
 def _of_tree(app: App, typed: str) -> DocumentedComponent:
@@ -109,13 +109,13 @@ def _from_profile(app: App, type: TypeProfile) -> tuple[Section, ...]:
     from rtkit.profile_tools.component_page import component_page
 
     wanted = (type.vendor, type.category, type.type_name)
-    for name, data in profiles((), app.tell):
+    for name, data in profiles((), app.verbose):
         if type.type_name.encode() not in data:
             continue
         try:
             profile = read_profile(data, name).profile
         except RtkitError as error:
-            app.tell(str(error))
+            app.verbose(str(error))
             continue
         info = profile.basic_info if isinstance(profile, RtcProfile) else None
         if info is not None and (info.vendor, info.category, info.name) == wanted:

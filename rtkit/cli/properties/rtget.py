@@ -65,13 +65,13 @@ def main(
             place, end = places.find(target)
             return place.typed, asked(lambda: end.ask(place.target(more)), place.typed)
 
-        def told(values: Iterable[tuple[str, str | bytes]]) -> list[str]:
+        def lines_of(values: Iterable[tuple[str, str | bytes]]) -> list[str]:
             if is_json:
                 return [record("property", typed, payload) for typed, payload in values]
             return [shown(payload) for _, payload in values]
 
         if period_s is not None:
-            watch(lambda: told(map(value, targets)), period_s)
+            watch(lambda: lines_of(map(value, targets)), period_s)
             return 0
         values, failures = [], []
         for target in targets:
@@ -83,7 +83,7 @@ def main(
             for _, payload in values:
                 write_raw(payload)
         else:
-            terminal.write(told(values))
+            terminal.write(lines_of(values))
     for failure in failures[:-1]:
         app.fail(str(failure))
     if failures:

@@ -90,10 +90,10 @@ def main(
     with connected(app, at) as places, ExitStack() as stack:
         from rtkit.tree.property_subscription import PropertySubscription
 
-        heard = stack.enter_context(
+        subscription = stack.enter_context(
             PropertySubscription(places, targets, joined([*parameters, *given]))
         )
-        for typed, event in _events(heard, until):
+        for typed, event in _events(subscription, until):
             if event.code:
                 from rtkit.property.codes import PropertyError
                 from rtkit.tree.property_connections import printed_error
@@ -111,7 +111,7 @@ def main(
 
 
 def _events(
-    heard: PropertySubscription, until: float | None
+    subscription: PropertySubscription, until: float | None
 ) -> Iterator[tuple[str, PropertyEvent]]:
     """Yield events with the target as it was typed, until some time [s, monotonic].
 
@@ -122,11 +122,11 @@ def _events(
     from rtkit.cli.shared.stdout_reader import wait_for
 
     while True:
-        while (event := heard.take()) is not None:
+        while (event := subscription.take()) is not None:
             yield event
         if until is not None and time.monotonic() >= until:
             return
-        wait_for([heard.fileno()], until)
+        wait_for([subscription.fileno()], until)
 
 
 def _line(typed: str, event: PropertyEvent, targets: tuple[str, ...]) -> str:

@@ -52,7 +52,7 @@ def main(
     from rtkit.proxy.bridge import bridge
     from rtkit.serving.refusals import Refusals
 
-    def say(why: str) -> None:
+    def report(why: str) -> None:
         print(f"rtproxy: {source}: {f'gone: {why}' if why else 'back'}", file=sys.stderr)
 
     with (
@@ -64,7 +64,7 @@ def main(
             allow_set=allow_set,
             cwd=working_directory(),
             timeout_s=app.timeout_s,
-            on_status=say,
+            on_status=report,
             on_refusal=Refusals(),
         ) as opened,
     ):

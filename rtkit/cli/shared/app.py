@@ -115,7 +115,7 @@ class App:
             self._has_warned_of_servers = True
             self.warn(strange_servers())
 
-    def tell_silent(self, root: TreeNode, nodes: Iterable[TreeNode], done: str) -> int:
+    def report_silent(self, root: TreeNode, nodes: Iterable[TreeNode], done: str) -> int:
         """Report managers that did not answer, where nothing was `done`; return the exit status.
 
         Args:
@@ -125,13 +125,13 @@ class App:
         """
         from rtkit.tree.view import silent
 
-        told = [root.trouble] if root.trouble else []
-        told += [f"{node.path} was not {done}: {node.trouble}" for node in silent(nodes)]
-        for text in told:
+        texts = [root.trouble] if root.trouble else []
+        texts += [f"{node.path} was not {done}: {node.trouble}" for node in silent(nodes)]
+        for text in texts:
             self.fail(text)
-        return self.status(Unreachable()) if told else 0
+        return self.status(Unreachable()) if texts else 0
 
-    def tell_silent_servers(self, done: str) -> int:
+    def report_silent_servers(self, done: str) -> int:
         """Report permanent servers of the tree that do not answer; return the exit status."""
         if not self._is_own_tree:
             return 0
@@ -214,7 +214,7 @@ class App:
                 f" instead of {self._place or 'the usual one'}): one command asks one manager"
             )
 
-    def say(self, text: str) -> None:
+    def report(self, text: str) -> None:
         """Write a line, or several, on stderr."""
         for line in text.split("\n"):
             self.write_error(printable(line))
@@ -235,10 +235,10 @@ class App:
         for text in found:
             self.fail(f"{mark}{text}")
 
-    def tell(self, text: str) -> None:
+    def verbose(self, text: str) -> None:
         """Write progress on stderr when asked to be verbose."""
         if self.is_verbose:
-            self.say(text)
+            self.report(text)
 
     def status(self, error: RtkitError) -> int:
         """Return the exit status that stands for `error`."""

@@ -69,7 +69,7 @@ class Main(NamedTuple):
         """Run as the only purpose of this process, and end the process."""
         console_process.prepare()
         try:
-            console_process.hear_interrupts()
+            console_process.enable_interrupts()
             status = _run(self.command, App(name), list(arguments))
             if status != console_process.INTERRUPTED:
                 console_process.end(status)

@@ -20,7 +20,7 @@ _MOST = 16 * 2**20
 
 def profiles(
     paths: Sequence[str],
-    tell: Callable[[str], object],
+    notify: Callable[[str], object],
     *,
     systems: Sequence[str] = (),
     with_shipped: bool = True,
@@ -31,7 +31,7 @@ def profiles(
     code is run: of a module only a file beside it counts, of the same name or ``RTC.xml``.
     Modules are looked for where a manager that is started here would, in installed packages last.
     Of the repositories in
-    which `systems` lie ``rtc/NAME/RTC.xml`` counts. `tell` receives unreadable places.
+    which `systems` lie ``rtc/NAME/RTC.xml`` counts. `notify` receives unreadable places.
 
     Raises:
         NotFound: A file or folder that was named cannot be read.
@@ -39,7 +39,7 @@ def profiles(
     from rtkit.profile.forms import may_be_component
 
     seen: set[str] = set()
-    for path, is_named in _candidates(paths, tell, systems, with_shipped):
+    for path, is_named in _candidates(paths, notify, systems, with_shipped):
         real = os.path.realpath(path)
         if real in seen:
             continue
@@ -56,7 +56,7 @@ def profiles(
 
 def _candidates(
     paths: Sequence[str],
-    tell: Callable[[str], object],
+    notify: Callable[[str], object],
     systems: Sequence[str],
     with_shipped: bool,
 ) -> Iterator[tuple[str, bool]]:
@@ -67,7 +67,7 @@ def _candidates(
             yield path, True
     for folder in _listed(SEARCH_PATH):
         yield from ((os.path.join(folder, name), False) for name in _profiles(folder))
-    for folder in (os.curdir, *_load_path(tell), *_listed(MODULE_PATH)):
+    for folder in (os.curdir, *_load_path(notify), *_listed(MODULE_PATH)):
         yield from ((file, False) for file in _beside_modules(folder))
     yield from ((file, False) for file in _of_packages())
     for folder in dict.fromkeys(each for system in systems for each in _around(system)):
@@ -79,14 +79,14 @@ def _candidates(
         yield from ((os.path.join(shipped, name), False) for name in _profiles(shipped))
 
 
-def _load_path(tell: Callable[[str], object]) -> list[str]:
+def _load_path(notify: Callable[[str], object]) -> list[str]:
     """Return the folders of modules that the ``rtc.conf`` found here names."""
     from rtkit.settings.configuration import CommandLineSettings, read
 
     try:
         settings = read(CommandLineSettings()).settings
     except RtkitError as error:
-        tell(f"load paths are not known: {error}")
+        notify(f"load paths are not known: {error}")
         return []
     return [folder for key in _LOAD_PATHS for folder in settings.items(key)]
 

@@ -29,7 +29,7 @@ def _closed() -> TextIO:
     return open(os.open(os.devnull, os.O_RDONLY), "w")
 
 
-def hear_interrupts() -> None:
+def enable_interrupts() -> None:
     """Make Ctrl-C raise KeyboardInterrupt, which `rtkit.cli` has put off until now."""
     if _signal.getsignal(_signal.SIGINT) == _signal.SIG_DFL:
         sys.unraisablehook = _not_lost

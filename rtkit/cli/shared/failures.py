@@ -18,10 +18,10 @@ def failed(command: click.Command, app: App, error: Exception) -> int:
     if app.is_verbose and not isinstance(error, click.UsageError):
         import traceback
 
-        app.say("".join(traceback.format_exception(error)).rstrip())
+        app.report("".join(traceback.format_exception(error)).rstrip())
     if isinstance(error, click.UsageError | WrongArguments):
         meant = app.command or command
-        app.say(meant.get_usage(click.Context(meant, info_name=app.name)))
+        app.report(meant.get_usage(click.Context(meant, info_name=app.name)))
     if isinstance(error, click.ClickException):
         app.fail(error.format_message())
         return 1 if _lacks_argument(error) else error.exit_code
@@ -47,6 +47,6 @@ def _show(app: App, error: RtkitError) -> None:
         for _, failure in error.failures:
             app.fail(str(failure))
     # A document may have many faults, a line each; any other message is one line.
-    told = str(error).split("\n") if isinstance(error, InvalidDocument) else [str(error)]
-    for line in filter(None, told):
+    lines = str(error).split("\n") if isinstance(error, InvalidDocument) else [str(error)]
+    for line in filter(None, lines):
         app.fail(line)

@@ -39,11 +39,11 @@ class ManagerSeen(NamedTuple):
         return f"manager {self.manager!r} {'is back' if self.is_back else 'has begun'}"
 
 
-class ManagerTold(NamedTuple):
+class ObservedEvent(NamedTuple):
     """An event, and the manager that it is from."""
 
     manager: str
-    heard: ManagerEvent | ManagerSeen
+    event: ManagerEvent | ManagerSeen
 
 
 class Observers(Closing):
@@ -101,7 +101,7 @@ class Observers(Closing):
             if not self._enter(name):
                 app.fail(f"manager {name!r} does not answer")
         if self._is_wide:
-            app.tell_silent_servers("not listened to")
+            app.report_silent_servers("not listened to")
 
     def close(self) -> None:
         """End all subscriptions."""
@@ -115,7 +115,7 @@ class Observers(Closing):
         until: float | None,
         also: Sequence[int] = (),
         wake_at: Callable[[], float | None] = lambda: None,
-    ) -> Iterator[list[ManagerTold]]:
+    ) -> Iterator[list[ObservedEvent]]:
         """Yield the events received, and an empty list when one of the descriptors is readable.
 
         It ends when the time is up, monotonic [s]. A manager that ends is waited for.
@@ -131,14 +131,14 @@ class Observers(Closing):
         while until is None or monotonic() < until:
             moment = wake_at()
             ready = self._wait(until, also, moment)
-            told = [
-                ManagerTold(name, heard)
+            events = [
+                ObservedEvent(name, event)
                 for name, subscription in list(self.subscriptions.items())
-                for heard in subscription.take()
+                for event in subscription.take()
             ]
-            told += self._follow(told)
-            if told or ready or moment is not None:
-                yield told
+            events += self._follow(events)
+            if events or ready or moment is not None:
+                yield events
 
     def _wait(self, until: float | None, also: Sequence[int], wake_at: float | None) -> bool:
         """Wait for an event; return whether one of the descriptors `also` is readable."""
@@ -155,12 +155,12 @@ class Observers(Closing):
         ready = wait_for([*sources, *also], min(bounds, default=None))
         return not ready.isdisjoint(also)
 
-    def _follow(self, told: Sequence[ManagerTold]) -> list[ManagerTold]:
+    def _follow(self, events: Sequence[ObservedEvent]) -> list[ObservedEvent]:
         """Drop managers that ended; return the events of those that are back, or new."""
         from rtkit.tree.subscription import SubscriptionEnded
 
-        for manager, heard in told:
-            if isinstance(heard, SubscriptionEnded):
+        for manager, event in events:
+            if isinstance(event, SubscriptionEnded):
                 self._leave(manager)
                 self._await(manager)
         if self._folder is not None and self._folder.take():
@@ -175,7 +175,7 @@ class Observers(Closing):
             self._folder = None
         return [each for name in back for each in self._return_of(name)]
 
-    def _return_of(self, name: str) -> list[ManagerTold]:
+    def _return_of(self, name: str) -> list[ObservedEvent]:
         """Return the events of a manager's return: itself, and the changes missed meanwhile."""
         from rtkit.deployment.delta import delta_between
         from rtkit.deployment.user_events import user_events
@@ -183,11 +183,11 @@ class Observers(Closing):
 
         after = self.subscriptions[name].facts
         before = self._facts.pop(name, None)
-        told = [ManagerTold(name, ManagerSeen(self.names[name], before is not None))]
+        seen = [ObservedEvent(name, ManagerSeen(self.names[name], before is not None))]
         if before is None:  # the manager is new: all that it holds has appeared
             before = replace(after, processes=(), components=(), connectors=(), modules=())
         missed = tuple(user_events(before, delta_between(before, after, "", 0)))
-        return [*told, ManagerTold(name, TreeChange(time(), missed))]
+        return [*seen, ObservedEvent(name, TreeChange(time(), missed))]
 
     def _unknown(self) -> list[str]:
         """Return the running managers that are not known yet, if they are wanted."""

@@ -32,8 +32,8 @@ def offers(tree: Tree, snapshot: Snapshot) -> Offers:
     types = {each.full_id: "" for module in snapshot.modules for each in module.types}
     problems = []
     for line in tree.get("get_loadable_modules").splitlines():
-        name, _, told = line.partition("?")
-        options = parse_create(f"x?{told}").options if told else {}
+        name, _, text = line.partition("?")
+        options = parse_create(f"x?{text}").options if text else {}
         if "problem" in options:
             problems.append((name, options["problem"]))
         else:

@@ -36,16 +36,16 @@ def metered(app: App, title: str, *, is_writing: bool = False) -> Iterator[Show]
         SpinnerColumn(),
         TextColumn("{task.description}"),
         BarColumn(),
-        TextColumn("{task.fields[told]}"),
+        TextColumn("{task.fields[text]}"),
         TimeElapsedColumn(),
     )
     with Progress(*columns, console=console, transient=True) as bar:
-        task = bar.add_task(title, total=None, told="")
+        task = bar.add_task(title, total=None, text="")
         former = app.write_error
         app.write_error = lambda line: console.print(Text(line), soft_wrap=True)
         try:
             yield _paced(
-                lambda done, total, told: bar.update(task, completed=done, total=total, told=told)
+                lambda done, total, text: bar.update(task, completed=done, total=total, text=text)
             )
         finally:
             app.write_error = former
@@ -60,17 +60,17 @@ def _paced(show: Show) -> Show:
     """Return a function that shows progress at a readable rate: thousands a second may come."""
     due = 0.0
 
-    def paced(done: float, total: float | None, told: str) -> None:
+    def paced(done: float, total: float | None, text: str) -> None:
         nonlocal due
         now = time.monotonic()
         if now >= due or done == total:
             due = now + _PERIOD_S
-            show(done, total, told)
+            show(done, total, text)
 
     return paced
 
 
-def _nothing(_done: float, _total: float | None, _told: str) -> None:
+def _nothing(_done: float, _total: float | None, _text: str) -> None:
     pass
 
 

@@ -13,7 +13,7 @@ _AGAIN_S = 0.05
 
 
 @contextmanager
-def heard_by_main() -> Iterator[None]:
+def waking_main() -> Iterator[None]:
     """Interrupt the waits of the main thread, which calls this, when another takes a signal.
 
     A handler runs on the main thread only, when its wait ends; a signal that another thread takes
@@ -22,18 +22,18 @@ def heard_by_main() -> Iterator[None]:
     """
     reading, writing = os.pipe()
     os.set_blocking(writing, False)
-    main, is_heard = threading.get_ident(), threading.Event()
+    main, is_received = threading.get_ident(), threading.Event()
 
     def relay() -> None:
         while numbers := os.read(reading, 512):
             if all(number == _NUDGE for number in numbers):
                 continue
-            is_heard.clear()
-            while not is_heard.is_set():
+            is_received.clear()
+            while not is_received.is_set():
                 signal.pthread_kill(main, _NUDGE)
-                is_heard.wait(_AGAIN_S)
+                is_received.wait(_AGAIN_S)
 
-    former = signal.signal(_NUDGE, lambda *_: is_heard.set())
+    former = signal.signal(_NUDGE, lambda *_: is_received.set())
     before = signal.set_wakeup_fd(writing, warn_on_full_buffer=False)
     thread = threading.Thread(target=relay, name="signals", daemon=True)
     thread.start()
@@ -42,7 +42,7 @@ def heard_by_main() -> Iterator[None]:
     finally:
         signal.set_wakeup_fd(before)
         os.close(writing)
-        is_heard.set()
+        is_received.set()
         thread.join()
         os.close(reading)
         signal.signal(_NUDGE, former)
@@ -53,7 +53,7 @@ def ended_by_sigterm() -> Iterator[threading.Event]:
     """Yield an event that SIGTERM sets; it is heard whichever thread takes it, as Ctrl-C is."""
     ended = threading.Event()
     signal.signal(signal.SIGTERM, lambda number, frame: ended.set())
-    with heard_by_main():
+    with waking_main():
         yield ended
 
 
@@ -62,7 +62,7 @@ _DISTURBANCES = (signal.SIGWINCH, signal.SIGCONT)
 
 
 class ResizeWakeup:
-    """Wakeup event: its descriptor is readable from `ring` until `heard`."""
+    """Wakeup event: its descriptor is readable from `ring` until `take`."""
 
     def __init__(self) -> None:
         self._event = os.eventfd(0, os.EFD_NONBLOCK | os.EFD_CLOEXEC)
@@ -76,7 +76,7 @@ class ResizeWakeup:
         with suppress(OSError, ValueError):
             os.eventfd_write(self._event, 1)
 
-    def heard(self) -> bool:
+    def take(self) -> bool:
         """Return whether the event was set since the last call, and clear it."""
         try:
             os.eventfd_read(self._event)

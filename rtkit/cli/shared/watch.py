@@ -63,7 +63,7 @@ def watch(look: Callable[[], Iterable[str]], period_s: float) -> None:
     with resizing(terminal.is_terminal()) as wakeup:
         while True:
             sight.stale()
-            if wakeup.heard():
+            if wakeup.take():
                 sight.forget()
             if sight.is_due:
                 sight.show(look)

@@ -95,5 +95,5 @@ def parse_document(app: App, source: str, data: bytes) -> SystemDocument:
         raise InvalidDocument(f"{source}: is a saved plan; only rtapply takes it")
     reading = read.read_rts(data, source, form=app.form, strict=app.is_strict)
     for note in reading.notes:
-        app.tell(f"{source}:{note.line}: {note.text}")
+        app.verbose(f"{source}:{note.line}: {note.text}")
     return SystemDocument(reading.profile, data, source, app.form)

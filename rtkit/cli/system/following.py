@@ -26,10 +26,10 @@ def is_wanted(document: SystemDocument) -> bool:
         InvalidDocument: It does, and its states make no sense; or the value is not a boolean.
         Refused: It does, and its components are in several managers.
     """
-    told = [item.value or "" for item in document.profile.properties if item.name == FOLLOW]
-    word = told[-1].strip().lower() if told else ""
+    values = [item.value or "" for item in document.profile.properties if item.name == FOLLOW]
+    word = values[-1].strip().lower() if values else ""
     if word not in _YES + _NO:
-        raise InvalidDocument(f"{document.source}: {FOLLOW}: neither true nor false: {told[-1]}")
+        raise InvalidDocument(f"{document.source}: {FOLLOW}: neither true nor false: {values[-1]}")
     if word in _NO:
         return False
     from rtkit.cli.system.states import read_machine
@@ -71,10 +71,10 @@ def begin(app: App, document: SystemDocument, states: States, *, rolls_back: boo
 
     from rtkit.deployment.states.states_text import spec_to_text
 
-    said = bytes([rolls_back, states.base.replaces, states.base.is_strict])
-    digest = sha256(document.data + said).hexdigest()
+    flags = bytes([rolls_back, states.base.replaces, states.base.is_strict])
+    digest = sha256(document.data + flags).hexdigest()
     text = spec_to_text(states, [document.source, digest], rolls_back=rolls_back)
-    app.tell(owner(app).set(FOLLOW, f'{{"start": {text}}}'))
+    app.verbose(owner(app).set(FOLLOW, f'{{"start": {text}}}'))
 
 
 def begin_from(app: App, document: SystemDocument, goal: DeploymentGoal) -> None:
@@ -93,7 +93,7 @@ def begin_from(app: App, document: SystemDocument, goal: DeploymentGoal) -> None
     begin(app, document, States(document.profile.id, read_machine(document), base))
 
 
-def begin_as_told(
+def begin_as_stated(
     app: App,
     document: SystemDocument,
     mapped: tuple[str, ...],
@@ -127,7 +127,7 @@ def end_if_followed(app: App, document: SystemDocument, facts: Snapshot) -> bool
     name = document.profile.id
     managers = [m.manager for m in (facts, *facts.others) if followed_in(m, name) is not None]
     for manager in managers:
-        app.tell(end(app.tree.at(manager), name))
+        app.verbose(end(app.tree.at(manager), name))
     return bool(managers)
 
 

@@ -52,21 +52,21 @@ class Managers:
             try:
                 trees[name] = connect(name, timeout_s)
             except Unreachable as error:
-                absent[name] = f"{error}; it is to hold {self._told(name)}"
+                absent[name] = f"{error}; it is to hold {self._paths_text(name)}"
             except BaseException:
                 _close(trees)
                 raise
         return trees, absent
 
-    def _told(self, manager: str) -> str:
+    def _paths_text(self, manager: str) -> str:
         first, *more = [path for name, path in self._paths.items() if self.homes[name] == manager]
         return f"/{first.lstrip('/')}" + (f" and {len(more)} more" if more else "")
 
-    def joined(self, told: Iterable[Snapshot]) -> Snapshot:
+    def joined(self, reports: Iterable[Snapshot]) -> Snapshot:
         """Join the reports of these managers into one snapshot; one without a report is down."""
         from rtkit.deployment.multi_manager import down, joined
 
-        known = {each.manager: each for each in told}
+        known = {each.manager: each for each in reports}
         return joined([known.get(n) or down(self.host, n) for n in self.names], self.homes)
 
 
@@ -190,8 +190,8 @@ def _check_meant(absent: Mapping[str, str], trees: Mapping[str, Tree]) -> None:
         meant = next((each for each in managers() if is_slip(name, each)), "")
         if meant:
             _close(trees)
-            told = f"not started, as its name is so like {meant}, which runs"
-            raise Unreachable(f"{why}; {told} (if it is meant: rtmgr start {name})")
+            reason = f"not started, as its name is so like {meant}, which runs"
+            raise Unreachable(f"{why}; {reason} (if it is meant: rtmgr start {name})")
 
 
 def _one(managers: Managers, trees: Mapping[str, Tree], app: App | None = None) -> Tree:

@@ -13,13 +13,13 @@ from rtkit.deployment.states.states import States
 from rtkit.tree.grace import uninterrupted
 
 
-def leader(app: App, states: States, say: Callable[[str], None], *, rolls_back: bool) -> Leader:
+def leader(app: App, states: States, report: Callable[[str], None], *, rolls_back: bool) -> Leader:
     """Return the leader of a system; the command must hold its managers' locks.
 
     Args:
         app: The command.
         states: Of the system.
-        say: Receives each step.
+        report: Receives each step.
         rolls_back: When a step fails, go back to the state before.
     """
 
@@ -27,7 +27,7 @@ def leader(app: App, states: States, say: Callable[[str], None], *, rolls_back: 
         tree, goal = app.tree, states.goal(passage.state)
         snapshot = uninterrupted(tree.snapshot)
         with step_times.noting(app, goal.system, snapshot) as taken:
-            applier = Applier(tree, goal, say, say, taken, careful=uninterrupted)
+            applier = Applier(tree, goal, report, report, taken, careful=uninterrupted)
             applier.run(goal.plan(snapshot), snapshot, rolls_back=rolls_back)
 
     return Leader(states, reach, app.fail, time.monotonic)

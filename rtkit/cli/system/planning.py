@@ -101,20 +101,20 @@ class GoalOptions(NamedTuple):
     )
 
 
-def told_options(mapped: Sequence[str], aim: GoalOptions) -> dict[str, Any]:
+def options_record(mapped: Sequence[str], aim: GoalOptions) -> dict[str, Any]:
     """Return the options of a plan by name, as a saved plan tells them."""
     return {**aim.way._asdict(), "state": aim.state, "prunes": aim.prunes, "mapped": mapped}
 
 
-def read_options(told: Mapping[str, Any]) -> tuple[tuple[str, ...], GoalOptions]:
+def read_options(record: Mapping[str, Any]) -> tuple[tuple[str, ...], GoalOptions]:
     """Return the options that a saved plan tells.
 
     Raises:
         TypeError: One is missing, or there is no such option.
     """
-    way = {name: value for name, value in told.items() if name in WayOptions._fields}
-    others = {name: value for name, value in told.items() if name not in (*way, "mapped")}
-    return tuple(told.get("mapped") or ()), GoalOptions(way=WayOptions(**way), **others)
+    way = {name: value for name, value in record.items() if name in WayOptions._fields}
+    others = {name: value for name, value in record.items() if name not in (*way, "mapped")}
+    return tuple(record.get("mapped") or ()), GoalOptions(way=WayOptions(**way), **others)
 
 
 def prepare(
@@ -214,7 +214,7 @@ def settled_costs(
     from rtkit.deployment.planning import step_costs as costs
 
     table = costs.Costs()
-    said = read_costs(given, system, snapshot)
+    user_costs = read_costs(given, system, snapshot)
     if is_measured:
         types = step_times.types_of(system, snapshot)
         table = table.over(step_times.read(app).costs(types), costs.MEASURED)
@@ -223,7 +223,7 @@ def settled_costs(
         for component in system.components
         for kind, cost in component.costs.items()
     }
-    return table.over(stated, costs.PROFILE).over(said, costs.USER)
+    return table.over(stated, costs.PROFILE).over(user_costs, costs.USER)
 
 
 def read_costs(
@@ -277,5 +277,7 @@ def _ranks(app: App, document: SystemDocument, system: WantedSystem) -> dict[str
         return {}
     plan = start_plan(system, LiveIndex(shared.nothing(), system), orders)
     if any(condition.wait_ms for each in orders.values() for condition in each):
-        app.tell("waiting times of Activation are kept by rtstart only; their order is kept here")
+        app.verbose(
+            "waiting times of Activation are kept by rtstart only; their order is kept here"
+        )
     return {target.instance: rank for rank, target in enumerate(expected_order(plan))}

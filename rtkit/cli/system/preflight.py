@@ -35,7 +35,7 @@ def look_ahead(app: App, system: WantedSystem, snapshot: Snapshot) -> Feasibilit
     asked = makings(system, live)
     lacks = _lacking(app, asked, live)
     pending = [system.component(name) for name in asked if name not in lacks]
-    types = _described(app, {each.instance: each.id for each in pending if _says_something(each)})
+    types = _described(app, {each.instance: each.id for each in pending if _is_compared(each)})
     parameters = {
         name: {key: each.declared for key, each in known.parameters.items()}
         for name, known in types.items()
@@ -45,7 +45,7 @@ def look_ahead(app: App, system: WantedSystem, snapshot: Snapshot) -> Feasibilit
     return Feasibility(lacks, ports, parameters, frozenset(types), code)
 
 
-def _says_something(component: WantedComponent) -> bool:
+def _is_compared(component: WantedComponent) -> bool:
     """Return whether sets or ports are to be compared; those of a composite show once it lives."""
     is_composite = (
         "members" in parse_create(component.create).options if component.create else False
@@ -85,7 +85,7 @@ def _lacking_at(app: App, manager: str, asked: Mapping[str, Making]) -> dict[str
     try:
         found = dict(zip(distinct, app.tree.at(manager).lacking(distinct), strict=True))
     except NotFound as error:
-        app.tell(f"which modules are found is not known: {error}")
+        app.verbose(f"which modules are found is not known: {error}")
         return {}
     return {name: found[making] for name, making in asked.items() if found[making]}
 
@@ -121,7 +121,7 @@ def _described(app: App, wanted: Mapping[str, str]) -> dict[str, Blueprint]:
     from rtkit.static_check.stock import CandidateDocument, stocked
 
     names = {type_of(id).type_name for id in wanted.values()}
-    catalogue, _ = stocked((CandidateDocument(*each) for each in profiles((), app.tell)), names)
+    catalogue, _ = stocked((CandidateDocument(*each) for each in profiles((), app.verbose)), names)
     found = {}
     for name, id in wanted.items():
         match = catalogue.find(id)
@@ -179,5 +179,5 @@ def _elsewhere(app: App, managers: Collection[str]) -> dict[str, tuple[Component
                 with connect(name, app.timeout_s) as tree:
                     found[name] = tree.snapshot().components
             except RtkitError as error:
-                app.tell(f"what manager {name} has reserved is not known: {error}")
+                app.verbose(f"what manager {name} has reserved is not known: {error}")
     return found

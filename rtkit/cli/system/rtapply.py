@@ -80,7 +80,7 @@ def main(
         terminal.write(map(terminal.printable, lines(plan, goal.costs)))
         return 0
     with step_times.noting(app, goal.system, snapshot) as taken:
-        applier = Applier(app.tree, goal, app.say, app.say, taken, survey, uninterrupted)
+        applier = Applier(app.tree, goal, app.report, app.report, taken, survey, uninterrupted)
         applier.run(plan, snapshot, rolls_back=rollback or app.is_strict, is_exact=is_saved)
     if is_followed:
         following.begin_from(app, document, goal)

@@ -94,12 +94,12 @@ def main(
     if is_diff:
         terminal.write(map(terminal.printable, diff_lines([*found, *surplus(system, live)])))
     elif form != static_checks.TEXT:
-        from rtkit.cli.system.verdict import told
+        from rtkit.cli.system.verdict import verdict_lines
 
-        terminal.write(told(form, document.source, system, found))
+        terminal.write(verdict_lines(form, document.source, system, found))
     elif found:
         from rtkit.cli.system.verdict import text_of
 
         for each in found:
-            app.say(text_of(each))
+            app.report(text_of(each))
     return app.status(Refused()) if any(each.is_required for each in found) else 0

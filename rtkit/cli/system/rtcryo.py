@@ -70,10 +70,10 @@ def main(
     date = datetime.now().replace(microsecond=0).isoformat()
     heading = SystemHeading(date, name, system_version, vendor, abstract)
     hosts = [_host(server, snapshot) for server in servers]
-    _tell_gaps(app, snapshot)
+    _report_gaps(app, snapshot)
     profile = capture(snapshot, heading, takes_all=takes_all, hosts=hosts)
     write_output(write_profile(profile, app.form or form_of_name(output) or XML), output)
-    return 0 if servers else app.tell_silent_servers("not saved")
+    return 0 if servers else app.report_silent_servers("not saved")
 
 
 def _host(server: str, snapshot: Snapshot) -> str:
@@ -87,7 +87,7 @@ def _host(server: str, snapshot: Snapshot) -> str:
     return host
 
 
-def _tell_gaps(app: App, snapshot: Snapshot) -> None:
+def _report_gaps(app: App, snapshot: Snapshot) -> None:
     """Report parts that could not be saved, or only as they were last reported."""
     for component in snapshot.components:
         if component.zombie:

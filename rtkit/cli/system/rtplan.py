@@ -67,10 +67,10 @@ def main(
     if out is not None:
         from rtkit.cli.system.saving import save
 
-        save(out, document, prepared, planning.told_options(asked.mapped, aim))
+        save(out, document, prepared, planning.options_record(asked.mapped, aim))
     if is_json:
         terminal.write([json_records.line("plan", rendering.as_plain(plan, goal.costs))])
     else:
-        told = rendering.to_dot(plan) if is_dot else rendering.lines(plan, goal.costs)
-        terminal.write(map(terminal.printable, told))
+        lines = rendering.to_dot(plan) if is_dot else rendering.lines(plan, goal.costs)
+        terminal.write(map(terminal.printable, lines))
     return CHANGE_NEEDED if detailed_exitcode and plan.moves else 0

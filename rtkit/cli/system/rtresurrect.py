@@ -85,7 +85,7 @@ def main(
             else:
                 _bring_up(app, system, before, lacks, may_create=not no_create)
     if is_followed:
-        following.begin_as_told(app, document, asked.mapped, stand_in=stand_in, transmit=transmit)
+        following.begin_as_stated(app, document, asked.mapped, stand_in=stand_in, transmit=transmit)
 
 
 def _bring_up(

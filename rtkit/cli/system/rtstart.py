@@ -51,4 +51,4 @@ def main(
         mapped=asked.mapped,
     )
     if is_followed:
-        following.begin_as_told(app, document, asked.mapped)
+        following.begin_as_stated(app, document, asked.mapped)

@@ -104,14 +104,16 @@ def main(
         start = partial(following.begin, app, document, states, rolls_back=rollback)
         Watching(app, states.name, is_json=is_json).run(start, number)
         return 0
-    told = following.followed_in(snapshot, states.name)
+    followed = following.followed_in(snapshot, states.name)
     now = states.now(snapshot)
     if goto is None and event is None:
         ways = [states.way(state, snapshot) for state in states.machine.table]
         if is_json:
-            terminal.write([json_records.line("system-state", as_record(states, now, ways, told))])
+            terminal.write(
+                [json_records.line("system-state", as_record(states, now, ways, followed))]
+            )
         else:
-            terminal.write(map(terminal.printable, as_lines(states, now, ways, told)))
+            terminal.write(map(terminal.printable, as_lines(states, now, ways, followed)))
         return 0 if now else 1
     try:
         if event is None:
@@ -129,7 +131,7 @@ def main(
     from rtkit.cli.system.leading import leader
     from rtkit.deployment.states.leading import SystemTransition
 
-    leading = leader(app, states, app.say, rolls_back=rollback)
+    leading = leader(app, states, app.report, rolls_back=rollback)
     _, _, reached = leading.lead(SystemTransition(now, event or "goto", target))
     if reached != target:
         raise Refused(f"{target} was not reached; the system was led to {reached}")
@@ -141,5 +143,5 @@ def _unfollow(app: App, files: tuple[str, ...], name: str) -> int:
 
     if files:
         raise UsageProblem("--unfollow takes the name of a system, and no FILE")
-    app.say(following.end(app.tree, following.named(shared.snapshot(app), name)))
+    app.report(following.end(app.tree, following.named(shared.snapshot(app), name)))
     return 0

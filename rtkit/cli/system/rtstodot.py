@@ -50,4 +50,4 @@ def main(
 
         scene = system_scene(read_document(app, files).profile)
     terminal.write(dot_lines(scene, _TITLE))
-    return app.tell_silent_servers("not drawn") if live else 0
+    return app.report_silent_servers("not drawn") if live else 0

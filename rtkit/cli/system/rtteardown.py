@@ -45,7 +45,7 @@ def main(
     from rtkit.cli.system import starting, step_times
 
     with (
-        starting.telling(app, system, left_now),
+        starting.reporting_progress(app, system, left_now),
         step_times.noting(app, system, snapshot) as taken,
     ):
         shared.runner(app, taken=taken).run(plan)

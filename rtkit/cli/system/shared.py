@@ -124,7 +124,7 @@ def wanted_system(
             managers=[each.manager for each in snapshot.others],
         )
     for note in system.notes:
-        app.tell(note)
+        app.verbose(note)
     app.warn(_odd_keys(document.profile))
     for connector in system.connectors:
         if connector.is_data:
@@ -226,7 +226,7 @@ def locks(app: App, files: tuple[str, ...], wait_s: float) -> PlanLocks:
     """Return the locks that keep others off until the command ends."""
     from rtkit.tree.plan_locks import PlanLocks
 
-    made = PlanLocks(" ".join([app.name, *files]), wait_s, app.say if wait_s else app.tell)
+    made = PlanLocks(" ".join([app.name, *files]), wait_s, app.report if wait_s else app.verbose)
     click.get_current_context().call_on_close(made.close)
     return made
 
@@ -253,7 +253,7 @@ def managers_started(app: App, found: Snapshot, *, dry_run: bool) -> Iterator[Sn
     try:
         for name in absent:
             uninterrupted(partial(app.tree.start, name))
-            app.tell(f"manager {name} was not running, and is started")
+            app.verbose(f"manager {name} was not running, and is started")
         yield snapshot(app)
     except BaseException:
         uninterrupted(app.tree.end_started)
@@ -286,7 +286,7 @@ def runner(
     from rtkit.tree.grace import uninterrupted
 
     return PlanRunner(
-        app.tree, app.fail, app.tell, count, taken, uninterrupted, is_strict=app.is_strict
+        app.tree, app.fail, app.verbose, count, taken, uninterrupted, is_strict=app.is_strict
     )
 
 

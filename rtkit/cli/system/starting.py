@@ -74,7 +74,7 @@ def run(
 
     shared.runner(app).check(plan.checks)
     with (
-        telling(app, system, active_now),
+        reporting_progress(app, system, active_now),
         step_times.noting(app, system, snapshot) as taken,
     ):
         _carry_out(app, plan, taken)
@@ -88,14 +88,14 @@ def _carry_out(app: App, plan: StartPlan, taken: list[tuple[Action, float]]) -> 
     is_bounded = plan.has_conditions and source is ParameterSource.COMMANDLINE
     timeout_s = app.timeout_s if is_bounded else None
     with metered(app, app.name.split()[-1]) as show:
-        Starter(app.tree, plan, app.say, app.fail, timeout_s, counted(show), taken).run()
+        Starter(app.tree, plan, app.report, app.fail, timeout_s, counted(show), taken).run()
 
 
 @contextmanager
-def telling(
-    app: App, system: WantedSystem, tell: Callable[[WantedSystem, LiveIndex], str]
+def reporting_progress(
+    app: App, system: WantedSystem, describe: Callable[[WantedSystem, LiveIndex], str]
 ) -> Iterator[None]:
-    """Add the progress to an error that ends the command; `tell` reads it off the live system.
+    """Add the progress to an error that ends the command; `describe` reads it off the live system.
 
     Raises:
         RtkitError: What was raised inside.
@@ -104,19 +104,19 @@ def telling(
     try:
         yield
     except RtkitError as error:
-        raise type(error)(f"{error}; {_progress(app, system, tell)}") from error
+        raise type(error)(f"{error}; {_progress(app, system, describe)}") from error
     except KeyboardInterrupt as error:
-        more = _progress(app, system, tell)
+        more = _progress(app, system, describe)
         raise KeyboardInterrupt("; ".join(filter(None, (str(error), more)))) from error
 
 
 def _progress(
-    app: App, system: WantedSystem, tell: Callable[[WantedSystem, LiveIndex], str]
+    app: App, system: WantedSystem, describe: Callable[[WantedSystem, LiveIndex], str]
 ) -> str:
     from rtkit.deployment.live_index import LiveIndex
     from rtkit.tree.grace import uninterrupted
 
     try:
-        return tell(system, LiveIndex(uninterrupted(lambda: app.tree.remains()), system))
+        return describe(system, LiveIndex(uninterrupted(lambda: app.tree.remains()), system))
     except (RtkitError, KeyboardInterrupt) as trouble:
         return f"how far it got is not known ({str(trouble) or 'interrupted again'})"

@@ -38,12 +38,12 @@ def read_machine(document: SystemDocument) -> SystemStates:
     from rtkit.deployment.states.machine import machine_of
 
     profile = document.profile
-    told = properties_of(profile.properties)
+    properties = properties_of(profile.properties)
     sets = {c.instance_name: [s.id for s in c.configuration_sets] for c in profile.components}
-    chart = told.get(STATE_CHART)
+    chart = properties.get(STATE_CHART)
     try:
         table = _chart(chart, document.source) if chart is not None else None
-        machine = machine_of(told, sets, table)
+        machine = machine_of(properties, sets, table)
     except Malformed as error:
         raise InvalidDocument(f"{document.source}: {error}") from error
     if machine is None:
@@ -66,18 +66,18 @@ def _chart(text: str, source: str) -> Table:
         raise InvalidDocument(f"{source}: the state chart: {error}") from error
 
 
-def as_lines(states: States, now: str, ways: list[Way], told: Followed | None) -> list[str]:
+def as_lines(states: States, now: str, ways: list[Way], followed: Followed | None) -> list[str]:
     """Return for people: each state with the way there, the events of the present one, who follows.
 
     Args:
         states: Of the system.
         now: The present one; empty for none.
         ways: To each of them.
-        told: The manager's report if it follows the system.
+        followed: The manager's report if it follows the system.
     """
     width = max(len(way.state) for way in ways)
     lines = [
-        f"{'*' if way.state == now else ' '} {way.state:<{width}}  {_told(way, now)}".rstrip()
+        f"{'*' if way.state == now else ' '} {way.state:<{width}}  {_way_text(way, now)}".rstrip()
         for way in ways
     ]
     if not now:
@@ -90,10 +90,12 @@ def as_lines(states: States, now: str, ways: list[Way], told: Followed | None) -
         lines.append(
             f"  -{each['event']}->{' ' * (width - len(each['event']))} {each['to']:<{to}}  {when}"
         )
-    return lines + (_followed_lines(told) if told is not None else [])
+    return lines + (_followed_lines(followed) if followed is not None else [])
 
 
-def as_record(states: States, now: str, ways: list[Way], told: Followed | None) -> dict[str, Any]:
+def as_record(
+    states: States, now: str, ways: list[Way], followed: Followed | None
+) -> dict[str, Any]:
     """Return the same as a record."""
     return {
         "system": states.name,
@@ -108,29 +110,29 @@ def as_record(states: States, now: str, ways: list[Way], told: Followed | None) 
             for way in ways
         ],
         "events": _events(states.machine, now),
-        "followed": None if told is None else _followed(told),
+        "followed": None if followed is None else _followed(followed),
     }
 
 
-def _followed(told: Followed) -> dict[str, Any]:
+def _followed(followed: Followed) -> dict[str, Any]:
     return {
-        **picked(told, "state from=before event transitions=count"),
-        "time": time_text(int(told.time * 1e9)) if told.time else "",
-        **picked(told, "is_led waits_for=waits error=why is_over"),
+        **picked(followed, "state from=before event transitions=count"),
+        "time": time_text(int(followed.time * 1e9)) if followed.time else "",
+        **picked(followed, "is_led waits_for=waits error=why is_over"),
     }
 
 
-def _followed_lines(told: Followed) -> list[str]:
-    word = "not followed any more" if told.is_over else "followed by its manager"
-    lines = [f"{word}: {'being led: ' * told.is_led}{told}"]
-    if told.waits:
-        lines.append(f"  waits for {told.waits}")
-    if told.why:
-        lines.append(f"  failed: {told.why}")
+def _followed_lines(followed: Followed) -> list[str]:
+    word = "not followed any more" if followed.is_over else "followed by its manager"
+    lines = [f"{word}: {'being led: ' * followed.is_led}{followed}"]
+    if followed.waits:
+        lines.append(f"  waits for {followed.waits}")
+    if followed.why:
+        lines.append(f"  failed: {followed.why}")
     return lines
 
 
-def _told(way: Way, now: str) -> str:
+def _way_text(way: Way, now: str) -> str:
     if way.state == now:
         return "is so"
     if way.plan is None:

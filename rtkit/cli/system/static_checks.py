@@ -74,7 +74,7 @@ def check(
     ):
         click.echo(line)
     if report == TEXT and not components and not is_quiet and _lacks_profiles(checked):
-        app.say("hint: --components FOLDER tells where RTC profiles are")
+        app.report("hint: --components FOLDER tells where RTC profiles are")
     return _status(app, checked)
 
 
@@ -102,7 +102,9 @@ def _checked(
     types = {name for each in systems if isinstance(each, Opened) for name in each.types}
     components = [*components, *(each.name for each in others)]
     files = [source.name for source in named if source.data is not None and source.name in paths]
-    documents = (CandidateDocument(*each) for each in profiles(components, app.tell, systems=files))
+    documents = (
+        CandidateDocument(*each) for each in profiles(components, app.verbose, systems=files)
+    )
     catalogue, troubles = stocked(documents, types, options)
     for each in systems:
         yield verdict(each, catalogue, options) if isinstance(each, Opened) else each

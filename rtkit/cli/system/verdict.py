@@ -51,7 +51,9 @@ def text_of(each: Deviation) -> str:
     return f"{each.text.removesuffix('.')}; wanted: {each.wanted}"
 
 
-def told(form: str, source: str, system: WantedSystem, found: Sequence[Deviation]) -> Iterator[str]:
+def verdict_lines(
+    form: str, source: str, system: WantedSystem, found: Sequence[Deviation]
+) -> Iterator[str]:
     """Yield the lines of a report on a live system in one of the forms of reports.
 
     In JSON they are records of deviations; in the others a thing checked is a component, or a

@@ -17,7 +17,7 @@ from rtkit.deployment.facts import IS_SO
 from rtkit.errors import Refused, from_kind
 
 if TYPE_CHECKING:
-    from rtkit.cli.shared.observers import ManagerTold
+    from rtkit.cli.shared.observers import ObservedEvent
     from rtkit.deployment.facts import Followed
     from rtkit.deployment.user_events import UserEvent
 
@@ -47,22 +47,22 @@ class Watching:
             known = followed_in(subscriptions.subscriptions[""].facts, self._system)
             begin()
             if known is not None and not known.is_over and known.count:
-                self._tell(known)
-            for told in subscriptions.listen(None):
-                for each in self._happened(told):
+                self._show(known)
+            for events in subscriptions.listen(None):
+                for each in self._happened(events):
                     left = self._take(each, left)
                     if left == 0:
                         return
 
-    def _happened(self, told: Sequence[ManagerTold]) -> list[UserEvent]:
+    def _happened(self, events: Sequence[ObservedEvent]) -> list[UserEvent]:
         from rtkit.tree.subscription import SubscriptionEnded, TreeChange
 
         found: list[UserEvent] = []
-        for _, heard in told:
-            if isinstance(heard, SubscriptionEnded):
-                self._app.fail(f"{heard.why}; waiting for it to come back")
-            elif isinstance(heard, TreeChange):
-                found += heard.user_events
+        for _, event in events:
+            if isinstance(event, SubscriptionEnded):
+                self._app.fail(f"{event.why}; waiting for it to come back")
+            elif isinstance(event, TreeChange):
+                found += event.user_events
         return [each for each in found if each.system and each.system.system == self._system]
 
     def _take(self, user_event: UserEvent, left: int | None) -> int | None:
@@ -70,7 +70,7 @@ class Watching:
         system = user_event.system
         assert system is not None
         if user_event.event == "WAITS":
-            self._app.tell(f"waits: manager is in use by {user_event.detail}")
+            self._app.verbose(f"waits: manager is in use by {user_event.detail}")
         elif user_event.event == "TRANSITION_FAILED":
             if not system.is_over:
                 self._app.fail(user_event.detail)
@@ -79,15 +79,15 @@ class Watching:
                 raise from_kind(system.kind, system.why)
             raise Refused(f"{self._system} is followed no more")
         elif user_event.event == system.state:
-            self._tell(system)
+            self._show(system)
             if left is not None and system.event != IS_SO:
                 return left - 1
         return left
 
-    def _tell(self, told: Followed) -> None:
+    def _show(self, followed: Followed) -> None:
         if self._is_json:
-            fields = picked(told, "system from=before to=state event")
-            record = {"time": time_text(int(told.time * 1e9)), **fields}
+            fields = picked(followed, "system from=before to=state event")
+            record = {"time": time_text(int(followed.time * 1e9)), **fields}
             terminal.write_now([json_line("transition", record)])
             return
-        terminal.write_now([terminal.printable(f"[{clock(told.time)}] {told}")])
+        terminal.write_now([terminal.printable(f"[{clock(followed.time)}] {followed}")])

@@ -80,12 +80,12 @@ def _identity(facts: ComponentFacts) -> list[tuple[str, str]]:
     where += [("Cause", facts.cause)] if facts.cause else []
     where += _limits(facts)
     restart_status = facts.restart_status
-    told = (
+    rows = (
         ("Trouble", facts.trouble or restart_status.trouble),
         ("Restarts", restart_status.again),
         ("Stopped", restart_status.stops),
     )
-    where += [each for each in told if each[1]]
+    where += [each for each in rows if each[1]]
     return known + where
 
 

@@ -76,7 +76,7 @@ def main(
         terminal.write(json_records.lines("entry", map(entry_record, found)))
     else:
         terminal.write(terminal.printable(node.path) for node in found)
-    return app.tell_silent(root, nodes, "searched")
+    return app.report_silent(root, nodes, "searched")
 
 
 def _kinds(letters: str) -> set[NodeKind]:

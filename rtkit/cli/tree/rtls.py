@@ -93,7 +93,7 @@ def main(
     if period_s is None:
         root, node = look()
         terminal.write(lines(node))
-        return app.tell_silent(root, node.walk() if recurse else (), "listed")
+        return app.report_silent(root, node.walk() if recurse else (), "listed")
     _watch(app, path, lambda: lines(look()[1]), WatchedScreen(period_s, gap))
     return 0
 
@@ -110,19 +110,19 @@ def _watch(app: App, path: Path, look: Callable[[], Iterable[str]], sight: Watch
         Observers(app, (TREE,), is_wide=is_wide) as subscriptions,
         resizing(terminal.is_terminal()) as wakeup,
     ):
-        for told in subscriptions.listen(None, (wakeup.fileno(),), sight.due):
-            if wakeup.heard():
+        for events in subscriptions.listen(None, (wakeup.fileno(),), sight.due):
+            if wakeup.take():
                 sight.forget()
-            for each in told:
-                if isinstance(each.heard, SubscriptionEnded):
-                    app.fail(f"{each.heard.why}; waiting for it to come back")
+            for each in events:
+                if isinstance(each.event, SubscriptionEnded):
+                    app.fail(f"{each.event.why}; waiting for it to come back")
                 sight.stale()
             if not sight.is_due or "" not in subscriptions.subscriptions:
                 continue
             try:
                 sight.show(look)
             except Unreachable as error:  # it is ending: the subscriptions report that
-                app.tell(str(error))
+                app.verbose(str(error))
 
 
 def _blocks(node: TreeNode, title: str, kept: Container[TreeNode], show: _Show) -> Iterator[str]:

@@ -106,9 +106,9 @@ def _completed(end: PropertyClient, above: str, rows: Sequence[Value]) -> Iterat
             yield row
             continue
         path = f"{above}.{name}" if above else name
-        told, error = end.ask(f"{path}?timeout={_CALL_S}")
-        is_shown = not error and isinstance(told, str)
-        yield (name, meta, read(str(told), ValueLimits(text=1 << 26))) if is_shown else row
+        answer, error = end.ask(f"{path}?timeout={_CALL_S}")
+        is_shown = not error and isinstance(answer, str)
+        yield (name, meta, read(str(answer), ValueLimits(text=1 << 26))) if is_shown else row
 
 
 def _row(row: Value) -> tuple[str, Value, *tuple[Value, ...]]:
@@ -131,9 +131,9 @@ def _cells(row: Value) -> tuple[str, ...]:
     from rtkit.property.writing import write
 
     name, meta, *value = _row(row)
-    told = [_field(meta, key) for key in _HEAD] if isinstance(meta, Element) else ["-"] * 4
+    head = [_field(meta, key) for key in _HEAD] if isinstance(meta, Element) else ["-"] * 4
     text = write(value[0]) if value else ""
-    return (*told, name, text if len(text) <= 200 else f"{text[:200]}…")
+    return (*head, name, text if len(text) <= 200 else f"{text[:200]}…")
 
 
 def _field(meta: Element, key: str) -> str:

@@ -29,7 +29,7 @@ def watch_service(listing: ServiceListing, sight: WatchedScreen) -> None:
         resizing(terminal.is_terminal()) as wakeup,
     ):
         while True:
-            if wakeup.heard():
+            if wakeup.take():
                 sight.forget()
             if subscriptions.has_changes():
                 sight.stale()
@@ -45,11 +45,11 @@ class _ServiceSubscriptions:
     def __init__(self, listing: ServiceListing) -> None:
         self._listing = listing
         self._open = ExitStack()
-        self._heard: list[PropertySubscription] = []
+        self._subscriptions: list[PropertySubscription] = []
         self._known: set[str] = set()
 
     def __enter__(self) -> _ServiceSubscriptions:
-        self._hear([self._listing.place.typed], ["mode=diff"] if self._listing.is_deep else [])
+        self._subscribe([self._listing.place.typed], ["mode=diff"] if self._listing.is_deep else [])
         return self
 
     def __exit__(self, *raised: object) -> None:
@@ -58,7 +58,7 @@ class _ServiceSubscriptions:
     @property
     def sources(self) -> Iterable[int]:
         """Descriptors, one of which is readable when there is a change."""
-        return [heard.fileno() for heard in self._heard]
+        return [subscription.fileno() for subscription in self._subscriptions]
 
     def has_changes(self) -> bool:
         """Take all changes, and return whether there were any.
@@ -67,8 +67,8 @@ class _ServiceSubscriptions:
             PropertyError: The service has gone.
         """
         taken = False
-        for heard in self._heard:
-            while heard.take() is not None:
+        for subscription in self._subscriptions:
+            while subscription.take() is not None:
                 taken = True
         return taken
 
@@ -79,15 +79,15 @@ class _ServiceSubscriptions:
         place = self._listing.place.typed.rstrip("/")
         for first in range(0, len(new), _MOST):
             try:
-                self._hear([f"{place}.{name}" for name in new[first : first + _MOST]], [])
+                self._subscribe([f"{place}.{name}" for name in new[first : first + _MOST]], [])
             except PropertyError as error:
                 if error.code != "unknown":
                     raise
                 # A property has gone meanwhile; the subscription to names reports that.
                 self._known.clear()
 
-    def _hear(self, targets: Sequence[str], parameters: Sequence[str]) -> None:
+    def _subscribe(self, targets: Sequence[str], parameters: Sequence[str]) -> None:
         places = self._open.enter_context(connected(self._listing.app, None))
-        self._heard.append(
+        self._subscriptions.append(
             self._open.enter_context(PropertySubscription(places, targets, "&".join(parameters)))
         )

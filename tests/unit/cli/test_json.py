@@ -123,11 +123,11 @@ def _options(name: str) -> list[click.Parameter]:
 
 
 def test_the_words_of_rtmgr(capsys: pytest.CaptureFixture[str]) -> None:
-    from rtkit.cli.managers.words import _tell_status
+    from rtkit.cli.managers.words import _print_status
     from rtkit.tree.managers import Status
 
     for address in ("", "localhost:2810"):
-        _tell_status("manager", Status(1, 2.5, 3, 1, "/run/x", address), True)
+        _print_status("manager", Status(1, 2.5, 3, 1, "/run/x", address), True)
     records = jsonrecords.checked(capsys.readouterr().out)
     assert {jsonrecords.kind_of(record) for record in records} == {"manager-status"}
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import signal
 import threading
 
-from rtkit.cli.shared.signals import heard_by_main
+from rtkit.cli.shared.signals import waking_main
 
 BOUND_S = 30.0
 
@@ -17,7 +17,7 @@ def test_a_signal_that_another_thread_takes_ends_the_wait_of_the_main_thread() -
     assert other.ident is not None
     former = signal.signal(signal.SIGTERM, lambda *_: is_heard.set())
     try:
-        with heard_by_main():
+        with waking_main():
             for _ in range(20):
                 is_heard.clear()
                 signal.pthread_kill(other.ident, signal.SIGTERM)

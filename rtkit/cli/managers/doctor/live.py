@@ -193,9 +193,9 @@ def servers(environment: Mapping[str, str], timeout_s: float) -> Iterator[Diagno
     for why in strange_servers() if environment else []:
         yield Diagnosis("doors", ERROR, why, "write HOST:PORT, with ; between several")
     addresses = named() if environment else []
-    told = _at_once(_knock, addresses, timeout_s)
+    reasons = _at_once(_knock, addresses, timeout_s)
     for address in addresses:
-        why = told.get(address, f"{address} does not answer within {timeout_s:g} s")
+        why = reasons.get(address, f"{address} does not answer within {timeout_s:g} s")
         if why:
             cure = "start a manager there, or take it out of RTKIT_SERVERS"
             yield Diagnosis("doors", ERROR, f"RTKIT_SERVERS: {why}", cure, address)

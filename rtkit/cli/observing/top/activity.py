@@ -15,7 +15,7 @@ from rtkit.report.finding import counted
 from rtkit.rtc.names import LOCAL
 
 if TYPE_CHECKING:
-    from rtkit.cli.shared.observers import ManagerTold
+    from rtkit.cli.shared.observers import ObservedEvent
     from rtkit.tree.scope import Scope
 
 SILENT_S = 3.0
@@ -28,28 +28,28 @@ class Top:
     Attributes:
         subscriptions: Subscriptions to the managers.
         time: Time of the last metrics [s since 1970].
-        heard_at: Time of their arrival, monotonic [s].
+        received_at: Time of their arrival, monotonic [s].
     """
 
     def __init__(self, app: App, subscriptions: Observers, scopes: Sequence[Scope]) -> None:
         self.app = app
         self.subscriptions = subscriptions
         self.time = time.time()
-        self.heard_at = time.monotonic()
+        self.received_at = time.monotonic()
         self._scopes = scopes
         self._host = app.tree.host
         self._raters: dict[str, Rater] = {}
 
-    def take(self, told: Sequence[ManagerTold]) -> bool:
+    def take(self, events: Sequence[ObservedEvent]) -> bool:
         """Take events in; return whether there were metrics among them."""
         from rtkit.deployment.metrics import Metrics
 
         has_metrics = False
-        for manager, heard in told:
-            if isinstance(heard, Metrics):
-                self._raters.setdefault(manager, Rater()).take(heard)
-                self.time, has_metrics = heard.time, True
-                self.heard_at = time.monotonic()
+        for manager, event in events:
+            if isinstance(event, Metrics):
+                self._raters.setdefault(manager, Rater()).take(event)
+                self.time, has_metrics = event.time, True
+                self.received_at = time.monotonic()
         for manager in list(self._raters):
             if manager not in self.subscriptions.subscriptions:
                 del self._raters[manager]
@@ -92,6 +92,6 @@ class Top:
         used = f"CPU {short(sum(cpu) if cpu else None)}%  memory {memory(size)}"
         clock = time.strftime("%H:%M:%S", time.localtime(self.time))
         many = counted(len(rows), "component")
-        silent_s = time.monotonic() - self.heard_at
+        silent_s = time.monotonic() - self.received_at
         late = f"  (no figures for {silent_s:.0f} s)" if silent_s > SILENT_S else ""
         return f"{clock}{late}  {many}{': ' * bool(counts)}{counts}  {used}"

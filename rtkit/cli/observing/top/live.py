@@ -17,7 +17,7 @@ from rtkit.rtc.enums import Transition
 
 if TYPE_CHECKING:
     from rtkit.cli.observing.top.activity import Top
-    from rtkit.cli.shared.observers import ManagerTold
+    from rtkit.cli.shared.observers import ObservedEvent
     from rtkit.deployment.actions import ChangeState
     from rtkit.tree.client import Tree
     from rtkit.tree.subscription import ManagerSubscription
@@ -28,7 +28,7 @@ _LEAST_S = 0.05
 _LATE_S = 3.5
 """Time after the last metrics at which the page is drawn without new ones [s]."""
 
-_TOLD_S = 5.0
+_MESSAGE_S = 5.0
 """Time for which the outcome of a key is shown [s]."""
 
 _KEYS = "q quit, h help, arrows select and sort, a activate, d deactivate, r reset"
@@ -78,17 +78,17 @@ class _Live:
         self._rows: list[RateRow] = []
         self._has_help = False
         self._is_over = False
-        self._told = ""
-        self._told_until = 0.0
+        self._message = ""
+        self._message_until = 0.0
         self._outcomes: deque[str] = deque()
         self._draw_at = 0.0
         self._is_stale = False
 
     def run(self) -> None:
         self._draw()
-        for told in self._top.subscriptions.listen(None, self._screen.sources, self._wake_at):
+        for events in self._top.subscriptions.listen(None, self._screen.sources, self._wake_at):
             self._screen.hush()
-            self._hear(told)
+            self._receive(events)
             self._press(self._screen.keys())
             if self._is_over:
                 return
@@ -99,24 +99,24 @@ class _Live:
         """Return when to draw changes, or that metrics do not come any more."""
         if self._is_stale:
             return self._draw_at
-        return max(self._top.heard_at + _LATE_S, self._draw_at + 1.0)
+        return max(self._top.received_at + _LATE_S, self._draw_at + 1.0)
 
-    def _hear(self, told: Sequence[ManagerTold]) -> None:
+    def _receive(self, events: Sequence[ObservedEvent]) -> None:
         from rtkit.cli.shared.observers import ManagerSeen
         from rtkit.tree.subscription import SubscriptionEnded
 
-        self._top.take(told)
-        for _, heard in told:
-            if isinstance(heard, SubscriptionEnded):
-                self._tell(f"{heard.why}; waiting for it to come back")
-            elif isinstance(heard, ManagerSeen):
-                self._tell(str(heard))
+        self._top.take(events)
+        for _, event in events:
+            if isinstance(event, SubscriptionEnded):
+                self._notify(f"{event.why}; waiting for it to come back")
+            elif isinstance(event, ManagerSeen):
+                self._notify(str(event))
         while self._outcomes:
-            self._tell(self._outcomes.popleft())
+            self._notify(self._outcomes.popleft())
         self._is_stale = True
 
-    def _tell(self, text: str) -> None:
-        self._told, self._told_until = text, monotonic() + _TOLD_S
+    def _notify(self, text: str) -> None:
+        self._message, self._message_until = text, monotonic() + _MESSAGE_S
 
     # keys
 
@@ -164,15 +164,15 @@ class _Live:
             None,
         )
         if row is None or asked is None:
-            self._tell("no component is selected")
+            self._notify("no component is selected")
             return
         transition, done = _TRANSITIONS[key]
         if not row.context:
-            self._tell(f"{row.path} has no execution context")
+            self._notify(f"{row.path} has no execution context")
             return
         tree = subscriptions.subscriptions[asked].tree
         action = ChangeState(row.instance, row.context, transition)
-        self._tell(f"{row.path}: {transition.value} ...")
+        self._notify(f"{row.path}: {transition.value} ...")
         Thread(target=self._await, args=(tree, action, row.path, done), daemon=True).start()
 
     def _await(self, tree: Tree, action: ChangeState, path: str, done: str) -> None:
@@ -199,9 +199,9 @@ class _Live:
         else:
             look = self._look._replace(width=width, height=room)
             body = table(self._rows, look)
-        told = self._told if monotonic() < self._told_until else _KEYS
+        message = self._message if monotonic() < self._message_until else _KEYS
         blank = [""] * (room - len(body))
-        self._screen.show([head, *body, *blank, cut(terminal.printable(told), width)][:height])
+        self._screen.show([head, *body, *blank, cut(terminal.printable(message), width)][:height])
         self._draw_at, self._is_stale = monotonic() + _LEAST_S, False
 
 

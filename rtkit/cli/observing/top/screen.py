@@ -95,8 +95,8 @@ class Screen:
 
     def hush(self) -> None:
         """Clear the wakeup event."""
-        self.wakeup.heard()
-        self._is_stale |= self._disturbed.heard()
+        self.wakeup.take()
+        self._is_stale |= self._disturbed.take()
 
     def show(self, lines: Sequence[str]) -> None:
         """Show these lines; only those that have changed are sent."""

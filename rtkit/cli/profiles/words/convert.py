@@ -33,7 +33,7 @@ def main(
     is read again before anything is put in place: it holds all that the profile says, or nothing
     is written. Comments are no part of a profile: that they are left out is told.
     """
-    from rtkit.cli.profiles.document import read_bytes_of, say_findings
+    from rtkit.cli.profiles.document import read_bytes_of, report_findings
     from rtkit.cli.shared.atomic import write_output
     from rtkit.profile_tools.rewriting import rewritten
     from rtkit.report.finding import NOTE
@@ -49,7 +49,7 @@ def main(
     name, data = read_bytes_of(files[0])
     made = rewritten(data, name, form=form, to=wanted)
     shown = [each for each in made.findings if app.is_verbose or each.severity != NOTE]
-    say_findings(app, shown)
+    report_findings(app, shown)
     if made.data is None:
         return app.status(InvalidDocument())
     write_output(made.data, output)

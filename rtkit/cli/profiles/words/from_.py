@@ -57,7 +57,7 @@ def main(
     offer = component_class(modules[0], wanted)
     component = instance_of(offer.cls, modules[0], is_initialised=initialize)
     if not initialize and offer.cls.on_initialize is not Component.on_initialize:
-        app.tell("ports that on_initialize makes are not told: --initialize calls it")
+        app.verbose("ports that on_initialize makes are not told: --initialize calls it")
     module = f"{os.path.basename(offer.file)}:{offer.init}"
     profile = profile_of(component, _now(), {MODULE: module} if offer.init else {})
     write_output(write_profile(profile, form), output)
@@ -67,6 +67,6 @@ def _now() -> str:
     """Return the present time, or the one that reproducible builds set."""
     import time
 
-    told = os.environ.get(_EPOCH, "")
-    moment = int(told) if told.isascii() and told.isdigit() else time.time()
+    epoch = os.environ.get(_EPOCH, "")
+    moment = int(epoch) if epoch.isascii() and epoch.isdigit() else time.time()
     return time.strftime("%Y-%m-%dT%H:%M:%S", time.gmtime(moment))

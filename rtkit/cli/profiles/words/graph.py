@@ -47,7 +47,7 @@ def main(
     is_dot = form == "dot" or (form is None and output.lower().endswith(_DOT_ENDINGS))
     if live:
         write_output(_live(app, files, title, is_dot=is_dot).encode(), output)
-        return app.tell_silent_servers("not drawn")
+        return app.report_silent_servers("not drawn")
     from rtkit.cli.profiles.document import read_document
 
     check_at_most_one(files, "file")
@@ -67,14 +67,14 @@ def _live(app: App, files: tuple[str, ...], title: str | None, *, is_dot: bool) 
 
     if files:
         raise UsageProblem("--live draws what lives: no file")
-    told = "what lives" if title is None else title
-    return _system(live_scene(app, told), told, is_dot=is_dot)
+    heading = "what lives" if title is None else title
+    return _system(live_scene(app, heading), heading, is_dot=is_dot)
 
 
 def _drawn(profile: RtcProfile | RtsProfile, title: str | None, *, is_dot: bool) -> str:
     from rtkit.profile.rts_model import RtsProfile
 
-    told = profile.id if title is None else title
+    heading = profile.id if title is None else title
     if not isinstance(profile, RtsProfile):
         if is_dot:
             raise Refused("dot is for systems; a component type is drawn as SVG only")
@@ -84,7 +84,7 @@ def _drawn(profile: RtcProfile | RtsProfile, title: str | None, *, is_dot: bool)
         return component_svg(component_name(profile), component_pins(profile))
     from rtkit.profile_tools.system_scene import system_scene
 
-    return _system(system_scene(profile), told, is_dot=is_dot)
+    return _system(system_scene(profile), heading, is_dot=is_dot)
 
 
 def _system(scene: Scene, title: str, *, is_dot: bool) -> str:

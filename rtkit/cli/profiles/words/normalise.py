@@ -45,7 +45,7 @@ def main(
     The result goes to stdout, to FILE or, with -i, in place of what was there: whole or not at
     all, and only if every one of the files can be repaired. XML stays XML, YAML stays YAML.
     """
-    from rtkit.cli.profiles.document import say_findings
+    from rtkit.cli.profiles.document import report_findings
     from rtkit.cli.shared.atomic import write_output
     from rtkit.report.finding import NOTE
 
@@ -53,7 +53,7 @@ def main(
     done = _rewritten(files or (None,))
     for each in done:
         findings = each.rewriting.findings
-        say_findings(app, [f for f in findings if not (quiet and f.severity == NOTE)])
+        report_findings(app, [f for f in findings if not (quiet and f.severity == NOTE)])
     if any(each.rewriting.data is None for each in done):
         if in_place and len(done) > 1:
             app.fail("nothing is written")

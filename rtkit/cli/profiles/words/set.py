@@ -29,7 +29,7 @@ def main(
     output: str | None = option("-o --output OUTPUT", "Where to write it (default FILE itself)."),
     strict: None = strict_option(),
     file: str | None = argument("FILE", required=False),
-    said: tuple[str, ...] = arguments("[INSTANCE:]KEY=VALUE..."),
+    given: tuple[str, ...] = arguments("[INSTANCE:]KEY=VALUE..."),
 ) -> None:
     """Set properties of a system and its components, in its profile.
 
@@ -39,7 +39,7 @@ def main(
     property of rtkit and is none is warned of. The file is replaced whole; what FILE - reads goes
     to stdout.
     """
-    from rtkit.cli.profiles.document import read_document, say_findings
+    from rtkit.cli.profiles.document import read_document, report_findings
     from rtkit.cli.shared.atomic import write_output
     from rtkit.deployment.known_keys import odd_properties
     from rtkit.profile.forms import form_of
@@ -50,16 +50,16 @@ def main(
 
     if file is None:
         raise WrongArguments("No file specified.")
-    if not said and not removed:
+    if not given and not removed:
         raise WrongArguments("No property specified.")
-    statements = [statement(each) for each in said]
+    statements = [statement(each) for each in given]
     statements += [statement(each, is_removal=True) for each in removed]
     document = read_document(app, file, kind="rts")
     assert isinstance(document.profile, RtsProfile)
     profile = stated(document.profile, statements)
     _check(profile)
     app.warn(each.text for each in odd_properties(profile))
-    say_findings(app, rewritten(document.data, document.name).findings)
+    report_findings(app, rewritten(document.data, document.name).findings)
     write_output(write_profile(profile, form_of(document.data, document.name)), output or file)
 
 
@@ -79,10 +79,10 @@ def _check(profile: RtsProfile) -> None:
         if key.startswith(SLAVE_RESTART):
             restart_of(key, value)
     for component in profile.components:
-        told = properties_of(component.properties)
+        properties = properties_of(component.properties)
         try:
-            read_policy(told)
-            read_rules(told)
-            read_limits(told)
+            read_policy(properties)
+            read_rules(properties)
+            read_limits(properties)
         except Malformed as error:
             raise Malformed(f"{component.instance_name}: {error}") from error

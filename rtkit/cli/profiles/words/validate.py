@@ -92,12 +92,12 @@ def _checked(
 
     for source in sources(paths):
         if source.data is not None and not source.is_named and not may_be_profile(source.data):
-            app.tell(f"{source.name}: no profile, skipped")
+            app.verbose(f"{source.name}: no profile, skipped")
             continue
         seen.append(judge(source))
         yield seen[-1]
     if not seen:
-        app.say(f"no profile below {', '.join(paths)}")
+        app.report(f"no profile below {', '.join(paths)}")
 
 
 def _status(app: App, seen: list[Checked]) -> int:
