@@ -17,7 +17,7 @@ import zenoh
 
 from bench.harness import Lines, Row, folders, paired, timed
 from rtkit.errors import Unreachable
-from rtkit.link import keys, places
+from rtkit.link import places, zenoh_keys
 from rtkit.link.zenoh import open_client, unix_endpoint
 from rtkit.wires.line.client import connect_unix
 from tests.support.zenoh_client import ZenohClient, ZenohSubscription
@@ -195,7 +195,7 @@ def _each_us(work: Callable[[], object]) -> float:
 
 
 def _key() -> str:
-    return keys.property_service(os.uname().nodename, "bench")
+    return zenoh_keys.property_service(os.uname().nodename, "bench")
 
 
 def _query(session: zenoh.Session, selector: str, payload: str | None) -> str:

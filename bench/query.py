@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sys
 
-from rtkit.link import keys, places
+from rtkit.link import places, zenoh_keys
 from rtkit.tree.client import Tree
 
 FLOOR_IS = "python -c: import click and zenoh, open a client session, one query, close"
@@ -38,7 +38,7 @@ def floor(tree: Tree, profile: str = "") -> list[str]:
 
     With a profile it parses that first, as commands must that read one.
     """
-    key = keys.extension_key(keys.service(tree.host, tree.manager), "listing")
+    key = zenoh_keys.extension_key(zenoh_keys.service(tree.host, tree.manager), "listing")
     more = f"import lxml.etree; lxml.etree.parse({profile!r})" if profile else ""
     script = _SCRIPT.format(socket=places.manager_socket(tree.manager), key=key, more=more)
     return [sys.executable, "-c", script]

@@ -13,7 +13,7 @@ from rtkit.builder.packaging import pyproject
 from rtkit.builder.prepare import Sources, prepare
 from rtkit.builder.readme import readme
 from rtkit.builder.regions import CODE_STAMP, XML_STAMP
-from rtkit.builder.sample import sample_system
+from rtkit.builder.sample_system import sample_system
 from rtkit.builder.standard_types import KNOWN
 from rtkit.builder.subject import GeneratedComponent
 from rtkit.builder.trial_code import trial_code

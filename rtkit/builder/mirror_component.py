@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from rtkit.builder.sample import system_of
+from rtkit.builder.sample_system import system_of
 from rtkit.builder.subject import GeneratedComponent, GeneratedPort
 from rtkit.component.fsm import EVENT_NAME
 from rtkit.component.owned_contexts import PERIODIC

@@ -1,4 +1,4 @@
-"""Collects metrics of the components of a process, on request."""
+"""Collects metrics of the components of a process, on request; it keeps none."""
 
 from __future__ import annotations
 

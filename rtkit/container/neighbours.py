@@ -7,7 +7,7 @@ import os
 from rtkit.container.operations import LATER, ContainerServices, Operations
 from rtkit.deployment.message import Message
 from rtkit.errors import RtkitError
-from rtkit.link import keys, places
+from rtkit.link import places, zenoh_keys
 from rtkit.link.threads import start_thread
 from rtkit.logs.late import late
 
@@ -53,7 +53,7 @@ def _listing(manager: str) -> str:
 
     link = ZenohLink(open_client(unix_endpoint(places.manager_socket(manager)), _TIMEOUT_S))
     try:
-        service = keys.service(os.uname().nodename, manager)
-        return link.call(keys.extension_key(service, "listing"), None, _TIMEOUT_S).value()
+        service = zenoh_keys.service(os.uname().nodename, manager)
+        return link.call(zenoh_keys.extension_key(service, "listing"), None, _TIMEOUT_S).value()
     finally:
         link.close()

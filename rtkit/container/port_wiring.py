@@ -26,7 +26,7 @@ from rtkit.component.period import Period
 from rtkit.component.port import InPort, OutPort
 from rtkit.component.waiting import waiting
 from rtkit.errors import Malformed
-from rtkit.link import keys
+from rtkit.link import zenoh_keys
 from rtkit.link.ends import CallerEnd, Fetcher, Inlet, Outlet
 from rtkit.link.streams import Streams
 from rtkit.link.threads import start_thread
@@ -203,7 +203,7 @@ class PortWiring:
         self._ends.setdefault(connector.connector_id, []).append(end)
 
     def _key(self, connector: ConnectorProfile) -> str:
-        return keys.data(self._host, connector.connector_id)
+        return zenoh_keys.data(self._host, connector.connector_id)
 
 
 @contextmanager

@@ -16,7 +16,7 @@ from typing import NamedTuple
 import zenoh
 
 from rtkit.errors import Malformed, Unreachable
-from rtkit.link import keys
+from rtkit.link import zenoh_keys
 from rtkit.link.secret import Secret
 from rtkit.link.zenoh import ask, open_client, open_listener
 
@@ -44,7 +44,7 @@ class Identity(NamedTuple):
 
 def introduce(session: zenoh.Session, identity: Identity) -> Callable[[], object]:
     """Answer for a manager's identity on its session; return the function that withdraws it."""
-    key, text = keys.introduction(), json.dumps(identity)
+    key, text = zenoh_keys.introduction(), json.dumps(identity)
 
     def asked(query: zenoh.Query) -> None:
         query.reply(key, text)
@@ -121,7 +121,7 @@ def ask_identity(session: zenoh.Session, timeout_s: float) -> Identity:
     began = now = time.monotonic()
     while (left_s := began + timeout_s - now) > 0:
         key, text = _introduction(session, min(left_s, _PATIENCE_S + now - began))
-        if key == keys.introduction():
+        if key == zenoh_keys.introduction():
             return _identity(text)
         if key:
             break
@@ -132,7 +132,7 @@ def ask_identity(session: zenoh.Session, timeout_s: float) -> Identity:
 
 def _introduction(session: zenoh.Session, timeout_s: float) -> tuple[str, str]:
     """Return key and text of what the manager behind an endpoint says of itself, "" for none."""
-    for reply in ask(session, keys.introduction("*"), timeout_s):
+    for reply in ask(session, zenoh_keys.introduction("*"), timeout_s):
         if reply.ok is not None:
             return str(reply.ok.key_expr), reply.ok.payload.to_string()
     return "", ""

@@ -21,7 +21,7 @@ from rtkit.container.orphans import become_subreaper
 from rtkit.container.slave_checkpoint import SlaveCheckpoint
 from rtkit.deployment.message import Message
 from rtkit.errors import RtkitError
-from rtkit.link import keys, places
+from rtkit.link import places, zenoh_keys
 from rtkit.link.deadline import boot_id
 from rtkit.logs.logs import open_log
 from rtkit.manager.claim import check_silence, remove_stale, take_lock
@@ -56,8 +56,8 @@ if TYPE_CHECKING:
 
     from rtkit.container.container import ComponentContainer
     from rtkit.deployment.limits import Capacity
+    from rtkit.manager.endpoint_supervisor import TcpEndpoint
     from rtkit.manager.loop import Loop
-    from rtkit.manager.tcp_endpoint import TcpEndpoint
 
 _log = logging.getLogger(__name__)
 _DATA_SUFFIX = ".data"
@@ -235,8 +235,8 @@ def _open_endpoints(
 ) -> Loop:
     from rtkit.link.streams import remove_socket
     from rtkit.link.zenoh import ZenohLink, open_listener, unix_endpoint
+    from rtkit.manager.endpoint_supervisor import TcpEndpoint
     from rtkit.manager.loop import Loop
-    from rtkit.manager.tcp_endpoint import TcpEndpoint
 
     name, host = state.name, state.host
     inner = unix_endpoint(places.manager_socket(name))
@@ -272,8 +272,8 @@ def _open_endpoints(
     stack.callback(remove_socket, places.manager_socket(name))
     stack.callback(link.close)
     fault.point("manager.inner_open")
-    loop.open_lines(link, keys.service(host, name))
-    link.serve(keys.service(host, name), loop.post)
+    loop.open_lines(link, zenoh_keys.service(host, name))
+    link.serve(zenoh_keys.service(host, name), loop.post)
     fault.point("manager.serving")
     _open_front(state, session, endpoint, inner, warn, stack)
     stack.callback(link.withdraw)  # last of all opened here, so first at the end
@@ -316,7 +316,7 @@ def _open_front(
 ) -> None:
     """Open the TCP port for this user, where it is wanted and can be had."""
     from rtkit.link.tcp_endpoint import Identity, introduce
-    from rtkit.manager.tcp_endpoint import open_front
+    from rtkit.manager.endpoint_supervisor import open_front
 
     identity = Identity(state.host, state.name, state.settings.text("manager.name"))
     withdraw = introduce(session, identity)

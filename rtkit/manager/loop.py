@@ -23,7 +23,7 @@ from rtkit.deployment.message import Message
 from rtkit.deployment.metrics import METRICS
 from rtkit.errors import RtkitError
 from rtkit.fast_dataclass import replace
-from rtkit.link import keys, places
+from rtkit.link import places, zenoh_keys
 from rtkit.link.segments import remove_orphans
 from rtkit.link.transport import Link
 from rtkit.logs.outputs import cut
@@ -163,7 +163,7 @@ class Loop:
         """Publish on the manager's topics, from now on, what the core wants published."""
         for line in (TREE, METRICS):
             listened = partial(self._listened, line)
-            self._announce[line] = link.announce(keys.line_key(service, line), listened)
+            self._announce[line] = link.announce(zenoh_keys.line_key(service, line), listened)
 
     def run(self) -> None:
         """Work until the core reports that all is done; no fault in a duty ends that."""

@@ -20,7 +20,7 @@ from rtkit.deployment.part import part_of
 from rtkit.deployment.plan_lock import PlanLock
 from rtkit.errors import Malformed, NotFound, Refused, Unreachable
 from rtkit.fast_dataclass import replace
-from rtkit.link import keys
+from rtkit.link import zenoh_keys
 from rtkit.link.processes import ProcessWatch
 from rtkit.link.running import managers
 from rtkit.manager.core import events as ev
@@ -90,10 +90,10 @@ class ManagerQueryServer:
             self.restart = RestartRequest(open_report(request.payload))
             request.answer(Reply(str(self._state.pid)))
             return ev.StopRequested(is_kept=True)
-        if keys.unescape(request.name) == FOLLOW:
+        if zenoh_keys.unescape(request.name) == FOLLOW:
             self.follow(request)
             return None
-        return self._operation(keys.unescape(request.name), request)
+        return self._operation(zenoh_keys.unescape(request.name), request)
 
     def _read(self, request: Request) -> None:
         """Answer a request that leads to no event."""
@@ -102,7 +102,7 @@ class ManagerQueryServer:
             folders = manager_properties.load_paths(self._state)
             _aside(request, lambda: loadable(folders))
         elif not request.is_extension:
-            request.answer(Reply(self._property(keys.unescape(name))))
+            request.answer(Reply(self._property(zenoh_keys.unescape(name))))
         elif name == "lease":
             request.answer(Reply(self.plan_lock.asked(request.payload)))
         elif name == "lacking" and request.payload is not None:
@@ -127,7 +127,7 @@ class ManagerQueryServer:
     def _view(self, name: str) -> str:
         kind, _, which = name.partition("/")
         if kind == "part":
-            instances = keys.unescape(which).split(",")
+            instances = zenoh_keys.unescape(which).split(",")
             return _compact(encode(part_of(self._snapshot(), instances)))
         if name not in self._views:
             if name == "listing":

@@ -7,7 +7,7 @@ import threading
 from collections.abc import Callable
 
 from rtkit.errors import RtkitError, Unreachable
-from rtkit.link import keys, secret, tcp_endpoint
+from rtkit.link import secret, tcp_endpoint, zenoh_keys
 from rtkit.link.zenoh import ZenohLink
 from rtkit.rtc.manager_address import Address
 
@@ -68,7 +68,7 @@ class Registrar:
         link = ZenohLink(session)
         try:
             master = tcp_endpoint.ask_identity(session, _TIMEOUT_S)
-            service = keys.service(master.host, master.manager)
-            link.call(keys.property_key(service, operation), self._name, _TIMEOUT_S).value()
+            service = zenoh_keys.service(master.host, master.manager)
+            link.call(zenoh_keys.property_key(service, operation), self._name, _TIMEOUT_S).value()
         finally:
             link.close()

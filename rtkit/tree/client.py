@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 from rtkit import fault
 from rtkit.closing import Closing
 from rtkit.errors import Malformed, Refused, Unreachable
-from rtkit.link import keys
+from rtkit.link import zenoh_keys
 from rtkit.tree.api import ByPath, as_text
 
 if TYPE_CHECKING:
@@ -55,7 +55,7 @@ class Tree(ByPath, Closing):
         self.timeout_s = timeout_s
         self.has_ended: Callable[[], bool] = lambda: False
         self.on_start: Callable[[Tree], object] = lambda _tree: None
-        self._service = keys.service(host, manager)
+        self._service = zenoh_keys.service(host, manager)
 
     def __repr__(self) -> str:
         return f"<Tree: manager {self.manager!r} on {self.host}>"
@@ -72,7 +72,7 @@ class Tree(ByPath, Closing):
         """
         from rtkit.deployment.listing import listing_from_text
 
-        return listing_from_text(self._ask(keys.extension_key(self._service, "listing")))
+        return listing_from_text(self._ask(zenoh_keys.extension_key(self._service, "listing")))
 
     def snapshot(self) -> Snapshot:
         """Return everything that the manager knows.
@@ -116,7 +116,7 @@ class Tree(ByPath, Closing):
         """
         if len(instances) > _MOST_IN_A_PART:
             return self.snapshot()
-        return self._snapshot(f"part/{keys.escape(','.join(instances))}")
+        return self._snapshot(f"part/{zenoh_keys.escape(','.join(instances))}")
 
     def _snapshot(self, name: str) -> Snapshot:
         from rtkit.deployment.facts import Snapshot
@@ -134,12 +134,12 @@ class Tree(ByPath, Closing):
         """
         if instances is None or len(instances) > _MOST_IN_A_PART:
             return self._plain("snapshot")
-        return self._plain(f"part/{keys.escape(','.join(instances))}")
+        return self._plain(f"part/{zenoh_keys.escape(','.join(instances))}")
 
     def _plain(self, name: str) -> dict[str, Any]:
         import json
 
-        text = self._ask(keys.extension_key(self._service, name))
+        text = self._ask(zenoh_keys.extension_key(self._service, name))
         try:
             return dict(json.loads(text))
         except (TypeError, ValueError) as error:
@@ -151,7 +151,7 @@ class Tree(ByPath, Closing):
         Raises:
             Unreachable: The manager does not answer in time.
         """
-        return self._ask(keys.extension_key(self._service, "dump"))
+        return self._ask(zenoh_keys.extension_key(self._service, "dump"))
 
     def lacking(self, makings: Sequence[tuple[str, str]]) -> list[str]:
         """Return for each pair of a module and a create string why nothing can be made of it.
@@ -167,7 +167,7 @@ class Tree(ByPath, Closing):
 
         if not makings:
             return []
-        key = keys.extension_key(self._service, "lacking")
+        key = zenoh_keys.extension_key(self._service, "lacking")
         try:
             reasons = json.loads(self._ask(key, json.dumps(makings)))
             return [str(why) for _, why in zip(makings, reasons, strict=True)]
@@ -206,7 +206,7 @@ class Tree(ByPath, Closing):
         bound = self.timeout_s if timeout_s is None else timeout_s
         batch = Batch(tuple(actions), is_ordered, bound, request_id())
         rounds = len(batch.actions) if is_ordered else 1
-        key = keys.property_key(self._service, "batch")
+        key = zenoh_keys.property_key(self._service, "batch")
         answer = self._send(key, batch_to_text(batch), bound * rounds)
         return lambda: results_from_text(answer())
 
@@ -233,7 +233,7 @@ class Tree(ByPath, Closing):
         import json
 
         text = json.dumps(request) if request is not None else None
-        return self._ask(keys.extension_key(self._service, "lease"), text)
+        return self._ask(zenoh_keys.extension_key(self._service, "lease"), text)
 
     @property
     def trees(self) -> dict[str, Tree]:
@@ -249,14 +249,16 @@ class Tree(ByPath, Closing):
         from rtkit.deployment.delta import FullSnapshot
         from rtkit.rtc.serde import decode_text
 
-        return decode_text(FullSnapshot, self._ask(keys.extension_key(self._service, "picture")))
+        return decode_text(
+            FullSnapshot, self._ask(zenoh_keys.extension_key(self._service, "picture"))
+        )
 
     def listen(self, line: str, receive: Callable[[str], object]) -> Callable[[], object]:
         """Have `receive` called with what the manager sends on a topic; return what ends that.
 
         For `rtkit.tree.subscription`; it is called on threads of the transport.
         """
-        return self.link.listen(keys.line_key(self._service, line), receive)
+        return self.link.listen(zenoh_keys.line_key(self._service, line), receive)
 
     def get(self, name: str) -> str:
         """Return the value of a property of the manager: ``tree.get("naming.formats")``.
@@ -264,7 +266,7 @@ class Tree(ByPath, Closing):
         Raises:
             NotFound: No such property.
         """
-        return self._ask(keys.property_key(self._service, as_text(name, "a property's name")))
+        return self._ask(zenoh_keys.property_key(self._service, as_text(name, "a property's name")))
 
     def set(self, name: str, value: str, *, timeout_s: float | None = None) -> str:
         """Set a property of the manager and return its answer.
@@ -273,7 +275,7 @@ class Tree(ByPath, Closing):
             NotFound: No such property.
             Refused: It cannot be changed now.
         """
-        key = keys.property_key(self._service, as_text(name, "a property's name"))
+        key = zenoh_keys.property_key(self._service, as_text(name, "a property's name"))
         if name == _CREATE:
             key += f"?id={request_id()}"
         return self._ask(key, as_text(value, f"value of {name}"), timeout_s)

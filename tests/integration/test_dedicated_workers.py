@@ -14,7 +14,7 @@ from property_endpoints import BOUND_S, Lines
 
 from rtkit.property.service import Service
 from rtkit.serving import dedicated_worker
-from rtkit.wires.line import connection
+from rtkit.wires.line import server_connection
 from rtkit.wires.line.client import LineClient, connect_tcp, connect_unix
 from rtkit.wires.serve import ServedObject, serve
 
@@ -31,7 +31,7 @@ def served(place: str, service: Service) -> Iterator[ServedObject]:
 @pytest.fixture
 def eager(monkeypatch: pytest.MonkeyPatch) -> None:
     """Each client has an attendant from its first request on, and again after each other one."""
-    monkeypatch.setattr(connection, "IN_A_ROW", 1)
+    monkeypatch.setattr(server_connection, "IN_A_ROW", 1)
 
 
 def _workers() -> int:
@@ -109,7 +109,7 @@ def test_it_is_there_while_one_asks_and_gone_at_a_pause(served: ServedObject) ->
 
 
 def _ask_on_while_listening(client: LineClient) -> None:
-    for _ in range(connection.IN_A_ROW * 2):
+    for _ in range(server_connection.IN_A_ROW * 2):
         assert client.ask("speed").error == ""
     assert _workers() == 0
 
@@ -141,7 +141,7 @@ def test_those_for_whom_there_is_none_are_served_too(served: ServedObject) -> No
             for _ in range(dedicated_worker.MOST * 2)
         ]
         most = 0
-        for index in range(connection.IN_A_ROW * 4):
+        for index in range(server_connection.IN_A_ROW * 4):
             for client in clients:
                 assert client.ask("any", str(index)).error == ""
                 assert client.ask("any").payload == str(index)

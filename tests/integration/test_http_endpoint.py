@@ -19,7 +19,7 @@ import pytest
 from rtkit.errors import Unreachable
 from rtkit.link import places, secret
 from rtkit.property.service import Service
-from rtkit.wires.http import connection, digest
+from rtkit.wires.http import digest, server_connection
 from rtkit.wires.http.client import HttpClient, connect_http
 from rtkit.wires.line.client import connect_unix
 from rtkit.wires.serve import ServedObject, serve
@@ -127,7 +127,7 @@ def test_statuses_are_those_of_the_codes(served: ServedObject, place: str) -> No
         if each[2] != status or not each[3].startswith(begin)
     ]  # fmt: skip
     assert wrong == []
-    assert os.path.dirname(connection.__file__) not in str(found)
+    assert os.path.dirname(server_connection.__file__) not in str(found)
 
 
 # A browser
@@ -164,12 +164,12 @@ def test_a_browser_shows_a_property_live(
         page.wait_for("element('names').children.length > 9")
 
 
-def _clients(served: ServedObject) -> list[connection.HttpConnection]:
+def _clients(served: ServedObject) -> list[server_connection.HttpConnection]:
     handlers = list(served._host._handlers.values())
-    return [each for each in handlers if isinstance(each, connection.HttpConnection)]
+    return [each for each in handlers if isinstance(each, server_connection.HttpConnection)]
 
 
-def _streams(served: ServedObject) -> list[connection.HttpConnection]:
+def _streams(served: ServedObject) -> list[server_connection.HttpConnection]:
     return [each for each in _clients(served) if each.is_stream]
 
 
@@ -385,9 +385,9 @@ def test_rubbish_is_answered_once_and_harms_nobody(served: ServedObject, rubbish
 def test_who_is_slow_is_not_waited_for(
     served: ServedObject, service: Service, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(connection, "REQUEST_S", 0.4)
-    monkeypatch.setattr(connection, "PATIENCE_S", 0.4)
-    monkeypatch.setattr(connection, "STUCK_S", 0.4)
+    monkeypatch.setattr(server_connection, "REQUEST_S", 0.4)
+    monkeypatch.setattr(server_connection, "PATIENCE_S", 0.4)
+    monkeypatch.setattr(server_connection, "STUCK_S", 0.4)
     with Raw(served) as silent, Raw(served) as half, Raw(served) as bodiless, Raw(served) as deaf:
         half.send(b"GET /ps/robot/speed HT")
         bodiless.send(bodiless.request("PUT", "/ps/robot/any", "Content-Length: 9") + b"(1")
@@ -411,7 +411,7 @@ def test_who_is_slow_is_not_waited_for(
 def test_a_slow_loris_has_no_more_time_than_others(
     served: ServedObject, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(connection, "REQUEST_S", 0.5)
+    monkeypatch.setattr(server_connection, "REQUEST_S", 0.5)
     with Raw(served) as raw:
         raw._end.settimeout(0.05)
         said = 0
@@ -429,7 +429,7 @@ def test_a_slow_loris_has_no_more_time_than_others(
 def test_streams_are_bounded_and_alive(
     place: str, service: Service, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(connection, "HEARTBEAT_S", 0.2)
+    monkeypatch.setattr(server_connection, "HEARTBEAT_S", 0.2)
     rules = "limit http door_listeners 2"
     served = serve(service, "robot", http=0, is_on_zenoh=False, rules=rules)
     address = f"http://localhost:{served.http}"

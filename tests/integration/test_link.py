@@ -14,12 +14,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from rtkit.errors import Malformed, NotFound, Refused, Unreachable
-from rtkit.link import keys
+from rtkit.link import zenoh_keys
 from rtkit.link.transport import Link
 from rtkit.link.zenoh import ZenohLink, open_client, open_listener, unix_endpoint
 from rtkit.property.exchange import Reply, Request
 
-SERVICE = keys.service("host", "manager")
+SERVICE = zenoh_keys.service("host", "manager")
 AT_ONCE_S = 30.0
 """Bound on what comes at once [s]; no test waits for it."""
 
@@ -64,7 +64,7 @@ def ok(text: str = "") -> Callable[[Request], Reply]:
 
 def test_a_get_has_no_payload_and_a_set_has_one(ends: Ends) -> None:
     seen = serve(ends, lambda request: Reply(f"got {request.payload}"))
-    key = keys.property_key(SERVICE, "a.b")
+    key = zenoh_keys.property_key(SERVICE, "a.b")
     for payload in (None, "", "x", "0"):
         assert ends.caller.call(key, payload, AT_ONCE_S) == Reply(f"got {payload}")
     assert [(r.name, r.payload, r.is_extension) for r in seen] == [
@@ -77,8 +77,8 @@ def test_a_get_has_no_payload_and_a_set_has_one(ends: Ends) -> None:
 
 def test_extensions_are_apart(ends: Ends) -> None:
     seen = serve(ends, ok())
-    ends.caller.call(keys.extension_key(SERVICE, "part/a"), None, AT_ONCE_S)
-    ends.caller.call(keys.property_key(SERVICE, "part/a"), None, AT_ONCE_S)
+    ends.caller.call(zenoh_keys.extension_key(SERVICE, "part/a"), None, AT_ONCE_S)
+    ends.caller.call(zenoh_keys.property_key(SERVICE, "part/a"), None, AT_ONCE_S)
     assert [(r.name, r.is_extension) for r in seen] == [("part/a", True), ("part/a", False)]
 
 
@@ -87,40 +87,40 @@ def test_extensions_are_apart(ends: Ends) -> None:
 )
 def test_text_comes_as_it_is(ends: Ends, text: str) -> None:
     serve(ends, lambda request: Reply(request.payload or ""))
-    reply = ends.caller.call(keys.property_key(SERVICE, "p"), text, AT_ONCE_S)
+    reply = ends.caller.call(zenoh_keys.property_key(SERVICE, "p"), text, AT_ONCE_S)
     assert reply == Reply(text)
 
 
 @pytest.mark.parametrize("name", ["a b", "a*b", "**", "$*", "a?b=c;d", "a#b", "a%b", "@", "é/ü"])
 def test_a_name_of_any_characters_comes_as_one(ends: Ends, name: str) -> None:
     seen = serve(ends, ok())
-    ends.caller.call(keys.property_key(SERVICE, name), None, AT_ONCE_S)
+    ends.caller.call(zenoh_keys.property_key(SERVICE, name), None, AT_ONCE_S)
     (request,) = seen
-    assert "/".join(map(keys.unescape, request.name.split("/"))) == name
+    assert "/".join(map(zenoh_keys.unescape, request.name.split("/"))) == name
 
 
 @pytest.mark.parametrize(("error", "kind"), [(NotFound, "not-found"), (Refused, "refused")])
 def test_an_error_comes_with_its_kind(ends: Ends, error: type[Exception], kind: str) -> None:
     serve(ends, lambda request: Reply("no such thing, with several words", kind))
-    reply = ends.caller.call(keys.property_key(SERVICE, "p"), None, AT_ONCE_S)
+    reply = ends.caller.call(zenoh_keys.property_key(SERVICE, "p"), None, AT_ONCE_S)
     assert reply == Reply("no such thing, with several words", kind)
     with pytest.raises(error, match="several words"):
         reply.value()
 
 
 def test_who_serves_is_told_apart(ends: Ends) -> None:
-    one, other = keys.service("host", "a"), keys.service("host", "a", "Motor0")
+    one, other = zenoh_keys.service("host", "a"), zenoh_keys.service("host", "a", "Motor0")
     serve(ends, ok("one"), one)
     serve(ends, ok("other"), other)
     for service, text in ((one, "one"), (other, "other")):
-        key = keys.property_key(service, "p")
+        key = zenoh_keys.property_key(service, "p")
         assert ends.caller.call(key, None, AT_ONCE_S).text == text
 
 
 def test_nobody_serves_it(ends: Ends) -> None:
     serve(ends, ok())
     for manager in ("other", "manage", "manager2"):
-        key = keys.property_key(keys.service("host", manager), "p")
+        key = zenoh_keys.property_key(zenoh_keys.service("host", manager), "p")
         with pytest.raises(Unreachable):
             ends.caller.call(key, None, AT_ONCE_S)
 
@@ -129,11 +129,11 @@ def test_an_answer_that_does_not_come_in_time(ends: Ends) -> None:
     kept: list[Request] = []
     ends.owner.serve(SERVICE, kept.append)
     with pytest.raises(Unreachable, match=r"no answer within 0\.05 s"):
-        ends.caller.call(keys.property_key(SERVICE, "p"), None, 0.05)
+        ends.caller.call(zenoh_keys.property_key(SERVICE, "p"), None, 0.05)
     (request,) = kept
     request.answer(Reply("too late"))  # harms nobody
-    serve(ends, ok("in time"), keys.service("host", "other"))
-    key = keys.property_key(keys.service("host", "other"), "p")
+    serve(ends, ok("in time"), zenoh_keys.service("host", "other"))
+    key = zenoh_keys.property_key(zenoh_keys.service("host", "other"), "p")
     assert ends.caller.call(key, None, AT_ONCE_S).text == "in time"
 
 
@@ -142,7 +142,7 @@ def test_an_answer_may_come_later_from_another_thread(ends: Ends) -> None:
     ends.owner.serve(SERVICE, inbox.put)
     thread = threading.Thread(target=lambda: inbox.get().answer(Reply("done")))
     thread.start()
-    assert ends.caller.call(keys.property_key(SERVICE, "p"), "x", AT_ONCE_S).text == "done"
+    assert ends.caller.call(zenoh_keys.property_key(SERVICE, "p"), "x", AT_ONCE_S).text == "done"
     thread.join()
 
 
@@ -152,7 +152,7 @@ def test_calls_at_the_same_time_get_each_its_own_answer(ends: Ends) -> None:
     answers: dict[int, str] = {}
 
     def call(number: int) -> None:
-        key = keys.property_key(SERVICE, "p")
+        key = zenoh_keys.property_key(SERVICE, "p")
         answers[number] = ends.caller.call(key, str(number), AT_ONCE_S).text
 
     callers = [threading.Thread(target=call, args=(number,)) for number in range(20)]
@@ -169,7 +169,7 @@ def test_after_it_was_closed_nobody_is_reached(ends: Ends) -> None:
     serve(ends, ok())
     ends.caller.close()
     with pytest.raises(Unreachable):
-        ends.caller.call(keys.property_key(SERVICE, "p"), None, AT_ONCE_S)
+        ends.caller.call(zenoh_keys.property_key(SERVICE, "p"), None, AT_ONCE_S)
 
 
 @pytest.mark.parametrize("key", ["", "rt/a", "rt/a/@/", "rt//@/p", "/@/p"])
@@ -188,19 +188,19 @@ def test_nobody_listens() -> None:
 
 @given(st.text(max_size=20))
 def test_escaping_can_be_undone_and_leaves_nothing_special(chunk: str) -> None:
-    escaped = keys.escape(chunk)
-    assert keys.unescape(escaped) == chunk
+    escaped = zenoh_keys.escape(chunk)
+    assert zenoh_keys.unescape(escaped) == chunk
     assert escaped
     assert not set(escaped) & set("/*$?#@ \n")
 
 
 @given(st.text(alphabet="%0123456789abcXYZ/", max_size=20))
 def test_undoing_an_escape_never_fails(chunk: str) -> None:
-    assert isinstance(keys.unescape(chunk), str)
+    assert isinstance(zenoh_keys.unescape(chunk), str)
 
 
 def test_a_line_is_heard_by_all_who_listen_and_costs_nothing_without_them(ends: Ends) -> None:
-    key = keys.line_key(SERVICE, "news")
+    key = zenoh_keys.line_key(SERVICE, "news")
     listened: queue.SimpleQueue[bool] = queue.SimpleQueue()
     heard: queue.SimpleQueue[tuple[int, str]] = queue.SimpleQueue()
     tell = ends.owner.announce(key, listened.put)

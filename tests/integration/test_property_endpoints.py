@@ -34,7 +34,7 @@ from rtkit.property.service import Service
 from rtkit.serving import refusals
 from rtkit.tree.property_connections import PropertyConnections
 from rtkit.tree.property_subscription import PropertySubscription
-from rtkit.wires.line import connection, login
+from rtkit.wires.line import login, server_connection
 from rtkit.wires.line.client import LineClient, connect_unix
 from rtkit.wires.serve import ServedObject, serve
 
@@ -229,7 +229,7 @@ def _send(end: socket.socket, data: bytes) -> None:
 def test_who_never_reads_delays_nobody_and_costs_little(
     served: ServedObject, service: Service, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(connection, "HALF_S", 0.5)
+    monkeypatch.setattr(server_connection, "HALF_S", 0.5)
     served.owned(lambda: service.update("notes", "x" * 500_000))
     with socket.socket(socket.AF_UNIX) as deaf:
         deaf.settimeout(BOUND_S)
@@ -248,16 +248,16 @@ def test_who_never_reads_delays_nobody_and_costs_little(
             served.owned(lambda: None)
 
 
-def _connections(served: ServedObject) -> list[connection.Connection]:
+def _connections(served: ServedObject) -> list[server_connection.Connection]:
     handlers = list(served._host._handlers.values())
-    return [each for each in handlers if isinstance(each, connection.Connection)]
+    return [each for each in handlers if isinstance(each, server_connection.Connection)]
 
 
 def test_who_says_nothing_is_not_waited_for(
     served: ServedObject, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(login, "PATIENCE_S", 0.3)
-    monkeypatch.setattr(connection, "HALF_S", 0.3)
+    monkeypatch.setattr(server_connection, "HALF_S", 0.3)
     with socket.create_connection(("127.0.0.1", served.port or 0), BOUND_S) as silent:
         assert silent.recv(10) == b""
     with socket.socket(socket.AF_UNIX) as half:

@@ -23,7 +23,7 @@ from rtkit.proxy.bridge import bridge
 from rtkit.proxy.relay import Relay
 from rtkit.wires import provider_connection as keepalive
 from rtkit.wires.line.client import connect_tcp, connect_unix
-from rtkit.wires.line.connection import Connection
+from rtkit.wires.line.server_connection import Connection
 from rtkit.wires.serve import ServedObject, serve
 from rtkit.wires.table import wire_of
 

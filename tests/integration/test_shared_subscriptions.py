@@ -13,7 +13,7 @@ from property_endpoints import BOUND_S, Zenoh
 from zenoh_client import ZenohClient, ZenohSubscription
 
 from rtkit.errors import Unreachable
-from rtkit.link import keys, places
+from rtkit.link import places, zenoh_keys
 from rtkit.link.zenoh import open_client, unix_endpoint
 from rtkit.property.service import Service
 from rtkit.wires.serve import ServedObject, serve
@@ -36,7 +36,7 @@ def _session(stack: ExitStack) -> zenoh.Session:
 
 
 def _key() -> str:
-    return keys.property_service(os.uname().nodename, "robot")
+    return zenoh_keys.property_service(os.uname().nodename, "robot")
 
 
 def _heard(subscription: ZenohSubscription, last: str) -> list[str]:

@@ -18,11 +18,11 @@ ROUNDS = 15
 SCRIPT = """
 import os, socket, sys, threading
 from contextlib import ExitStack
-from rtkit.link import keys, places, secret
+from rtkit.link import zenoh_keys, places, secret
 from rtkit.link import tcp_endpoint as door
 from rtkit.link.zenoh import ZenohLink, open_client, open_listener, unix_endpoint
 from rtkit.manager import daemon
-from rtkit.manager.tcp_endpoint import TcpEndpoint
+from rtkit.manager.endpoint_supervisor import TcpEndpoint
 from rtkit.settings.configuration import CommandLineSettings, read
 
 settings = read(CommandLineSettings(overrides=("net.endpoints:localhost:0",))).settings
@@ -34,7 +34,7 @@ for number in range(int(sys.argv[1])):
         session = open_listener(inner)
         link = ZenohLink(session)
         stack.callback(link.close)
-        link.serve(keys.service(state.host, name), lambda request: None)
+        link.serve(zenoh_keys.service(state.host, name), lambda request: None)
         daemon._open_front(state, session, TcpEndpoint(inner), inner, print, stack)
         stack.callback(link.withdraw)
         clients = []
@@ -73,7 +73,7 @@ os._exit(0)
 
 LOST = """
 import json, os, zenoh
-from rtkit.link import keys, places, tcp_endpoint
+from rtkit.link import zenoh_keys, places, tcp_endpoint
 from rtkit.link.zenoh import open_client, open_listener, unix_endpoint
 
 inner = unix_endpoint(places.manager_socket("m"))
@@ -84,11 +84,11 @@ asked = []
 def answer_but_the_first(query):
     asked.append(query)
     if len(asked) > 1:
-        query.reply(keys.introduction(), json.dumps(identity))
+        query.reply(zenoh_keys.introduction(), json.dumps(identity))
         query.drop()
 
 handler = zenoh.handlers.Callback(answer_but_the_first, indirect=False)
-manager.declare_queryable(keys.introduction(), handler)
+manager.declare_queryable(zenoh_keys.introduction(), handler)
 print(tcp_endpoint.ask_identity(client, 5.0) == identity, flush=True)
 os._exit(0)
 """

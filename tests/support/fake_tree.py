@@ -14,7 +14,7 @@ from rtkit.deployment.batch import results_to_text
 from rtkit.deployment.delta import TREE
 from rtkit.deployment.metrics import METRICS
 from rtkit.errors import RtkitError, Unreachable
-from rtkit.link import keys
+from rtkit.link import zenoh_keys
 from rtkit.manager.core import events as ev
 from rtkit.manager.query_server import ManagerQueryServer
 from rtkit.property.exchange import Reply, Request, failure
@@ -24,7 +24,7 @@ from rtkit.tree.client import Tree
 def fake_tree(world: FakeManager, timeout_s: float = 1.0) -> Tree:
     """Return the real client of a fake manager, over its real query server."""
     link = InprocLink()
-    service = keys.service(world.host, world.manager)
+    service = zenoh_keys.service(world.host, world.manager)
     link.serve(service, _Server(world, link, service).serve)
     return Tree(link, world.host, world.manager, timeout_s)
 
@@ -36,7 +36,7 @@ class _Server:
         self._world = world
         self._lock = RLock()
         tell = {
-            line: link.announce(keys.line_key(service, line), partial(self._listened, line))
+            line: link.announce(zenoh_keys.line_key(service, line), partial(self._listened, line))
             for line in (TREE, METRICS)
         }
         before = world.publish

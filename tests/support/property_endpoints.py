@@ -19,7 +19,7 @@ from oneline import OneLine
 from serialkit import Cable
 from zenoh_client import ZenohClient
 
-from rtkit.link import keys, places
+from rtkit.link import places, zenoh_keys
 from rtkit.link.zenoh import open_client, unix_endpoint
 from rtkit.property.messages import PropertyEvent
 from rtkit.proxy.bridge import bridge
@@ -90,7 +90,7 @@ class Zenoh:
     def __init__(self, service: str = "robot") -> None:
         path = places.service_key_socket(service)
         self._session = open_client(unix_endpoint(path), BOUND_S)
-        key = keys.property_service(os.uname().nodename, service)
+        key = zenoh_keys.property_service(os.uname().nodename, service)
         self._client = ZenohClient(self._session, key, BOUND_S)
         self.ask = self._client.ask
 

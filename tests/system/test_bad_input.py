@@ -19,7 +19,7 @@ from rtkit.container.manager_connection import PROTOCOL
 from rtkit.deployment.actions import ChangeState, Create
 from rtkit.deployment.batch import Batch, batch_to_text, results_from_text
 from rtkit.errors import Malformed, NotFound, Refused, RtkitError
-from rtkit.link import keys
+from rtkit.link import zenoh_keys
 from rtkit.link.zenoh import ZenohLink, open_client, unix_endpoint
 from rtkit.rtc.enums import Transition
 from rtkit.tree.client import Tree
@@ -203,7 +203,7 @@ def link(world: Tree) -> Any:
 
 
 def key(world: Tree, name: str) -> str:
-    return keys.property_key(keys.service(world.host, "manager"), name)
+    return zenoh_keys.property_key(zenoh_keys.service(world.host, "manager"), name)
 
 
 def batch(*actions: object, **others: object) -> str:
@@ -330,9 +330,9 @@ def test_properties_that_do_not_exist(world: Tree) -> None:
 
 def test_views_that_do_not_exist(world: Tree, link: ZenohLink) -> None:
     pid = world.listing().pid
-    service = keys.service(world.host, "manager")
+    service = zenoh_keys.service(world.host, "manager")
     for name in ("no", "part", "part/", "part/%zz", "part/%", "listing/x", "snapshot/../x"):
         with suppress(Malformed):  # some of them are no keys
-            reply = link.call(keys.extension_key(service, name), None, BOUND_S)
+            reply = link.call(zenoh_keys.extension_key(service, name), None, BOUND_S)
             assert reply.error == "not-found" or name.startswith("part")
     lives(world, pid)

@@ -1,4 +1,4 @@
-"""``rtteardown``: remove the connections, and the components, of a system."""
+"""``rtteardown``: remove the connections of a system and, with ``--exit``, its components."""
 
 from __future__ import annotations
 

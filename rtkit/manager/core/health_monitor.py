@@ -1,4 +1,7 @@
-"""Monitors the health rules of components once a second, and runs the actions of broken rules."""
+"""Monitors the health rules of components once a second, and runs the actions of broken rules.
+
+Callbacks that are stuck are found by `rtkit.manager.slaves.watchdog`.
+"""
 
 from __future__ import annotations
 

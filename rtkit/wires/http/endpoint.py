@@ -21,8 +21,8 @@ class HttpEndpoint(Acceptor):
     """Socket that accepts clients of HTTP."""
 
     def __init__(self, host: PropertyEventLoop, end: socket.socket) -> None:
-        from rtkit.wires.http.connection import HttpConnection
         from rtkit.wires.http.guard import Guard
+        from rtkit.wires.http.server_connection import HttpConnection
 
         self._connection = HttpConnection
         self._guard = Guard(secret.read())

@@ -12,8 +12,8 @@ from rtkit.errors import Refused
 from rtkit.link import places, secret, unix
 from rtkit.serving.acceptor import Acceptor, bound_to
 from rtkit.serving.event_loop import PropertyEventLoop
-from rtkit.wires.line.connection import Connection, peer
 from rtkit.wires.line.login import Login
+from rtkit.wires.line.server_connection import Connection, peer
 
 
 class LineEndpoint(Acceptor):

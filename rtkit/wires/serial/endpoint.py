@@ -19,7 +19,7 @@ from rtkit.property.subscription import Listener, leased
 from rtkit.serving.event_loop import IOHandler, PropertyEventLoop
 from rtkit.serving.provider import PropertyProvider
 from rtkit.serving.quota import EndpointQuota
-from rtkit.wires.line.connection import Connection
+from rtkit.wires.line.server_connection import Connection
 from rtkit.wires.serial.address import (
     HELLO_TARGET,
     KNOWS_DEADLINES,

@@ -22,7 +22,7 @@ from uuid import uuid4
 import zenoh
 
 from rtkit.errors import Unreachable
-from rtkit.link import keys
+from rtkit.link import zenoh_keys
 from rtkit.link.deadline import deadline_from_bytes
 from rtkit.link.zenoh import _ERROR_ENCODING as ERROR_ENCODING
 from rtkit.property.line import read_event, write_attributes
@@ -154,7 +154,7 @@ def _receiver(
                 query.reply(key, reply.payload)
             query.drop()  # type: ignore[no-untyped-call]
 
-        target = keys.to_target(key.removeprefix(prefix), is_extension=is_extension)
+        target = zenoh_keys.to_target(key.removeprefix(prefix), is_extension=is_extension)
         target, subscription, group = _with_parameters(target, str(query.parameters))
         attached = query.attachment
         until = math.inf if attached is None else deadline_from_bytes(attached.to_bytes())
@@ -195,7 +195,7 @@ def selector_of(service_key: str, target: str) -> str:
     """
     asked = parse_target(target)
     parameters = target.partition("?")[2].replace("&", ";")
-    key = keys.of_target(service_key, asked.name)
+    key = zenoh_keys.of_target(service_key, asked.name)
     return f"{key}?{parameters}" if parameters else key
 
 

@@ -13,13 +13,13 @@ if TYPE_CHECKING:
 def _provider(name: str, settings: WireSettings) -> ProviderAddress:
     import os
 
-    from rtkit.link import keys, places
+    from rtkit.link import places, zenoh_keys
     from rtkit.link.zenoh import open_client, unix_endpoint
     from rtkit.wires.zenoh.provider_connection import ZenohConnection
 
     service = service_name(name)
     path = places.check_socket_length(places.service_key_socket(service))
-    key = keys.property_service(os.uname().nodename, service)
+    key = zenoh_keys.property_service(os.uname().nodename, service)
     return ProviderAddress(
         lambda: ZenohConnection(
             settings.host, open_client(unix_endpoint(path), settings.timeout_s), key

@@ -1,4 +1,4 @@
-"""``rtprofile set``: properties of a system and of its components."""
+"""``rtprofile set``: extension properties of a system and of its components, no parameters."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""TCP endpoint of a manager: its port is opened by a process of its own, which is supervised.
+"""Supervises the process that opens a manager's TCP port: starts it, and another when it ends.
 
 All sessions of a process share zenoh's threads, of which few accept connections and close them:
 thousands of connections to the TCP port kept clients of the Unix socket out for 20 s as long as

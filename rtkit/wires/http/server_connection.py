@@ -1,4 +1,4 @@
-"""One client of the HTTP endpoint: requests one after the other, or one event stream; bounded.
+"""Server side of one HTTP client: requests one after the other, or one event stream; bounded.
 
 h11 implements HTTP; this module adds time-outs, limits and the call of the service.
 
