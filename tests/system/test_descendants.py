@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import signal
+from collections.abc import Set
 from pathlib import Path
 from typing import Any
 
@@ -63,6 +64,12 @@ def sleepers(pids: set[int]) -> set[int]:
     return found
 
 
+def forked(pid: int, count: int, before: Set[int] = frozenset()) -> set[int]:
+    """Wait until what was forked below a process runs its programs, and return these."""
+    until(lambda: len(sleepers(below(pid)) - before) >= count, f"{count} more processes")
+    return sleepers(below(pid)) - before
+
+
 def listed(pid: int) -> str:
     path = Path(places.runtime_dir()) / f"manager.{pid}.family"
     return path.read_text() if path.exists() else ""
@@ -74,9 +81,9 @@ def test_what_they_started_ends_though_the_manager_was_killed(starter: Any, end:
     starter.ok("rtact /localhost/S.rtc")
     pid = places.owner("manager")
     assert pid is not None
-    of_slave = sleepers(below(pid))
+    of_slave = forked(pid, 4)
     starter.ok("rtact /localhost/Starter0.rtc")
-    mine = sleepers(below(pid)) - of_slave
+    mine = forked(pid, 4, of_slave)
     assert len(mine) == len(of_slave) == 4
     until(lambda: all(str(each) in listed(pid) for each in mine), "a list of them all")
     os.kill(pid, signal.SIGKILL)
@@ -99,7 +106,7 @@ def test_what_was_started_in_the_last_second_is_known_by_its_mark(starter: Any) 
     starter.ok(f"rtmgr {MANAGER} -c 'Starter?instance_name=Open'")
     before = sleepers(below(pid))
     starter.ok("rtact /localhost/Open.rtc")
-    marked = sleepers(below(pid)) - before
+    marked = forked(pid, 2, before)
     assert len(marked) == 2
     os.kill(pid, signal.SIGKILL)
     (Path(places.runtime_dir()) / f"manager.{pid}.family").unlink(missing_ok=True)
