@@ -9,6 +9,7 @@ import socket
 import threading
 import time
 from collections.abc import Callable, Iterator
+from contextlib import ExitStack
 from functools import partial
 
 import icekit
@@ -19,6 +20,7 @@ from property_endpoints import (
     BOUND_S,
     KNOWING,
     Lines,
+    WirePlaces,
     Zenoh,
     client_of,
     listening,
@@ -31,12 +33,14 @@ from rtkit.errors import Refused, RtkitError, Unreachable
 from rtkit.link import places, secret
 from rtkit.property.codes import PropertyError
 from rtkit.property.service import Service
+from rtkit.proxy.bridge import bridge
 from rtkit.serving import refusals
 from rtkit.tree.property_connections import PropertyConnections
 from rtkit.tree.property_subscription import PropertySubscription
 from rtkit.wires.line import login, server_connection
 from rtkit.wires.line.client import LineClient, connect_unix
 from rtkit.wires.serve import ServedObject, serve
+from rtkit.wires.table import WIRES, wire_of
 
 
 @pytest.fixture
@@ -210,12 +214,18 @@ def _asked_anew(served: ServedObject, wire: str) -> object:
 def _connected(served: ServedObject, wire: str) -> socket.socket:
     """Connect to the socket of an endpoint without a word."""
     address = served.socket if wire == "unix" else served.addresses[wire]
-    port = re.search(r":(\d+)", address)
-    if port is not None:
+    path = re.search(r"/.*\.(?:sock|ps)\b", address)
+    if path is None:
+        port = re.search(r":(\d+)", address)
+        assert port is not None, f"neither a port nor a path of opening(): {address}"
         return socket.create_connection(("127.0.0.1", int(port[1])), BOUND_S)
     end = socket.socket(socket.AF_UNIX)
-    end.settimeout(BOUND_S)
-    end.connect(address)
+    try:
+        end.settimeout(BOUND_S)
+        end.connect(path[0])
+    except OSError:
+        end.close()
+        raise
     return end
 
 
@@ -391,6 +401,26 @@ def test_rules_hold_at_every_door(
             denied = [each.getMessage() for each in caplog.records if "denied: SET" in each.message]
             assert len(denied) == 7, "every SET that was denied is in the log"
             endpoint.close()
+
+
+@pytest.mark.parametrize("scheme", params(*WIRES))
+def test_a_rule_for_one_wire_holds_there_and_nowhere_else(
+    place: str, ends: ExitStack, scheme: str
+) -> None:
+    """Endpoints say themselves what they are called in rules: each must take the scheme."""
+    others = "\n".join(f"deny {each} * SET *" for each in WIRES if each != scheme)
+    endpoints = {}
+    for name, rules in (("here", f"deny {scheme} * SET *"), ("elsewhere", others)):
+        address = WirePlaces(f"{place}/{name}", ends).ruled(wire_of(scheme), subject(), rules)
+        far = f"unix:{place}/{name}/far.sock"
+        ends.enter_context(bridge(address, far, allow_set=["*"], timeout_s=BOUND_S))
+        endpoints[name] = ends.enter_context(connect_unix(far.removeprefix("unix:"), BOUND_S))
+    assert endpoints["here"].ask("count").payload == "7"
+    assert endpoints["here"].ask("count", "8").error == "denied"
+    assert endpoints["here"].ask("count").payload == "7"
+    assert endpoints["elsewhere"].ask("count", "8").error == ""
+    assert endpoints["elsewhere"].ask("count").payload == "8"
+    ends.close()
 
 
 def test_listeners_are_bounded_at_every_door(place: str) -> None:

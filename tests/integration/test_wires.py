@@ -94,10 +94,7 @@ def test_a_target_bounds_also_what_is_asked_before_it(place: str, scheme: str) -
     secret.make()
     side = wire_of(scheme).client
     assert side is not None
-    with socket.socket() as silent:
-        silent.bind(("127.0.0.1", 0))
-        silent.listen()
-        form = wire_of(scheme).source.replace("HOST:PORT", f"localhost:{silent.getsockname()[1]}")
+    with _silent(wire_of(scheme).source, place) as form:
         typed = f"{form.replace('SERVICE', 'robot')}/count?timeout=0.3"
         with contextlib.closing(PropertyConnections("/", "", BOUND_S)) as connections:
             begin = monotonic()
@@ -105,6 +102,19 @@ def test_a_target_bounds_also_what_is_asked_before_it(place: str, scheme: str) -
                 connections.find(typed)
             assert monotonic() - begin < 3.0
     assert raised.value.code == "timeout"
+
+
+@contextlib.contextmanager
+def _silent(form: str, place: str) -> Iterator[str]:
+    """Listen, and say nothing, at a port or path of an address; return that filled in."""
+    is_path = "PATH" in form
+    assert is_path or "HOST:PORT" in form, f"clients connect neither to PATH nor HOST:PORT: {form}"
+    with socket.socket(socket.AF_UNIX if is_path else socket.AF_INET) as silent:
+        silent.bind(f"{place}/silent.sock" if is_path else ("127.0.0.1", 0))
+        silent.listen()
+        at = silent.getsockname()
+        where = ("PATH", at) if is_path else ("HOST:PORT", f"localhost:{at[1]}")
+        yield form.replace(*where)
 
 
 def test_targets_with_other_bounds_have_connections_of_their_own(served: ServedObject) -> None:

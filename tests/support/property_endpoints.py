@@ -21,13 +21,17 @@ from zenoh_client import ZenohClient
 
 from rtkit.link import places, zenoh_keys
 from rtkit.link.zenoh import open_client, unix_endpoint
+from rtkit.property.access import read_policy
 from rtkit.property.messages import PropertyEvent
+from rtkit.property.service import Service
+from rtkit.proxy.addresses import open_endpoint
 from rtkit.proxy.bridge import bridge
+from rtkit.serving.event_loop import PropertyEventLoop
 from rtkit.tree.property_connections import OfService
 from rtkit.wires.property_client import PropertyClient
 from rtkit.wires.serve import ServedObject
 from rtkit.wires.table import PORT, WIRES, wire_of
-from rtkit.wires.wire import Wire
+from rtkit.wires.wire import Wire, WireSettings
 
 BOUND_S = 30.0
 _IS_ABSENT = {} if icekit.IS_THERE else {"ice": icekit.MISSING}
@@ -118,23 +122,39 @@ def client_of(served: ServedObject, scheme: str) -> Lines | OneLine:
     return client_at(scheme, served.addresses[scheme], served.name)
 
 
+def _found(wire: Wire, address: str, target: str) -> str:
+    """Return where clients of a wire find what was opened; a name in the tree is not on a wire."""
+    return address if address.startswith(f"{wire.scheme}:") else target
+
+
 class WirePlaces:
     """Places for endpoints of any wire: fills in the form of its addresses."""
 
+    _NUMBERS = itertools.count(1)
+
     def __init__(self, folder: str, ends: ExitStack) -> None:
+        os.makedirs(folder, exist_ok=True)
         self._folder, self._ends = folder, ends
-        self._numbers = itertools.count(1)
 
     def opened(self, wire: Wire, source: str) -> str:
         """Open an endpoint by a proxy; return the address at which clients find it."""
         target, found = self.address(wire)
         near = self._ends.enter_context(bridge(source, target, allow_set=["*"]))
-        # What has a name in the tree is found by that, and on this wire by its own address.
-        return found or (near.address if near.address.startswith(wire.scheme) else target)
+        return found or _found(wire, near.address, target)
+
+    def ruled(self, wire: Wire, service: Service, rules: str) -> str:
+        """Open an endpoint where access rules hold; return the address that clients find it at."""
+        target, found = self.address(wire)
+        host = PropertyEventLoop(read_policy(rules, endpoints=WIRES))
+        self._ends.callback(host.close)
+        host.start()
+        settings = WireSettings(host, BOUND_S, settable=("*",))
+        address = host.call(lambda: open_endpoint(target, service, settings))
+        return found or _found(wire, address, target)
 
     def address(self, wire: Wire) -> tuple[str, str]:
         """Return where to open an endpoint, and where that is found unless it says so itself."""
-        number = next(self._numbers)
+        number = next(self._NUMBERS)
         form = wire.target
         if "DEVICE" in form:
             cable = Cable(tempfile.mkdtemp(dir=self._folder))

@@ -21,15 +21,22 @@ class LineEndpoint(Acceptor):
 
     Args:
         service: The one that clients mean where they name none.
+        endpoint: What it is called in rules: the scheme of its wire.
         is_open_to_all: Of the host: clients have to show that they know the secret.
     """
 
     def __init__(
-        self, host: PropertyEventLoop, end: socket.socket, service: str, *, is_open_to_all: bool
+        self,
+        host: PropertyEventLoop,
+        end: socket.socket,
+        service: str,
+        endpoint: str,
+        *,
+        is_open_to_all: bool,
     ) -> None:
         self._service = service
         self._is_open_to_all = is_open_to_all
-        super().__init__(host, end, "tcp" if is_open_to_all else "unix")
+        super().__init__(host, end, endpoint)
 
     def admit(self, client: socket.socket) -> Connection | str:
         """See `Acceptor.enter`."""
@@ -80,7 +87,7 @@ def open_unix_at(host: PropertyEventLoop, service: str, path: str) -> str:
     except OSError as error:
         end.close()
         raise Refused(f"cannot make the socket {path}: {error.strerror}") from error
-    LineEndpoint(host, end, service, is_open_to_all=False)
+    LineEndpoint(host, end, service, "unix", is_open_to_all=False)
     inode = os.stat(path).st_ino
     host.at_end(lambda: _remove(path, inode))
     return path
@@ -95,7 +102,7 @@ def open_tcp(host: PropertyEventLoop, service: str, port: int) -> int:
     """
     secret.make()
     end = bound_to(port)
-    LineEndpoint(host, end, service, is_open_to_all=True)
+    LineEndpoint(host, end, service, "tcp", is_open_to_all=True)
     return int(end.getsockname()[1])
 
 
