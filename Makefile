@@ -32,7 +32,7 @@ help:
 venv: $(READY)
 
 $(READY): pyproject.toml
-	@echo "setting up .venv (once)"
+	@echo "setting up .venv"
 	@$(PYTHON) -m venv .venv
 	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[dev,docs]'
 	@touch $@

@@ -1,7 +1,7 @@
 """Write what is made of the commands: their table, console scripts and manual pages.
 
 Usage: ``python tools/make_commands.py [man]``; with ``man`` the pages only. A test checks that
-`rtkit.cli.table`, ``pyproject.toml`` and ``man/`` hold what this makes.
+`rtkit.cli.table`, ``pyproject.toml``, ``man/`` and two tables of ``docs/`` hold what this makes.
 """
 
 from __future__ import annotations
@@ -26,6 +26,8 @@ from rtkit.cli.unified import EXAMPLES
 ROOT = Path(__file__).parents[1]
 TABLE = ROOT / "rtkit" / "cli" / "table.py"
 PROJECT = ROOT / "pyproject.toml"
+COMMANDS_PAGE = ROOT / "docs" / "commands.md"
+JSON_PAGE = ROOT / "docs" / "json.md"
 _WIDTH = 100
 
 _ENVIRONMENT = (
@@ -112,6 +114,53 @@ def project() -> str:
     return re.sub(r"\[project\.scripts\]\n.*?\n\n", lines, text, flags=re.DOTALL)
 
 
+def commands_page() -> str:
+    """Return the page of commands, with a row for each command that has none yet."""
+    text = COMMANDS_PAGE.read_text(encoding="utf-8")
+    cells = "".join(re.findall(r"^\| (.*?) \|", text.partition("\n## ")[0], flags=re.MULTILINE))
+    lacking = [(name, main) for name, (_, main) in _scripts() if f"`{name}`" not in cells]
+    return _with_rows(
+        text, [f"| `{name}` | {_in_a_row(summary(main))} |" for name, main in lacking]
+    )
+
+
+def json_page() -> str:
+    """Return the page of JSON with each command in the rows of what it writes.
+
+    What is written there by hand stays: only names that lack are added.
+    """
+    text = JSON_PAGE.read_text(encoding="utf-8")
+    for name, (_, main) in commands().items():
+        for kind in main.json:
+            row = re.search(rf"^\| [^|]*`{kind}`[^|]* \| .*$", text, flags=re.MULTILINE)
+            if row is None:
+                text = _with_rows(text, [f"| `{kind}` | `{name}` |"])
+            elif f"`{name}" not in row[0] and f"`{main.name}" not in row[0]:
+                kinds, bar, by = row[0].partition(" | ")
+                text = text.replace(row[0], f"{kinds}{bar}`{name}`, {by}")
+    return text
+
+
+def _with_rows(text: str, rows: list[str]) -> str:
+    """Add rows to the first table of a page."""
+    head, end, rest = text.partition(" |\n\n")
+    return " |\n".join([head, *(row.removesuffix(" |") for row in rows)]) + end + rest
+
+
+def _in_a_row(summary: str) -> str:
+    return summary[0].lower() + summary[1:].removesuffix(".")
+
+
+def written() -> dict[Path, str]:
+    """Return the text of each file, but the manual pages, that is made of the commands."""
+    return {
+        TABLE: table(),
+        PROJECT: project(),
+        COMMANDS_PAGE: commands_page(),
+        JSON_PAGE: json_page(),
+    }
+
+
 def _scripts() -> Iterator[tuple[str, tuple[str, Main]]]:
     return ((name, each) for name, each in commands().items() if " " not in name)
 
@@ -179,7 +228,7 @@ def _unified() -> str:
 def _head(name: str, summary: str, usage: str) -> Iterator[str]:
     yield f'.TH {name.upper()} 1 "" "rtkit {__version__}" "rtkit"'
     yield ".SH NAME"
-    yield f"{name} \\- {_escape(summary[0].lower() + summary[1:].removesuffix('.'))}"
+    yield f"{name} \\- {_escape(_in_a_row(summary))}"
     yield ".SH SYNOPSIS"
     yield f".B {name}"
     yield _escape(usage)
@@ -238,7 +287,7 @@ def main(wanted: list[str]) -> None:
     folder = ROOT / "man"
     made = {folder / name: text for name, text in pages().items()}
     if wanted != ["man"]:
-        made |= {TABLE: table(), PROJECT: project()}
+        made |= written()
     for file in folder.glob("*.1"):
         if file not in made:
             file.unlink()

@@ -56,10 +56,29 @@ FORBIDDEN_ON_THE_WAY = (
 
 
 def test_what_is_made_of_the_commands_is_up_to_date() -> None:
-    """Table and console scripts; `test_man` holds the manual pages."""
-    stale = "stale, write it anew with: make commands"
-    assert make_commands.TABLE.read_text(encoding="utf-8") == make_commands.table(), stale
-    assert make_commands.PROJECT.read_text(encoding="utf-8") == make_commands.project(), stale
+    """Table, console scripts, rows of pages; `test_man` holds the manual pages."""
+    for file, text in make_commands.written().items():
+        assert file.read_text(encoding="utf-8") == text, "stale, write it anew with: make commands"
+
+
+def test_a_new_command_gets_its_rows_of_the_pages(monkeypatch: pytest.MonkeyPatch) -> None:
+    known = make_commands.commands()
+    module, main = known["rtpwd"]
+    new = main._replace(name="rtnew", json=("new-kind", "other-kind", "entry"))
+    monkeypatch.setattr(make_commands, "commands", lambda: {**known, "rtnew": (module, new)})
+    pages = {
+        make_commands.COMMANDS_PAGE: {"| `rtnew` | print the working directory in the tree |"},
+        make_commands.JSON_PAGE: {
+            "| `new-kind` | `rtnew` |",
+            "| `other-kind` | `rtnew` |",
+            "| `entry` | `rtnew`, `rtls`, `rtfind`: an entry of the tree |",
+        },
+    }
+    texts = make_commands.written()
+    for page, rows in pages.items():
+        before = page.read_text(encoding="utf-8").splitlines()
+        assert set(texts[page].splitlines()) - set(before) == rows
+        assert "|\n\n" in texts[page].partition("`rtnew`")[2], "within the table"
 
 
 def test_the_page_of_commands_lists_each_once() -> None:
@@ -102,7 +121,42 @@ def test_a_command_s_help_ends_with_two_examples(capsys: pytest.CaptureFixture[s
             assert " ".join(does.split()) in told, name
 
 
+EACH_LOADED = """
+import os, sys
+from rtkit.cli.shared.commands import TABLE, load
+load("rtpwd")  # what all have in common is loaded once
+for name in TABLE:
+    if not os.fork():
+        load(name)
+        print(name, *({heavy!r} & sys.modules.keys()), sep=",", flush=True)
+        os._exit(0)
+    os.wait()
+"""
+
+
+def test_a_command_is_loaded_without_anything_heavy() -> None:
+    script = EACH_LOADED.format(heavy=set(FORBIDDEN_ON_THE_WAY))
+    done = subprocess.run(
+        [sys.executable, "-c", script], capture_output=True, text=True, check=True
+    )
+    found = {
+        name: set(heavy) for name, *heavy in (row.split(",") for row in done.stdout.split("\n"))
+    }
+    assert {name for name in found if name} == set(TABLE)
+    too_much = {name: heavy - HEAVY_WHEN_LOADED.get(name, set()) for name, heavy in found.items()}
+    assert {name: heavy for name, heavy in too_much.items() if heavy} == {}, "import it in main"
+
+
 FACTS = {"rtkit.deployment.facts", "rtkit.rtc.profiles"}
+HEAVY_WHEN_LOADED = {
+    "rtapply": {"dataclasses"},
+    "rtplan": {"dataclasses"},
+    "rtprofile convert": {"rtkit.profile"},
+    "rtprofile from": {"rtkit.profile"},
+    "rtstate": {"dataclasses"},
+    "rttop": FACTS,
+    "rtwatch": FACTS,
+}
 SHOWN = {*FACTS, "rtkit.rtc.serde"}
 SYSTEM = {*FACTS, "lxml", "rtkit.profile"}
 FOR_REPAIRS_AND_CHANGES = (

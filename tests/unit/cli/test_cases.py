@@ -13,6 +13,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any, NamedTuple
 
+import jsonrecords
 import pytest
 from fake_manager import FakeManager
 
@@ -77,6 +78,11 @@ def read_cases(file: Path) -> list[Case]:
     return cases
 
 
+def records_of(case: Case) -> list[str]:
+    """Return the lines of stdout that are records of ``--json``."""
+    return [line for line in case.out.splitlines() if line.startswith('{"schema":')]
+
+
 CASES = [case for file in sorted(FOLDER.glob("*.txt")) for case in read_cases(file)]
 
 
@@ -95,5 +101,6 @@ def test_case(
             ends = (PortRef(source, "out"), PortRef(sink, "in"))
             assert world.perform(Connect(ConnectorProfile(name, name, ends))).ok
     assert run(case.line) == (case.status, case.out, case.err)
+    jsonrecords.checked("\n".join(records_of(case)))
     if case.wires is not None:
         assert sorted(world.connectors) == case.wires.split()

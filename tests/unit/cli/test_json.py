@@ -24,6 +24,7 @@ from rtkit.recording.mcap_file import RecordingWriter
 
 Run = Callable[[str], Any]
 ROOT = Path(__file__).parents[3]
+CASES = Path(__file__).parent / "cases"
 STD = "/localhost/Std0.rtc"
 MANAGER = "/localhost/manager.mgr"
 ASKED = {
@@ -103,10 +104,13 @@ def _mentions(where: str, kind: str) -> bool:
 
 @pytest.fixture
 def met() -> set[str]:
-    """Kinds of records that tests of this file meet."""
+    """Kinds of records that tests of this file meet, or cases: those are checked, too."""
     own = Path(__file__).read_text(encoding="utf-8")
     kinds = {file.name.removesuffix(".1.schema.json") for file in jsonrecords.FOLDER.iterdir()}
-    return {kind for kind in kinds if f'"{kind}"' in own}
+    cases = "".join(file.read_text(encoding="utf-8") for file in CASES.glob("*.txt"))
+    return {
+        kind for kind in kinds if f'"{kind}"' in own or f'\n{{"schema": "rtkit.{kind}/' in cases
+    }
 
 
 def test_every_command_that_reads_has_json() -> None:
