@@ -13,7 +13,7 @@ from rtkit.property.codes import PropertyError
 from rtkit.property.naming import escape
 from rtkit.serving.provider import PropertyProvider
 from rtkit.wires.blocking_connection import blocking_calls
-from rtkit.wires.table import WIRES, wire_of
+from rtkit.wires.table import WIRES, scheme_of, wire_of
 from rtkit.wires.wire import ProviderAddress, WireSettings
 
 
@@ -23,12 +23,10 @@ def source_of(address: str, cwd: str, settings: WireSettings) -> ProviderAddress
     Raises:
         RtkitError: It is no address, or it has to be asked for its name and cannot be reached.
     """
-    scheme, mark, rest = address.partition(":")
-    if not mark or "/" in scheme:
+    scheme = _scheme_of(address, "a way to a service")
+    if not scheme:
         return _in_tree(address, cwd, settings)
-    if scheme not in WIRES:
-        raise Malformed(f"not a way to a service: {address} ({_KNOWN})")
-    return wire_of(scheme).provider(rest, settings)
+    return wire_of(scheme).provider(address.removeprefix(f"{scheme}:"), settings)
 
 
 def open_endpoint(address: str, owner: PropertyProvider, settings: WireSettings) -> str:
@@ -37,16 +35,20 @@ def open_endpoint(address: str, owner: PropertyProvider, settings: WireSettings)
     Raises:
         RtkitError: It is no address, or the endpoint cannot be opened.
     """
-    scheme, mark, rest = address.partition(":")
-    if not mark or "/" in scheme:
-        scheme, rest = "zenoh", address
-    elif scheme not in WIRES:
-        raise Malformed(f"not an endpoint: {address} ({_KNOWN})")
+    scheme = _scheme_of(address, "an endpoint") or "zenoh"
     settings.host.add(owner)
-    return wire_of(scheme).open(rest, owner, settings)
+    return wire_of(scheme).open(address.removeprefix(f"{scheme}:"), owner, settings)
 
 
 _KNOWN = f"there is {' '.join(f'{scheme}:' for scheme in WIRES)} and paths of the tree"
+
+
+def _scheme_of(address: str, what: str) -> str:
+    """Return the scheme of an address, empty for a path of the tree."""
+    scheme = scheme_of(address)
+    if not scheme and ":" in address.partition("/")[0]:
+        raise Malformed(f"not {what}: {address} ({_KNOWN})")
+    return scheme
 
 
 def _in_tree(path: str, cwd: str, settings: WireSettings) -> ProviderAddress:

@@ -122,8 +122,8 @@ class PropertyConnections:
 
     Args:
         at: ``HOST:PORT`` of a TCP endpoint, or the address of an endpoint on another wire;
-            empty for the services of this user on this host. Behind a serial
-            line there is one service, which needs no name.
+            empty for the services of this user on this host. A service behind it is where names
+            begin; behind a serial line there is one, which needs no name.
         timeout_s: Bound on each request [s]; a target may state a shorter one.
     """
 
@@ -150,13 +150,14 @@ class PropertyConnections:
         if not (self._at or ":" in typed):
             return None
         from rtkit.wires.property_client import bound_in
-        from rtkit.wires.table import client_side_of, endpoint_side_of
+        from rtkit.wires.table import client_side_of, endpoint_of
 
-        side = client_side_of(typed)
+        side, service = client_side_of(typed), ""
         if side is not None:
             cwd, (address, path) = "/", side.split(typed)
         elif self._at:
-            side, cwd, address, path = endpoint_side_of(self._at), self._cwd, self._at, typed
+            side, address, service = endpoint_of(self._at)
+            cwd, path = f"/{service}" if service else self._cwd, typed
         else:
             return None
         key = (address, bound_in(typed, self._timeout_s))
@@ -166,7 +167,8 @@ class PropertyConnections:
             return PropertyTarget(typed, "", name, parameters if mark else None), endpoint.first
         place = parse(path, cwd, endpoint.services, _hostname())
         if not place.service:
-            raise _no_service(place.name if path == typed else "", endpoint.services)
+            name = place.name if path == typed else ""
+            raise _no_service(service or name, endpoint.services)
         return place._replace(typed=typed), endpoint.of_service(place.service)
 
     def _here(self, typed: str) -> tuple[PropertyTarget, PropertyClient]:

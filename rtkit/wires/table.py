@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 from importlib import import_module
 from typing import TYPE_CHECKING, NamedTuple
+
+from rtkit.errors import Malformed
 
 if TYPE_CHECKING:
     from rtkit.wires.wire import ClientSide, Wire
 
 PORT = "[HOST:]PORT"
+_WITHOUT_SCHEME = "tcp"
 
 
 class ServeOption(NamedTuple):
@@ -80,17 +84,40 @@ def wires() -> Iterator[Wire]:
     return map(wire_of, WIRES)
 
 
-def endpoint_side_of(address: str) -> ClientSide:
-    """Return how clients reach an endpoint: without a scheme it is ``HOST:PORT`` of TCP."""
-    from rtkit.wires.line.wire import TCP_CLIENTS
+def scheme_of(address: str) -> str:
+    """Return the scheme of an address, empty for none: ``HOST:PORT``, as printed, is one of TCP."""
+    scheme, mark, _ = address.partition(":")
+    if mark and scheme in WIRES:
+        return scheme
+    return _WITHOUT_SCHEME if re.fullmatch(r"[\w.\-]+:\d+(/.*)?", address) else ""
 
-    return client_side_of(address) or TCP_CLIENTS
+
+def endpoint_of(typed: str) -> tuple[ClientSide, str, str]:
+    """Return how clients reach an endpoint, its address, and the service that is named behind it.
+
+    Raises:
+        Malformed: It is no address of an endpoint that has clients.
+    """
+    side = client_side_of(typed) or wire_of(_WITHOUT_SCHEME).client
+    assert side is not None
+    place, service = side.split(typed) if side.has_services else (typed, "")
+    side.check(place)
+    return side, place, service.strip("/")
 
 
 def client_side_of(address: str) -> ClientSide | None:
-    """Return how commands reach what an address names, None if it is no address of a wire."""
-    scheme, mark, _ = address.partition(":")
-    if not mark or scheme not in WIRES:
+    """Return how commands reach what an address names, None if it is no address of a wire.
+
+    Raises:
+        Malformed: It is one of a wire that has no clients, or in another form.
+    """
+    scheme = scheme_of(address)
+    if not scheme:
         return None
-    client = wire_of(scheme).client
-    return client if client is not None and address.startswith(client.prefix) else None
+    wire = wire_of(scheme)
+    if wire.client is None:
+        hint = f"rtproxy {wire.source} NAME, then NAME.PROPERTY"
+        raise Malformed(f"{scheme}: is a wire for rtproxy, not for rtget, rtset, rtlisten ({hint})")
+    if address.startswith(f"{scheme}:") and not address.startswith(wire.client.prefix):
+        raise Malformed(f"not {wire.source}: {address}")
+    return wire.client

@@ -67,6 +67,12 @@ def test_an_object_is_got_set_and_listened_to(arm: Any) -> None:
     assert arm.ok(f"rtget {arm.web}.angle {arm.web}/pose/y") == "1.999\n2.0\n"
     endpoint = arm.web.removesuffix("/ps/robots/arm")
     assert arm.ok(f"rtset --echo --at {endpoint} robots/arm.angle 2") == "2\n"
+    assert arm.ok(f"rtget {arm.address}/robots/arm.angle") == "2\n"
+    for at in (arm.web, f"{arm.address}/robots/arm", f"tcp:{arm.address}/robots/arm/"):
+        assert arm.ok(f"rtget --at {at} angle pose/y /localhost/robots/arm.angle") == "2\n2.0\n2\n"
+    refused = arm.run(f"rtget --at {arm.address}/robots/leg angle").err
+    why = "no service named robots/leg (there is robots/arm)"
+    assert refused == f"rtget: angle: no-service: {why}\n"
     assert arm.ok(f"rtlisten -n 1 {arm.web}/name") == '"right"\n'
     arm.ok("rtset robots/arm properties '((angle 3) (name up))'")
     assert arm.ok("rtget -p values -p names='(angle name)' robots/arm") == (

@@ -72,6 +72,16 @@ def test_a_proxy_passes_what_it_may_and_says_when_the_owner_goes(shell: Any) -> 
     end(owner)
 
 
+def test_an_address_is_taken_as_it_was_printed(shell: Any) -> None:
+    owner = arm(shell)
+    for number, printed in enumerate((owner.address, f"{owner.address}/robots/arm")):
+        far = shell.open(f"rtproxy {printed} far{number}")
+        assert far.stdout.readline() == f"/localhost/far{number}\n"
+        assert shell.ok(f"rtget far{number}.angle") == "0.5\n"
+        end(far)
+    end(owner)
+
+
 @pytest.mark.skipif(MOSQUITTO is None, reason="there is no mosquitto")
 def test_every_example_runs(manager: Any) -> None:
     broker = Mosquitto(manager.folder)

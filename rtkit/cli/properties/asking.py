@@ -39,10 +39,10 @@ def connected(
     from rtkit.tree.property_connections import PropertyConnections
 
     if at is not None:
-        from rtkit.wires.table import endpoint_side_of
+        from rtkit.wires.table import endpoint_of
 
         try:
-            endpoint_side_of(at).check(at)
+            endpoint_of(at)
         except Malformed as error:
             raise click.BadParameter(str(error), param_hint="--at") from None
     timeout_s = app.timeout_s

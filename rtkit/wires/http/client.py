@@ -391,5 +391,5 @@ def connect_http(address: str, timeout_s: float, service: str = "") -> HttpClien
 
     where = parse_address(address)
     if where is None:
-        raise Malformed(f"not an address http://HOST:PORT: {address}")
+        raise Malformed(f"not http://HOST:PORT[/ps/SERVICE]: {address}")
     return HttpClient(*where, secret.read(), timeout_s, service)
