@@ -9,6 +9,8 @@ from pathlib import Path
 import pytest
 from pagekit import ROOT, blocks, pages
 
+from rtkit.wires.table import WIRES
+
 RUN = ("sh", "python", "text")
 MOST_LINES_OF_THE_README = 150
 
@@ -47,6 +49,27 @@ def test_no_example_trusts_that_something_has_happened_by_now(page: Path) -> Non
 def test_the_readme_is_short() -> None:
     lines = (ROOT / "README.md").read_text(encoding="utf-8").splitlines()
     assert len(lines) <= MOST_LINES_OF_THE_README
+
+
+OF_PACKAGES = sorted({each.package for each in WIRES.values()})
+
+
+@pytest.mark.parametrize(
+    ("page", "place", "names"),
+    [
+        ("docs/architecture.md", r"^wires .*", OF_PACKAGES),
+        ("docs/glossary.md", r"^\| wire, record .*", OF_PACKAGES),
+        ("docs/concepts.md", r"several \*wires\*\n.*", OF_PACKAGES),
+        ("docs/wires.md", r"^\| purpose (.|\n)*?\n\n", OF_PACKAGES),
+        ("docs/howto/live-properties.md", r"^## Wires\n(.|\n)*?\n#", OF_PACKAGES),
+        ("rtkit/cli/help/texts/security.txt", r"^The wire is [^.]*", list(WIRES)),
+    ],
+)
+def test_pages_that_list_the_wires_have_each(page: str, place: str, names: list[str]) -> None:
+    found = re.search(place, (ROOT / page).read_text(encoding="utf-8"), re.MULTILINE)
+    assert found is not None
+    text = found[0].lower()
+    assert [each for each in names if not re.search(rf"\b{each}s?\b", text)] == []
 
 
 def test_check_lists_name_files_that_are_there() -> None:
