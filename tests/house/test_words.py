@@ -5,6 +5,7 @@ from __future__ import annotations
 import ast
 import re
 from collections import defaultdict
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -39,6 +40,37 @@ def test_each_file_that_a_page_names_is_there(page: str) -> None:
     named = re.findall(r"`(rtkit/[\w/]+(?:\.\w+|/)?)`", (ROOT / page).read_text(encoding="utf-8"))
     assert named
     assert [name for name in named if not (ROOT / name).exists()] == []
+
+
+CHATTY = re.compile(r"(^|_)(told|heard|hears?|says?|said|tells?|telling|saying)(_|$)")
+AS_IT_IS = {
+    "tell": "Python's own interface of a file calls it so",
+    "is_heard": "dumps of managers have it as a key",
+    "_is_heard": "dumps of managers have it as a key",
+    "told": "dumps of managers have it as a key",
+    "_told": "dumps of managers have it as a key",
+    "_tell_by": "dumps of managers have it as a key",
+}
+
+
+def defined_names(tree: ast.AST) -> Iterator[str]:
+    for node in ast.walk(tree):
+        if isinstance(node, ast.ClassDef | ast.FunctionDef | ast.AsyncFunctionDef):
+            yield node.name
+        elif isinstance(node, ast.arg):
+            yield node.arg
+        elif isinstance(node, ast.Name | ast.Attribute) and isinstance(node.ctx, ast.Store):
+            yield node.id if isinstance(node, ast.Name) else node.attr
+
+
+def test_names_say_what_is_reported_sent_or_received() -> None:
+    chatty = []
+    for file in sorted((ROOT / "rtkit").rglob("*.py")):
+        names = set(defined_names(ast.parse(file.read_text(encoding="utf-8"))))
+        if file.match("manager/core/*.py") or file.name == "recorder.py":
+            names -= AS_IT_IS.keys()
+        chatty += [f"{file.relative_to(ROOT)}: {n}" for n in sorted(names) if CHATTY.search(n)]
+    assert chatty == []
 
 
 HEADLESS = ("How", "What", "When", "Where", "Whether", "Which", "Who", "Whoever", "Whose", "Why")
