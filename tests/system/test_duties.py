@@ -132,7 +132,7 @@ def test_a_dump_that_is_asked_for(shell: Any) -> None:
     assert shell.run("rtmgr dump manager -").out.startswith('{"rtkit-dump":1,"manager":"manager"')
     shown = shell.ok("rtmgr replay other.dump")
     assert "Create(create='ConsoleIn?instance_name=A" in shown
-    assert shown.endswith("2 processes, 1 components, 0 connectors, as in the manager\n")
+    assert shown.endswith("2 processes, 1 component, 0 connectors, as in the manager\n")
     status, _, err = shell.run("rtmgr dump manager no/such/folder")
     assert (status, "cannot write no/such/folder" in err) == (1, True)
     shell.ok("rtmgr stop")
