@@ -57,6 +57,7 @@ class Guard:
         self._secret = secret
         self._key = os.urandom(32)
         self._used: dict[str, set[int]] = {}
+        self._issued_us = 0
 
     def check(self, method: str, uri: str, header: str | None, now: float) -> Verdict:
         """Return who sends a request, from what it carries to show it."""
@@ -85,7 +86,9 @@ class Guard:
         return hmac.compare_digest(received, right.encode()) and is_whole
 
     def _nonce(self, now: float) -> str:
-        stamp = f"{int(now * 1000):x}"
+        # Two clients with one nonce would use the same counts, and one of them be told it is old.
+        self._issued_us = max(int(now * 1e6), self._issued_us + 1)
+        stamp = f"{self._issued_us:x}"
         return f"{stamp}.{self._seal(stamp)}"
 
     def _seal(self, stamp: str) -> str:
@@ -96,7 +99,7 @@ class Guard:
         stamp, _, seal = nonce.partition(".")
         if not hmac.compare_digest(seal.encode("utf-8", "replace"), self._seal(stamp).encode()):
             return False
-        if now - int(stamp, 16) / 1000 > _NONCE_S:
+        if now - _issued(nonce) > _NONCE_S:
             self._used.pop(nonce, None)
             return False
         used = self._used.setdefault(nonce, set())
@@ -118,4 +121,5 @@ class Guard:
 
 
 def _issued(nonce: str) -> float:
-    return int(nonce.partition(".")[0], 16) / 1000
+    """Return when a nonce was issued [s]."""
+    return int(nonce.partition(".")[0], 16) / 1e6
