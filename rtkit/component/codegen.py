@@ -10,6 +10,7 @@ are loops: code of arrays in arrays would grow with the product of their lengths
 from __future__ import annotations
 
 import struct
+from abc import ABC, abstractmethod
 from collections.abc import Callable
 from types import MemberDescriptorType
 from typing import Any, TypeGuard
@@ -102,7 +103,7 @@ class Source:
         return self.scope["coder"]
 
 
-class _Cdr(Source):
+class _Cdr(Source, ABC):
     """Code that writes or reads CDR: scalars wait until they can be packed in one run.
 
     Attributes:
@@ -127,9 +128,9 @@ class _Cdr(Source):
         if self.codes:
             self.settle()
 
+    @abstractmethod
     def settle(self) -> None:
         """Emit what waits, if anything: from here on ``at`` is the position."""
-        raise NotImplementedError
 
 
 class _Encoder(_Cdr):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator, Sequence
 
 from rtkit.profile_tools.page import Page, PageTable, Section, with_line_breaks
@@ -60,7 +61,7 @@ def rendered(
     return FORMS[form](width, picture_file, dot).written(page)
 
 
-class _PageForm:
+class _PageForm(ABC):
     """The walk over a page; each form says how headings, paragraphs and tables look."""
 
     _between = "\n\n"
@@ -87,11 +88,11 @@ class _PageForm:
             yield from self._parts(each.parts, level + 1)
             yield from self._end()
 
-    def _head(self, page: Page) -> Iterator[str]:
-        raise NotImplementedError
+    @abstractmethod
+    def _head(self, page: Page) -> Iterator[str]: ...
 
-    def _heading(self, title: str, level: int) -> Iterator[str]:
-        raise NotImplementedError
+    @abstractmethod
+    def _heading(self, title: str, level: int) -> Iterator[str]: ...
 
     def _paragraphs(self, text: str) -> list[str]:
         """Return the paragraphs of a text: what blank lines part."""
@@ -101,8 +102,8 @@ class _PageForm:
     def _paragraph(self, text: str) -> str:
         return text
 
-    def _table(self, table: PageTable) -> str:
-        raise NotImplementedError
+    @abstractmethod
+    def _table(self, table: PageTable) -> str: ...
 
     def _end(self) -> Sequence[str]:
         return ()
