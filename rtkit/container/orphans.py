@@ -2,7 +2,8 @@
 
 Zygote, slaves and manager are subreapers: each inherits the orphans below it. So what a component
 daemonises stays below its slave while that lives, and below the zygote after that, which ends it;
-whatever its session and its environment are.
+whatever its session and its environment are. What is killed is killed by process groups: the
+kernel lets no member of one fork meanwhile, where processes killed one by one may multiply.
 
 See decision 42.
 """
@@ -35,6 +36,7 @@ class _Process(NamedTuple):
     pid: int
     state: str
     parent: int
+    group: int
     session: int
     began: int
 
@@ -90,9 +92,11 @@ def end_sessions(
         # Who lives under the pid of one that has ended is a stranger, with a session of its own.
         strangers = {leader for leader in leaders if leader != own and _is_alive(leader)}
         ended = set(leaders) - strangers
+        for leader in ended - {own}:
+            _kill_group(leader)  # also what was born and has died since the look
         marks = {f"{MARK}={leader}".encode() for leader in ended}
         left = [
-            process.pid
+            process
             for process in present
             if process.pid not in killed
             and (
@@ -104,9 +108,8 @@ def end_sessions(
             )
         ]
         clean_looks = 0 if left else clean_looks + 1
-        for pid in left:
-            _kill(pid)
-        killed.update(left)
+        _kill_with_groups(left)
+        killed.update(process.pid for process in left)
 
 
 def end_children() -> None:
@@ -129,11 +132,11 @@ def end_orphans(known: Container[int]) -> list[tuple[int, str]]:
     """
     ended = []
     for child in [pid for pid in _children(os.getpid()) if pid not in known]:
-        for pid in (child, *(each.pid for each in _descendants(child))):
-            name = _name(pid)
-            if name:
-                _kill(pid)
-                ended.append((pid, name))
+        process = _process(child)
+        left = [] if process is None else [process, *_descendants(child)]
+        names = [(each.pid, _name(each.pid)) for each in left]
+        _kill_with_groups([each for each in left if not each.is_over])
+        ended += [(pid, name) for pid, name in names if name]
     return ended
 
 
@@ -220,11 +223,36 @@ def _name(pid: int) -> str:
         return ""
 
 
+def end_slave(pid: int, pidfd: int) -> None:
+    """Kill a slave, and its process group if it leads one.
+
+    Raises:
+        ProcessLookupError: It has ended.
+    """
+    signal.pidfd_send_signal(pidfd, 0)  # a stranger may have its pid
+    if os.getpgid(pid) == pid:
+        _kill_group(pid)
+    signal.pidfd_send_signal(pidfd, signal.SIGKILL)
+
+
+def _kill_with_groups(processes: Collection[_Process]) -> None:
+    """Kill processes and their process groups, but for the group of this process."""
+    own = os.getpgrp()
+    for group in {process.group for process in processes} - {own, 0}:
+        _kill_group(group)
+    for process in processes:
+        if process.group in (own, 0):
+            _kill(process.pid)
+
+
+def _kill_group(leader: int) -> None:
+    with suppress(ProcessLookupError):
+        os.killpg(leader, signal.SIGKILL)
+
+
 def _kill(pid: int) -> None:
-    try:
+    with suppress(ProcessLookupError):
         os.kill(pid, signal.SIGKILL)
-    except ProcessLookupError:
-        return
 
 
 def environment_of(pid: int) -> list[bytes]:
@@ -276,5 +304,7 @@ def _process(pid: int) -> _Process | None:
             text = file.read()
     except (FileNotFoundError, ProcessLookupError):
         return None
-    state, parent, _group, session, *more = text.rpartition(b")")[2].split()
-    return _Process(pid, state.decode(), int(parent), int(session), int(more[_BEGAN]))
+    state, parent, group, session, *more = text.rpartition(b")")[2].split()
+    return _Process(
+        pid, state.decode(), int(parent), int(group), int(session), int(more[_BEGAN])
+    )

@@ -7,8 +7,10 @@ import select
 import signal
 import socket
 import subprocess
+import sys
 import tempfile
 from collections.abc import Iterator
+from contextlib import suppress
 from pathlib import Path
 
 import pytest
@@ -127,3 +129,22 @@ def test_a_stranger_with_the_pid_of_a_guest_that_left_is_let_be(side: Side) -> N
         slave_supervisor.sweep()
         assert stranger.poll() is None
         stranger.kill()
+
+
+def test_what_a_killed_slave_forks_ends_with_it_though_no_zygote_looks(side: Side) -> None:
+    """Each process forks one and exits, as those of a fork bomb may while others are killed."""
+    fleeing = "import os, signal\nif os.fork():\n print(flush=True)\n signal.pause()\n"
+    fleeing += "while True:\n os.fork() and os._exit(0)"
+    command = [sys.executable, "-c", fleeing]
+    slave = subprocess.Popen(command, stdout=subprocess.PIPE, start_new_session=True)
+    assert slave.stdout is not None
+    try:
+        slave.stdout.readline()
+        side.slave_supervisor.adopt(KEY, slave.pid)
+        side.slave_supervisor.signal(KEY, signal.SIGKILL)
+        assert select.select([slave.stdout], [], [], 5.0)[0], "somebody still holds the pipe"
+    finally:
+        with suppress(ProcessLookupError):
+            os.killpg(slave.pid, signal.SIGKILL)
+        slave.wait()
+        slave.stdout.close()

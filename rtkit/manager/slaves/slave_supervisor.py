@@ -20,6 +20,7 @@ from rtkit.container.orphans import (
     end_children,
     end_family,
     end_sessions,
+    end_slave,
     family,
     is_stopped,
     reap_orphans,
@@ -217,15 +218,22 @@ class SlaveSupervisor:
         return self.former_zygotes.has(pid) or self._parents.get(pid, _NO_ZYGOTE) != _NO_ZYGOTE
 
     def signal(self, key: int, number: signal.Signals) -> None:
-        """Send a signal to a slave; through its pidfd, so never to a stranger of the same pid."""
-        pidfd = self._pidfds.get(key)
-        if pidfd is None:
+        """Send a signal to a slave; through its pidfd, so never to a stranger of the same pid.
+
+        SIGKILL goes to its process group as well: a slave that forks without end does not outrun
+        it.
+        """
+        pidfd, pid = self._pidfds.get(key), self._pids.get(key)
+        if pidfd is None or pid is None:
             return
         if number == signal.SIGKILL:  # nobody misses its components
             with suppress(FileNotFoundError):
-                os.unlink(checkpoint_path(self.data_pattern, self._pids[key]))
+                os.unlink(checkpoint_path(self.data_pattern, pid))
         try:
-            signal.pidfd_send_signal(pidfd, number)
+            if number == signal.SIGKILL and pid not in self._guests:
+                end_slave(pid, pidfd)
+            else:
+                signal.pidfd_send_signal(pidfd, number)
         except ProcessLookupError:
             _log.debug("slave %d has ended already", key)
 

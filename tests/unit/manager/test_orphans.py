@@ -88,12 +88,11 @@ def test_the_session_of_a_slave_is_ended(
 
 
 @pytest.mark.parametrize("is_ancestor", [True, False])
-def test_an_orphan_that_bears_the_mark_is_ended(is_ancestor: bool) -> None:
+def test_an_orphan_that_bears_the_mark_is_ended_with_its_group(is_ancestor: bool) -> None:
     pid, (shell, sleep) = slave("own")
     end_sessions({pid}, is_ancestor=is_ancestor)
-    os.waitid(os.P_PID, shell, os.WEXITED)
-    os.kill(sleep, signal.SIGKILL)  # of another session, and no orphan when it was looked for
-    os.waitid(os.P_PID, sleep, os.WEXITED)
+    for each in (shell, sleep):  # they are of one process group
+        os.waitid(os.P_PID, each, os.WEXITED)
 
 
 def test_orphans_are_reaped_but_for_those_that_somebody_waits_for() -> None:
