@@ -305,6 +305,4 @@ def _process(pid: int) -> _Process | None:
     except (FileNotFoundError, ProcessLookupError):
         return None
     state, parent, group, session, *more = text.rpartition(b")")[2].split()
-    return _Process(
-        pid, state.decode(), int(parent), int(group), int(session), int(more[_BEGAN])
-    )
+    return _Process(pid, state.decode(), int(parent), int(group), int(session), int(more[_BEGAN]))
