@@ -5,4 +5,4 @@ from __future__ import annotations
 from contextvars import ContextVar
 
 current: ContextVar[str] = ContextVar("current", default="")
-"""Instance name; empty on threads that no component is called on, those of its own too."""
+"""Instance name; empty where no code of a component runs. Threads that it starts inherit it."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Callable
+from contextvars import Context
 
 from rtkit.errors import Refused
 
@@ -11,12 +12,14 @@ from rtkit.errors import Refused
 def start_thread(work: Callable[[], object], name: str) -> threading.Thread:
     """Do something on a thread of its own, which does not keep the process from its end.
 
+    It is not labelled as one of the component whose code may be calling.
+
     Raises:
         Refused: None can be had now.
     """
     thread = threading.Thread(target=work, name=name, daemon=True)
     try:
-        thread.start()
+        Context().run(thread.start)
     except RuntimeError as error:
         raise Refused(f"no thread can be had for {name}: {error}") from error
     return thread

@@ -19,6 +19,7 @@ from collections.abc import Iterator, Mapping
 from types import TracebackType
 from typing import Any
 
+from rtkit.component.current import current
 from rtkit.errors import Malformed, RtkitError
 from rtkit.link import places
 from rtkit.logs.logfile import LogFile, Lossy, Terminal
@@ -69,6 +70,7 @@ class Log:
             sys.excepthook,
             sys.unraisablehook,
             threading.excepthook,
+            threading.Thread.start,
         ]
         if root.level != logging.INFO:  # a change lets every logger forget what it worked out
             root.setLevel(logging.INFO)
@@ -80,6 +82,7 @@ class Log:
         sys.excepthook = _main_failed
         sys.unraisablehook = _unraisable
         threading.excepthook = _thread_failed
+        threading.Thread.start = _start_labelled  # type: ignore[method-assign]
 
     def begin(self) -> None:
         """Log that this process begins."""
@@ -116,7 +119,8 @@ class Log:
             stream.flush()
         root = logging.getLogger()
         level, sys.stdout, sys.stderr, *hooks = self._before
-        sys.excepthook, sys.unraisablehook, threading.excepthook = hooks
+        sys.excepthook, sys.unraisablehook, threading.excepthook, start = hooks
+        threading.Thread.start = start  # type: ignore[method-assign]
         logging.captureWarnings(False)
         root.setLevel(level)
         for handler in self._handlers:
@@ -254,6 +258,24 @@ def begin_component(
         if logger.level != level:  # a change lets every logger forget what it worked out
             logger.setLevel(level)
     _components.add(instance)
+
+
+_start = threading.Thread.start
+
+
+def _start_labelled(thread: threading.Thread) -> None:
+    """Start a thread; what it prints or raises bears the name of the component that starts it."""
+    instance = current.get()
+    if instance:
+        run = thread.run
+
+        def run_labelled() -> None:
+            del thread.run
+            current.set(instance)  # for good: an exception is reported when `run` is left
+            run()
+
+        thread.run = run_labelled  # type: ignore[method-assign]
+    _start(thread)
 
 
 def _main_failed(

@@ -32,6 +32,7 @@ from rtkit.manager.core.events import StopRequested
 from rtkit.manager.core.requests import NOBODY
 from rtkit.manager.core.startup import StartUp
 from rtkit.manager.core.state import ManagerState, Process
+from rtkit.manager.predecessor.crashes import unseen_crashes
 from rtkit.manager.predecessor.descendants import bear_mark, end_descendants
 from rtkit.manager.predecessor.stale_resources import end_lost
 from rtkit.manager.predecessor.unreported import checkpoints_of_the_dead, living_slaves
@@ -176,6 +177,7 @@ def _claim(name: str, is_shown: bool, stack: ExitStack) -> dict[int, SlaveCheckp
     check_silence(name)
     living = living_slaves(name)
     dead = checkpoints_of_the_dead(name, living)
+    crashes = unseen_crashes(name, dead)
     left = end_descendants(name)
     remove_stale(name, living)
     # What an earlier manager leaves that was just dying at the start is seen at the end only.
@@ -183,6 +185,8 @@ def _claim(name: str, is_shown: bool, stack: ExitStack) -> dict[int, SlaveCheckp
     stack.callback(fault.point, "manager.unlocking")
     stack.enter_context(open_log(name, is_shown=is_shown))
     fault.point("manager.logging")
+    for crash in crashes:
+        crash.log(name)
     if left:
         pids = ", ".join(map(str, left))
         _log.warning("what components of a killed manager had started was ended: pids %s", pids)

@@ -37,7 +37,12 @@ from rtkit.manager.following.following import Following
 from rtkit.manager.limits.usage import usage
 from rtkit.manager.predecessor.descendants import Descendants
 from rtkit.manager.query_server import ManagerQueryServer
-from rtkit.manager.slaves.exit_diagnostics import ExitDiagnostics, exit_diagnostics, log_crash
+from rtkit.manager.slaves.exit_diagnostics import (
+    ExitDiagnostics,
+    culprits,
+    exit_diagnostics,
+    log_crash,
+)
 from rtkit.manager.slaves.slave_connections import SlaveConnections
 from rtkit.manager.slaves.slave_supervisor import SlaveSupervisor
 from rtkit.manager.slaves.watchdog import (
@@ -331,6 +336,8 @@ class Loop:
         if isinstance(event, ev.SlaveEnded):
             event = self._with_exit_diagnostics(event)
         elif isinstance(event, ev.SlaveExitedUnseen):
+            words = exit_diagnostics(self._core.state.name, event.name, event.pid)
+            event = replace(event, reason=words.reason(event.reason))
             _log.warning("slave %s ended while no manager ran: %s", event.name, event.reason)
         for instruction in self._decide(event):
             try:
@@ -400,13 +407,11 @@ class Loop:
         return known
 
     def _log_crash(self, key: int, process: Process, words: ExitDiagnostics) -> None:
-        """Log a crash for the component whose code ran, or the only one that can have been it."""
-        there = [
-            name for name, container in self._core.state.containers.items() if container == key
-        ]
-        only = there[0] if len(there) == 1 else ""
-        instance = self._watchdog.instance_on(key, words.thread) or only
-        log_crash(self._core.state.name, process.name, process.pid, words, instance)
+        """Log a crash for the component whose code ran, or those that can have been it."""
+        state = self._core.state
+        codes = {each: state.components[each].code for each in state.held_by(key)}
+        instances = culprits(words, self._watchdog.instance_on(key, words.thread), codes)
+        log_crash(state.name, process.name, process.pid, words, instances)
 
     def _tidy(self) -> None:
         """See who is stopped, and keep short what is written past logs."""

@@ -10,7 +10,7 @@ from __future__ import annotations
 import json
 import os
 import re
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from operator import attrgetter
 from typing import Any, NamedTuple
 
@@ -124,9 +124,12 @@ class Logbook:
         for file in self._files.values():
             file.close()
 
-    def there(self, most: int | None = None) -> list[LogEntry]:
-        """Return what is in the logs, or of that the latest, and have `delta` begin after it."""
-        entries: list[LogEntry] = []
+    def there(self, most: int | None = None, others: Iterable[LogEntry] = ()) -> list[LogEntry]:
+        """Return what is in the logs, or of that the latest, and have `delta` begin after it.
+
+        Records of `others` that are wanted are put among them.
+        """
+        entries: list[LogEntry] = list(filter(self._wanted, others))
         seen: set[tuple[int, int]] = set()
         for name, number in self._names():
             file = _File(os.path.join(self._folder, name), name.rpartition(".log")[0])

@@ -238,6 +238,29 @@ def test_the_stacks_of_a_crash_are_in_the_log_of_its_component(system: Any) -> N
     assert system.ok("rtvlog --no-follow -l FATAL /localhost/Talker1.rtc") == ""
 
 
+def test_a_crash_that_ended_its_manager_is_in_the_log_of_its_component(system: Any) -> None:
+    crash = TALKER.replace('print("printed")', "__import__('ctypes').string_at(0)")
+    (system.modules / "Talker.py").write_text(crash)
+    system.ok(f"rtmgr {MANAGER} -c Talker")
+    assert system.run(f"rtact {TALKER_PATH}").status == 1
+    line = f"rtvlog --no-follow -l FATAL {TALKER_PATH}"
+    before = system.run(line).out
+    assert "FATAL <rtkit> Fatal Python error: Segmentation fault at Talker.py:16" in before
+    (system.modules / "Talker.py").write_text(TALKER)
+    system.ok("rtmgr start")
+    assert system.ok(line) == before
+
+
+def test_threads_of_a_component_print_under_its_name(system: Any) -> None:
+    thread = "__import__('threading').Thread(target=print, args=('threaded',)).start()"
+    (system.modules / "Talker.py").write_text(TALKER.replace('print("printed")', thread))
+    system.ok(f"rtmgr {MANAGER} -c Talker -c Talker?manager_name=a")
+    for path in (TALKER_PATH, "/localhost/Talker1.rtc"):
+        system.ok(f"rtact {path}")
+        out = system.ok(f"rtvlog --no-follow -f stdout {path}")
+        assert re.fullmatch(r"\[Talker\d [\d:.]+\] INFO  <stdout> threaded\n", out)
+
+
 def test_logs_are_followed(system: Any) -> None:
     following = Watching(system, f"rtvlog {MANAGER}")
     following.until("begins")

@@ -92,8 +92,9 @@ def main(
     sources  of a component its name; else rtkit, stdout, stderr or the name of a logger
 
     \b
-    What code of a component prints, or logs elsewhere, while it is called bears its name; what
-    threads of its own print that of their process. After a crash the stacks are printed, too.
+    What code of a component prints, or logs elsewhere, bears its name: while it is imported,
+    made or called, and on threads that it starts. After a crash the stacks are printed, too,
+    also of one that ended its manager. What C code and programs print is in NAME.out beside.
 
     What a component does not log at its level (option logger.log_level) cannot be printed.
     """
@@ -103,8 +104,9 @@ def main(
     if not paths:
         raise WrongArguments("No component specified.")
     app.bound(duration_s)
+    about, unlogged = _about(app, paths)
     wanted = _all_of(
-        _about(app, paths), _loud_enough(level), _sent_by(sources), _with(grep), _after(since_s)
+        about, _loud_enough(level), _sent_by(sources), _with(grep), _after(since_s)
     )
     is_tail = follow and since_s is None
     before = number if number is not None else _BEFORE if is_tail else None
@@ -112,7 +114,8 @@ def main(
     until = None if duration_s is None else time.monotonic() + duration_s
     logbook = Logbook(state_dir(), wanted)
     try:
-        terminal.write_now([line for entry in logbook.there(before) for line in show(entry)])
+        present = logbook.there(before, unlogged)
+        terminal.write_now([line for entry in present for line in show(entry)])
         while follow and wait_for([logbook.fileno()], until):
             time.sleep(_SETTLE_S)
             terminal.write_now([line for entry in logbook.delta() for line in show(entry)])
@@ -158,18 +161,22 @@ def _after(since_s: float | None) -> Wanted:
     return lambda entry: entry.time >= first
 
 
-def _about(app: App, typed: Sequence[str]) -> Wanted:
-    """Return a predicate: whether a record is about one of the paths."""
+def _about(app: App, typed: Sequence[str]) -> tuple[Wanted, list[LogEntry]]:
+    """Return whether a record is about one of the paths, and records that are in no log yet."""
     read = [app.path(each) for each in typed]
     for path in read:
         if path.port is not None:
             raise Malformed(f"Not a component: {path.typed}")
+    unlogged: list[LogEntry] = []
     try:
         tests = [_about_node(app, path) for path in read]
     except Unreachable as error:
+        from rtkit.cli.observing.unseen import unseen_entries
+
         app.fail(f"{error}; logs are looked for by name")
         tests = [_about_name(path) for path in read]
-    return lambda entry: any(test(entry) for test in tests)
+        unlogged = list(unseen_entries(app.manager))
+    return lambda entry: any(test(entry) for test in tests), unlogged
 
 
 def _about_node(app: App, path: Path) -> Wanted:

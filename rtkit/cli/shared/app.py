@@ -64,6 +64,15 @@ class App:
             self._tree = connect(self._place or "", self.timeout_s)
         return self._tree
 
+    @property
+    def manager(self) -> str:
+        """The name, or address, of the manager that is asked, whether it runs or not."""
+        if self._tree is not None:
+            return self._tree.manager
+        from rtkit.link.places import DEFAULT_MANAGER
+
+        return self._place or os.environ.get("RTKIT_MANAGER") or DEFAULT_MANAGER
+
     def ask(self, tree: Tree) -> None:
         """Use a connection that was made for this run; it is closed with the run."""
         self._tree = tree

@@ -19,8 +19,13 @@ from rtkit.errors import Refused
 from rtkit.link import places, running, unix
 from rtkit.link.processes import ProcessWatch
 from rtkit.manager.claim import remove_stale, take_lock
+from rtkit.manager.predecessor.crashes import unseen_crashes
 from rtkit.manager.predecessor.descendants import end_descendants
-from rtkit.manager.predecessor.unreported import is_slave, living_slaves
+from rtkit.manager.predecessor.unreported import (
+    checkpoints_of_the_dead,
+    is_slave,
+    living_slaves,
+)
 
 TERM_S = 7.0
 """Grace between TERM and KILL, in which components finalise [s]."""
@@ -37,6 +42,7 @@ def end_remains(name: str, term_s: float = TERM_S) -> int:
     """
     with ExitStack() as stack:
         take_lock(name, stack)
+        crashes = unseen_crashes(name, checkpoints_of_the_dead(name, living_slaves(name)))
         slaves, zygotes = dict(_slaves(name, stack)), dict(_zygotes(name, stack))
         for slave in slaves.values():
             slave.send(signal.SIGTERM)
@@ -46,6 +52,8 @@ def end_remains(name: str, term_s: float = TERM_S) -> int:
         end_sessions(slaves.keys(), is_heir=False)
         lost = end_lost(name)
         end_descendants(name)
+        for crash in crashes:
+            crash.log(name)
         remove_stale(name, ())
     return len(slaves) + len(lost)
 

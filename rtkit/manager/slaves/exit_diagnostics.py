@@ -9,6 +9,7 @@ import json
 import logging
 import os
 import re
+from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 from rtkit.component.current import current
@@ -64,25 +65,59 @@ def exit_diagnostics(manager: str, slave: str, pid: int) -> ExitDiagnostics:
     return ExitDiagnostics(place, _short(lines), thread, after.strip())
 
 
-def log_crash(manager: str, slave: str, pid: int, words: ExitDiagnostics, instance: str) -> None:
-    """Add a crash to the log of the slave that it ended, under the name of a component if known.
+def culprits(words: ExitDiagnostics, on_thread: str, codes: Mapping[str, str]) -> tuple[str, ...]:
+    """Return the components whose code may have crashed; empty when that is not known.
+
+    Args:
+        words: The exit diagnostics of their process.
+        on_thread: The one that was called on the thread that crashed, if any was.
+        codes: For each component of the process what `ComponentFacts.code` says.
+    """
+    if on_thread or len(codes) == 1:
+        return (on_thread or next(iter(codes)),)
+    thread = f"Current thread 0x{words.thread:016x}"
+    crashed = words.stacks.partition(thread)[2].partition("\n\n")[0]
+    return tuple(
+        instance
+        for instance, code in codes.items()
+        if any(f'"{line.partition(" ")[2]}"' in crashed for line in code.splitlines())
+    )
+
+
+def crash_text(words: ExitDiagnostics) -> tuple[str, str]:
+    """Return a crash as one line, and the stacks."""
+    what, _, stacks = words.stacks.partition("\n")
+    return what + (f" at {words.place}" if words.place else ""), stacks.strip()
+
+
+def log_crash(
+    manager: str,
+    slave: str,
+    pid: int,
+    words: ExitDiagnostics,
+    instances: Sequence[str],
+    time_s: float = 0.0,
+) -> None:
+    """Add a crash to the log of the process that it ended, under the names of components if known.
 
     Args:
         manager: Name of the manager.
-        slave: Name of the slave, which writes no more.
-        pid: Of the slave.
+        slave: Name of the slave, which writes no more; empty for a manager of that name before.
+        pid: Of the process.
         words: Its last.
-        instance: The component whose code crashed; empty when that is not known.
+        instances: The components whose code may have crashed.
+        time_s: When it crashed [s since 1970]; 0 for now.
     """
-    what, _, stacks = words.stacks.partition("\n")
-    at = f" at {words.place}" if words.place else ""
-    record = logging.LogRecord("rtkit", logging.CRITICAL, "", 0, f"{what}{at}", (), None)
-    record.process, record.stack_info = pid, stacks.strip()
-    before = current.set(instance)
-    target = Lossy(LogFile(places.log_file(manager, slave)), JsonLines(slave))
-    target.handle(record)
+    what, stacks = crash_text(words)
+    record = logging.LogRecord("rtkit", logging.CRITICAL, "", 0, what, (), None)
+    record.process, record.stack_info = pid, stacks
+    record.created = time_s or record.created
+    target = Lossy(LogFile(places.log_file(manager, slave)), JsonLines(slave or manager))
+    for instance in instances or ("",):
+        before = current.set(instance)
+        target.handle(record)
+        current.reset(before)
     target.close()
-    current.reset(before)
 
 
 def _short(lines: list[str]) -> str:

@@ -6,13 +6,23 @@ import json
 import os
 import subprocess
 import sys
+import threading
 
 import pytest
 
+from rtkit.cli.observing.unseen import unseen_entries
+from rtkit.container.heartbeats import Heartbeats
+from rtkit.container.slave_checkpoint import SlaveCheckpoint
 from rtkit.link import places
 from rtkit.logs import outputs
 from rtkit.logs.outputs import cut, forget_old, head
-from rtkit.manager.slaves.exit_diagnostics import ExitDiagnostics, exit_diagnostics, log_crash
+from rtkit.manager.predecessor.crashes import unseen_crashes
+from rtkit.manager.slaves.exit_diagnostics import (
+    ExitDiagnostics,
+    culprits,
+    exit_diagnostics,
+    log_crash,
+)
 from rtkit.tree.logbook import Logbook
 
 CRASH = f"""Fatal Python error: Segmentation fault
@@ -80,13 +90,61 @@ def test_a_crash_that_is_not_in_a_component(folder, frame):
 @pytest.mark.parametrize("instance", ["Arm0", ""])
 def test_the_stacks_of_a_crash_are_logged_for_its_component(folder, instance):
     wrote(f"before\n{CRASH}")
-    log_crash("m", "s", 42, exit_diagnostics("m", "s", 42), instance)
+    log_crash("m", "s", 42, exit_diagnostics("m", "s", 42), [instance])
     [entry] = Logbook(str(folder), lambda entry: True).there()
     assert entry.message == "Fatal Python error: Segmentation fault at arm.py:15 in move"
     assert (entry.component, entry.process, entry.pid, entry.level) == (instance, "s", 42, "FATAL")
     assert '  File "/home/me/arm.py", line 15 in move\n' in entry.exception
     assert "wait" in entry.exception
     assert "before" not in entry.exception
+
+
+CODES = {"A": "0 /home/me/arm.py\n1 /home/me/beside.py", "B": "0 /x/leg.py", "C": ""}
+
+
+@pytest.mark.parametrize(
+    ("on_thread", "codes", "wanted"),
+    [
+        ("B", CODES, ("B",)),
+        ("", CODES, ("A",)),
+        ("", {"B": "0 /x/leg.py"}, ("B",)),
+        ("", {"A": CODES["A"], "A1": CODES["A"], "B": ""}, ("A", "A1")),
+        ("", {"B": "0 /x/leg.py", "C": ""}, ()),
+        ("", {"D": "0 /home/me/other.py", "C": ""}, ()),  # its thread only waited
+        ("", {}, ()),
+    ],
+)
+def test_the_components_whose_code_may_have_crashed(folder, on_thread, codes, wanted):
+    wrote(CRASH)
+    assert culprits(exit_diagnostics("m", "s", 42), on_thread, codes) == wanted
+
+
+def test_a_crash_that_no_manager_saw_is_found_until_it_is_logged(folder, monkeypatch, tmp_path):
+    monkeypatch.setenv("RTKIT_RUNTIME_DIR", str(tmp_path))
+    tmp_path.chmod(0o700)
+    wrote(CRASH)
+    with open(places.output_file("m"), "w") as file:
+        file.write(head("m", 43).decode() + "last words\n" + CRASH)
+    beats = Heartbeats(str(tmp_path / "m.43.beats"))
+    slot = beats.slot()
+    monkeypatch.setattr(threading, "get_ident", lambda: 0x7F0000000002)
+    slot.watch("Own0", "on_execute")
+    dead = {42: SlaveCheckpoint("s", [{"instance": "Arm0", "code": "0 /home/me/arm.py"}])}
+    found = unseen_crashes("m", dead)
+    assert [(each.slave, each.pid, each.instances) for each in found] == [
+        ("s", 42, ("Arm0",)),
+        ("", 43, ("Own0",)),
+    ]
+    assert [(each.component, each.file) for each in unseen_entries("m")] == [("Own0", "m")]
+    for each in found:
+        each.log("m")
+    assert unseen_crashes("m", dead) == []
+    entries = Logbook(str(folder), lambda entry: True).there()
+    assert [(each.component, each.process, each.pid) for each in entries] == [
+        ("Arm0", "s", 42),
+        ("Own0", "m", 43),
+    ]
+    assert unseen_crashes("m", {44: SlaveCheckpoint("s", [])}) == []  # another process of the name
 
 
 def test_the_last_lines_that_were_printed(folder):

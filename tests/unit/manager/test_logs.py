@@ -7,12 +7,14 @@ import logging
 import sys
 import threading
 import warnings
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 
 import pytest
 
 from rtkit.component.current import current
 from rtkit.errors import Malformed, Refused
+from rtkit.link.threads import start_thread
 from rtkit.logs.logs import LEVEL_KEY, Log, begin_component, level_of
 
 
@@ -69,9 +71,36 @@ def test_what_a_component_prints_bears_its_name(path):
     assert [(each.get("component"), each["logger"]) for each in records(path)] == [
         ("Arm0", "stdout"),
         ("Arm0", "library"),
-        (None, "stdout"),
+        ("Arm0", "stdout"),
         (None, "stdout"),
     ]
+
+
+def test_threads_that_a_component_starts_bear_its_name_and_those_of_rtkit_do_not(path):
+    def deeper():
+        with ThreadPoolExecutor(1) as pool:
+            pool.submit(print, "pool").result()
+        raise ValueError("bad")
+
+    with opened(path):
+        before = current.set("Arm0")
+        start_thread(lambda: print("pacer"), "p").join()
+        current.reset(before)
+        started = threading.Thread(target=deeper)
+        before = current.set("Arm1")
+        started.start()
+        current.reset(before)
+        started.join()
+        after = threading.Thread(target=print, args=("after",))
+        after.start()
+        after.join()
+    assert [(each.get("component"), each["message"][:6]) for each in records(path)] == [
+        (None, "pacer"),
+        ("Arm1", "pool"),
+        ("Arm1", "thread"),
+        (None, "after"),
+    ]
+    assert threading.Thread.start.__name__ == "start"
 
 
 def test_lines_of_threads_do_not_mix(path):
