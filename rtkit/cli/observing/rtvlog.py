@@ -105,9 +105,7 @@ def main(
         raise WrongArguments("No component specified.")
     app.bound(duration_s)
     about, unlogged = _about(app, paths)
-    wanted = _all_of(
-        about, _loud_enough(level), _sent_by(sources), _with(grep), _after(since_s)
-    )
+    wanted = _all_of(about, _loud_enough(level), _sent_by(sources), _with(grep), _after(since_s))
     is_tail = follow and since_s is None
     before = number if number is not None else _BEFORE if is_tail else None
     show = _json if is_json else _text
