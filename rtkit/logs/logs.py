@@ -82,7 +82,7 @@ class Log:
         sys.excepthook = _main_failed
         sys.unraisablehook = _unraisable
         threading.excepthook = _thread_failed
-        threading.Thread.start = _start_labelled  # type: ignore[method-assign]
+        threading.Thread.start = _start_labelled  # type: ignore[assignment, method-assign]
 
     def begin(self) -> None:
         """Log that this process begins."""
