@@ -17,6 +17,12 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from rtkit import fault
 from rtkit.container.container import ComponentContainer
+from rtkit.container.exit_diagnostics import (
+    ExitDiagnostics,
+    culprits,
+    exit_diagnostics,
+    log_crash,
+)
 from rtkit.container.stacks import ASK, STACK_SIGNAL, open_stacks, write_stacks
 from rtkit.deployment.delta import TREE
 from rtkit.deployment.message import Message
@@ -37,12 +43,6 @@ from rtkit.manager.following.following import Following
 from rtkit.manager.limits.usage import usage
 from rtkit.manager.predecessor.descendants import Descendants
 from rtkit.manager.query_server import ManagerQueryServer
-from rtkit.manager.slaves.exit_diagnostics import (
-    ExitDiagnostics,
-    culprits,
-    exit_diagnostics,
-    log_crash,
-)
 from rtkit.manager.slaves.slave_connections import SlaveConnections
 from rtkit.manager.slaves.slave_supervisor import SlaveSupervisor
 from rtkit.manager.slaves.watchdog import (

@@ -11,9 +11,9 @@ from rtkit.tree.logbook import LogEntry
 def unseen_entries(manager: str) -> Iterator[LogEntry]:
     """Yield the records that the next start of a manager will add to its logs; none if it runs."""
     from rtkit.cli.shared.json_records import time_text
+    from rtkit.container.exit_diagnostics import crash_text
     from rtkit.manager.predecessor.crashes import unseen_crashes
     from rtkit.manager.predecessor.unreported import checkpoints_of_the_dead, living_slaves
-    from rtkit.manager.slaves.exit_diagnostics import crash_text
 
     if places.owner(manager) is not None:
         return

@@ -8,16 +8,16 @@ from collections.abc import Iterator, Mapping
 from contextlib import closing, suppress
 from typing import NamedTuple
 
-from rtkit.container.heartbeats import HeartbeatReader
-from rtkit.container.slave_checkpoint import SlaveCheckpoint
-from rtkit.link import places, running
-from rtkit.logs.logfile import FILES
-from rtkit.manager.slaves.exit_diagnostics import (
+from rtkit.container.exit_diagnostics import (
     ExitDiagnostics,
     culprits,
     exit_diagnostics,
     log_crash,
 )
+from rtkit.container.heartbeats import HeartbeatReader
+from rtkit.container.slave_checkpoint import SlaveCheckpoint
+from rtkit.link import places, running
+from rtkit.logs.logfile import FILES
 
 _HEAD = re.compile(r"== .*, pid (\d+), [^,\n]*\n")
 _TICK_S = 0.01

@@ -11,18 +11,18 @@ import threading
 import pytest
 
 from rtkit.cli.observing.unseen import unseen_entries
+from rtkit.container.exit_diagnostics import (
+    ExitDiagnostics,
+    culprits,
+    exit_diagnostics,
+    log_crash,
+)
 from rtkit.container.heartbeats import Heartbeats
 from rtkit.container.slave_checkpoint import SlaveCheckpoint
 from rtkit.link import places
 from rtkit.logs import outputs
 from rtkit.logs.outputs import cut, forget_old, head
 from rtkit.manager.predecessor.crashes import unseen_crashes
-from rtkit.manager.slaves.exit_diagnostics import (
-    ExitDiagnostics,
-    culprits,
-    exit_diagnostics,
-    log_crash,
-)
 from rtkit.tree.logbook import Logbook
 
 CRASH = f"""Fatal Python error: Segmentation fault
