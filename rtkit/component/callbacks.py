@@ -145,7 +145,8 @@ def describe_failure(error: BaseException, callback: Callable[..., Any]) -> str:
     """Return ``ValueError: text (file.py:12 in on_execute)`` on one line.
 
     The place is the innermost line of the file that defines the callback, so that a mistake in
-    a call to a library is shown where its author can mend it.
+    a call to a library is shown where its author can mend it. Where that is in another function,
+    the callback is named, too.
     """
     place = _place(error.__traceback__, callback)
     return f"{kind_and_text(error)} ({place})"
@@ -154,6 +155,7 @@ def describe_failure(error: BaseException, callback: Callable[..., Any]) -> str:
 def _place(traceback: TracebackType | None, callback: Callable[..., Any]) -> str:
     code = getattr(getattr(callback, "__func__", callback), "__code__", None)
     file, line, name = "", 0, repr(callback)
+    caller = code.co_name if code else ""
     if code:
         file, line, name = code.co_filename, code.co_firstlineno, code.co_name
     while traceback is not None:
@@ -161,4 +163,5 @@ def _place(traceback: TracebackType | None, callback: Callable[..., Any]) -> str
         if frame.co_filename == file or not code:
             file, line, name = frame.co_filename, traceback.tb_lineno, frame.co_name
         traceback = traceback.tb_next
-    return f"{file.rpartition('/')[2]}:{line} in {name}"
+    via = f", called by {caller}" if caller not in ("", name) else ""
+    return f"{file.rpartition('/')[2]}:{line} in {name}{via}"

@@ -12,6 +12,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import cached_property
 from typing import Any, Protocol, TypeVar, get_type_hints
 
+from rtkit.component.callbacks import describe_failure, unfit_kind
 from rtkit.component.carried import Test, compile_test
 from rtkit.component.codec import Codec, codec_for
 from rtkit.component.type_layout import ArrayLayout, Layout, layout_of_hint
@@ -77,6 +78,11 @@ class InterfaceMethod:
         self._count = len(kinds)
         result = "void" if self.returns_nothing else self._layout("return").name
         self.signature = f"{name}({','.join(given)})->{result}"
+
+    @property
+    def parameters(self) -> tuple[str, ...]:
+        """Names of its parameters."""
+        return tuple(self._shape.parameters)
 
     def encode_arguments(self, arguments: Sequence[Any], named: Mapping[str, Any]) -> bytes:
         """Return arguments as bytes.
@@ -301,9 +307,41 @@ class Interface:
         """Return an object with the methods of the interface, which calls through `port`."""
         return self._client(port, timeout_s)
 
-    def missing_in(self, implementation: object) -> list[str]:
-        """Return the methods that an implementation lacks."""
-        return [n for n in self.methods if not callable(getattr(implementation, n, None))]
+    def check_methods(self, implementation: object, where: str) -> None:
+        """Refuse an implementation without the methods, or with some that a call would not run.
+
+        Raises:
+            Refused: So; names the implementation and its methods, behind `where`.
+        """
+        kind = type(implementation).__name__
+        missing = [n for n in self.methods if not callable(getattr(implementation, n, None))]
+        if missing:
+            what = f"{kind} does not implement {self.name}: it lacks {', '.join(missing)}"
+            raise Refused(f"{where}: {what}")
+        for name in self.methods:
+            unfit = unfit_kind(getattr(implementation, name))
+            if unfit:
+                raise Refused(f"{where}: {kind}.{name} is {unfit}")
+
+    def check(self, implementation: object, where: str) -> None:
+        """Refuse, too, an implementation whose methods do not take the arguments of a call.
+
+        Raises:
+            Refused: So; names the method and its place.
+        """
+        self.check_methods(implementation, where)
+        for name, method in self.methods.items():
+            function = getattr(implementation, name)
+            try:
+                method.call(inspect.signature(function).bind, method.parameters)
+            except ValueError:  # it is not written in Python, and has no signature
+                continue
+            except TypeError as error:
+                what = f"{type(implementation).__name__}.{name} does not do as {method.label}"
+                told = (
+                    f"{what}({', '.join(method.parameters)}): {describe_failure(error, function)}"
+                )
+                raise Refused(f"{where}: {told}") from error
 
 
 class _Exception:

@@ -34,13 +34,12 @@ from copy import copy
 from threading import Lock
 from typing import Any, Generic, NamedTuple, Protocol, Self, TypeVar, cast
 
-from rtkit.component.callbacks import unfit_kind
 from rtkit.component.interface import Interface, InterfaceMethod
 from rtkit.component.invocation import CallTarget, ProvidedInterface
 from rtkit.component.kinds import read_float
 from rtkit.component.options import DEFAULT_TIMEOUT_S
 from rtkit.component.port import Port
-from rtkit.errors import Malformed, NotFound, Refused, Unreachable
+from rtkit.errors import Malformed, NotFound, Unreachable
 from rtkit.rtc.enums import Polarity, PortType
 from rtkit.rtc.profiles import ConnectorProfile, PortInterfaceProfile, PortProfile
 
@@ -305,18 +304,7 @@ class ServicePort(Port):
             done_by = owner
         elif isinstance(done_by, type):
             done_by = done_by(owner) if _takes_argument(done_by) else done_by()
-        missing = use.interface.missing_in(done_by)
-        if missing:
-            raise Refused(
-                f"{owner.instance}.{self.name}: {type(done_by).__name__} does not implement"
-                f" {use.interface.name}: it lacks {', '.join(missing)}"
-            )
-        for name in use.interface.methods:
-            kind = unfit_kind(getattr(done_by, name))
-            if kind:
-                raise Refused(
-                    f"{owner.instance}.{self.name}: {type(done_by).__name__}.{name} is {kind}"
-                )
+        use.interface.check_methods(done_by, f"{owner.instance}.{self.name}")
         return use._replace(implementation=done_by)
 
 

@@ -9,6 +9,9 @@ from contextlib import suppress
 MARK = "RTKIT_MANAGER_PROCESS"
 """Environment variable of what components in a manager's own process start: whose it is."""
 
+ENDS_WITH = "RTKIT_ENDS_WITH"
+"""Environment variable of managers: the process with which they end, ``PID`` or ``PID:BEGAN``."""
+
 _FIRST = 3  # those before are input, output and error
 
 STOPS = (os.CLD_STOPPED, os.CLD_TRAPPED)

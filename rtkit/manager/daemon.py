@@ -17,13 +17,14 @@ from functools import partial
 from typing import TYPE_CHECKING
 
 from rtkit import fault
-from rtkit.container.orphans import become_subreaper
+from rtkit.container.orphans import become_subreaper, began_at
 from rtkit.container.slave_checkpoint import SlaveCheckpoint
 from rtkit.deployment.message import Message
-from rtkit.errors import RtkitError
+from rtkit.errors import Malformed, Refused, RtkitError
 from rtkit.link import places, zenoh_keys
 from rtkit.link.deadline import boot_id
 from rtkit.logs.logs import open_log
+from rtkit.manager.child_process import ENDS_WITH
 from rtkit.manager.claim import check_silence, remove_stale, take_lock
 from rtkit.manager.core import events as ev
 from rtkit.manager.core import manager_properties
@@ -226,7 +227,30 @@ def _assemble(
     signal.set_wakeup_fd(loop.wake_descriptor, warn_on_full_buffer=False)
     stack.callback(signal.set_wakeup_fd, -1)
     catch_signals(loop.post, is_shown=is_shown)
+    _end_with(os.environ.get(ENDS_WITH, ""), loop, stack)
     return loop
+
+
+def _end_with(owner: str, loop: Loop, stack: ExitStack) -> None:
+    """Have the manager end as soon as a process does, ``PID`` or ``PID:BEGAN`` [ticks].
+
+    Raises:
+        Malformed: That is no process.
+        Refused: It has ended.
+    """
+    if not owner:
+        return
+    pid, _, began = owner.partition(":")
+    if not pid.isdecimal():
+        raise Malformed(f"{ENDS_WITH}={owner}: not the number of a process")
+    try:
+        pidfd = os.pidfd_open(int(pid))
+    except (OSError, OverflowError):
+        raise Refused(f"{ENDS_WITH}={owner}: that process has ended") from None
+    stack.callback(os.close, pidfd)
+    if began and began != str(began_at(int(pid))):  # another one has its number now
+        raise Refused(f"{ENDS_WITH}={owner}: that process has ended")
+    loop.end_with(pidfd)
 
 
 def _open_endpoints(

@@ -156,6 +156,15 @@ class Loop:
             with suppress(BlockingIOError):  # it is awake already
                 os.write(self.wake_descriptor, b"x")
 
+    def end_with(self, pidfd: int) -> None:
+        """Ask for the end of the manager as soon as a process has ended."""
+
+        def end(_mask: int) -> None:
+            self._selector.unregister(pidfd)
+            self.post(ev.StopRequested())
+
+        self._selector.register(pidfd, selectors.EVENT_READ, end)
+
     def note_fault(self, work: str, error: BaseException) -> None:
         """Take note of a fault on another thread, from there."""
         self.post(_Failed(work, error))

@@ -183,7 +183,7 @@ def opened_shell(commands: Commands | None = None) -> Iterator[Shell]:
         for socket in (folder / "run").glob("*.sock"):
             if not _stopped(socket):
                 shell.run(f"rtmgr stop {socket.stem}")
-        left = _wait_for_end(processes_of(run_id), 5.0)
+        left = wait_for_end(processes_of(run_id), 5.0)
         found = {
             "processes": [_describe(pid) for pid in left],
             "files": sorted(path.name for path in (folder / "run").iterdir()),
@@ -234,7 +234,7 @@ def processes_of(run_id: str) -> list[int]:
     return found
 
 
-def _wait_for_end(pids: list[int], timeout_s: float) -> list[int]:
+def wait_for_end(pids: list[int], timeout_s: float) -> list[int]:
     """Wait for processes to end and return those that did not."""
     deadline = time.monotonic() + timeout_s
     left = []

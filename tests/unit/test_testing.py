@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import os
+import re
 import time
+from pathlib import Path
 from typing import Protocol
+from unittest.mock import Mock
 
 import pytest
 
@@ -178,8 +181,142 @@ def test_a_trial_has_a_time_of_its_own():
         assert [value.data for value in values] == [50, 350, 1650]
         assert values[0].tm == Time(100, 50_000_000)
         assert time.time() > 1e9
-    with Trial(Scale) as trial, pytest.raises(Refused, match="clock=0"):
-        trial.wait(1.0)
+    for method in (Trial.wait, Trial.run):
+        with Trial(Scale) as trial, pytest.raises(Refused, match="clock=0"):
+            method(trial, 1.0)
+
+
+def test_a_trial_runs_for_a_time_that_does_not_really_pass():
+    begin = time.monotonic()
+    with Trial(Asker, clock=0.0) as trial:
+        trial.provide("memory", Known())
+        trial.activate()
+        trial.run(3600.0)
+        assert len(trial.received("out")) == 4 * 3600
+    assert time.monotonic() - begin < 600.0
+
+
+class Terse:
+    def recall(self):
+        return ""
+
+
+class Lazy:
+    async def recall(self, key):
+        return key
+
+
+class Broken:
+    def recall(self, key):
+        raise LookupError("forgotten")
+
+
+@pytest.mark.parametrize(
+    ("fake", "told"),
+    [
+        (
+            Terse(),
+            r"Asker0.memory: Terse.recall does not do as Memory.recall\(key\): "
+            r"TypeError: too many positional arguments \(test_testing.py:\d+ in recall\)",
+        ),
+        (Lazy(), "Asker0.memory: Lazy.recall is a coroutine function"),
+    ],
+)
+def test_a_fake_has_to_be_called_as_its_interface_says(fake, told):
+    with Trial(Asker) as trial, pytest.raises(Refused, match=told):
+        trial.provide("memory", fake)
+
+
+def test_a_fake_may_be_a_mock():
+    memory = Mock(recall=Mock(return_value="yes"))
+    with Trial(Asker) as trial:
+        trial.provide("memory", memory)
+        trial.activate()
+        trial.tick()
+        assert trial.component.answer == "yes"
+    memory.recall.assert_called_once_with("a")
+
+
+class Provider(Component):
+    """Provide what an `Asker` asks for."""
+
+    memory = ServicePort.provided(Memory)
+
+    def recall(self, key: str) -> str:
+        return key * 2
+
+
+def test_a_component_may_provide_for_another():
+    with Trial(Provider) as other, Trial(Asker) as trial:
+        trial.provide("memory", other.component)
+        trial.activate()
+        trial.tick()
+        assert trial.component.answer == "aa"
+
+
+def test_a_failure_names_the_place_in_the_fake_and_in_the_component():
+    with Trial(Asker) as trial:
+        trial.provide("memory", Broken())
+        trial.activate()
+        trial.tick()
+        assert re.fullmatch(
+            r"Asker0 is in Error: Refused: Asker0.memory: Memory.recall failed: LookupError: "
+            r"forgotten \(test_testing.py:\d+ in recall\) \(test_testing.py:\d+ in on_execute\)",
+            trial.trouble,
+        )
+
+
+class Nested(Component):
+    """Fail below a callback."""
+
+    def on_execute(self, context):
+        self.work()
+
+    def work(self):
+        raise RuntimeError("no")
+
+
+def test_a_test_that_fails_is_told_of_the_error_of_its_component():
+    with pytest.raises(AssertionError) as caught, Trial(Nested) as trial:  # noqa: PT012
+        trial.activate()
+        trial.tick()
+        assert trial.trouble == "", "as a test would look"
+    (note,) = caught.value.__notes__
+    begin = Nested.work.__code__.co_firstlineno
+    where = f"test_testing.py:{begin + 1} in work, called by on_execute"
+    assert note == f"Nested0 is in Error: RuntimeError: no ({where})"
+    with pytest.raises(AssertionError) as caught, Trial(Scale) as trial:  # noqa: PT012
+        assert trial.trouble == ""
+        assert trial.state == "Active"
+    assert not hasattr(caught.value, "__notes__")
+
+
+def test_a_port_that_is_not_there_is_told_with_those_that_are():
+    with Trial(Scale) as trial:
+        with pytest.raises(NotFound, match=r"no in port inot, but into \(did you mean into\?\)"):
+            trial.send("inot")
+        with pytest.raises(NotFound, match="no port out that needs a service, but none"):
+            trial.provide("out", 3)
+
+
+class Late(Component):
+    """Make a port when it is made."""
+
+    def on_initialize(self):
+        self.add_in_port("late", TimedLong)
+
+
+def test_a_wrong_value_names_the_line_of_the_port():
+    lines = Path(__file__).read_text(encoding="utf-8").splitlines()
+    with Trial(Scale) as trial, pytest.raises(Malformed) as caught:
+        trial.send("into", "abc")
+    declared = lines.index("    into = InPort(TimedLong)") + 1
+    assert str(caught.value).endswith(f"(test_testing.py:{declared})")
+    with Trial(Late) as trial, pytest.raises(Malformed) as caught:
+        trial.send("late", "abc")
+    assert str(caught.value).endswith(
+        f"(test_testing.py:{lines.index('class Late(Component):') + 1})"
+    )
 
 
 @pytest.mark.parametrize("value", ["abc", 5, TimedLong(data=2**40), Time(1, 2)])

@@ -10,7 +10,7 @@ import pytest
 
 from rtkit.component import Float, Long, TimedLong
 from rtkit.component.interface import Interface
-from rtkit.errors import Malformed
+from rtkit.errors import Malformed, Refused
 
 
 class Colour(Enum):
@@ -159,4 +159,6 @@ def test_a_sequence_may_be_any():
 
 
 def test_what_an_implementation_lacks():
-    assert EVERYTHING.missing_in(object()) == ["reset", "echo", "mix", "send", "pair"]
+    lacks = "P.p: object does not implement Everything: it lacks reset, echo, mix, send, pair"
+    with pytest.raises(Refused, match=lacks):
+        EVERYTHING.check_methods(object(), "P.p")

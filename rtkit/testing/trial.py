@@ -1,15 +1,14 @@
-"""Tools for tests of components: a trial driven by hand, and a private manager."""
+"""Trials: components driven by hand in a test, with time, values and services of the test."""
 
 from __future__ import annotations
 
+import inspect
 import os
-import shutil
-import tempfile
+import re
 import time
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import AbstractContextManager, ExitStack, contextmanager, nullcontext
-from pathlib import Path
-from typing import TYPE_CHECKING, Any, Generic, TypeVar
+from typing import Any, Generic, TypeVar
 
 from rtkit.closing import Closing
 from rtkit.component.base import Component
@@ -18,18 +17,15 @@ from rtkit.component.fsm import EVENT_NAME, EventPort
 from rtkit.component.invocation import Direct, ProvidedInterface
 from rtkit.component.kinds import kind_of
 from rtkit.component.literal import zero_value
-from rtkit.component.port import InPort, OutPort
+from rtkit.component.port import InPort, OutPort, Port
 from rtkit.component.service import ServicePort
 from rtkit.component.types import Time
 from rtkit.errors import Malformed, NotFound, Refused
 from rtkit.rtc.enums import LifeCycleState, ReturnCode
+from rtkit.rtc.nearest import did_you_mean
 from rtkit.rtc.profiles import ConnectorProfile
 
-if TYPE_CHECKING:
-    from rtkit.tree.client import Tree
-
 C = TypeVar("C", bound=Component)
-_TIMEOUT_S = 20.0
 _EXECUTION_CONTEXT = "PeriodicExecutionContext"
 
 
@@ -46,7 +42,9 @@ class Trial(Closing, Generic[C]):
 
     With a `clock` it has a time of its own: each tick moves it on by a period, `wait` and
     ``time.sleep`` by as much as their argument. Code that asks the module ``time`` sees it, as long
-    as one of the methods here runs it.
+    as one of the methods here runs it. `run` has the component do its cycles for a while.
+
+    A test that fails in the ``with`` block while the component is in Error is told why it is.
 
     Attributes:
         component: The component, initialised.
@@ -124,6 +122,15 @@ class Trial(Closing, Generic[C]):
             if self._clock is not None:
                 self._clock.move(1 / self._context.rate)
 
+    def run(self, duration_s: float) -> None:
+        """Tick as often as the execution context does in a while [s]; no real time passes.
+
+        Raises:
+            Refused: The trial has no clock of its own.
+        """
+        self.wait(0.0)
+        self.tick(round(duration_s * self._context.rate))
+
     def wait(self, duration_s: float) -> None:
         """Let time pass [s] without a tick.
 
@@ -155,17 +162,20 @@ class Trial(Closing, Generic[C]):
 
         Raises:
             NotFound: No port of that name needs a service.
-            Refused: The object lacks methods of an interface; names them.
+            Refused: The object lacks methods of an interface, or one of them cannot be called as
+                the interface says; names them, and where it is.
         """
         found = self.component.ports.get(port)
         if not isinstance(found, ServicePort) or not found.needed:
-            raise NotFound(f"{self.component.instance} has no port {port} that needs a service")
+            needing = {
+                name: each
+                for name, each in self.component.ports.items()
+                if isinstance(each, ServicePort) and each.needed
+            }
+            raise self._no_port("port", port, needing, " that needs a service")
         where = f"{self.component.instance}.{port}"
         for interface in found.needed:
-            missing = ", ".join(interface.missing_in(implementation))
-            if missing:
-                what = f"{type(implementation).__name__} does not implement {interface.name}"
-                raise Refused(f"{where}: {what}: it lacks {missing}")
+            interface.check(implementation, where)
         found.detach(f"trial {port}")
         targets = {
             interface.name: Direct(ProvidedInterface(interface, implementation, where, _nothing))
@@ -184,11 +194,13 @@ class Trial(Closing, Generic[C]):
         Raises:
             NotFound: No such in port.
             Refused: No such event.
-            Malformed: The value is none of the port's type, or of the event's.
+            Malformed: The value is none of the port's type, or of the event's; names the line that
+                declares the port.
         """
         found = self.component.ports.get(port)
         if not isinstance(found, InPort):
-            raise NotFound(f"{self.component.instance} has no in port {port}")
+            ins = {n: each for n, each in self.component.ports.items() if isinstance(each, InPort)}
+            raise self._no_port("in port", port, ins)
         key = f"trial {port} {event}"
         if key not in self._sinks:
             properties = {EVENT_NAME: event} if event else {}
@@ -200,7 +212,8 @@ class Trial(Closing, Generic[C]):
         try:
             sent = carried(kind, value)
         except Malformed as error:
-            raise Malformed(f"{self.component.instance}:{port}: {error}") from error
+            where = declared_at(self.component, found)
+            raise Malformed(f"{self.component.instance}:{port}: {error} ({where})") from error
         self._sinks[key](sent)
 
     def received(self, port: str) -> list[Any]:
@@ -210,15 +223,31 @@ class Trial(Closing, Generic[C]):
             NotFound: No such out port.
         """
         if port not in self._written:
-            raise NotFound(f"{self.component.instance} has no out port {port}")
+            raise self._no_port("out port", port, self._written)
         values = list(self._written[port])
         self._written[port].clear()
         return values
+
+    @property
+    def trouble(self) -> str:
+        """Why the component is in Error: exception, file, line and callback; "" when it is not."""
+        is_well = self.state is not LifeCycleState.ERROR
+        return "" if is_well else f"{self.component.instance} is in Error: {self.component.cause}"
 
     def close(self) -> None:
         """Finalise the component."""
         with self._time():
             self.component.finalize()
+
+    def __exit__(self, *raised: object) -> None:
+        if isinstance(raised[1], Exception) and self.trouble not in ("", *_notes(raised[1])):
+            raised[1].add_note(self.trouble)
+        self.close()
+
+    def _no_port(self, kind: str, port: str, known: Iterable[str], more: str = "") -> NotFound:
+        has = ", ".join(known) or "none"
+        hint = did_you_mean(port, known)
+        return NotFound(f"{self.component.instance} has no {kind} {port}{more}, but {has}{hint}")
 
     def _time(self) -> AbstractContextManager[None]:
         return nullcontext() if self._clock is None else self._clock.installed()
@@ -253,65 +282,34 @@ class _Clock:
             yield
 
 
+def declared_at(component: Component, port: Port) -> str:
+    """Return ``Scale.py:12``, the line that declares a port, or where its component's class begins.
+
+    A port that is no attribute of the class was added when the component was made.
+    """
+    for cls in type(component).__mro__:
+        for attribute, value in vars(cls).items():
+            if isinstance(value, Port) and getattr(component, attribute) is port:
+                return _line_of(cls, rf"\s+{attribute}\s*[:=]")
+    return _line_of(type(component), "")
+
+
+def _line_of(cls: type, pattern: str) -> str:
+    try:
+        lines, first = inspect.getsourcelines(cls)
+    except (OSError, TypeError):  # typed into a shell, or not written in Python
+        return f"{cls.__module__}.{cls.__qualname__}"
+    numbers = (number for number, line in enumerate(lines, first) if re.match(pattern, line))
+    return f"{os.path.basename(inspect.getfile(cls))}:{next(numbers, first)}"
+
+
+def _notes(error: BaseException) -> list[str]:
+    return getattr(error, "__notes__", [])
+
+
 def _text(value: Any) -> str:
     return value if isinstance(value, str) else kind_of(value).write(value)
 
 
 def _nothing() -> None:
     """Receive a call and do nothing about it."""
-
-
-@contextmanager
-def own_manager(*folders: str | Path) -> Iterator[Tree]:
-    """Start a manager in temporary folders; end it, and all that it created, on exit.
-
-    The manager looks for modules in `folders`. `rtkit.connect` reaches it until it has ended. ::
-
-        with own_manager(Path(__file__).parent) as tree:
-            tree.create("Scale?manager_name=other")
-
-    Raises:
-        Refused: It cannot be started.
-    """
-    from rtkit.manager.launch import start
-    from rtkit.settings.configuration import CommandLineSettings
-    from rtkit.tree.connect import connect
-    from rtkit.tree.managers import stop
-
-    # A socket's path may have 107 bytes, less than folders made for tests often take.
-    base = Path(tempfile.mkdtemp(prefix="rtk"))
-    for name in ("run", "state"):
-        (base / name).mkdir(mode=0o700)
-    (base / "rtc.conf").touch(mode=0o600)
-    wished = {
-        "RTKIT_RUNTIME_DIR": str(base / "run"),
-        "RTKIT_STATE_DIR": str(base / "state"),
-        "RTKIT_MODULE_PATH": os.pathsep.join(str(Path(each).resolve()) for each in folders),
-        "RTKIT_PORT": "none",
-        "RTKIT_MANAGER": "manager",
-    }
-    with _environment(wished):
-        try:
-            pid = start("manager", CommandLineSettings(str(base / "rtc.conf")), _TIMEOUT_S).pid
-            try:
-                with connect("manager", _TIMEOUT_S) as tree:
-                    yield tree
-            finally:
-                stop("manager", _TIMEOUT_S)
-                os.waitpid(pid, 0)
-        finally:
-            shutil.rmtree(base)
-
-
-@contextmanager
-def _environment(wished: Mapping[str, str]) -> Iterator[None]:
-    before = {name: os.environ.get(name) for name in wished}
-    os.environ.update(wished)
-    try:
-        yield
-    finally:
-        for name, text in before.items():
-            if text is None:
-                del os.environ[name]
-            else:
-                os.environ[name] = text

@@ -1,0 +1,195 @@
+"""The plugin of pytest in projects of strangers, whose tests fail, are interrupted and killed."""
+
+from __future__ import annotations
+
+import os
+import re
+import signal
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from shells import Shell, processes_of, wait_for_end
+
+SCALE = """
+from rtkit.component import Component, InPort, OutPort, Parameter, TimedLong
+
+
+class Scale(Component):
+    factor = Parameter(2)
+    into = InPort(TimedLong)
+    out = OutPort(TimedLong)
+
+    def on_activated(self, context):
+        print("scaling by", self.factor)
+        self.check()
+
+    def check(self):
+        if self.factor < 0:
+            raise ValueError("negative")
+
+
+def ScaleInit(manager):
+    manager.register_factory(Scale)
+"""
+CREATE = 'rtmanager.load("Scale.py"); rtmanager.create("Scale?manager_name=other")'
+
+
+@pytest.fixture
+def project(shell: Shell) -> Shell:
+    """A shell in the folder of a project that has the component Scale, and no test yet."""
+    (shell.folder / "Scale.py").write_text(SCALE)
+    (shell.folder / "tmp").mkdir()
+    shell.environment["TMPDIR"] = str(shell.folder / "tmp")
+    for name in [name for name in shell.environment if name.startswith("PYTEST_")]:
+        del shell.environment[name]
+    return shell
+
+
+def started(project: Shell, tests: str, *arguments: str) -> subprocess.Popen[str]:
+    (project.folder / "test_it.py").write_text(tests)
+    line = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", *arguments]
+    return subprocess.Popen(
+        line,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        text=True,
+        env=project.environment,
+        cwd=project.folder,
+    )
+
+
+def run(project: Shell, tests: str, *arguments: str) -> str:
+    """Run pytest to its end and return what it printed; nothing may be left then."""
+    out, _ = started(project, tests, *arguments).communicate(timeout=60)
+    assert [*processes_of(project.run_id), *(project.folder / "tmp").glob("rtk*")] == []
+    return out
+
+
+def test_a_failure_is_reported_with_what_lived_and_was_logged(project: Shell) -> None:
+    out = run(
+        project,
+        "import pytest\n"
+        "from rtkit.testing import Trial\n"
+        "from Scale import Scale\n"
+        "def test_live(rtmanager):\n"
+        f"    {CREATE}\n"
+        "    rtmanager.configure('/localhost/Scale0.rtc', factor=-1)\n"
+        "    rtmanager.activate('/localhost/Scale0.rtc')\n"
+        "@pytest.fixture\n"
+        "def late(rtmanager):\n"
+        "    rtmanager.create('Nobody')\n"
+        "def test_setup(late):\n    pass\n"
+        "@pytest.fixture\n"
+        "def trial():\n"
+        "    with Trial(Scale, {'conf.default.factor': '-1'}) as trial:\n"
+        "        yield trial\n"
+        "def test_trial(trial):\n    trial.activate()\n"
+        "def test_nothing():\n    assert 0\n"
+        "def test_good(rtmanager):\n    pass\n",
+    )
+    where = r"ValueError: negative \(Scale.py:\d+ in check, called by on_activated\)"
+    status = r"- rtkit: status -+\nmanager manager, pid \d+: 1 components\n  "
+    assert re.search(rf"{status}/localhost/Scale0.rtc  Error  {where}\n-+ rtkit: log -", out), out
+    assert re.search(r"\[Scale0 \S+\] INFO: scaling by -1\n", out)
+    assert re.search(rf"\[Scale0 \S+\] ERROR: on_activated failed: {where}\nTraceback", out)
+    assert re.search(r"manager manager, pid \d+: 0 components\n", out), "of the fixture"
+    assert re.search(rf"- rtkit: trial -+\nScale0 is in Error: {where}\n", out)
+    assert out.count("- rtkit: ") == 2 + 2 + 1
+    assert "3 failed, 1 passed, 1 error" in out
+
+
+WAIT = f"""
+import signal
+def test_long(rtmanager):
+    {CREATE}
+    rtmanager.activate("/localhost/Scale0.rtc")
+    print("begun", flush=True)
+    signal.pause()
+"""
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGKILL])
+def test_nothing_outlives_a_pytest_that_is_ended(project: Shell, number: signal.Signals) -> None:
+    with started(project, WAIT, "-s") as tests:
+        assert tests.stdout is not None
+        assert tests.stdout.readline() == "begun\n"
+        processes = processes_of(project.run_id)
+        assert len(processes) >= 4, "pytest, manager, zygote, slave"
+        tests.send_signal(number)
+        assert wait_for_end(processes, 20.0) == []
+
+
+def test_nothing_outlives_a_manager_that_is_killed(project: Shell) -> None:
+    out = run(
+        project,
+        "import os, signal\n"
+        "def test_it(rtmanager):\n"
+        f"    {CREATE}\n"
+        "    manager = os.pidfd_open(rtmanager.snapshot().pid)\n"
+        "    signal.pidfd_send_signal(manager, signal.SIGKILL)\n"
+        "    assert rtmanager.snapshot() is None\n",
+    )
+    assert "no manager runs any more" in out
+    assert "1 failed" in out
+    assert "error" not in out.splitlines()[-1], "at the end of the fixture"
+
+
+def test_tests_that_run_at_once_do_not_meet(project: Shell) -> None:
+    out = run(
+        project,
+        "import pytest, subprocess, sys\n"
+        "@pytest.mark.parametrize('number', range(4))\n"
+        "def test_it(rtmanager, number):\n"
+        f"    {CREATE}\n"
+        "    rtmanager.configure('/localhost/Scale0.rtc', factor=number)\n"
+        "    assert rtmanager.ls() == ['Scale0.rtc', 'manager.mgr']\n"
+        "    assert rtmanager.component('/localhost/Scale0.rtc').sets['default'] == "
+        "{'factor': str(number)}\n",
+        "-n4",
+    )
+    assert "4 passed" in out
+
+
+def test_commands_in_a_test_ask_its_manager(project: Shell) -> None:
+    project.environment["RTKIT_CWD"] = "/localhost/elsewhere"
+    out = run(
+        project,
+        "import subprocess, sys\n"
+        "LS = [sys.executable, '-c', 'from rtkit.cli.tree.rtls import main; main()']\n"
+        "def test_it(rtmanager):\n"
+        f"    {CREATE}\n"
+        "    subprocess.Popen(['sleep', '1000'])\n"
+        "    assert b'Scale0.rtc' in subprocess.run([*LS, '/localhost'], stdout=-1).stdout\n",
+    )
+    assert "1 passed" in out
+
+
+def test_what_is_not_used_is_not_imported(project: Shell) -> None:
+    (project.folder / "conftest.py").write_text(
+        "import sys\n"
+        "def pytest_sessionfinish():\n"
+        "    print(sorted(name for name in sys.modules if name.partition('.')[0] == 'rtkit'))\n"
+    )
+    out = run(project, "def test_it():\n    assert 0\n", "-s")
+    assert "['rtkit', 'rtkit.testing', 'rtkit.testing.plugin']" in out
+    assert "1 failed" in out
+
+
+@pytest.mark.parametrize(
+    ("owner", "why"),
+    [
+        ("me", "not the number of a process"),
+        (str(2**22 + 1), "that process has ended"),
+        (f"{os.getpid()}:1", "that process has ended"),
+    ],
+)
+def test_a_manager_does_not_begin_that_ought_to_have_ended(
+    shell: Shell, owner: str, why: str
+) -> None:
+    shell.environment["RTKIT_ENDS_WITH"] = owner
+    outcome = shell.run("rtmgr start")
+    assert outcome.status == 1
+    assert outcome.err == f"rtmgr: RTKIT_ENDS_WITH={owner}: {why}\n"
+    assert not list(Path(shell.folder, "run").glob("*.sock"))
