@@ -337,11 +337,10 @@ class Interface:
             except ValueError:  # it is not written in Python, and has no signature
                 continue
             except TypeError as error:
-                what = f"{type(implementation).__name__}.{name} does not do as {method.label}"
-                told = (
-                    f"{what}({', '.join(method.parameters)}): {describe_failure(error, function)}"
-                )
-                raise Refused(f"{where}: {told}") from error
+                wanted = f"{method.label}({', '.join(method.parameters)})"
+                what = f"{type(implementation).__name__}.{name} does not do as {wanted}"
+                why = describe_failure(error, function)
+                raise Refused(f"{where}: {what}: {why}") from error
 
 
 class _Exception:

@@ -230,7 +230,7 @@ class Trial(Closing, Generic[C]):
 
     @property
     def trouble(self) -> str:
-        """Why the component is in Error: exception, file, line and callback; "" when it is not."""
+        """Reason of its Error: exception, file, line and callback; "" when it is not in Error."""
         is_well = self.state is not LifeCycleState.ERROR
         return "" if is_well else f"{self.component.instance} is in Error: {self.component.cause}"
 
