@@ -26,9 +26,7 @@ def connect(manager: str = "", timeout_s: float = DEFAULT_TIMEOUT_S) -> Tree:
     from rtkit.link.running import why_absent
     from rtkit.link.zenoh import ZenohLink, open_client, unix_endpoint
 
-    name = (
-        as_text(manager, "a manager's name") or os.environ.get("RTKIT_MANAGER") or DEFAULT_MANAGER
-    )
+    name = as_text(manager, "a manager's name") or usual_manager()
     if ":" in name:
         from rtkit.rtc.manager_address import parse_address
 
@@ -45,6 +43,11 @@ def connect(manager: str = "", timeout_s: float = DEFAULT_TIMEOUT_S) -> Tree:
     tree = Tree(ZenohLink(session), os.uname().nodename, name, timeout_s)
     tree.has_ended = lambda: owner(name) is None
     return tree
+
+
+def usual_manager() -> str:
+    """Return the manager that is meant where none is named."""
+    return os.environ.get("RTKIT_MANAGER") or DEFAULT_MANAGER
 
 
 def connect_at(address: Address, timeout_s: float = DEFAULT_TIMEOUT_S) -> Tree:

@@ -163,7 +163,7 @@ FOR_REPAIRS_AND_CHANGES = (
     "difflib",
     "locale",
     "rtkit.cli.shared.progress",
-    "rtkit.cli.system.step_times",
+    "rtkit.api.step_times",
     "rtkit.deployment.listing",
     "rtkit.deployment.planning",
     "rtkit.profile.normalise",

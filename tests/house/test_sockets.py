@@ -15,7 +15,7 @@ LISTENS = {
 }
 MAKES_ENDPOINTS = "link/zenoh.py"
 KNOWS_THE_UNCHECKED_FOLDER = {
-    "cli/shared/observers.py",
+    "api/observers.py",
     "cli/managers/doctor/folders.py",
     "cli/managers/words.py",
     "link/places.py",

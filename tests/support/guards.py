@@ -180,7 +180,7 @@ GUARDS = (
     ),
     Guard(
         "system/test_system_calls.py::test_calls_here_and_there[cryo]",
-        "rtkit/cli/shared/atomic.py",
+        "rtkit/link/atomic.py",
         "    os.fsync(stream.fileno())\n",
         "",
     ),

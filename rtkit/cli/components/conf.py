@@ -163,7 +163,7 @@ def _declared(
     constraints = facts.sets.get(CONSTRAINT_SET, {})
     if all(name in constraints for values in wanted.values() for name in values):
         return {}
-    from rtkit.cli.shared.component_profiles import profiles
+    from rtkit.api.component_profiles import profiles
 
     found = list(profiles((), notify, with_shipped=False))
     if not found:
@@ -362,7 +362,7 @@ def _lines(each: SetDifference) -> Iterator[str]:
 
 
 def _export(facts: ComponentFacts, chosen: Sets, target: str) -> None:
-    from rtkit.cli.shared.atomic import write_output
+    from rtkit.link.atomic import write_output
 
     text = json_records.line("configuration", record_of(facts, chosen), indent=2)
     write_output(f"{text}\n".encode(), target)

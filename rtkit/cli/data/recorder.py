@@ -13,10 +13,10 @@ from typing import IO, TYPE_CHECKING, cast
 from rtkit.cli.data.arguments import named_streams
 from rtkit.cli.shared import stdout_reader
 from rtkit.cli.shared.app import App
-from rtkit.cli.shared.atomic import STDOUT
 from rtkit.cli.shared.progress import Show, metered
 from rtkit.cli.shared.signals import waking_main
 from rtkit.errors import Refused
+from rtkit.link.atomic import STDOUT
 
 if TYPE_CHECKING:
     from rtkit.probe.port_spec import Stream

@@ -176,7 +176,7 @@ def dump(app: App, name: str, file: str) -> None:
         Refused: There is such a file.
         NotFound: It cannot be written.
     """
-    from rtkit.cli.shared.atomic import STDOUT, write_output
+    from rtkit.link.atomic import STDOUT, write_output
     from rtkit.tree.connect import connect
 
     output = file or f"{name}.dump"

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import os
 
+from rtkit.api.observers import Observers, scopes_of
 from rtkit.cli.observing.top.activity import Top
 from rtkit.cli.observing.top.page import TITLES, Look, ordered, table
 from rtkit.cli.observing.top.rates import RateRow
 from rtkit.cli.shared import terminal
 from rtkit.cli.shared.app import App
 from rtkit.cli.shared.command import command
-from rtkit.cli.shared.observers import Observers, scopes_of
 from rtkit.cli.shared.options import COUNT, WordChoice, arguments, flag, json_flag, option
 from rtkit.rtc.names import LOCAL
 

@@ -13,7 +13,7 @@ from rtkit.cli.shared.options import NumberChoice, arguments, json_flag, option
 from rtkit.errors import Malformed, Partial, RtkitError
 
 if TYPE_CHECKING:
-    from rtkit.cli.shared.observers import Observers
+    from rtkit.api.observers import Observers
     from rtkit.rtc.names import Path
     from rtkit.tree.view import TreeNode
 
@@ -157,7 +157,7 @@ def _reach(app: App, goals: Sequence[WaitGoal], until: float) -> Sequence[Proble
 
     When the time is up it returns what is missing; no manager answers may be why.
     """
-    from rtkit.cli.shared.observers import Observers
+    from rtkit.api.observers import Observers
     from rtkit.deployment.delta import TREE
 
     with Observers(app, (TREE,), is_patient=True) as subscriptions:

@@ -6,18 +6,18 @@ import time
 from collections.abc import Container, Iterable, Iterator, Sequence
 from typing import TYPE_CHECKING, Any
 
-from rtkit.cli.shared import terminal
-from rtkit.cli.shared.app import App, WrongArguments
-from rtkit.cli.shared.command import command
-from rtkit.cli.shared.json_records import line as json_line
-from rtkit.cli.shared.json_records import picked, time_text
-from rtkit.cli.shared.observers import (
+from rtkit.api.observers import (
     ManagerSeen,
     Observers,
     is_covered,
     place_of,
     scopes_of,
 )
+from rtkit.cli.shared import terminal
+from rtkit.cli.shared.app import App, WrongArguments
+from rtkit.cli.shared.command import command
+from rtkit.cli.shared.json_records import line as json_line
+from rtkit.cli.shared.json_records import picked, time_text
 from rtkit.cli.shared.options import (
     COUNT,
     WordChoice,
@@ -31,8 +31,8 @@ from rtkit.cli.shared.terminal import clock
 from rtkit.deployment.user_events import HEARTBEAT, KINDS, SYSTEM_STATE, UserEvent, heartbeats
 
 if TYPE_CHECKING:
-    from rtkit.cli.shared.observers import ObservedEvent
-    from rtkit.cli.system.gathering import Managers
+    from rtkit.api.gathering import Managers
+    from rtkit.api.observers import ObservedEvent
     from rtkit.deployment.facts import Snapshot
     from rtkit.deployment.metrics import Metrics
     from rtkit.deployment.states.states import States
@@ -129,19 +129,20 @@ def _states(app: App, file: str) -> tuple[States, Managers | None]:
     Raises:
         InvalidDocument: It tells none, or they make no sense.
     """
-    from rtkit.cli.system import shared
+    from rtkit.api import looking
+    from rtkit.api.gathering import Managers, names_another
+    from rtkit.api.planning import DeploymentInputs
+    from rtkit.api.states import states_of
     from rtkit.cli.system.document import read_document
-    from rtkit.cli.system.gathering import Managers, names_another
-    from rtkit.cli.system.planning import DeploymentInputs
-    from rtkit.cli.system.states import states_of
     from rtkit.deployment.goal import DeploymentGoal
 
     document = read_document(app, (file,))
-    managers = Managers(document.profile) if names_another(document.profile) else None
-    snapshot = shared.snapshot(app)
+    is_wide = names_another(document.profile)
+    managers = Managers(document.profile, app.usual_manager) if is_wide else None
+    snapshot = looking.snapshot(app)
     if managers is not None:
         snapshot = managers.joined([snapshot])
-    system = shared.wanted_system(app, document, snapshot)
+    system = looking.wanted_system(app, document, snapshot)
     return states_of(DeploymentInputs(document, DeploymentGoal(system), snapshot)), managers
 
 

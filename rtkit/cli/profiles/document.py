@@ -79,8 +79,8 @@ def write_page(page: Page, form: str, output: str, dot: str = "") -> None:
     Raises:
         UsageProblem: The picture would replace the page.
     """
-    from rtkit.cli.shared.atomic import STDOUT, write_output
     from rtkit.cli.shared.terminal import display_width
+    from rtkit.link.atomic import STDOUT, write_output
     from rtkit.profile_tools.rendering import rendered
 
     has_file = form == "markdown" and page.picture and output != STDOUT

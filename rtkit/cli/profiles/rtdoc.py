@@ -5,10 +5,10 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from rtkit.cli.shared.app import App, check_at_most_one, no_such
-from rtkit.cli.shared.atomic import STDOUT
 from rtkit.cli.shared.command import command
 from rtkit.cli.shared.options import arguments, flag, option
 from rtkit.errors import Malformed, UsageProblem
+from rtkit.link.atomic import STDOUT
 
 if TYPE_CHECKING:
     from rtkit.cli.profiles.doc_subject import DocumentedComponent
@@ -102,7 +102,7 @@ def _of_tree(app: App, typed: str) -> DocumentedComponent:
 
 def _from_profile(app: App, type: TypeProfile) -> tuple[Section, ...]:
     """Return the documentation in the RTC profile of a type besides ports and parameters."""
-    from rtkit.cli.shared.component_profiles import profiles
+    from rtkit.api.component_profiles import profiles
     from rtkit.errors import RtkitError
     from rtkit.profile.read import read_profile
     from rtkit.profile.rtc_model import RtcProfile

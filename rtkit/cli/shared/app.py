@@ -16,6 +16,8 @@ from rtkit.cli.shared.terminal import printable
 from rtkit.errors import Malformed, NotFound, Refused, RtkitError, Unreachable
 
 if TYPE_CHECKING:
+    from contextlib import AbstractContextManager
+
     from rtkit.deployment.facts import ComponentFacts
     from rtkit.rtc.manager_address import Address
     from rtkit.rtc.names import Path
@@ -164,6 +166,29 @@ class App:
     def finds_managers(self) -> bool:
         """Return whether this run looks for managers itself, because none was given."""
         return self._is_own_tree
+
+    @property
+    def usual_manager(self) -> str:
+        """Return the manager of components whose path names none."""
+        from rtkit.tree.connect import usual_manager
+
+        return usual_manager()
+
+    def wait_for(self, sources: Iterable[int], until: float | None) -> set[int]:
+        """Wait until descriptors are readable and return those; none when the time is up.
+
+        Raises:
+            BrokenPipeError: Nobody reads stdout any more.
+        """
+        from rtkit.cli.shared.stdout_reader import wait_for
+
+        return wait_for(sources, until)
+
+    def counting(self, title: str) -> AbstractContextManager[Callable[[int, int], None]]:
+        """Return a context with what shows how many actions are done, of how many."""
+        from rtkit.cli.shared.progress import counting
+
+        return counting(self, title)
 
     def at(self, address: Address) -> tuple[Tree, str]:
         """Return the connection to the manager at an address, and the slave that it names, if any.

@@ -7,19 +7,23 @@ import sys
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from typing import TYPE_CHECKING
-
-if TYPE_CHECKING:
-    from rtkit.cli.shared.app import App
+from typing import Protocol
 
 _PERIOD_S = 0.1
+
+
+class Errors(Protocol):
+    """Writes lines on stderr, as `rtkit.cli.shared.app.App` does."""
+
+    write_error: Callable[[str], object]
+
 
 Show = Callable[[float, float | None, str], None]
 """Is told how much is done, of how much (None when that is open), and a few words."""
 
 
 @contextmanager
-def metered(app: App, title: str, *, is_writing: bool = False) -> Iterator[Show]:
+def metered(app: Errors, title: str, *, is_writing: bool = False) -> Iterator[Show]:
     """Show progress on stderr while inside, if that is a terminal; lines go above it.
 
     A command that `is_writing` its results on a terminal shows its progress by them.
@@ -54,6 +58,13 @@ def metered(app: App, title: str, *, is_writing: bool = False) -> Iterator[Show]
 def counted(show: Show) -> Callable[[int, int], None]:
     """Return a function that shows a count out of a total."""
     return lambda done, total: show(done, total, f"{done}/{total}")
+
+
+@contextmanager
+def counting(app: Errors, title: str) -> Iterator[Callable[[int, int], None]]:
+    """Show a count out of a total while inside, as `metered` does."""
+    with metered(app, title) as show:
+        yield counted(show)
 
 
 def _paced(show: Show) -> Show:

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from rtkit.api import looking
 from rtkit.cli.shared.app import App
-from rtkit.cli.system import shared
 
 if TYPE_CHECKING:
     from rtkit.deployment.facts import ComponentFacts
@@ -24,7 +24,7 @@ def live_scene(app: App, title: str) -> Scene:
     from rtkit.fast_dataclass import replace
     from rtkit.profile_tools.system_scene import system_scene
 
-    snapshot = shared.snapshot(app)
+    snapshot = looking.snapshot(app)
     # A saved system has no zombies; a drawing shows them.
     shown = tuple(replace(each, zombie="") for each in snapshot.components)
     heading = SystemHeading("1970-01-01T00:00:00", title, "0", "rtkit", "")

@@ -1,283 +1,49 @@
-"""Shared parts of rtplan and rtapply: options, the goal over the live system, the plan."""
+"""Options of the commands that plan: rtplan, rtapply, rtstate."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import replace
-from typing import TYPE_CHECKING, Any, NamedTuple
-
 import click
 
-from rtkit.cli.shared.app import App
+from rtkit.api.planning import MEASURED, STATES, TABLE, GoalOptions, WayOptions
 from rtkit.cli.shared.options import flag, option, several, together
-from rtkit.cli.system import shared
-from rtkit.errors import UsageProblem
-
-if TYPE_CHECKING:
-    from rtkit.cli.system.document import SystemDocument
-    from rtkit.deployment.facts import Snapshot
-    from rtkit.deployment.goal import DeploymentGoal
-    from rtkit.deployment.planning.deployment_plan import DeploymentPlan
-    from rtkit.deployment.planning.model import Model
-    from rtkit.deployment.planning.model_builder import BuiltModel
-    from rtkit.deployment.planning.step_costs import Costs
-    from rtkit.deployment.system import WantedSystem
-    from rtkit.tree.plan_locks import PlanLocks
-
-ANY = "Any"
-STATES = ("Active", "Inactive", ANY)
-MEASURED, TABLE = "measured", "table"
-
-
-Make = Callable[["DeploymentGoal", "Snapshot", "Model"], "DeploymentPlan"]
-"""Makes a plan to a goal from what lives, which a model tells too."""
-
-
-class Prepared(NamedTuple):
-    """The document, the wanted system, the live system, and the plan between them."""
-
-    document: SystemDocument
-    goal: DeploymentGoal
-    snapshot: Snapshot
-    plan: DeploymentPlan
-    survey: BuiltModel
-
-
-class DeploymentInputs(NamedTuple):
-    """The document, the wanted system and the live system."""
-
-    document: SystemDocument
-    goal: DeploymentGoal
-    snapshot: Snapshot
-
 
 STAND_IN = flag("--stand-in", "Generate what is missing from the profile, without its modules.")
-
-
-class WayOptions(NamedTuple):
-    """Options that constrain the way to the goal.
-
-    Attributes:
-        costs: ``NAME=NUMBER`` of kinds of steps.
-        basis: Where the costs of the other kinds come from.
-        stand_in: Generate what is missing.
-        transmit: Stand-ins write values.
-        replaces: End and replace what cannot be changed in place.
-    """
-
-    costs: tuple[str, ...] = several(
-        "--cost NAME=NUMBER", "What a kind of step costs, or any interruption of a component."
-    )
-    basis: str = option(
-        "--costs",
-        "Cost of the other steps: as long as they took here (default, where known), or what the"
-        " table says.",
-        click.Choice((MEASURED, TABLE)),
-        default=MEASURED,
-    )
-    stand_in: bool = STAND_IN
-    transmit: bool = flag("--transmit", "Stand-ins write values while active.")
-    replaces: bool = flag(
-        "--replace",
-        "End and replace what cannot be changed in place: another type, another create string, a"
-        " stand-in with other ports.",
-    )
-
-
-class GoalOptions(NamedTuple):
-    """Options that select the goal of a plan, and constrain the way to it."""
-
-    state: str = option(
-        "-s --state",
-        "State that every component is to be in (default Active).",
-        click.Choice(STATES, case_sensitive=False),
-        default=STATES[0],
-    )
-    way: WayOptions = together(WayOptions)
-    prunes: bool = flag(
-        "--prune",
-        "End the other components of the managers of the profile, and remove the other"
-        " connections of its components.",
-    )
-
-
-def options_record(mapped: Sequence[str], aim: GoalOptions) -> dict[str, Any]:
-    """Return the options of a plan by name, as a saved plan tells them."""
-    return {**aim.way._asdict(), "state": aim.state, "prunes": aim.prunes, "mapped": mapped}
-
-
-def read_options(record: Mapping[str, Any]) -> tuple[tuple[str, ...], GoalOptions]:
-    """Return the options that a saved plan tells.
-
-    Raises:
-        TypeError: One is missing, or there is no such option.
-    """
-    way = {name: value for name, value in record.items() if name in WayOptions._fields}
-    others = {name: value for name, value in record.items() if name not in (*way, "mapped")}
-    return tuple(record.get("mapped") or ()), GoalOptions(way=WayOptions(**way), **others)
-
-
-def prepare(
-    app: App,
-    document: SystemDocument,
-    mapped: tuple[str, ...],
-    aim: GoalOptions,
-    *,
-    is_dry: bool,
-    parallel: int = 0,
-    lock: PlanLocks | None = None,
-    make: Make | None = None,
-) -> Prepared:
-    """Look at what lives, and plan, or `make` the plan otherwise.
-
-    Raises:
-        Impossible: There is no plan; names the conditions that cannot hold together.
-    """
-    from rtkit.rtc.enums import LifeCycleState
-
-    _, goal, snapshot = begin(
-        app, document, mapped, aim.way, is_dry=is_dry, parallel=parallel, starts=True, lock=lock
-    )
-    wished = None if aim.state == ANY else LifeCycleState(aim.state)
-    goal = replace(goal, state=wished, prunes=aim.prunes)
-    survey = goal.survey(snapshot)
-    app.warn(survey.notes, mark="")
-    plan = (make or _cheapest)(goal, snapshot, survey.model)
-    return Prepared(document, goal, snapshot, plan, survey)
-
-
-def _cheapest(goal: DeploymentGoal, _snapshot: Snapshot, model: Model) -> DeploymentPlan:
-    from rtkit.deployment.planning.deployment_plan import make_plan
-
-    return make_plan(model, goal.ranks)
-
-
-def begin(
-    app: App,
-    document: SystemDocument,
-    mapped: tuple[str, ...],
-    way: WayOptions,
-    *,
-    is_dry: bool,
-    parallel: int = 0,
-    starts: bool = False,
-    lock: PlanLocks | None = None,
-) -> DeploymentInputs:
-    """Look at what lives; the goal is that all of the profile is active.
-
-    Managers that do not run are an error, unless the plan `starts` them. A `lock` keeps others
-    off from before the look.
-
-    Raises:
-        InvalidDocument: The profile makes no sense.
-        Unreachable: No manager answers.
-    """
-    from rtkit.cli.system.known_types import known_types
-    from rtkit.cli.system.preflight import check_reserved, look_ahead
-    from rtkit.deployment.goal import DeploymentGoal
-
-    snapshot = shared.look(app, document.profile, dry_run=is_dry, starts=starts, lock=lock)
-    system = shared.wanted_system(
-        app,
-        document,
-        snapshot,
-        stand_in=way.stand_in,
-        transmit=way.transmit,
-        mapped=mapped,
-        known_types=None if way.stand_in else known_types(document.profile, snapshot),
-    )
-    check_reserved(app, system, snapshot)
-    ranks = _ranks(app, document, system)
-    feasibility = look_ahead(app, system, snapshot)
-    table = settled_costs(app, way.costs, system, snapshot, is_measured=way.basis == MEASURED)
-    goal = DeploymentGoal(
-        system,
-        ranks=ranks,
-        costs=table,
-        parallel=parallel,
-        feasibility=feasibility,
-        replaces=way.replaces,
-        is_strict=app.is_strict,
-    )
-    return DeploymentInputs(document, goal, snapshot)
-
-
-def settled_costs(
-    app: App, given: tuple[str, ...], system: WantedSystem, snapshot: Snapshot, *, is_measured: bool
-) -> Costs:
-    """Return the costs of steps: from the table, as measured, from the profile, from the user.
-
-    Raises:
-        UsageProblem: One is not NAME=NUMBER, or there is no such kind of step and no component.
-    """
-    from rtkit.cli.system import step_times
-    from rtkit.deployment.planning import step_costs as costs
-
-    table = costs.Costs()
-    user_costs = read_costs(given, system, snapshot)
-    if is_measured:
-        types = step_times.types_of(system, snapshot)
-        table = table.over(step_times.read(app).costs(types), costs.MEASURED)
-    stated = {
-        f"{kind} {component.instance}": cost
-        for component in system.components
-        for kind, cost in component.costs.items()
-    }
-    return table.over(stated, costs.PROFILE).over(user_costs, costs.USER)
-
-
-def read_costs(
-    given: tuple[str, ...], system: WantedSystem, snapshot: Snapshot
-) -> Mapping[str, float]:
-    """Return the costs that the user gave; a component stands for interrupting it.
-
-    Raises:
-        UsageProblem: One is not NAME=NUMBER, or there is no such kind of step, no component, or
-            nothing of that name to which such a step could be done.
-    """
-    from rtkit.deployment.planning.model import DEFAULT_COSTS, is_cost
-    from rtkit.deployment.planning.step_costs import interruption, subjects
-    from rtkit.rtc.nearest import did_you_mean
-
-    costs: dict[str, float] = {}
-    names = {component.instance for component in system.components}
-    for item in given:
-        name, equals, text = item.rpartition("=")
-        try:
-            number = float(text)
-        except ValueError:
-            number = -1.0
-        if not equals or not is_cost(number):
-            raise UsageProblem(f"--cost needs NAME=NUMBER with a number above 0: {item}")
-        kind, _, subject = name.partition(" ")
-        if name in names:
-            costs.update(interruption(name, number))
-        elif kind not in DEFAULT_COSTS:
-            known = ", ".join(DEFAULT_COSTS)
-            hint = did_you_mean(name, [*names, *DEFAULT_COSTS])
-            raise UsageProblem(f"--cost: no component and no kind of step ({known}): {name}{hint}")
-        elif subject and subject not in (there := subjects(kind, system, snapshot)):
-            hint = did_you_mean(subject, there)
-            raise UsageProblem(f"--cost: nothing to {kind} is called {subject}{hint}")
-        else:
-            costs[name] = number
-    return costs
-
-
-def _ranks(app: App, document: SystemDocument, system: WantedSystem) -> dict[str, int]:
-    """Return the order in which the profile has components activated, if it has one."""
-    from rtkit.deployment.conditions import start_orders
-    from rtkit.deployment.live_index import LiveIndex
-    from rtkit.deployment.running import start_plan
-    from rtkit.deployment.start_schedule import expected_order
-
-    with document.naming():
-        orders = start_orders(document.profile)
-    if not orders:
-        return {}
-    plan = start_plan(system, LiveIndex(shared.nothing(), system), orders)
-    if any(condition.wait_ms for each in orders.values() for condition in each):
-        app.verbose(
-            "waiting times of Activation are kept by rtstart only; their order is kept here"
-        )
-    return {target.instance: rank for rank, target in enumerate(expected_order(plan))}
+WAY = together(
+    WayOptions,
+    {
+        "costs": several(
+            "--cost NAME=NUMBER", "What a kind of step costs, or any interruption of a component."
+        ),
+        "basis": option(
+            "--costs",
+            "Cost of the other steps: as long as they took here (default, where known), or what the"
+            " table says.",
+            click.Choice((MEASURED, TABLE)),
+            default=MEASURED,
+        ),
+        "stand_in": STAND_IN,
+        "transmit": flag("--transmit", "Stand-ins write values while active."),
+        "replaces": flag(
+            "--replace",
+            "End and replace what cannot be changed in place: another type, another create string,"
+            " a stand-in with other ports.",
+        ),
+    },
+)
+AIM = together(
+    GoalOptions,
+    {
+        "state": option(
+            "-s --state",
+            "State that every component is to be in (default Active).",
+            click.Choice(STATES, case_sensitive=False),
+            default=STATES[0],
+        ),
+        "way": WAY,
+        "prunes": flag(
+            "--prune",
+            "End the other components of the managers of the profile, and remove the other"
+            " connections of its components.",
+        ),
+    },
+)

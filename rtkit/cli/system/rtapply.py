@@ -2,13 +2,23 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING, Any
+
+import click
+from click.core import ParameterSource
+
+from rtkit.api.document import is_saved_plan, parse_document
 from rtkit.cli.shared import terminal
 from rtkit.cli.shared.app import App
 from rtkit.cli.shared.command import command
 from rtkit.cli.shared.options import COUNT, flag, option, together
-from rtkit.cli.system import following, planning, shared, step_times
-from rtkit.cli.system.document import is_saved_plan, parse_document, read_data
-from rtkit.errors import Refused
+from rtkit.cli.system import shared
+from rtkit.cli.system.document import read_data
+from rtkit.cli.system.planning import AIM
+from rtkit.errors import Refused, UsageProblem
+
+if TYPE_CHECKING:
+    from rtkit.api.planning import GoalOptions
 
 
 @command(
@@ -28,7 +38,7 @@ def main(
         COUNT,
     ),
     wait_s: float = shared.WAIT,
-    aim: planning.GoalOptions = together(planning.GoalOptions),
+    aim: GoalOptions = AIM,
     dry_run: bool = shared.DRY_RUN,
     asked: shared.DocumentOptions = together(shared.DocumentOptions),
 ) -> int:
@@ -56,32 +66,40 @@ def main(
     --timeout bounds each step. Steps are told on stderr when they are done, and what they took is
     noted: plans made later count with it.
     """
-    from rtkit.deployment.applying import Applier
+    from rtkit.api import planning
+    from rtkit.api.applying import carry_out
     from rtkit.deployment.planning.rendering import lines
-    from rtkit.tree.grace import uninterrupted
 
     source, data = read_data(asked.files)
     is_saved = is_saved_plan(data)
     lock = None if dry_run else shared.locks(app, asked.files, wait_s)
     if is_saved:
-        from rtkit.cli.system import saving
+        from rtkit.api import saving
 
-        prepared = saving.prepare(
-            app, data, source, is_dry=dry_run, parallel=parallel or 0, lock=lock
-        )
+        inputs = saving.opened(data, source)
+        _check_nothing_else(app, inputs.options)
+        prepared = saving.prepare(app, inputs, is_dry=dry_run, parallel=parallel or 0, lock=lock)
     else:
-        document = parse_document(app, source, data)
+        document = parse_document(app, source, data, app.form)
         prepared = planning.prepare(
             app, document, asked.mapped, aim, is_dry=dry_run, parallel=parallel or 0, lock=lock
         )
-    document, goal, snapshot, plan, survey = prepared
-    is_followed = not dry_run and following.is_wanted(document)
     if dry_run:
-        terminal.write(map(terminal.printable, lines(plan, goal.costs)))
+        terminal.write(map(terminal.printable, lines(prepared.plan, prepared.goal.costs)))
         return 0
-    with step_times.noting(app, goal.system, snapshot) as taken:
-        applier = Applier(app.tree, goal, app.report, app.report, taken, survey, uninterrupted)
-        applier.run(plan, snapshot, rolls_back=rollback or app.is_strict, is_exact=is_saved)
-    if is_followed:
-        following.begin_from(app, document, goal)
-    return app.status(Refused()) if applier.unmet else 0
+    is_reached = carry_out(app, prepared, rolls_back=rollback or app.is_strict, is_exact=is_saved)
+    return 0 if is_reached else app.status(Refused())
+
+
+def _check_nothing_else(app: App, options: dict[str, Any]) -> None:
+    """Refuse options that were settled when the plan was made."""
+    context = click.get_current_context()
+    given = [
+        parameter.opts[-1]
+        for parameter in context.command.params
+        if parameter.name in options
+        and context.get_parameter_source(parameter.name) is ParameterSource.COMMANDLINE
+    ]
+    given += [f"--{app.form}"] if app.form is not None else []
+    if given:
+        raise UsageProblem(f"{', '.join(given)}: settled already where the plan is a saved one")

@@ -76,22 +76,24 @@ def main(
         raise UsageProblem("--components and --ignore are for --static")
     if is_diff and form != static_checks.TEXT:
         raise UsageProblem("--diff has a form of its own: no --json, no --format")
-    from rtkit.cli.system.present_code import present_code
-    from rtkit.deployment.deviations import check_lines, deviations, diff_lines, surplus
-    from rtkit.deployment.live_index import LiveIndex
-
     document = read_document(app, asked.files)
-    snapshot = shared.look(app, document.profile, dry_run=dry_run)
-    system = shared.wanted_system(app, document, snapshot, mapped=asked.mapped)
     if dry_run:
+        from rtkit.api import looking
+        from rtkit.deployment.deviations import check_lines
+
+        snapshot = looking.look(app, document.profile, dry_run=True)
+        system = looking.wanted_system(app, document, snapshot, mapped=asked.mapped)
         for line in check_lines(system, state):
             click.echo(line)
         return 0
+    from rtkit.api.checking import compare
+
     expected = None if state == UNKNOWN_STATE else LifeCycleState(state)
-    live = LiveIndex(snapshot, system)
-    present = present_code(snapshot.components)
-    found = list(deviations(system, live, expected, present))
+    comparison = compare(app, document, expected, asked.mapped)
+    system, live, found = comparison
     if is_diff:
+        from rtkit.deployment.deviations import diff_lines, surplus
+
         terminal.write(map(terminal.printable, diff_lines([*found, *surplus(system, live)])))
     elif form != static_checks.TEXT:
         from rtkit.cli.system.verdict import verdict_lines
@@ -102,4 +104,4 @@ def main(
 
         for each in found:
             app.report(text_of(each))
-    return app.status(Refused()) if any(each.is_required for each in found) else 0
+    return 0 if comparison.holds else app.status(Refused())

@@ -2,13 +2,19 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 from rtkit.cli.shared import json_records, terminal
 from rtkit.cli.shared.app import App
 from rtkit.cli.shared.command import command
 from rtkit.cli.shared.options import flag, json_flag, option, together
-from rtkit.cli.system import planning, shared
+from rtkit.cli.system import shared
 from rtkit.cli.system.document import read_document
+from rtkit.cli.system.planning import AIM
 from rtkit.errors import UsageProblem
+
+if TYPE_CHECKING:
+    from rtkit.api.planning import GoalOptions
 
 CHANGE_NEEDED = 2
 
@@ -36,7 +42,7 @@ def main(
     detailed_exitcode: bool = flag(
         "--detailed-exitcode", f"Exit status {CHANGE_NEEDED} when there is something to do."
     ),
-    aim: planning.GoalOptions = together(planning.GoalOptions),
+    aim: GoalOptions = AIM,
     asked: shared.DocumentOptions = together(shared.DocumentOptions),
 ) -> int:
     """Show the cheapest plan from the live system to an RTS profile (FILE, or stdin).
@@ -57,6 +63,7 @@ def main(
     Where there is no plan, the command tells which goals cannot hold together, and why; with
     --exit-detail the status is 7 then.
     """
+    from rtkit.api import planning
     from rtkit.deployment.planning import rendering
 
     if is_json and is_dot:
@@ -65,8 +72,11 @@ def main(
     prepared = planning.prepare(app, document, asked.mapped, aim, is_dry=True)
     goal, plan = prepared.goal, prepared.plan
     if out is not None:
-        from rtkit.cli.system.saving import save
+        from rtkit.api.saving import save
+        from rtkit.link.atomic import STDOUT
 
+        if out == STDOUT:
+            raise UsageProblem("--out needs a file: the plan itself is on stdout")
         save(out, document, prepared, planning.options_record(asked.mapped, aim))
     if is_json:
         terminal.write([json_records.line("plan", rendering.as_plain(plan, goal.costs))])

@@ -2,19 +2,12 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 from rtkit.cli.shared.app import App
 from rtkit.cli.shared.command import command
 from rtkit.cli.shared.options import flag, together
-from rtkit.cli.system import following, shared
+from rtkit.cli.system import shared
 from rtkit.cli.system.document import read_document
-from rtkit.cli.system.preflight import missing
 from rtkit.errors import UsageProblem
-
-if TYPE_CHECKING:
-    from rtkit.deployment.facts import Snapshot
-    from rtkit.deployment.system import WantedSystem
 
 
 @command(
@@ -50,9 +43,7 @@ def main(
     Managers of this host that do not run are started first, as rtmgr start does; with --no-create
     they must run. Only one rtapply, rtresurrect or rtstate works at a manager at a time.
     """
-    from rtkit.cli.system.known_types import known_types
-    from rtkit.cli.system.preflight import check_reserved
-    from rtkit.deployment.creation import bring_up_plans
+    from rtkit.api.bring_up import bring_up
 
     if no_create and (stand_in or transmit):
         raise UsageProblem("--no-create makes no stand-ins")
@@ -62,39 +53,15 @@ def main(
 
         with document.naming():
             check_paths(document.profile)
-    is_followed = not dry_run and following.is_wanted(document)
-    lock = None if dry_run else shared.locks(app, asked.files, wait_s)
-    found = shared.look(app, document.profile, dry_run=dry_run, starts=not no_create, lock=lock)
-    with shared.managers_started(app, found, dry_run=dry_run) as before:
-        system = shared.wanted_system(
-            app,
-            document,
-            before,
-            stand_in=stand_in,
-            transmit=transmit,
-            mapped=asked.mapped,
-            known_types=None if no_create or stand_in else known_types(document.profile, before),
-        )
-        check_reserved(app, system, before)
-        lacks = {} if no_create else missing(app, system, before)
-        with document.naming():
-            if dry_run:
-                plans = bring_up_plans(system, before, may_create=not no_create, lacks=lacks)
-                for plan in plans:
-                    shared.show(plan)
-            else:
-                _bring_up(app, system, before, lacks, may_create=not no_create)
-    if is_followed:
-        following.begin_as_stated(app, document, asked.mapped, stand_in=stand_in, transmit=transmit)
-
-
-def _bring_up(
-    app: App, system: WantedSystem, before: Snapshot, lacks: dict[str, str], *, may_create: bool
-) -> None:
-    from rtkit.cli.shared.progress import counted, metered
-    from rtkit.cli.system import step_times
-    from rtkit.tree.resurrect import resurrect
-
-    with step_times.noting(app, system, before) as taken, metered(app, "resurrect") as show:
-        runner = shared.runner(app, counted(show), taken)
-        resurrect(app.tree, system, before, runner, may_create=may_create, lacks=lacks)
+    plans = bring_up(
+        app,
+        document,
+        asked.mapped,
+        may_create=not no_create,
+        stand_in=stand_in,
+        transmit=transmit,
+        is_dry=dry_run,
+        lock=None if dry_run else shared.locks(app, asked.files, wait_s),
+    )
+    for plan in plans:
+        shared.show(plan)

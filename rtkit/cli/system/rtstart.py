@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from rtkit.api import following
+from rtkit.api.starting import start_plan_of
 from rtkit.cli.shared.app import App
 from rtkit.cli.shared.command import command
 from rtkit.cli.shared.options import together
-from rtkit.cli.system import following, shared, starting
+from rtkit.cli.system import shared, starting
 from rtkit.cli.system.document import read_document
 
 
@@ -34,21 +36,9 @@ def main(
     --timeout bounds a plan with such conditions as a whole. Without it the plan ends when nothing
     has happened for 10 s after the last time that it names.
     """
-    from rtkit.deployment.conditions import start_orders, stop_orders
-    from rtkit.deployment.running import start_plan
-
     document = read_document(app, asked.files)
-    with document.naming():
-        orders = start_orders(document.profile)
-        stop_orders(document.profile)  # a system that cannot be stopped as written is not started
-    is_followed = not (dry_run or draws) and following.is_wanted(document)
-    starting.run(
-        app,
-        document,
-        lambda system, live: start_plan(system, live, orders, wait=not no_wait),
-        draws=draws,
-        dry_run=dry_run,
-        mapped=asked.mapped,
-    )
+    plan_for = start_plan_of(document, wait=not no_wait)
+    is_followed = not (dry_run or draws) and following.is_wanted(app, document)
+    starting.run(app, document, plan_for, draws=draws, dry_run=dry_run, mapped=asked.mapped)
     if is_followed:
         following.begin_as_stated(app, document, asked.mapped)

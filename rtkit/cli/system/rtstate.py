@@ -3,14 +3,19 @@
 from __future__ import annotations
 
 from functools import partial
+from typing import TYPE_CHECKING
 
 from rtkit.cli.shared import json_records, terminal
 from rtkit.cli.shared.app import App
 from rtkit.cli.shared.command import command
 from rtkit.cli.shared.options import COUNT, flag, json_flag, option, together
-from rtkit.cli.system import planning, shared
+from rtkit.cli.system import shared
 from rtkit.cli.system.document import read_document
+from rtkit.cli.system.planning import WAY
 from rtkit.errors import InvalidDocument, Malformed, Refused, UsageProblem
+
+if TYPE_CHECKING:
+    from rtkit.api.planning import WayOptions
 
 
 @command(
@@ -45,7 +50,7 @@ def main(
     is_json: bool = json_flag("One JSON object."),
     rollback: bool = flag("--rollback", "When a step fails, go back to what was before."),
     wait_s: float = shared.WAIT,
-    way: planning.WayOptions = together(planning.WayOptions),
+    way: WayOptions = WAY,
     dry_run: bool = shared.DRY_RUN,
     asked: shared.DocumentOptions = together(shared.DocumentOptions),
 ) -> int:
@@ -79,14 +84,15 @@ def main(
         raise UsageProblem("--json is for states and for --follow")
     if dry_run and follow:
         raise UsageProblem("--dry-run and --follow exclude each other")
-    from rtkit.cli.system import following
-    from rtkit.cli.system.states import as_lines, as_record, states_of
+    from rtkit.api import following, planning
+    from rtkit.api.states import states_of
+    from rtkit.cli.system.states import as_lines, as_record
     from rtkit.deployment.planning.rendering import lines
 
     is_led = goto is not None or event is not None
     document = read_document(app, asked.files)
     if follow:
-        following.check_one_manager(document)
+        following.check_one_manager(app, document)
     begun = planning.begin(
         app,
         document,
@@ -128,7 +134,7 @@ def main(
         goal = states.goal(target)
         terminal.write(map(terminal.printable, lines(goal.plan(snapshot), goal.costs)))
         return 0
-    from rtkit.cli.system.leading import leader
+    from rtkit.api.leading import leader
     from rtkit.deployment.states.leading import SystemTransition
 
     leading = leader(app, states, app.report, rolls_back=rollback)
@@ -139,9 +145,9 @@ def main(
 
 
 def _unfollow(app: App, files: tuple[str, ...], name: str) -> int:
-    from rtkit.cli.system import following
+    from rtkit.api import following, looking
 
     if files:
         raise UsageProblem("--unfollow takes the name of a system, and no FILE")
-    app.report(following.end(app.tree, following.named(shared.snapshot(app), name)))
+    app.report(following.end(app.tree, following.named(looking.snapshot(app), name)))
     return 0

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
+from rtkit.api.starting import stop_plan_of
 from rtkit.cli.shared.app import App
 from rtkit.cli.shared.command import command
 from rtkit.cli.shared.options import together
 from rtkit.cli.system import shared, starting
 from rtkit.cli.system.document import read_document
-from rtkit.errors import InvalidDocument
 
 
 @command(
@@ -33,23 +33,11 @@ def main(
     --timeout bounds a plan with conditions as a whole. Without it the plan ends when nothing has
     happened for 10 s after the last time that it names.
     """
-    from rtkit.deployment.conditions import NO_ORDERS, start_orders, stop_orders
-    from rtkit.deployment.running import stop_plan
-
     document = read_document(app, asked.files)
-    with document.naming():
-        orders = stop_orders(document.profile)
-    started = NO_ORDERS
-    try:
-        if not orders:
-            with document.naming():
-                started = start_orders(document.profile)
-    except InvalidDocument as error:
-        app.fail(f"{error}; stopped in reverse of the order of the components")
     starting.run(
         app,
         document,
-        lambda system, live: stop_plan(system, live, orders, started=started, wait=not no_wait),
+        stop_plan_of(app, document, wait=not no_wait),
         draws=draws,
         dry_run=dry_run,
         mapped=asked.mapped,

@@ -27,25 +27,9 @@ def main(
     What is missing is reported; the rest is removed all the same. A system that its manager
     follows (rtstate) is followed no more.
     """
-    from rtkit.deployment.live_index import LiveIndex
-    from rtkit.deployment.running import left_now, teardown_plan
+    from rtkit.api.starting import teardown
 
     document = read_document(app, asked.files)
-    snapshot = shared.look(app, document.profile, dry_run=dry_run, may_lack=True)
-    system = shared.wanted_system(app, document, snapshot, mapped=asked.mapped)
-    if not dry_run:
-        from rtkit.cli.system import following
-
-        if following.end_if_followed(app, document, snapshot):
-            snapshot = shared.remains(app)
-    plan = teardown_plan(system, LiveIndex(snapshot, system), ends_components=ends)
+    plan = teardown(app, document, asked.mapped, ends_components=ends, is_dry=dry_run)
     if dry_run:
         shared.show(plan)
-        return
-    from rtkit.cli.system import starting, step_times
-
-    with (
-        starting.reporting_progress(app, system, left_now),
-        step_times.noting(app, system, snapshot) as taken,
-    ):
-        shared.runner(app, taken=taken).run(plan)

@@ -81,7 +81,7 @@ def check(
 def _checked(
     app: App, paths: Sequence[str], components: Sequence[str], options: Options
 ) -> Iterator[Checked]:
-    from rtkit.cli.shared.component_profiles import profiles
+    from rtkit.api.component_profiles import profiles
     from rtkit.cli.shared.profile_files import sources
     from rtkit.profile.forms import may_be_component
     from rtkit.profile_tools.validation import unreadable

@@ -5,19 +5,19 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING
 
+from rtkit.api.following import followed_in
+from rtkit.api.observers import Observers
 from rtkit.cli.shared import terminal
 from rtkit.cli.shared.app import App
 from rtkit.cli.shared.json_records import line as json_line
 from rtkit.cli.shared.json_records import picked, time_text
-from rtkit.cli.shared.observers import Observers
 from rtkit.cli.shared.terminal import clock
-from rtkit.cli.system.following import followed_in
 from rtkit.deployment.delta import TREE
 from rtkit.deployment.facts import IS_SO
 from rtkit.errors import Refused, from_kind
 
 if TYPE_CHECKING:
-    from rtkit.cli.shared.observers import ObservedEvent
+    from rtkit.api.observers import ObservedEvent
     from rtkit.deployment.facts import Followed
     from rtkit.deployment.user_events import UserEvent
 

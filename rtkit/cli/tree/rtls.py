@@ -100,7 +100,7 @@ def main(
 
 def _watch(app: App, path: Path, look: Callable[[], Iterable[str]], sight: WatchedScreen) -> None:
     """Show again when something has changed."""
-    from rtkit.cli.shared.observers import Observers
+    from rtkit.api.observers import Observers
     from rtkit.cli.shared.signals import resizing
     from rtkit.deployment.delta import TREE
     from rtkit.tree.subscription import SubscriptionEnded

@@ -10,8 +10,8 @@ from pathlib import Path
 
 import pytest
 
-from rtkit.cli.shared.atomic import write_output
 from rtkit.errors import NotFound, Refused
+from rtkit.link.atomic import write_output
 
 
 def left_over(folder: Path) -> list[str]:

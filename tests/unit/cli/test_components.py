@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from rtkit.cli.shared.component_profiles import profiles
+from rtkit.api.component_profiles import profiles
 from rtkit.errors import NotFound
 
 PROFILES = Path(__file__).parents[3] / "profiles"

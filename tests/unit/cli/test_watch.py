@@ -40,8 +40,8 @@ def watch(world: FakeManager, monkeypatch: pytest.MonkeyPatch) -> Watch:
             user_event()
             return set()
 
-        monkeypatch.setattr("rtkit.cli.shared.observers.wait_for", wait_for)
-        monkeypatch.setattr("rtkit.cli.shared.observers.monotonic", lambda: now)
+        monkeypatch.setattr("rtkit.cli.shared.stdout_reader.wait_for", wait_for)
+        monkeypatch.setattr("rtkit.api.observers.monotonic", lambda: now)
         monkeypatch.setattr("time.monotonic", lambda: now)
         monkeypatch.setattr("signal.signal", lambda *_: None)
         return rtls(arguments, tree=fake_tree(world)), waits

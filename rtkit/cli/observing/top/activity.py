@@ -7,15 +7,15 @@ from collections import Counter
 from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
+from rtkit.api.observers import Observers, is_covered, place_of
 from rtkit.cli.observing.top.page import memory, short
 from rtkit.cli.observing.top.rates import Rater, RateRow
 from rtkit.cli.shared.app import App
-from rtkit.cli.shared.observers import Observers, is_covered, place_of
 from rtkit.report.finding import counted
 from rtkit.rtc.names import LOCAL
 
 if TYPE_CHECKING:
-    from rtkit.cli.shared.observers import ObservedEvent
+    from rtkit.api.observers import ObservedEvent
     from rtkit.tree.scope import Scope
 
 SILENT_S = 3.0

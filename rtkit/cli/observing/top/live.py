@@ -16,8 +16,8 @@ from rtkit.errors import RtkitError
 from rtkit.rtc.enums import Transition
 
 if TYPE_CHECKING:
+    from rtkit.api.observers import ObservedEvent
     from rtkit.cli.observing.top.activity import Top
-    from rtkit.cli.shared.observers import ObservedEvent
     from rtkit.deployment.actions import ChangeState
     from rtkit.tree.client import Tree
     from rtkit.tree.subscription import ManagerSubscription
@@ -102,7 +102,7 @@ class _Live:
         return max(self._top.received_at + _LATE_S, self._draw_at + 1.0)
 
     def _receive(self, events: Sequence[ObservedEvent]) -> None:
-        from rtkit.cli.shared.observers import ManagerSeen
+        from rtkit.api.observers import ManagerSeen
         from rtkit.tree.subscription import SubscriptionEnded
 
         self._top.take(events)

@@ -34,7 +34,7 @@ def main(
     is written. Comments are no part of a profile: that they are left out is told.
     """
     from rtkit.cli.profiles.document import read_bytes_of, report_findings
-    from rtkit.cli.shared.atomic import write_output
+    from rtkit.link.atomic import write_output
     from rtkit.profile_tools.rewriting import rewritten
     from rtkit.report.finding import NOTE
 

@@ -49,9 +49,9 @@ def main(
         raise UsageProblem(f"no form to write: --to {'|'.join(FORMS)}, or a FILE that ends so")
     from rtkit.builder.profile_of import profile_of
     from rtkit.cli.profiles.factory import component_class, instance_of
-    from rtkit.cli.shared.atomic import write_output
     from rtkit.component.base import Component
     from rtkit.deployment.extension import MODULE
+    from rtkit.link.atomic import write_output
     from rtkit.profile.write import write_profile
 
     offer = component_class(modules[0], wanted)

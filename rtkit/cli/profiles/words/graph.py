@@ -42,7 +42,7 @@ def main(
     state and process. Without Graphviz; for it there is --dot, or an output that ends in .dot or
     .gv.
     """
-    from rtkit.cli.shared.atomic import write_output
+    from rtkit.link.atomic import write_output
 
     is_dot = form == "dot" or (form is None and output.lower().endswith(_DOT_ENDINGS))
     if live:

@@ -106,7 +106,7 @@ def main(
     A component implements onInitialize, onActivated, onDeactivated and onExecute unless --callback
     tells others. Components of a system have the ports, parameters and rates of their profiles.
     """
-    from rtkit.cli.shared.atomic import write_output
+    from rtkit.link.atomic import write_output
     from rtkit.profile.forms import XML, form_of_name
     from rtkit.profile.write import write_profile
 

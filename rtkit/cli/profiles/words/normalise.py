@@ -46,7 +46,7 @@ def main(
     all, and only if every one of the files can be repaired. XML stays XML, YAML stays YAML.
     """
     from rtkit.cli.profiles.document import report_findings
-    from rtkit.cli.shared.atomic import write_output
+    from rtkit.link.atomic import write_output
     from rtkit.report.finding import NOTE
 
     _check(files, in_place=in_place, output=output, check=check)

@@ -40,8 +40,8 @@ def main(
     to stdout.
     """
     from rtkit.cli.profiles.document import read_document, report_findings
-    from rtkit.cli.shared.atomic import write_output
     from rtkit.deployment.known_keys import odd_properties
+    from rtkit.link.atomic import write_output
     from rtkit.profile.forms import form_of
     from rtkit.profile.rts_model import RtsProfile
     from rtkit.profile.write import write_profile

@@ -6,7 +6,7 @@ import os
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
-from rtkit.cli.shared.component_profiles import SEARCH_PATH
+from rtkit.api.component_profiles import SEARCH_PATH
 from rtkit.deployment.described import is_same_id
 from rtkit.deployment.extension import CREATE, MODULE, stated_id
 from rtkit.deployment.system import KnownType

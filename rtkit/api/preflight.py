@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection, Mapping
 from typing import TYPE_CHECKING
 
-from rtkit.cli.shared.app import App
-from rtkit.cli.system.present_code import present_code
+from rtkit.api.present_code import present_code
 from rtkit.deployment.extension import LIMIT
 from rtkit.errors import Impossible, NotFound, RtkitError
 from rtkit.rtc.create import parse_create
@@ -14,6 +13,7 @@ from rtkit.rtc.create import parse_create
 if TYPE_CHECKING:
     from collections.abc import Collection
 
+    from rtkit.api.session import Session
     from rtkit.deployment.facts import ComponentFacts, Snapshot
     from rtkit.deployment.live_index import LiveIndex
     from rtkit.deployment.planning.feasibility import Feasibility, Making
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from rtkit.static_check.blueprint import Blueprint
 
 
-def look_ahead(app: App, system: WantedSystem, snapshot: Snapshot) -> Feasibility:
+def look_ahead(session: Session, system: WantedSystem, snapshot: Snapshot) -> Feasibility:
     """Return the known facts of components that do not live as wanted; no code is run.
 
     Raises:
@@ -33,9 +33,9 @@ def look_ahead(app: App, system: WantedSystem, snapshot: Snapshot) -> Feasibilit
 
     live = LiveIndex(snapshot, system)
     asked = makings(system, live)
-    lacks = _lacking(app, asked, live)
+    lacks = _lacking(session, asked, live)
     pending = [system.component(name) for name in asked if name not in lacks]
-    types = _described(app, {each.instance: each.id for each in pending if _is_compared(each)})
+    types = _described(session, {each.instance: each.id for each in pending if _is_compared(each)})
     parameters = {
         name: {key: each.declared for key, each in known.parameters.items()}
         for name, known in types.items()
@@ -53,7 +53,7 @@ def _is_compared(component: WantedComponent) -> bool:
     return bool(component.sets or component.ports) and not is_composite
 
 
-def missing(app: App, system: WantedSystem, snapshot: Snapshot) -> dict[str, str]:
+def missing(session: Session, system: WantedSystem, snapshot: Snapshot) -> dict[str, str]:
     """Return the reasons why missing components cannot be created, by component name.
 
     Raises:
@@ -68,24 +68,24 @@ def missing(app: App, system: WantedSystem, snapshot: Snapshot) -> dict[str, str
     from rtkit.deployment.planning.feasibility import makings
 
     asked = makings(system, live)
-    return _lacking(app, {name: asked[name] for name in asked if name in absent}, live)
+    return _lacking(session, {name: asked[name] for name in asked if name in absent}, live)
 
 
-def _lacking(app: App, asked: Mapping[str, Making], live: LiveIndex) -> dict[str, str]:
+def _lacking(session: Session, asked: Mapping[str, Making], live: LiveIndex) -> dict[str, str]:
     found: dict[str, str] = {}
     for manager, known in live.managers.items():
         mine = {name: making for name, making in asked.items() if live.home(name) == manager}
         if mine and known.pid:
-            found.update(_lacking_at(app, manager, mine))
+            found.update(_lacking_at(session, manager, mine))
     return found
 
 
-def _lacking_at(app: App, manager: str, asked: Mapping[str, Making]) -> dict[str, str]:
+def _lacking_at(session: Session, manager: str, asked: Mapping[str, Making]) -> dict[str, str]:
     distinct = sorted(set(asked.values()))
     try:
-        found = dict(zip(distinct, app.tree.at(manager).lacking(distinct), strict=True))
+        found = dict(zip(distinct, session.tree.at(manager).lacking(distinct), strict=True))
     except NotFound as error:
-        app.verbose(f"which modules are found is not known: {error}")
+        session.verbose(f"which modules are found is not known: {error}")
         return {}
     return {name: found[making] for name, making in asked.items() if found[making]}
 
@@ -112,16 +112,18 @@ def _ports(
     return found
 
 
-def _described(app: App, wanted: Mapping[str, str]) -> dict[str, Blueprint]:
+def _described(session: Session, wanted: Mapping[str, str]) -> dict[str, Blueprint]:
     """Return the RTC profiles of the types of components, where a profile is of just that type."""
     if not wanted:
         return {}
-    from rtkit.cli.shared.component_profiles import profiles
+    from rtkit.api.component_profiles import profiles
     from rtkit.deployment.described import type_of
     from rtkit.static_check.stock import CandidateDocument, stocked
 
     names = {type_of(id).type_name for id in wanted.values()}
-    catalogue, _ = stocked((CandidateDocument(*each) for each in profiles((), app.verbose)), names)
+    catalogue, _ = stocked(
+        (CandidateDocument(*each) for each in profiles((), session.verbose)), names
+    )
     found = {}
     for name, id in wanted.items():
         match = catalogue.find(id)
@@ -148,7 +150,7 @@ def _ports_of(blueprint: Blueprint) -> tuple[PortProfile, ...]:
     return (*data, *service)
 
 
-def check_reserved(app: App, system: WantedSystem, snapshot: Snapshot) -> None:
+def check_reserved(session: Session, system: WantedSystem, snapshot: Snapshot) -> None:
     """Check that this host has what components may use together, those of other managers too.
 
     Raises:
@@ -161,13 +163,15 @@ def check_reserved(app: App, system: WantedSystem, snapshot: Snapshot) -> None:
     from rtkit.manager.limits.control_groups import capacity
 
     managers = {each.manager for each in (snapshot, *snapshot.others)}
-    elsewhere = _elsewhere(app, managers) if app.finds_managers else {}
+    elsewhere = _elsewhere(session, managers) if session.finds_managers else {}
     why = overbooked(reserved(system, snapshot.components, elsewhere), capacity())
     if why:
         raise Impossible(why)
 
 
-def _elsewhere(app: App, managers: Collection[str]) -> dict[str, tuple[ComponentFacts, ...]]:
+def _elsewhere(
+    session: Session, managers: Collection[str]
+) -> dict[str, tuple[ComponentFacts, ...]]:
     """Return the components of the other managers of this host, by manager."""
     from rtkit.link import running
     from rtkit.tree.connect import connect
@@ -176,8 +180,8 @@ def _elsewhere(app: App, managers: Collection[str]) -> dict[str, tuple[Component
     for name in running.managers():
         if name not in managers:
             try:
-                with connect(name, app.timeout_s) as tree:
+                with connect(name, session.timeout_s) as tree:
                     found[name] = tree.snapshot().components
             except RtkitError as error:
-                app.verbose(f"what manager {name} has reserved is not known: {error}")
+                session.verbose(f"what manager {name} has reserved is not known: {error}")
     return found

@@ -6,11 +6,11 @@ import os
 from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING
 
-from rtkit.cli.shared.app import App
 from rtkit.errors import Unreachable
 from rtkit.rtc.names import MANAGER_SUFFIX
 
 if TYPE_CHECKING:
+    from rtkit.api.session import Session
     from rtkit.deployment.facts import Snapshot
     from rtkit.profile.rts_model import RtsProfile
     from rtkit.tree.client import Tree
@@ -29,12 +29,12 @@ class Managers:
         names: First the default manager, if any component belongs to it.
     """
 
-    def __init__(self, profile: RtsProfile) -> None:
+    def __init__(self, profile: RtsProfile, usual: str) -> None:
+        """Find them; `usual` is the manager of components whose path names none."""
         from rtkit.deployment.place import Hosts, manager_in
 
         self.host = os.uname().nodename
         self._hosts = Hosts(self.host, {})
-        usual = usual_manager()
         self._paths = {c.instance_name: c.path_uri or "" for c in profile.components}
         self.homes = {
             name: manager_in(path, self._hosts) or usual for name, path in self._paths.items()
@@ -71,12 +71,12 @@ class Managers:
 
 
 def gather(
-    app: App, profile: RtsProfile, *, is_lenient: bool, starts: bool = False
+    session: Session, profile: RtsProfile, *, is_lenient: bool, starts: bool = False
 ) -> Snapshot | None:
     """Connect to the managers of a profile; return a snapshot if none of them runs.
 
     Args:
-        app: Is given the connection, if the profile is about another manager or several.
+        session: Is given the connection, if the profile is about another manager or several.
         profile: The system profile.
         is_lenient: A manager that does not run is told and counts as holding nothing.
         starts: One that does not run holds nothing, and can be started.
@@ -85,24 +85,24 @@ def gather(
         Unreachable: Tells which managers do not run, and what belongs there; or one is so like
             another one that runs that it is not started.
     """
-    managers = Managers(profile)
-    trees, absent = managers.connect(app.timeout_s)
+    managers = Managers(profile, session.usual_manager)
+    trees, absent = managers.connect(session.timeout_s)
     if starts and all(map(can_be_started, absent)):
         _check_meant(absent, trees)
-        app.ask(_one(managers, trees, app))
+        session.ask(_one(managers, trees, session))
         return None
     if absent and not is_lenient:
         _close(trees)
         raise Unreachable("; ".join(absent.values()))
     for why in absent.values():
-        app.fail(f"{why}; taken as if nothing lived there")
+        session.fail(f"{why}; taken as if nothing lived there")
     if not trees:
         return managers.joined([])
-    app.ask(_one(managers, trees))
+    session.ask(_one(managers, trees))
     return None
 
 
-def gather_named(app: App, servers: Sequence[str]) -> tuple[str, ...]:
+def gather_named(session: Session, servers: Sequence[str]) -> tuple[str, ...]:
     """Connect to the managers among some servers; return the hosts that the servers stand for.
 
     The manager that is asked by default is among them when the host itself is named.
@@ -116,24 +116,17 @@ def gather_named(app: App, servers: Sequence[str]) -> tuple[str, ...]:
     from rtkit.tree.manager_set import ManagerSet
 
     hosts = Hosts(os.uname().nodename, {})
-    usual = usual_manager()
+    usual = session.usual_manager
     named = {server: manager_in(f"{server.strip('/')}/.", hosts) for server in servers}
     trees: dict[str, Tree] = {}
     try:
         for name in dict.fromkeys(manager or usual for manager in named.values()):
-            trees[name] = connect(name, app.timeout_s)
+            trees[name] = connect(name, session.timeout_s)
     except BaseException:
         _close(trees)
         raise
-    app.ask(ManagerSet(list(dict.fromkeys([usual, *trees])), trees, {}))
+    session.ask(ManagerSet(list(dict.fromkeys([usual, *trees])), trees, {}))
     return tuple(dict.fromkeys(LOCAL if manager else host for host, manager in named.items()))
-
-
-def usual_manager() -> str:
-    """Return the default manager."""
-    from rtkit.link.places import DEFAULT_MANAGER
-
-    return os.environ.get("RTKIT_MANAGER") or DEFAULT_MANAGER
 
 
 def can_be_started(manager: str) -> bool:
@@ -143,7 +136,7 @@ def can_be_started(manager: str) -> bool:
     return ":" not in manager and places.owner(manager) is None
 
 
-def starter(app: App) -> Start:
+def starter(session: Session) -> Start:
     """Return a function that starts a manager as ``rtmgr start NAME`` does, and connects to it."""
 
     def start(name: str) -> Tree:
@@ -156,25 +149,25 @@ def starter(app: App) -> Start:
 
         check_instance_name(name)
         try:
-            started = launch.start(name, CommandLineSettings(), app.timeout_s)
+            started = launch.start(name, CommandLineSettings(), session.timeout_s)
             for text in (*started.warnings, *started.failures):
-                app.fail(f"manager {name}: {text}")
+                session.fail(f"manager {name}: {text}")
         except Partial as error:
             whys = (str(failure) for _, failure in error.failures)
             raise Refused("; ".join([str(error), *whys])) from error
         except Refused:
             if places.owner(name) is None:  # else somebody else has just started it
                 raise
-        return connect(name, app.timeout_s)
+        return connect(name, session.timeout_s)
 
     return start
 
 
-def unstarted(app: App) -> Tree:
+def unstarted(session: Session) -> Tree:
     """Return the usual manager, which does not run, as one that can be started."""
     from rtkit.tree.manager_set import ManagerSet
 
-    return ManagerSet([usual_manager()], {}, {}, starter(app))
+    return ManagerSet([session.usual_manager], {}, {}, starter(session))
 
 
 def _check_meant(absent: Mapping[str, str], trees: Mapping[str, Tree]) -> None:
@@ -194,13 +187,13 @@ def _check_meant(absent: Mapping[str, str], trees: Mapping[str, Tree]) -> None:
             raise Unreachable(f"{why}; {reason} (if it is meant: rtmgr start {name})")
 
 
-def _one(managers: Managers, trees: Mapping[str, Tree], app: App | None = None) -> Tree:
-    """Return connections as one; with `app` those that are missing can be started."""
+def _one(managers: Managers, trees: Mapping[str, Tree], session: Session | None = None) -> Tree:
+    """Return connections as one; with `session` those that are missing can be started."""
     if len(managers.names) == 1 and trees:
         return trees[managers.names[0]]
     from rtkit.tree.manager_set import ManagerSet
 
-    start = starter(app) if app is not None else None
+    start = starter(session) if session is not None else None
     return ManagerSet(managers.names, trees, managers.homes, start)
 
 

@@ -7,8 +7,6 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from time import monotonic, time
 from typing import TYPE_CHECKING, NamedTuple
 
-from rtkit.cli.shared.app import App
-from rtkit.cli.shared.stdout_reader import wait_for
 from rtkit.closing import Closing
 from rtkit.errors import Refused, RtkitError, Unreachable
 from rtkit.fast_dataclass import replace
@@ -16,6 +14,7 @@ from rtkit.rtc.names import COMPONENT_SUFFIX, LOCAL, MANAGER_SUFFIX
 from rtkit.tree.view import shown_path
 
 if TYPE_CHECKING:
+    from rtkit.api.session import Session
     from rtkit.deployment.facts import ComponentFacts, Snapshot
     from rtkit.deployment.user_events import UserEvent
     from rtkit.link.folder_watch import FolderWatch
@@ -58,7 +57,7 @@ class Observers(Closing):
 
     def __init__(
         self,
-        app: App,
+        session: Session,
         lines: Sequence[str],
         *,
         is_wide: bool = False,
@@ -67,7 +66,7 @@ class Observers(Closing):
         """Subscribe.
 
         Args:
-            app: The run of the command.
+            session: The run of the command.
             lines: The topics to subscribe to.
             is_wide: Subscribe to all managers of this user on this host, also to those that begin
                 later.
@@ -76,14 +75,14 @@ class Observers(Closing):
         Raises:
             Unreachable: It does not answer, and that is not waited for.
         """
-        self._app = app
+        self._session = session
         self._lines = tuple(lines)
         self._trees: dict[str, Tree] = {}
         self._facts: dict[str, Snapshot] = {}
         self._away: list[str] = []
         self._folder: FolderWatch | None = None
         self._keen_until = 0.0
-        self._is_wide = is_wide and app.finds_managers
+        self._is_wide = is_wide and session.finds_managers
         self.names: dict[str, str] = {}
         self.why: RtkitError | None = None
         self.subscriptions: dict[str, ManagerSubscription] = {}
@@ -99,9 +98,9 @@ class Observers(Closing):
         for name in self._unknown():
             self.names[name] = name
             if not self._enter(name):
-                app.fail(f"manager {name!r} does not answer")
+                session.fail(f"manager {name!r} does not answer")
         if self._is_wide:
-            app.report_silent_servers("not listened to")
+            session.report_silent_servers("not listened to")
 
     def close(self) -> None:
         """End all subscriptions."""
@@ -152,7 +151,7 @@ class Observers(Closing):
             # The folder shows that an endpoint appears, not that it begins to answer: it is polled.
             is_keen = monotonic() < self._keen_until
             bounds.append(monotonic() + (_AGAIN_S if is_keen else _LATER_S))
-        ready = wait_for([*sources, *also], min(bounds, default=None))
+        ready = self._session.wait_for([*sources, *also], min(bounds, default=None))
         return not ready.isdisjoint(also)
 
     def _follow(self, events: Sequence[ObservedEvent]) -> list[ObservedEvent]:
@@ -229,9 +228,9 @@ class Observers(Closing):
         from rtkit.tree.subscription import ManagerSubscription
 
         if name:
-            tree = self._trees[name] = connect(name, self._app.timeout_s)
+            tree = self._trees[name] = connect(name, self._session.timeout_s)
         else:
-            tree = self._app.tree
+            tree = self._session.tree
         self.subscriptions[name] = ManagerSubscription(tree, self._lines)
         self.names[name] = tree.manager
 
@@ -243,7 +242,7 @@ class Observers(Closing):
         if tree is not None:
             _quietly(tree.close)
         elif not name:
-            _quietly(self._app.close)
+            _quietly(self._session.close)
 
 
 def _quietly(end: Callable[[], object]) -> None:
@@ -270,7 +269,7 @@ def place_of(
     return f"{place}/{what.process}{MANAGER_SUFFIX}" if is_slave else place
 
 
-def scopes_of(app: App, paths: Sequence[str]) -> list[Scope]:
+def scopes_of(session: Session, paths: Sequence[str]) -> list[Scope]:
     """Return the scopes that paths name.
 
     Raises:
@@ -279,8 +278,8 @@ def scopes_of(app: App, paths: Sequence[str]) -> list[Scope]:
     from rtkit.tree.scope import scope_of
 
     scopes = []
-    for path in [app.path(typed) for typed in paths]:
-        root, hostname = app.root(path, is_deep=False)
+    for path in [session.path(typed) for typed in paths]:
+        root, hostname = session.root(path, is_deep=False)
         scopes.append(scope_of(root, path, hostname))
     return scopes
 

@@ -10,10 +10,10 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
-from rtkit.cli.shared.app import App
 from rtkit.errors import Malformed, RtkitError
 
 if TYPE_CHECKING:
+    from rtkit.api.session import Session
     from rtkit.deployment.actions import Action
     from rtkit.deployment.facts import Snapshot
     from rtkit.deployment.planning.step_costs import Times
@@ -30,7 +30,7 @@ def path() -> str:
     return os.path.join(state_dir(), _NAME)
 
 
-def read(app: App) -> Times:
+def read(session: Session) -> Times:
     """Return the measured durations; a damaged file is reported and ignored."""
     from rtkit.deployment.planning.step_costs import Times, times_from_text
 
@@ -44,36 +44,36 @@ def read(app: App) -> Times:
         return Times()
     except (OSError, UnicodeDecodeError, Malformed) as error:
         why = error.strerror if isinstance(error, OSError) else error
-        app.fail(f"{path()} is damaged and not used; steps cost what the table says ({why})")
+        session.fail(f"{path()} is damaged and not used; steps cost what the table says ({why})")
         return Times()
 
 
-def note(app: App, taken: Sequence[tuple[Action, float]], types: Mapping[str, str]) -> None:
+def note(session: Session, taken: Sequence[tuple[Action, float]], types: Mapping[str, str]) -> None:
     """Add the durations of actions [s]; a file that cannot be written is reported, not raised."""
     if not taken:
         return
-    from rtkit.cli.shared.atomic import write_output
     from rtkit.deployment.planning.step_costs import times_to_text
+    from rtkit.link.atomic import write_output
     from rtkit.link.places import make_private, state_dir
 
-    times = read(app).noting(taken, types)
+    times = read(session).noting(taken, types)
     try:
         make_private(state_dir())
         write_output(times_to_text(times).encode(), path())
     except RtkitError as error:
-        app.fail(f"what steps took is not kept: {error}")
+        session.fail(f"what steps took is not kept: {error}")
 
 
 @contextmanager
 def noting(
-    app: App, system: WantedSystem, snapshot: Snapshot
+    session: Session, system: WantedSystem, snapshot: Snapshot
 ) -> Iterator[list[tuple[Action, float]]]:
     """Yield a list for durations of actions [s], and record it however the body ends."""
     taken: list[tuple[Action, float]] = []
     try:
         yield taken
     finally:
-        note(app, taken, types_of(system, snapshot))
+        note(session, taken, types_of(system, snapshot))
 
 
 def types_of(system: WantedSystem, snapshot: Snapshot) -> dict[str, str]:

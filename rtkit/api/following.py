@@ -5,12 +5,12 @@ from __future__ import annotations
 import json
 from typing import TYPE_CHECKING
 
-from rtkit.cli.shared.app import App
 from rtkit.deployment.extension import FOLLOW
 from rtkit.errors import InvalidDocument, NotFound, Refused
 
 if TYPE_CHECKING:
-    from rtkit.cli.system.document import SystemDocument
+    from rtkit.api.document import SystemDocument
+    from rtkit.api.session import Session
     from rtkit.deployment.facts import Followed, Snapshot
     from rtkit.deployment.goal import DeploymentGoal
     from rtkit.deployment.states.states import States
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 _YES, _NO = ("true", "yes", "on", "1"), ("false", "no", "off", "0", "")
 
 
-def is_wanted(document: SystemDocument) -> bool:
+def is_wanted(session: Session, document: SystemDocument) -> bool:
     """Return whether the profile wants its system followed as soon as it is brought up.
 
     Raises:
@@ -32,22 +32,22 @@ def is_wanted(document: SystemDocument) -> bool:
         raise InvalidDocument(f"{document.source}: {FOLLOW}: neither true nor false: {values[-1]}")
     if word in _NO:
         return False
-    from rtkit.cli.system.states import read_machine
+    from rtkit.api.states import read_machine
 
     read_machine(document)
-    check_one_manager(document)
+    check_one_manager(session, document)
     return True
 
 
-def check_one_manager(document: SystemDocument) -> None:
+def check_one_manager(session: Session, document: SystemDocument) -> None:
     """Refuse a system that no manager knows as a whole.
 
     Raises:
         Refused: Its components are in several.
     """
-    from rtkit.cli.system.gathering import Managers
+    from rtkit.api.gathering import Managers
 
-    names = Managers(document.profile).names
+    names = Managers(document.profile, session.usual_manager).names
     if len(names) > 1:
         raise Refused(
             f"{document.source}: no manager can follow {document.profile.id}: its components are"
@@ -55,13 +55,15 @@ def check_one_manager(document: SystemDocument) -> None:
         )
 
 
-def owner(app: App) -> Tree:
+def owner(session: Session) -> Tree:
     """Return the connection to the one manager of a system."""
-    (tree,) = app.tree.trees.values()
+    (tree,) = session.tree.trees.values()
     return tree
 
 
-def begin(app: App, document: SystemDocument, states: States, *, rolls_back: bool = False) -> None:
+def begin(
+    session: Session, document: SystemDocument, states: States, *, rolls_back: bool = False
+) -> None:
     """Have the manager of a system follow its events, from now on and after its restart.
 
     Raises:
@@ -74,10 +76,10 @@ def begin(app: App, document: SystemDocument, states: States, *, rolls_back: boo
     flags = bytes([rolls_back, states.base.replaces, states.base.is_strict])
     digest = sha256(document.data + flags).hexdigest()
     text = spec_to_text(states, [document.source, digest], rolls_back=rolls_back)
-    app.verbose(owner(app).set(FOLLOW, f'{{"start": {text}}}'))
+    session.verbose(owner(session).set(FOLLOW, f'{{"start": {text}}}'))
 
 
-def begin_from(app: App, document: SystemDocument, goal: DeploymentGoal) -> None:
+def begin_from(session: Session, document: SystemDocument, goal: DeploymentGoal) -> None:
     """Have the system of a profile followed that was led to a goal.
 
     Raises:
@@ -85,16 +87,16 @@ def begin_from(app: App, document: SystemDocument, goal: DeploymentGoal) -> None
     """
     from dataclasses import replace
 
-    from rtkit.cli.system.states import read_machine
+    from rtkit.api.states import read_machine
     from rtkit.deployment.states.states import States
     from rtkit.rtc.enums import LifeCycleState
 
     base = replace(goal, state=LifeCycleState.ACTIVE, prunes=False, parallel=0)
-    begin(app, document, States(document.profile.id, read_machine(document), base))
+    begin(session, document, States(document.profile.id, read_machine(document), base))
 
 
 def begin_as_stated(
-    app: App,
+    session: Session,
     document: SystemDocument,
     mapped: tuple[str, ...],
     *,
@@ -106,11 +108,13 @@ def begin_as_stated(
     Raises:
         Refused: It is followed as another profile tells it.
     """
-    from rtkit.cli.system import planning
-    from rtkit.cli.system.states import states_of
+    from rtkit.api import planning
+    from rtkit.api.states import states_of
 
     way = planning.WayOptions((), planning.MEASURED, stand_in, transmit, False)
-    begin(app, document, states_of(planning.begin(app, document, mapped, way, is_dry=False)))
+    begin(
+        session, document, states_of(planning.begin(session, document, mapped, way, is_dry=False))
+    )
 
 
 def end(tree: Tree, name: str) -> str:
@@ -122,12 +126,12 @@ def end(tree: Tree, name: str) -> str:
     return tree.set(FOLLOW, json.dumps({"stop": name}))
 
 
-def end_if_followed(app: App, document: SystemDocument, facts: Snapshot) -> bool:
+def end_if_followed(session: Session, document: SystemDocument, facts: Snapshot) -> bool:
     """Stop following a system; return whether it was followed."""
     name = document.profile.id
     managers = [m.manager for m in (facts, *facts.others) if followed_in(m, name) is not None]
     for manager in managers:
-        app.verbose(end(app.tree.at(manager), name))
+        session.verbose(end(session.tree.at(manager), name))
     return bool(managers)
 
 

@@ -9,16 +9,13 @@ import zlib
 from functools import partial
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-import click
-from click.core import ParameterSource
-
-from rtkit.cli.shared.app import App
-from rtkit.cli.system import planning
-from rtkit.cli.system.document import is_saved_plan, parse_document
-from rtkit.errors import InvalidDocument, Malformed, Refused, UsageProblem
+from rtkit.api import planning
+from rtkit.api.document import is_saved_plan, parse_document
+from rtkit.errors import InvalidDocument, Malformed, Refused
 
 if TYPE_CHECKING:
-    from rtkit.cli.system.document import SystemDocument
+    from rtkit.api.document import SystemDocument
+    from rtkit.api.session import Session
     from rtkit.deployment.facts import Snapshot
     from rtkit.deployment.goal import DeploymentGoal
     from rtkit.deployment.planning.deployment_plan import DeploymentPlan
@@ -39,12 +36,10 @@ def save(
         Refused: There is something else.
         NotFound: It cannot be written.
     """
-    from rtkit.cli.shared.atomic import STDOUT, write_output
     from rtkit.deployment.planning.saved import to_text
+    from rtkit.link.atomic import write_output
     from rtkit.profile.read import STDIN, read_bytes
 
-    if output == STDOUT:
-        raise UsageProblem("--out needs a file: the plan itself is on stdout")
     if os.path.isfile(output) and os.path.getsize(output) and not is_saved_plan(read_bytes(output)):
         raise Refused(f"{output} is there already, and is no saved plan")
     source = document.source
@@ -59,47 +54,38 @@ def save(
     write_output(to_text(prepared.plan, prepared.goal.ranks, made, about).encode(), output)
 
 
-def prepare(
-    app: App, data: bytes, source: str, *, is_dry: bool, parallel: int, lock: PlanLocks | None
-) -> planning.Prepared:
-    """Return a saved plan, ready to be carried out.
+class SavedInputs(NamedTuple):
+    """A saved plan, and the inputs that it was made from.
 
-    Raises:
-        InvalidDocument: The file is cut, was changed, or cannot be read.
-        Refused: Something has changed since; tells what.
+    Attributes:
+        source: Names the file of the plan.
+        name: Names the profile.
+        options: By which the plan was made.
     """
-    from rtkit.deployment.planning.saved import from_text
 
-    saved = from_text(data, source)
-    origin = _origin(saved, source)
-    _check_nothing_else(app, origin.options)
-    app.form = origin.form
-    app.is_strict |= bool(origin.options.pop("strict", False))
-    document = parse_document(app, origin.name, origin.profile)
-    try:
-        mapped, aim = planning.read_options(origin.options)
-        make = partial(_fitting, app, saved, source)
-        return planning.prepare(
-            app, document, mapped, aim, is_dry=is_dry, parallel=parallel, lock=lock, make=make
-        )
-    except TypeError as error:
-        raise InvalidDocument(f"{source}: the saved plan cannot be read: {error}") from error
-
-
-class _Origin(NamedTuple):
-    """The inputs of a plan."""
-
+    saved: SavedPlan
+    source: str
     name: str
     form: str | None
     profile: bytes
     options: dict[str, Any]
 
 
-def _origin(saved: SavedPlan, source: str) -> _Origin:
+def opened(data: bytes, source: str) -> SavedInputs:
+    """Read a saved plan.
+
+    Raises:
+        InvalidDocument: The file is cut, was changed, or cannot be read.
+    """
+    from rtkit.deployment.planning.saved import from_text
+
+    saved = from_text(data, source)
     about = saved.about
     try:
         packed = base64.b64decode(about["data"])
-        return _Origin(
+        return SavedInputs(
+            saved,
+            source,
             str(about["profile"]),
             about["form"],
             zlib.decompressobj().decompress(packed, _MOST_PROFILE),
@@ -109,8 +95,36 @@ def _origin(saved: SavedPlan, source: str) -> _Origin:
         raise InvalidDocument(f"{source}: the saved plan cannot be read: {error}") from error
 
 
+def prepare(
+    session: Session, inputs: SavedInputs, *, is_dry: bool, parallel: int, lock: PlanLocks | None
+) -> planning.Prepared:
+    """Return a saved plan, ready to be carried out.
+
+    Raises:
+        InvalidDocument: The file cannot be read.
+        Refused: Something has changed since; tells what.
+    """
+    options = {**inputs.options}
+    session.is_strict |= bool(options.pop("strict", False))
+    document = parse_document(session, inputs.name, inputs.profile, inputs.form)
+    try:
+        mapped, aim = planning.read_options(options)
+        make = partial(_fitting, session, inputs.saved, inputs.source)
+        return planning.prepare(
+            session, document, mapped, aim, is_dry=is_dry, parallel=parallel, lock=lock, make=make
+        )
+    except TypeError as error:
+        why = f"{inputs.source}: the saved plan cannot be read: {error}"
+        raise InvalidDocument(why) from error
+
+
 def _fitting(
-    app: App, saved: SavedPlan, source: str, goal: DeploymentGoal, snapshot: Snapshot, model: Model
+    session: Session,
+    saved: SavedPlan,
+    source: str,
+    goal: DeploymentGoal,
+    snapshot: Snapshot,
+    model: Model,
 ) -> DeploymentPlan:
     """Return the plan if everything is as it was.
 
@@ -124,7 +138,7 @@ def _fitting(
     differing = [each for each in now if was.get(each, now[each]) != now[each]]
     found += [f"component {each} would be made otherwise" for each in differing]
     if found:
-        raise _changed(app, saved, source, found, goal, snapshot)
+        raise _changed(session, saved, source, found, goal, snapshot)
     try:
         return saved.plan(model)
     except Malformed as error:
@@ -132,7 +146,7 @@ def _fitting(
 
 
 def _changed(
-    app: App,
+    session: Session,
     saved: SavedPlan,
     source: str,
     found: list[str],
@@ -140,27 +154,13 @@ def _changed(
     snapshot: Snapshot,
 ) -> Refused:
     for text in found:
-        app.fail(f"changed since: {text}")
+        session.fail(f"changed since: {text}")
     is_so = "; what it leads to is so already" if goal.holds(snapshot) else ""
     hint = "" if is_so else f"; make it anew with: rtplan --out {source} PROFILE"
     return Refused(
         f"{source}: not carried out, as {len(found)} thing{'s have' if len(found) > 1 else ' has'}"
         f" changed since it was made, {saved.made}{is_so or hint}"
     )
-
-
-def _check_nothing_else(app: App, options: dict[str, Any]) -> None:
-    """Refuse options that were settled when the plan was made."""
-    context = click.get_current_context()
-    given = [
-        parameter.opts[-1]
-        for parameter in context.command.params
-        if parameter.name in options
-        and context.get_parameter_source(parameter.name) is ParameterSource.COMMANDLINE
-    ]
-    given += [f"--{app.form}"] if app.form is not None else []
-    if given:
-        raise UsageProblem(f"{', '.join(given)}: settled already where the plan is a saved one")
 
 
 def _makings(system: WantedSystem, snapshot: Snapshot) -> dict[str, list[str]]:

@@ -1,0 +1,1 @@
+"""API room: all that is done to a running system, for scripts and for the commands alike."""

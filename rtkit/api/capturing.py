@@ -1,0 +1,80 @@
+"""Captures the live system as a profile."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+from rtkit.api import looking
+from rtkit.errors import Malformed, NotFound
+from rtkit.rtc.names import MANAGER_SUFFIX
+
+if TYPE_CHECKING:
+    from rtkit.api.session import Session
+    from rtkit.deployment.facts import Snapshot
+    from rtkit.profile.rts_model import RtsProfile
+
+
+def capture(
+    session: Session, servers: Sequence[str], about: Sequence[str], *, takes_all: bool
+) -> RtsProfile:
+    """Return the profile of what lives; gaps are reported as failures.
+
+    Args:
+        session: Of whom asks.
+        servers: Hosts and managers of this host; none for all of the manager that is asked.
+        about: Name, version, vendor and abstract of the system.
+        takes_all: Also components without connections.
+
+    Raises:
+        Malformed: A text that XML cannot hold.
+        NotFound: There is no such server.
+        Unreachable: A manager does not answer.
+    """
+    from datetime import datetime
+
+    from rtkit.deployment import capture as capturing
+
+    for text in about:
+        _check_text(text)
+    if session.finds_managers and any(server.endswith(MANAGER_SUFFIX) for server in servers):
+        from rtkit.api.gathering import gather_named
+
+        servers = gather_named(session, servers)
+    snapshot = looking.snapshot(session)
+    date = datetime.now().replace(microsecond=0).isoformat()
+    heading = capturing.SystemHeading(date, *about)
+    hosts = [_host(server, snapshot) for server in servers]
+    _report_gaps(session, snapshot)
+    return capturing.capture(snapshot, heading, takes_all=takes_all, hosts=hosts)
+
+
+def _host(server: str, snapshot: Snapshot) -> str:
+    from rtkit.rtc.names import LOCAL, is_local_host
+
+    host = server.strip("/")
+    if is_local_host(host, snapshot.host):
+        return LOCAL
+    if not any(n.partition("/")[0] == host for c in snapshot.components for n in c.names):
+        raise NotFound(f"No such object: {server}")
+    return host
+
+
+def _report_gaps(session: Session, snapshot: Snapshot) -> None:
+    """Report parts that could not be saved, or only as they were last reported."""
+    for component in snapshot.components:
+        if component.zombie:
+            session.fail(f"not saved, zombie ({component.zombie}): {component.instance}")
+        elif component.trouble:
+            session.fail(f"saved as last reported ({component.trouble}): {component.instance}")
+
+
+def _check_text(text: str) -> str:
+    """Return `text` if XML can hold it.
+
+    Raises:
+        Malformed: It has control characters.
+    """
+    if any(ord(c) < 32 for c in text):
+        raise Malformed(f"control characters cannot be saved: {text!r}")
+    return text

@@ -1,0 +1,221 @@
+"""Looks at the live system of a profile, and makes of the profile the wanted system."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import contextmanager
+from functools import partial
+from typing import TYPE_CHECKING
+
+from rtkit.errors import Malformed, Unreachable, UsageProblem
+
+if TYPE_CHECKING:
+    from rtkit.api.document import SystemDocument
+    from rtkit.api.session import Session
+    from rtkit.deployment.actions import Action
+    from rtkit.deployment.facts import Snapshot
+    from rtkit.deployment.runner import Count, PlanRunner
+    from rtkit.deployment.system import KnownType, WantedSystem
+    from rtkit.profile.rts_model import RtsProfile
+    from rtkit.rtc.profiles import ConnectorProfile
+    from rtkit.tree.plan_locks import PlanLocks
+
+
+def host_map(mapped: tuple[str, ...]) -> dict[str, str]:
+    """Read ``HOST=HOST`` options.
+
+    Raises:
+        UsageProblem: One is not of that form.
+    """
+    pairs = {}
+    for item in mapped:
+        host, equals, other = item.partition("=")
+        if not (host and equals and other):
+            raise UsageProblem(f"--map needs HOST=HOST: {item}")
+        pairs[host] = other
+    return pairs
+
+
+def wanted_system(
+    session: Session,
+    document: SystemDocument,
+    snapshot: Snapshot,
+    *,
+    stand_in: bool = False,
+    transmit: bool = False,
+    mapped: tuple[str, ...] = (),
+    known_types: Mapping[str, KnownType] | None = None,
+) -> WantedSystem:
+    """Return the wanted system; report the decisions taken when verbose.
+
+    Raises:
+        InvalidDocument: What it says of a component makes no sense; names the line.
+    """
+    from rtkit.deployment.wanted import wanted
+
+    with document.naming():
+        system = wanted(
+            document.profile,
+            snapshot.host,
+            stand_in=stand_in,
+            transmit=transmit,
+            host_map=host_map(mapped),
+            known_types=known_types,
+            stand_ins={c.instance for c in snapshot.components if c.is_stand_in},
+            managers=[each.manager for each in snapshot.others],
+        )
+    for note in system.notes:
+        session.verbose(note)
+    session.warn(_odd_keys(document.profile))
+    for connector in system.connectors:
+        if connector.is_data:
+            found = _odd(connector.profile)
+            session.warn(f"connector {connector.profile.connector_id}: {text}" for text in found)
+    return system
+
+
+def _odd_keys(profile: RtsProfile) -> Iterator[str]:
+    """Yield unknown properties, and unknown options in create strings."""
+    from rtkit.deployment.known_keys import odd_options, odd_properties
+
+    yield from (odd.text for odd in odd_properties(profile))
+    yield from odd_options(profile, _unknown_options)
+
+
+def _unknown_options(options: Mapping[str, str]) -> Iterable[str]:
+    from rtkit.settings.options import unknown_options
+
+    return unknown_options(options)
+
+
+def _odd(connector: ConnectorProfile) -> list[str]:
+    """Return the unknown or senseless properties of a connector."""
+    from rtkit.component.options import parse_options, remarks
+
+    try:
+        parse_options(connector.properties)
+    except Malformed as error:
+        return [str(error)]
+    return remarks(connector.properties)
+
+
+def snapshot(session: Session) -> Snapshot:
+    """Return a snapshot of the live system.
+
+    Raises:
+        Unreachable: No manager answers.
+    """
+    from rtkit.tree.grace import uninterrupted
+
+    return uninterrupted(lambda: session.tree.snapshot())
+
+
+def remains(session: Session) -> Snapshot:
+    """Return a snapshot of the live system, where a manager may have ended.
+
+    Raises:
+        Unreachable: One that runs does not answer.
+    """
+    from rtkit.tree.grace import uninterrupted
+
+    return uninterrupted(lambda: session.tree.remains())
+
+
+def look(
+    session: Session,
+    profile: RtsProfile,
+    *,
+    dry_run: bool,
+    may_lack: bool = False,
+    starts: bool = False,
+    lock: PlanLocks | None = None,
+) -> Snapshot:
+    """Return a snapshot of a profile's managers; a dry run reports missing ones and goes on.
+
+    With `may_lack` some of several managers may be missing, but not all; where one is missing
+    that `starts` can be started, it holds nothing. A `lock` is taken before it is looked, and
+    given back when the command ends.
+
+    Raises:
+        Unreachable: A manager does not run, or does not answer.
+        Refused: Somebody else carries a plan out at one of them.
+    """
+    starts = starts and not dry_run
+    if session.finds_managers:
+        from rtkit.api import gathering
+
+        if gathering.names_another(profile):
+            is_lenient = dry_run or may_lack
+            empty = gathering.gather(session, profile, is_lenient=is_lenient, starts=starts)
+            if empty is not None:
+                return empty
+    try:
+        take(session, lock)
+        return snapshot(session)
+    except Unreachable as error:
+        if starts and session.finds_managers and gathering.can_be_started(session.usual_manager):
+            session.ask(gathering.unstarted(session))
+            take(session, lock)
+            return snapshot(session)
+        if not dry_run:
+            raise
+        session.fail(f"{error}; shown as if nothing lived")
+        return nothing(session.usual_manager)
+
+
+def take(session: Session, lock: PlanLocks | None) -> None:
+    """Take the locks of all managers that run, and of those that are started later."""
+    if lock is not None:
+        lock.take(*session.tree.trees.values())
+        session.tree.on_start = lock.take
+
+
+@contextmanager
+def managers_started(session: Session, found: Snapshot, *, dry_run: bool) -> Iterator[Snapshot]:
+    """Start the managers that were found not to run; yield the snapshot afterwards.
+
+    Those that still hold nothing are ended when the body fails.
+    """
+    from rtkit.tree.grace import uninterrupted
+
+    absent = [each.manager for each in (found, *found.others) if not each.pid]
+    if not absent or dry_run:
+        yield found
+        return
+    try:
+        for name in absent:
+            uninterrupted(partial(session.tree.start, name))
+            session.verbose(f"manager {name} was not running, and is started")
+        yield snapshot(session)
+    except BaseException:
+        uninterrupted(session.tree.end_started)
+        raise
+
+
+def nothing(manager: str) -> Snapshot:
+    """Return the snapshot of a host where nothing lives, and of its usual manager."""
+    import os
+
+    from rtkit.deployment.facts import Snapshot
+
+    return Snapshot(os.uname().nodename, manager, 0, "")
+
+
+def runner(
+    session: Session,
+    count: Count = lambda _done, _known: None,
+    taken: list[tuple[Action, float]] | None = None,
+) -> PlanRunner:
+    """Return a runner of plans that reports on stderr; `taken` receives actions' durations [s]."""
+    from rtkit.deployment.runner import PlanRunner
+    from rtkit.tree.grace import uninterrupted
+
+    return PlanRunner(
+        session.tree,
+        session.fail,
+        session.verbose,
+        count,
+        taken,
+        uninterrupted,
+        is_strict=session.is_strict,
+    )
