@@ -44,6 +44,8 @@ _ENVIRONMENT = (
     ("RTKIT_MQTT_PASSWORD", "Password for the user that an mqtt: address names."),
     ("RTKIT_COMPLETION_TIMEOUT", "How long TAB waits for a manager, in seconds; by default 1."),
     ("RTKIT_EXIT_DETAIL", "1 has failures told apart by the exit status."),
+    ("RTKIT_TIMEOUT", "Bound on every call, in seconds; RTKIT_RTLS_TIMEOUT that of rtls only."),
+    ("RTKIT_RTLS_JSON", "1 has rtls write JSON; so for each option with a long name of a command."),
     ("NO_COLOR, FORCE_COLOR", "Never, or always, colour what goes to stdout."),
 )
 

@@ -18,6 +18,7 @@ TOPICS: dict[str, dict[str, str]] = {
         "rtprint": "Print the values that come out of ports, as they come.",
     },
     "managers": {
+        "rtconfig": "Show settings, and the files and variables that they are from.",
         "rtdoctor": "Tell what is wrong with this set-up, and what helps.",
         "rtmgr": "Start, stop and command managers.",
     },

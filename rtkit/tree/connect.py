@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 
 def connect(manager: str = "", timeout_s: float = DEFAULT_TIMEOUT_S) -> Tree:
-    """Connect to a manager of this host, by default the one named ``manager``.
+    """Connect to a manager of this host, by default the one that the settings name.
 
     `manager` may also be an address, ``localhost:2811`` or ``corbaloc::localhost:2811``.
 
@@ -26,6 +26,10 @@ def connect(manager: str = "", timeout_s: float = DEFAULT_TIMEOUT_S) -> Tree:
     from rtkit.link.running import why_absent
     from rtkit.link.zenoh import ZenohLink, open_client, unix_endpoint
 
+    if not manager and "RTKIT_MANAGER" not in os.environ:
+        from rtkit.settings import layers
+
+        layers.read().apply()
     name = as_text(manager, "a manager's name") or usual_manager()
     if ":" in name:
         from rtkit.rtc.manager_address import parse_address

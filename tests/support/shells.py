@@ -88,6 +88,8 @@ class Shell:
             "RTKIT_STATE_DIR": str(folder / "state"),
             "RTKIT_MODULE_PATH": str(self.modules),
             "RTKIT_PORT": "none",
+            "XDG_CONFIG_DIRS": str(folder / "system"),
+            "XDG_CONFIG_HOME": str(folder / "user"),
             RUN_ID: run_id,
         }
         self._usual = _interpreted(self.environment)

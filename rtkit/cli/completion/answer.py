@@ -36,6 +36,10 @@ _WORDS_OF = {"shell-init": ("bash", "zsh", "fish")}
 def complete(name: str, arguments: Sequence[str], tree: Tree | None = None) -> int:
     """Answer on stdout; errors go to stderr, which shells throw away."""
     try:
+        if tree is None:
+            from rtkit.settings import layers
+
+            layers.read().apply()
         lines = _lines(arguments, tree)
     except RtkitError as error:
         print(f"{name} complete: {error}", file=sys.stderr)

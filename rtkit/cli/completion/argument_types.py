@@ -255,6 +255,12 @@ def _properties(asked: CursorMeaning, live: CompletionSource) -> Found:
     return those((f"{key}=" for key in live.part()["properties"]), asked.typed)
 
 
+def _settings(asked: CursorMeaning, _live: CompletionSource) -> Found:
+    from rtkit.settings.layers import SETTINGS
+
+    return those((each.key for each in SETTINGS), asked.typed)
+
+
 def _instances(asked: CursorMeaning, live: CompletionSource) -> Found:
     return those((row.instance for row in live.tree().listing().rows), asked.typed)
 
@@ -332,6 +338,7 @@ _MAKERS: dict[str, Maker] = {
     "profile": lambda _asked, _live: PROFILES,
     "property": _properties,
     "set": _sets,
+    "setting": _settings,
     "type": _types,
     "value": _value,
     "waited-for": _waited_for,

@@ -7,8 +7,8 @@ of the unified tool (``rtkit ls``) and a function: ``main(["-l"], tree=some_tree
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterable, Sequence
-from typing import TYPE_CHECKING, TypeVar
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
 
@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from rtkit.deployment.facts import ComponentFacts
     from rtkit.rtc.manager_address import Address
     from rtkit.rtc.names import Path
+    from rtkit.settings.layers import Layers, SettingsFile
     from rtkit.tree.client import Tree
     from rtkit.tree.view import TreeNode
 
@@ -40,6 +41,8 @@ class App:
         is_strict: Take warnings for errors.
         form: ``xml``, ``yaml`` or ``json`` where an option says what the profile is.
         command: The subcommand that is run, once that is known.
+        layers: Files of settings; None in a function, for which only its arguments count.
+        given: Settings of those files that count, by key.
         write_error: Writes one line on stderr.
     """
 
@@ -49,7 +52,9 @@ class App:
         self.is_verbose = False
         self.is_strict = False
         self.form: str | None = None
-        self.has_exit_detail = os.environ.get("RTKIT_EXIT_DETAIL", "") not in ("", "0")
+        self.has_exit_detail = _is_set("RTKIT_EXIT_DETAIL")
+        self.layers: Layers | None = None
+        self.given: Mapping[str, SettingsFile] = {}
         self.command: click.Command | None = None
         self.write_error: Callable[[str], object] = _to_stderr
         self._tree = tree
@@ -74,6 +79,36 @@ class App:
         from rtkit.link.places import DEFAULT_MANAGER
 
         return self._place or os.environ.get("RTKIT_MANAGER") or DEFAULT_MANAGER
+
+    def read_settings(self) -> None:
+        """Read the files of settings, and have them count where the environment says nothing.
+
+        Raises:
+            RtkitError: One of them is wrong.
+        """
+        from rtkit.settings import layers
+
+        self.layers = layers.read(_commands)
+        self.given = self.layers.apply()
+        self.has_exit_detail = _is_set("RTKIT_EXIT_DETAIL")
+        for text in self.layers.warnings:
+            self.fail(f"warning: {text}")
+
+    def defaults(self, name: str, command: click.Command) -> dict[str, Any] | None:
+        """Return the values of a command's options that nobody typed, by parameter.
+
+        Raises:
+            Malformed: Names the place of a wrong one.
+        """
+        if self.layers is None:
+            return None
+        from rtkit.settings.layers import has_variables
+
+        if not (self.layers.files or has_variables()):
+            return None
+        from rtkit.cli.shared.defaults import default_map
+
+        return default_map(name, command, self.layers, self.given)
 
     def ask(self, tree: Tree) -> None:
         """Use a connection that was made for this run; it is closed with the run."""
@@ -288,6 +323,16 @@ class App:
         if self._is_own_tree and self._tree is not None:
             self._tree.close()
             self._tree = None
+
+
+def _commands() -> Collection[str]:
+    from rtkit.cli.table import TOPICS
+
+    return [name for names in TOPICS.values() for name in names if name.startswith("rt")]
+
+
+def _is_set(variable: str) -> bool:
+    return os.environ.get(variable, "") not in ("", "0")
 
 
 def _to_stderr(line: str) -> None:

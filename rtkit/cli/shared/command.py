@@ -70,7 +70,7 @@ class Main(NamedTuple):
         console_process.prepare()
         try:
             console_process.enable_interrupts()
-            status = _run(self.command, App(name), list(arguments))
+            status = _run(self.command, App(name), list(arguments), is_script=True)
             if status != console_process.INTERRUPTED:
                 console_process.end(status)
         except KeyboardInterrupt:
@@ -184,17 +184,19 @@ def _show_help(
         context.exit(0)
 
 
-def _run(command: click.Command, app: App, arguments: list[str]) -> int:
+def _run(command: click.Command, app: App, arguments: list[str], *, is_script: bool = False) -> int:
     try:
-        return _guarded(command, app, arguments)
+        return _guarded(command, app, arguments, is_script)
     except KeyboardInterrupt as error:
         app.fail(f"interrupted; {error}" if str(error) else "interrupted")
         return console_process.INTERRUPTED
 
 
-def _guarded(command: click.Command, app: App, arguments: list[str]) -> int:
+def _guarded(command: click.Command, app: App, arguments: list[str], is_script: bool) -> int:
     try:
         try:
+            if is_script:
+                app.read_settings()
             status = _invoke(command, app, arguments)
         finally:
             app.close()
@@ -213,7 +215,8 @@ def _guarded(command: click.Command, app: App, arguments: list[str]) -> int:
 def _invoke(command: click.Command, app: App, arguments: list[str]) -> int:
     # Not Command.main: that one swallows a broken pipe and writes a line of its own on Ctrl-C.
     try:
-        with command.make_context(app.name, arguments, obj=app) as context:
+        defaults = app.defaults(command.name or "", command)
+        with command.make_context(app.name, arguments, obj=app, default_map=defaults) as context:
             return int(command.invoke(context) or 0)
     except click.exceptions.Exit as leaving:
         return leaving.exit_code

@@ -61,6 +61,7 @@ class CommandGroup(click.Group):
             raise UsageProblem(no_such("command", typed, self.words))
         app.name = f"{app.name} {typed}"
         app.command = found
+        ctx.default_map = {typed: app.defaults(f"{self.name} {typed}", found)}
         return typed, found, args[1:]
 
 

@@ -103,6 +103,13 @@ def pairs(items: Sequence[tuple[str, str]], indent: str = "  ") -> list[str]:
     return [f"{indent}{padded(key, width)}{value}".rstrip() for key, value in safe]
 
 
+def table(rows: Iterable[Sequence[str]]) -> list[str]:
+    """Return rows of as many cells each as lines, columns two blanks apart."""
+    cells = [tuple(map(printable, row)) for row in rows]
+    widths = [max(map(display_width, column)) + 2 for column in zip(*cells, strict=True)]
+    return ["".join(map(padded, row, widths)).rstrip() for row in cells]
+
+
 def padded(text: str, width: int, shown: str | None = None) -> str:
     """Return `shown` (by default `text`) followed by blanks up to `width` columns of `text`."""
     return (text if shown is None else shown) + " " * (width - display_width(text))

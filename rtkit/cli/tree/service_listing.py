@@ -87,7 +87,7 @@ class ServiceListing:
         self.names = [name for name, _, *value in map(_row, rows) if value]
         if self._is_json:
             return [_record(typed, row) for row in rows]
-        return _columns([_cells(row) for row in rows])
+        return terminal.table([_cells(row) for row in rows])
 
 
 def _completed(end: PropertyClient, above: str, rows: Sequence[Value]) -> Iterator[Value]:
@@ -139,12 +139,6 @@ def _cells(row: Value) -> tuple[str, ...]:
 def _field(meta: Element, key: str) -> str:
     found = meta.find(key)
     return str(found.leaf) if found is not None and found.leaf is not None else "-"
-
-
-def _columns(rows: list[tuple[str, ...]]) -> list[str]:
-    cells = [tuple(map(terminal.printable, row)) for row in rows]
-    widths = [max(map(len, column)) + 2 for column in zip(*cells, strict=True)]
-    return ["".join(map(str.ljust, row, widths)).rstrip() for row in cells]
 
 
 def _record(typed: str, row: Value) -> str:

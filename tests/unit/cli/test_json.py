@@ -61,6 +61,8 @@ ELSEWHERE = {
     "log-record": "system/test_observers.py",
     "plan": "unit/cli/test_planning.py",
     "replay": "unit/cli/test_rtmgr_replay.py",
+    "setting": "unit/cli/test_rtconfig.py",
+    "settings-file": "unit/cli/test_rtconfig.py",
     "system-state": "unit/cli/test_system_states.py",
     "transition": "unit/cli/test_system_states.py",
     "property": "system/test_live_properties.py",

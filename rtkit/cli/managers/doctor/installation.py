@@ -6,8 +6,10 @@ import os
 import sys
 import time
 from collections.abc import Iterable, Iterator, Mapping
+from functools import cache
 
 from rtkit.cli.managers.doctor import ERROR, NOTE, OK, WARNING, Diagnosis
+from rtkit.settings.layers import PREFIX
 
 _ZENOH = ((1, 10), (2, 0))
 _FEWEST_FILES = 1024
@@ -15,7 +17,7 @@ _VARIABLES = (
     "RTKIT_COMPLETION_TIMEOUT", "RTKIT_CWD", "RTKIT_ENDS_WITH", "RTKIT_EXIT_DETAIL", "RTKIT_FAULT",
     "RTKIT_MANAGER", "RTKIT_MANAGER_PROCESS", "RTKIT_MODULE_PATH", "RTKIT_MQTT_PASSWORD",
     "RTKIT_PORT", "RTKIT_PROFILE_PATH", "RTKIT_READY", "RTKIT_REALM", "RTKIT_RUNTIME_DIR",
-    "RTKIT_SERVERS", "RTKIT_SLAVE", "RTKIT_STATE_DIR",
+    "RTKIT_SERVERS", "RTKIT_SLAVE", "RTKIT_STATE_DIR", "RTKIT_TIMEOUT",
 )  # fmt: skip
 _FOLDER_LISTS = ("RTKIT_MODULE_PATH", "RTKIT_PROFILE_PATH")
 
@@ -101,7 +103,8 @@ def variables(environment: Mapping[str, str]) -> Iterator[Diagnosis]:
 
     found = []
     for name in sorted(each for each in environment if each.startswith("RTKIT_")):
-        hint = "" if name in _VARIABLES else did_you_mean(name, _VARIABLES)
+        known = (*_VARIABLES, *_of_options()) if name.startswith(f"{PREFIX}RT") else _VARIABLES
+        hint = "" if name in known else did_you_mean(name, known)
         if hint:
             text = f"{name} means nothing to rtkit{hint}"
             found.append(Diagnosis("environment", WARNING, text, f"unset {name}", name))
@@ -117,6 +120,16 @@ def variables(environment: Mapping[str, str]) -> Iterator[Diagnosis]:
         cure = "unset RTC_MANAGER_CONFIG, or correct it; rtmgr start would fail"
         found.append(Diagnosis("environment", ERROR, text, cure, "RTC_MANAGER_CONFIG"))
     yield from found or [Diagnosis("environment", OK, "variables are in order")]
+
+
+@cache
+def _of_options() -> tuple[str, ...]:
+    """Return the variables that stand for options; only made where there is one of that kind."""
+    from rtkit.cli.shared.commands import TABLE, load
+    from rtkit.cli.shared.defaults import settable, variable_of
+
+    options = ((name, each) for name in TABLE for each in settable(load(name).command))
+    return tuple(variable_of(f"{name} {option}") for name, option in options)
 
 
 def _limits() -> Iterator[Diagnosis]:

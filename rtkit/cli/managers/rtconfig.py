@@ -1,0 +1,113 @@
+"""``rtconfig``: show settings, and the files and variables they are from."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator
+from typing import NamedTuple
+
+from rtkit.cli.shared import json_records, terminal
+from rtkit.cli.shared.app import App, WrongArguments, no_such
+from rtkit.cli.shared.command import command
+from rtkit.cli.shared.defaults import of_command
+from rtkit.cli.shared.options import arguments, flag, json_flag
+from rtkit.errors import NotFound
+from rtkit.settings.layers import SETTINGS, Layers, candidates
+
+_WORDS = ("show", "files")
+
+
+class _Row(NamedTuple):
+    """A setting: `place` is the file, with its table, or the variable that has the value."""
+
+    key: str
+    value: str
+    origin: str
+    place: str
+
+
+@command(
+    "rtconfig",
+    examples=(
+        ("rtconfig show --origin", "All settings, and where each is from."),
+        ("rtconfig files", "Which files count, the strongest first?"),
+        ("rtconfig show rtls.json", "The default of rtls --json."),
+    ),
+    json=("setting", "settings-file"),
+    arguments=("words", "setting"),
+    words=_WORDS,
+)
+def main(
+    app: App,
+    has_origin: bool = flag("--origin", "Also where each is from."),
+    is_json: bool = json_flag(),
+    words: tuple[str, ...] = arguments("show|files [SETTING]..."),
+) -> None:
+    r"""Show settings, and the files and variables that they are from.
+
+    A flag counts more than the environment, that more than rtkit.toml of the project (in this
+    folder or above it), that more than rtkit/config.toml of the user (in XDG_CONFIG_HOME, else
+    ~/.config), that more than rtkit/config.toml of the system (in XDG_CONFIG_DIRS, else /etc).
+
+    \b
+        manager = "robot"          # a setting of all commands, RTKIT_MANAGER
+        module_path = ["modules"]  # from the folder of the file
+        [rtls]
+        json = true                # as rtls --json, RTKIT_RTLS_JSON
+
+    Tables have the long options of a command without dashes, those of a word of rtprofile are
+    named [rtprofile.check]. Unknown keys and wrong values are errors.
+    """
+    if not words or words[0] not in _WORDS:
+        raise WrongArguments(no_such("word", words[0], _WORDS) if words else "show or files?")
+    if words[0] == "files":
+        _show_files(is_json)
+        return
+    rows = _chosen(list(_rows(app)), words[1:])
+    if is_json:
+        terminal.write(json_records.line("setting", row._asdict()) for row in rows)
+    else:
+        cells = [list(row if has_origin else row[:2]) for row in rows]
+        terminal.write(terminal.table(cells))
+
+
+def _rows(app: App) -> Iterator[_Row]:
+    for setting in SETTINGS:
+        layer = app.given.get(setting.key)
+        value = os.environ.get(setting.variable)
+        if layer is not None:
+            yield _Row(setting.key, value or "", layer.origin, layer.file)
+        elif value is not None:
+            yield _Row(setting.key, value, "environment", setting.variable)
+        else:
+            yield _Row(setting.key, setting.default, "default", "")
+    from rtkit.cli.shared.commands import TABLE, load
+
+    for name in TABLE:
+        for each in of_command(name, load(name).command, app.layers or Layers(), app.given):
+            option = next(text[2:] for text in each.parameter.opts if text.startswith("--"))
+            if each.place != "RTKIT_TIMEOUT":
+                key = f"{name.replace(' ', '.')}.{option}"
+                yield _Row(key, _text(each.value), each.origin, each.place)
+
+
+def _text(value: object) -> str:
+    return str(value).lower() if isinstance(value, bool) else str(value)
+
+
+def _chosen(rows: list[_Row], keys: tuple[str, ...]) -> list[_Row]:
+    known = {row.key: row for row in rows}
+    for key in keys:
+        if key not in known:
+            raise NotFound(no_such("setting", key, known))
+    return [known[key] for key in keys] if keys else rows
+
+
+def _show_files(is_json: bool) -> None:
+    rows = [(origin, path, os.path.exists(path)) for origin, path in candidates()]
+    if is_json:
+        records = [{"origin": a, "path": b, "exists": c} for a, b, c in rows]
+        terminal.write(json_records.lines("settings-file", records))
+    else:
+        cells = [[a, b if c else f"{b} (not there)"] for a, b, c in rows]
+        terminal.write(terminal.table(cells))
