@@ -194,7 +194,8 @@ class TypesCode:
         lines = [f"class {name}({', '.join([*bases, 'Protocol'])}):"]
         lines += docstring(f"Interface {name}.", declared.doc, indent=INDENT)
         for method in methods:
-            lines += ["", *self._raises(method), *signature(method, "", INDENT)]
+            lines += ["", *self._raises(method), *self._returns(method)]
+            lines += signature(method, "", INDENT)
             lines += documentation(method, self.name, INDENT * 2)
             # Type checkers miss a value where a body is nothing but a docstring.
             lines += [f"{INDENT * 2}..."] if method.result != "None" else []
@@ -210,6 +211,17 @@ class TypesCode:
         if len(line) <= WIDTH:
             return [line]
         return [f"{INDENT}@rt.raises(", *(f"{INDENT * 2}{name}," for name in names), f"{INDENT})"]
+
+    def _returns(self, method: GeneratedMethod) -> list[str]:
+        """Return the line that names what a method returns, if it has ``out`` parameters."""
+        if not method.results:
+            return []
+        self._types.uses.add("rt")
+        names = [f'"{name}"' for name in method.results]
+        line = f"{INDENT}@rt.returns({', '.join(names)})"
+        if len(line) <= WIDTH:
+            return [line]
+        return [f"{INDENT}@rt.returns(", *(f"{INDENT * 2}{name}," for name in names), f"{INDENT})"]
 
 
 def _attributes(fields: Iterable[tuple[str, Field]]) -> list[str]:

@@ -13,6 +13,7 @@ TOPICS: dict[str, dict[str, str]] = {
         "rtreset": "Reset components: Error to Inactive.",
     },
     "data": {
+        "rtcall": "Call an operation of a service port.",
         "rtinject": "Write values into ports.",
         "rtlog": "Record what comes out of ports, and play it again into others.",
         "rtprint": "Print the values that come out of ports, as they come.",

@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from rtkit.component.fsm import takes as takes
     from rtkit.component.geometry import *  # noqa: F403
     from rtkit.component.interface import raises as raises
+    from rtkit.component.interface import returns as returns
     from rtkit.component.navigation import *  # noqa: F403
     from rtkit.component.options import PortStatus as PortStatus
     from rtkit.component.parameter import Parameter as Parameter
@@ -49,7 +50,7 @@ if TYPE_CHECKING:
 _HOME = {
     "base": ("Component", "Manager"),
     "fsm": ("EventPort", "FsmComponent", "State", "takes"),
-    "interface": ("raises",),
+    "interface": ("raises", "returns"),
     "parameter": ("Parameter",),
     "port": ("InPort", "OutPort"),
     "service": ("RequiredPort", "ServicePort"),

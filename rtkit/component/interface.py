@@ -45,6 +45,26 @@ def raises(*exceptions: type[Exception]) -> Callable[[F], F]:
     return declare
 
 
+def returns(*names: str) -> Callable[[F], F]:
+    """Name the values of the tuple that a method returns: ``""`` for the result itself.
+
+    ::
+
+        class Gripper(Protocol):
+            @returns("", "width")
+            def close(self, force: float) -> tuple[bool, float]: ...
+
+    The named ones are the ``out`` parameters of an interface definition; a single name is that of
+    the only value.
+    """
+
+    def declare(method: F) -> F:
+        method.__returns__ = names  # type: ignore[attr-defined]
+        return method
+
+    return declare
+
+
 class Raised(Refused):
     """An exception that a provider raised, with the data that rebuilds it where it is declared."""
 
@@ -60,6 +80,7 @@ class InterfaceMethod:
     Attributes:
         label: ``MyService.echo``, for messages.
         signature: ``echo(text:string)->string``; equal on both sides of a call.
+        hints: Annotations by parameter, and of ``return``.
     """
 
     def __init__(self, owner: str, name: str, function: Callable[..., Any]) -> None:
@@ -70,9 +91,10 @@ class InterfaceMethod:
             cls.__name__: _Exception(cls, self.label) for cls in getattr(function, "__raises__", ())
         }
         self._shape = _without_self(inspect.signature(function))
-        self._hints = _hints(function, self.label)
+        self._returns: tuple[str, ...] = getattr(function, "__returns__", ())
+        self.hints = _hints(function, self.label)
         given = [f"{n}:{self._layout(n).name}" for n in self._shape.parameters]
-        self.returns_nothing = self._hints.get("return", ...) is type(None)
+        self.returns_nothing = self.hints.get("return", ...) is type(None)
         kinds = [each.kind for each in self._shape.parameters.values()]
         self._is_positional = inspect.Parameter.KEYWORD_ONLY not in kinds
         self._count = len(kinds)
@@ -83,6 +105,31 @@ class InterfaceMethod:
     def parameters(self) -> tuple[str, ...]:
         """Names of its parameters."""
         return tuple(self._shape.parameters)
+
+    @property
+    def layouts(self) -> dict[str, Layout]:
+        """The layout of each parameter, by name."""
+        return {name: self._layout(name) for name in self._shape.parameters}
+
+    @property
+    def results(self) -> tuple[tuple[str, ...], tuple[Layout, ...]]:
+        """Names and layouts of what it returns; the result itself has an empty name.
+
+        A tuple of several types without names has ``out1``, ``out2`` ... behind its first one.
+        """
+        if self.returns_nothing:
+            return (), ()
+        layout, names = self._layout("return"), self._returns
+        if len(names) == 1 or not isinstance(layout, ArrayLayout):
+            return names[:1] or ("",), (layout,)
+        if not names and any(item != layout.items[0] for item in layout.items):
+            names = ("", *(f"out{number}" for number in range(1, len(layout.items))))
+        return (names, layout.items) if len(names) == len(layout.items) else (("",), (layout,))
+
+    @property
+    def exceptions(self) -> dict[str, dict[str, Layout]]:
+        """The layouts of what each declared exception carries, by their names."""
+        return {name: each.members for name, each in self._raises.items()}
 
     def encode_arguments(self, arguments: Sequence[Any], named: Mapping[str, Any]) -> bytes:
         """Return arguments as bytes.
@@ -186,7 +233,7 @@ class InterfaceMethod:
     def _is_like(self, other: InterfaceMethod) -> bool:
         """Return whether it has the very classes of another one of the same signature."""
         if other not in self._likes:
-            self._likes[other] = self._hints == other._hints
+            self._likes[other] = self.hints == other.hints
         return self._likes[other]
 
     @cached_property
@@ -216,7 +263,7 @@ class InterfaceMethod:
     @cached_property
     def _record(self) -> type:
         names = self._shape.parameters
-        return make_dataclass(self.label, [(name, self._hints[name], MISSING) for name in names])
+        return make_dataclass(self.label, [(name, self.hints[name], MISSING) for name in names])
 
     @cached_property
     def _arguments(self) -> Codec:
@@ -224,14 +271,14 @@ class InterfaceMethod:
 
     @cached_property
     def _result(self) -> tuple[Codec, type]:
-        record = make_dataclass(self.label, [("result", self._hints["return"], MISSING)])
+        record = make_dataclass(self.label, [("result", self.hints["return"], MISSING)])
         return codec_for(record), record
 
     def _layout(self, name: str) -> Layout:
         what = "what it returns" if name == "return" else f"the type of {name}"
-        if name not in self._hints:
+        if name not in self.hints:
             raise Malformed(f"{self.label} does not say {what}; annotate it")
-        return layout_of_hint(self._hints[name], f"{self.label}: {name}")
+        return layout_of_hint(self.hints[name], f"{self.label}: {name}")
 
 
 class ServiceCaller(Protocol):
@@ -344,7 +391,11 @@ class Interface:
 
 
 class _Exception:
-    """An exception that a method declares."""
+    """An exception that a method declares.
+
+    Attributes:
+        members: Layouts of what it carries, by name.
+    """
 
     def __init__(self, cls: type[BaseException], label: str) -> None:
         if not (isinstance(cls, type) and issubclass(cls, Exception)):
@@ -357,8 +408,10 @@ class _Exception:
             shape = _without_self(inspect.signature(function)).parameters
             declared = _hints(function, cls.__name__)
             hints = {name: declared.get(name) for name in shape}
-        for name, hint in hints.items():
-            layout_of_hint(hint, f"{label}: {cls.__name__}.{name}")
+        self.members = {
+            name: layout_of_hint(hint, f"{label}: {cls.__name__}.{name}")
+            for name, hint in hints.items()
+        }
         self._names = tuple(hints)
         columns = [(name, hint, MISSING) for name, hint in hints.items()]
         self._record = make_dataclass(cls.__name__, columns)

@@ -41,8 +41,14 @@ from rtkit.component.options import DEFAULT_TIMEOUT_S
 from rtkit.component.port import Port
 from rtkit.errors import Malformed, NotFound, Unreachable
 from rtkit.rtc.enums import Polarity, PortType
-from rtkit.rtc.profiles import ConnectorProfile, PortInterfaceProfile, PortProfile
+from rtkit.rtc.profiles import (
+    DEFINITION,
+    ConnectorProfile,
+    PortInterfaceProfile,
+    PortProfile,
+)
 
+_definitions: dict[tuple[Interface, ...], str] = {}
 S = TypeVar("S")
 TIMEOUT = "service.timeout"
 """Property of a port, or of a connector, which wins: bound on a call [s]."""
@@ -169,7 +175,21 @@ class ServicePort(Port):
     @property
     def profile(self) -> PortProfile:
         """The port as others see it."""
-        return PortProfile(self.name, self.port_type, dict(self.properties), self.interfaces)
+        properties = dict(self.properties)
+        if self._uses:
+            properties[DEFINITION] = self._definition
+        return PortProfile(self.name, self.port_type, properties, self.interfaces)
+
+    @property
+    def _definition(self) -> str:
+        """The IDL of its interfaces, written once for all ports that have the same."""
+        used = tuple(use.interface for use in self._uses)
+        known = _definitions.get(used)
+        if known is None:
+            from rtkit.component.interface_definition import definition_of
+
+            known = _definitions[used] = definition_of(used)
+        return known
 
     @property
     def is_connected(self) -> bool:

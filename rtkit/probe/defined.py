@@ -55,7 +55,7 @@ class _Maker:
             return known
         declared = self._definitions.by_path.get(path)
         if isinstance(declared, Typedef):
-            return self._hint(declared.type)
+            return self.hint(declared.type)
         if isinstance(declared, StructDeclaration):
             made = self._struct(declared)
         elif isinstance(declared, EnumDeclaration):
@@ -70,18 +70,19 @@ class _Maker:
         fields = []
         for each in declared.fields:
             own = f"{each.name}_" if keyword.iskeyword(each.name) else each.name
-            hint = self._hint(each.type)
+            hint = self.hint(each.type)
             fields.append((own, hint, zero(layout_of_hint(hint, each.name))))
         return make_dataclass(declared.path[-1], fields, module=__name__, doc=declared.doc)
 
-    def _hint(self, type: Type) -> Any:
+    def hint(self, type: Type) -> Any:
+        """Return the annotation of a type."""
         if isinstance(type, Named):
             return self.of(type.path)
         if isinstance(type, SequenceOf):
             item = type.item
-            return bytes if item == Basic("octet") else tuple[self._hint(item), ...]  # type: ignore[misc]
+            return bytes if item == Basic("octet") else tuple[self.hint(item), ...]  # type: ignore[misc]
         if isinstance(type, ArrayOf):
-            hint = self._hint(type.item)
+            hint = self.hint(type.item)
             for size in reversed(type.sizes):
                 hint = tuple[(hint,) * size]  # type: ignore[misc]
             return hint

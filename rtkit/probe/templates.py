@@ -30,7 +30,7 @@ class Template:
 
     def _read(self, now: Time) -> dict[str, Literal]:
         stamp = json.dumps({"sec": now.sec, "nsec": now.nsec})
-        text = _as_json(self._text.replace(_TIME, stamp))
+        text = as_json(self._text.replace(_TIME, stamp))
         return {name: Literal(cls, text) for name, cls in self._types.items()}
 
 
@@ -54,8 +54,12 @@ def _short(text: str) -> str:
     return text if len(text) <= _SHOWN else f"{text[: _SHOWN - 1]}…"
 
 
-def _as_json(text: str) -> str:
-    """Return the same value as JSON; text that is JSON already stays as it is."""
+def as_json(text: str) -> str:
+    """Return the value of a JSON or YAML literal as JSON; text that is JSON already stays as it is.
+
+    Raises:
+        Malformed: It is neither.
+    """
     try:
         json.loads(text)
     except (ValueError, RecursionError):

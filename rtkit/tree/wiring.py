@@ -62,6 +62,19 @@ def find_ends(facts: Facts, paths: Sequence[Path]) -> tuple[Snapshot, list[Resol
     return snapshot, ends
 
 
+def ports_of(facts: Facts, path: Path) -> tuple[PortProfile, ...]:
+    """Return the ports of the component at a path, whatever port that names.
+
+    Raises:
+        NotFound: There is no such component.
+        Refused: Something else than a living component is there.
+    """
+    listing = facts.listing()
+    instance = component_of_port(build(listing), path, listing.host).instance
+    known = facts.part([instance]).component(instance)
+    return known.ports if known is not None else ()
+
+
 def _end(snapshot: Snapshot, own: OwnEnds, instance: str, path: Path) -> ResolvedPort:
     facts = snapshot.component(instance)
     if facts is None:

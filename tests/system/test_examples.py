@@ -25,9 +25,12 @@ from rtkit.link.tcp_endpoint import free_port
 
 ROOT = Path(__file__).parents[2]
 MODULE = '''
+from enum import Enum
+from typing import Protocol
+
 from rtkit.component import (
-    Component, InPort, OutPort, Parameter, TimedDouble, TimedLong, TimedPoint2D, TimedPose2D,
-    TimedVelocity2D,
+    Component, InPort, OutPort, Parameter, Point2D, ServicePort, TimedDouble, TimedLong,
+    TimedPoint2D, TimedPose2D, TimedVelocity2D,
 )
 
 
@@ -68,8 +71,35 @@ class Control(Component):
     speed = OutPort(TimedDouble)
 
 
+class Pace(Enum):
+    SLOW = 0
+    FAST = 1
+
+
+class Gripper(Protocol):
+    def close(self, force: float) -> bool: ...
+    def move(self, to: Point2D, pace: Pace) -> None: ...
+    def width(self) -> float: ...
+
+
+class Hand(Component):
+    """Grips."""
+
+    vendor, category, version = "me", "example", "1.0"
+    gripper = ServicePort.provided(Gripper)
+
+    def close(self, force):
+        return True
+
+    def move(self, to, pace):
+        pass
+
+    def width(self):
+        return 0.1
+
+
 def RobotInit(manager):
-    for each in (Robot, Sensor, Control):
+    for each in (Robot, Sensor, Control, Hand):
         manager.register_factory(each)
 '''
 SERVED = """
@@ -96,6 +126,7 @@ MADE = (
     "ConsoleIn?instance_name=A0",
     "ConsoleIn?instance_name=B0",
     "ConsoleIn?instance_name=Arm0&manager_name=arm",
+    "Hand?instance_name=Hand0",
     "Microwave?instance_name=Microwave0",
     "Motor?instance_name=Motor0",
     "Sensor?instance_name=Old0&naming.formats=old.host_cxt/%n.rtc",

@@ -9,6 +9,7 @@ import signal
 import time
 from typing import Any
 
+import jsonrecords
 import pytest
 
 from rtkit.deployment import actions as act
@@ -26,7 +27,7 @@ PEERS = """
 import os
 import time
 from typing import Protocol
-from rtkit.component import Component, ServicePort
+from rtkit.component import Component, ServicePort, raises, returns
 
 
 class Work(Protocol):
@@ -37,11 +38,25 @@ class Again(Protocol):
     def again(self) -> str: ...
 
 
+class Busy(Exception):
+    def __init__(self, seconds: float):
+        self.seconds = seconds
+
+
+class Hand(Protocol):
+    @raises(Busy)
+    @returns("", "width")
+    def grip(self, force: float, words: list[str]) -> tuple[bool, float]: ...
+
+    def again(self) -> str: ...
+
+
 class Peer(Component):
     \"\"\"Offers Work and Again; calls Work on activation, as its parameter says.\"\"\"
 
     rate = 100.0
     offered = ServicePort.provided(Work).provide(Again)
+    hand = ServicePort.provided(Hand).provide(Again, "second")
     needed = ServicePort.required(Work, timeout_s=0.3)
 
     def on_activated(self, context):
@@ -64,6 +79,11 @@ class Peer(Component):
 
     def again(self):
         return "again"
+
+    def grip(self, force, words):
+        if force > 9:
+            raise Busy(2.5)
+        return len(words) > 0, force / 2
 
 
 def PeerInit(manager):
@@ -175,6 +195,46 @@ def test_what_does_not_match_is_refused(manager: Any, tree: Tree) -> None:
     manager.ok(f"rtdis {a}:needed {b}:offered")
 
 
+CALLED = [
+    ("offered.work well", 0, "done by P\n", ""),
+    ("hand.grip -3 [a]", 0, "True\nwidth: -1.5\n", ""),
+    ("hand.grip 10 []", 1, "", "rtcall: P.hand: grip raised Busy: seconds=2.5\n"),
+    ("hand.second.again", 0, "again\n", ""),
+    ("offered.work raise", 1, "", "rtcall: P.offered: Work.work failed: ValueError: not today ("),
+    ("needed.work x", 1, "", "rtcall: P.needed provides no interface, it requires some\n"),
+    ("handd.grip 1", 1, "", "Port not found: /localhost/P.rtc:handd.grip (did you mean hand?)\n"),
+]
+
+
+def test_operations_are_called_by_hand(tree: Tree, manager: Any) -> None:
+    peer(tree, "P", "far")
+    for words, status, out, err in CALLED:
+        done = manager.run(f"rtcall /localhost/P.rtc:{words}")
+        assert (done.status, done.out) == (status, out), words
+        assert err in done.err if err else not done.err, words
+    assert [row.instance for row in tree.listing().rows] == ["P"]
+    assert not tree.snapshot().connectors
+
+
+def test_calls_as_json(tree: Tree, manager: Any) -> None:
+    peer(tree, "P", "far")
+    line = "rtcall --json /localhost/P.rtc:hand"
+    [called] = jsonrecords.checked(manager.ok(f"{line}.grip 1 []"))
+    assert (called["schema"], called["result"]) == ("rtkit.call/1", False)
+    assert (called["out"], called["raised"]) == ({"width": 0.5}, None)
+    [raised] = jsonrecords.checked(manager.run(f"{line}.grip 10 []").out)
+    assert raised["raised"] == {"name": "Busy", "members": {"seconds": 2.5}}
+    listed = jsonrecords.checked(manager.ok(line))
+    assert {each["schema"] for each in listed} == {"rtkit.operation/1"}
+    assert [each["path"].partition(":")[2] for each in listed] == [
+        "hand.hand.grip",
+        "hand.hand.again",
+        "hand.second.again",
+    ]
+    again = manager.run("rtcall /localhost/P.rtc:hand.again").err
+    assert "several interfaces: hand.again or second.again" in again
+
+
 def test_connection_limits_hold_for_services(tree: Tree) -> None:
     for name in ("A", "B"):
         peer(tree, name, "near")
@@ -226,7 +286,7 @@ MUTUAL = """
 import threading
 import time
 from typing import Protocol
-from rtkit.component import Component, ServicePort
+from rtkit.component import Component, ServicePort, raises, returns
 
 
 class Work(Protocol):

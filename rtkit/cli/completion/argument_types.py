@@ -18,6 +18,7 @@ from rtkit.cli.completion.live import (
 )
 from rtkit.cli.shared.app import working_directory
 from rtkit.rtc.names import parse_path
+from rtkit.rtc.profiles import DEFINITION, operations_in
 from rtkit.tree.view import NodeKind, TreeNode
 
 Found = Iterable[Candidate]
@@ -77,6 +78,26 @@ def _in_port(asked: CursorMeaning, live: CompletionSource) -> Found:
         port_fits=lambda _, port: port["port_type"] == _IN,
     )
     return paths(live, asked.typed, wanted)
+
+
+def _operation(asked: CursorMeaning, live: CompletionSource) -> Found:
+    """Return components with service ports, or the operations of the one that stands there."""
+    head, colon, typed = asked.typed.rpartition(":")
+    if not colon:
+        found = paths(
+            live, asked.typed, WantedPath(with_row(lambda row: bool(row.services)), has_port=True)
+        )
+        head, typed = found[0].text.rpartition(":")[0] if found else "", ""
+        if not all(each.text.startswith(f"{head}:") and each.text[-1] != ":" for each in found):
+            return found
+    node = live.component(head) if head else None
+    return [
+        candidate
+        for port in (live.ports(node.row.instance) if node is not None and node.row else ())
+        if any(each["polarity"] == "Provided" for each in port.get("interfaces", ()))
+        for name, text in operations_in(port.get("properties", {}).get(DEFINITION, ""))
+        for candidate in those([f"{head}:{port['name']}.{name}"], f"{head}:{typed}", text)
+    ]
 
 
 def _out_port(asked: CursorMeaning, live: CompletionSource) -> Found | Files:
@@ -333,6 +354,7 @@ _MAKERS: dict[str, Maker] = {
     "manager|component": _all(WantedPath(lambda node: living(node) or _is_manager(node))),
     "manager|word": _manager_or_word,
     "module": lambda _asked, _live: Files((".py", ".so")),
+    "operation": _operation,
     "out-port": _out_port,
     "port": _all(_PORT),
     "profile": lambda _asked, _live: PROFILES,

@@ -5,11 +5,16 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-import click
-
 from rtkit.cli.shared.app import App, WrongArguments, no_such
 from rtkit.cli.shared.command import command
-from rtkit.cli.shared.options import arguments, flag, json_flag, option, strict_option
+from rtkit.cli.shared.options import (
+    NumbersAreArguments,
+    arguments,
+    flag,
+    json_flag,
+    option,
+    strict_option,
+)
 from rtkit.errors import NotFound, Refused
 
 if TYPE_CHECKING:
@@ -17,7 +22,6 @@ if TYPE_CHECKING:
     from rtkit.rtc.names import Path
     from rtkit.tree.view import TreeNode
 
-_GUARD = "\0"
 FORMS = {
     "list": "list",
     "get": "get PARAM",
@@ -29,23 +33,13 @@ FORMS = {
 }
 
 
-class _NumbersAreArguments(click.Command):
-    """Takes ``-1.5`` for an argument, not for an option."""
-
-    def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
-        # A mark that no argument of a process can contain hides the minus from the parser.
-        start = args.index("set") if "set" in args else len(args)
-        guarded = [_GUARD + arg if _is_negative(arg) else arg for arg in args[start:]]
-        return super().parse_args(ctx, args[:start] + guarded)
-
-
-def _is_negative(argument: str) -> bool:
-    return argument[:1] == "-" and (argument[1:2].isdigit() or argument[1:2] == ".")
+class _Numbers(NumbersAreArguments):
+    behind = "set"
 
 
 @command(
     "rtconf",
-    cls=_NumbersAreArguments,
+    cls=_Numbers,
     examples=(
         ("rtconf -l /localhost/Robot0.rtc", "All configuration sets with their values."),
         ("rtconf /localhost/Robot0.rtc get speed", "The value of a parameter of the active set."),
@@ -111,7 +105,7 @@ def _asked(
 
     if not words:
         raise WrongArguments("No component specified.")
-    typed, *rest = [word.removeprefix(_GUARD) for word in words]
+    typed, *rest = words
     verb, *arguments = rest or ["list"]
     count = len(arguments)
     is_fit = {

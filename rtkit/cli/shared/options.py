@@ -173,6 +173,34 @@ def lasting(text: str = "Stop after this time.", long: str = "--timeout") -> Any
     return option(f"-t {long} SECONDS", text, POSITIVE)
 
 
+_GUARD = "\0"
+
+
+class NumbersAreArguments(click.Command):
+    """Takes ``-1.5`` for an argument, not for an option.
+
+    Attributes:
+        behind: The word behind which it does so; empty for everywhere.
+    """
+
+    behind = ""
+
+    def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
+        """Hide the minus from the parser by a mark that no argument of a process can contain."""
+        start = 0 if not self.behind else args.index(self.behind) if self.behind in args else None
+        late = args[start:] if start is not None else []
+        guarded = [_GUARD + arg if _is_negative(arg) else arg for arg in late]
+        rest = super().parse_args(ctx, args[: len(args) - len(late)] + guarded)
+        for name, value in ctx.params.items():
+            if isinstance(value, tuple):
+                ctx.params[name] = tuple(word.removeprefix(_GUARD) for word in value)
+        return rest
+
+
+def _is_negative(argument: str) -> bool:
+    return argument[:1] == "-" and (argument[1:2].isdigit() or argument[1:2] == ".")
+
+
 class WatchOption(click.Option):
     """``--watch``, which takes seconds behind ``=`` only, and shows that."""
 

@@ -14,7 +14,7 @@ from rtkit.cli.shared.commands import load
 from rtkit.deployment import actions as act
 from rtkit.rtc.enums import LifeCycleState, Polarity, PortType
 from rtkit.rtc.pattern import ComponentPattern, ContextPattern
-from rtkit.rtc.profiles import PortInterfaceProfile, PortProfile, TypeProfile
+from rtkit.rtc.profiles import DEFINITION, PortInterfaceProfile, PortProfile, TypeProfile
 
 LONG = {"dataport.data_type": "IDL:RTC/TimedLong:1.0"}
 TEXT = {"dataport.data_type": "IDL:RTC/TimedString:1.0"}
@@ -31,7 +31,9 @@ class Outcome(NamedTuple):
 
 def _service(name: str, interface: str, polarity: Polarity) -> PortProfile:
     offered = PortInterfaceProfile("acc", interface, polarity)
-    return PortProfile(name, PortType.SERVICE, {"port.port_type": "CorbaPort"}, (offered,))
+    definition = f"interface {interface} {{\n    long {interface.lower()}(in long a);\n  }};"
+    properties = {"port.port_type": "CorbaPort", DEFINITION: definition}
+    return PortProfile(name, PortType.SERVICE, properties, (offered,))
 
 
 def _types() -> list[ComponentPattern]:

@@ -54,6 +54,8 @@ ASKED = {
 }
 ELSEWHERE = {
     "activity": "system/test_observers.py",
+    "call": "system/test_services.py",
+    "operation": "system/test_services.py",
     "built-file": "unit/cli/test_build.py",
     "diagnosis": "unit/cli/test_doctor.py",
     "deviation": "unit/cli/test_system.py",
