@@ -1,7 +1,8 @@
 """rtkit: deployment and orchestration of component-based robot systems.
 
-``rtkit.connect()`` is the way in for scripts, ``rtkit.serve()`` makes live properties of an object;
-component authors import `rtkit.component`.
+``rtkit.connect()`` is the way in for scripts, ``rtkit.serve()`` makes live properties of an object,
+``rtkit.run()`` runs a component in the process that calls it; component authors import
+`rtkit.component`.
 """
 
 from __future__ import annotations
@@ -12,13 +13,14 @@ TYPE_CHECKING = False
 if TYPE_CHECKING:
     from typing import Any
 
+    from rtkit.by_hand import run
     from rtkit.property.annotations import Range, Unit
     from rtkit.tree.client import Tree
     from rtkit.tree.connect import connect
     from rtkit.version import __version__
     from rtkit.wires.serve import serve
 
-__all__ = ["Range", "Tree", "Unit", "__version__", "connect", "serve"]
+__all__ = ["Range", "Tree", "Unit", "__version__", "connect", "run", "serve"]
 
 _HOMES = {
     "Range": "rtkit.property.annotations",
@@ -26,6 +28,7 @@ _HOMES = {
     "__version__": "rtkit.version",
     "Unit": "rtkit.property.annotations",
     "connect": "rtkit.tree.connect",
+    "run": "rtkit.by_hand",
     "serve": "rtkit.wires.serve",
 }
 

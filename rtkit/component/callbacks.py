@@ -62,6 +62,9 @@ class Callbacks:
         """React to a new rate of the execution context. A failure leads to Error."""
 
 
+escaping: tuple[type[BaseException], ...] = ()
+"""What callbacks may raise to end the process: set only where a component is run by hand."""
+
 CALLBACKS = tuple(name for name in vars(Callbacks) if name.startswith("on_"))
 
 
@@ -127,7 +130,7 @@ def attempt(callback: Callable[..., Any], *arguments: str) -> Failure:
     """Run a callback; return its failure, which is empty on success.
 
     Nothing that the callback raises gets out: not SystemExit, not KeyboardInterrupt either,
-    because one component must not end the process that it shares with others.
+    because one component must not end the process that it shares with others; but see `escaping`.
     """
     try:
         code = callback(*arguments)
@@ -137,6 +140,8 @@ def attempt(callback: Callable[..., Any], *arguments: str) -> Failure:
             code.close()  # else Python warns that the coroutine was never awaited
             return Failure(f"returned a coroutine, which nothing awaits ({_place(None, callback)})")
         return Failure(f"returned {code} ({_place(None, callback)})")
+    except escaping:
+        raise
     except BaseException as error:
         return Failure(describe_failure(error, callback), error)
 

@@ -1,23 +1,28 @@
 """Attaches a process that nobody here started: the manager shows and wires its components.
 
-Data tools attach. The components of an attached process are in the tree while it stays, are
-connected like any other, and vanish when it leaves; the manager neither starts nor ends it.
+Data tools attach, and components that their author runs by hand. The components of an attached
+process are in the tree while it stays, are connected like any other, and vanish when it leaves; the
+manager neither starts nor ends it.
 """
 
 from __future__ import annotations
 
+import contextlib
 import os
 import threading
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
+from typing import Any
 
 from rtkit.component.base import Component
 from rtkit.container.container import ComponentContainer
 from rtkit.container.manager_connection import ManagerConnection
+from rtkit.container.pacer import StartDriver
 from rtkit.container.port_wiring import PortWiring
 from rtkit.deployment.message import Message
 from rtkit.errors import Refused, RtkitError, Unreachable
 from rtkit.link import places
 from rtkit.link.streams import Streams
+from rtkit.link.threads import start_thread
 
 _SETTLE_S = 0.5
 """Time in which senders report how many values they have sent [s]."""
@@ -29,12 +34,13 @@ class AttachedProcess:
     """Attaches this process to a manager, until it leaves.
 
     Attributes:
+        manager: Its name.
         changed: Called after a component was ended, or a connection removed, from outside; by a
             thread of the attached process's own.
     """
 
     def __init__(self, manager: str, host: str, name: str) -> None:
-        self._manager = manager
+        self.manager = manager
         self._ending = _Leave()
         self._connection = ManagerConnection(
             places.control_socket(manager), f"{name}_{os.getpid()}", self._ending, is_guest=True
@@ -42,31 +48,65 @@ class AttachedProcess:
         self._wiring = PortWiring(host, Streams(places.data_socket(manager, os.getpid())))
         self._container = ComponentContainer(self._send, self._wiring, component_factory=None)
         self._held: set[str] = set()
-        self._is_empty = threading.Event()
+        self._stacks: int | None = None
+        self._departures = threading.Condition()
         self._welcome: list[str] | None = None
         self._welcomed = threading.Event()
         self.changed: Callable[[], object] = lambda: None
         self._threads: list[threading.Thread] = []
 
-    def enter(self, components: Sequence[Component], timeout_s: float) -> None:
-        """Have components initialised, shown and ready to be connected.
+    def be_watched(self) -> None:
+        """Show the manager in which callbacks this process is, before it enters.
+
+        Raises:
+            OSError: What shows it cannot be written.
+        """
+        # Tools do without, so they do not wait for these imports.
+        from rtkit.container.heartbeats import Heartbeats
+        from rtkit.container.stacks import open_stacks
+
+        pattern, path = self._heartbeats()
+        self._container.show_heartbeats(Heartbeats(path))
+        self._stacks = open_stacks(pattern, os.getpid())
+
+    def enter(
+        self,
+        components: Sequence[Component],
+        timeout_s: float,
+        kept: Mapping[str, Any] | None = None,
+        start: StartDriver = start_thread,
+    ) -> None:
+        """Have components initialised if they are not, shown and ready to be connected.
+
+        Args:
+            components: Further ones, if this was done before.
+            timeout_s: Bound on each step [s].
+            kept: Facts about them that they do not know themselves: how they are made again.
+            start: Starts the work of their contexts.
 
         Raises:
             Refused: A component does not initialise, or its name is taken.
             Unreachable: The manager admits no attached processes, or does not answer in time.
         """
-        self._start("holder", self._container.run)
-        self._hold(components, timeout_s)
-        try:
-            self._connection.visit(self._container.report_all, timeout_s)
-        except OSError as error:
-            raise Unreachable(f"manager {self._manager!r} takes no guests: {error}") from error
-        self._start(
-            "control", lambda: self._connection.listen(self.put, self._container.report_all)
-        )
+        is_first = not self._threads
+        if is_first:
+            self._start("holder", self._container.run)
+        self._welcomed.clear()
+        self._hold(components, timeout_s, kept or {}, start)
+        if not is_first:
+            self._connection.renew()
+        else:
+            try:
+                self._connection.visit(self._container.report_all, timeout_s)
+            except OSError as error:
+                raise Unreachable(f"manager {self.manager!r} takes no guests: {error}") from error
+            self._start(
+                "control", lambda: self._connection.listen(self.put, self._container.report_all)
+            )
         if not self._welcomed.wait(timeout_s):
-            raise Unreachable(f"manager {self._manager!r} does not answer within {timeout_s:g} s")
-        for instance in sorted(self._held - set(self._welcome or ())):
+            raise Unreachable(f"manager {self.manager!r} does not answer within {timeout_s:g} s")
+        entered = {component.instance for component in components}
+        for instance in sorted(entered - set(self._welcome or ())):
             raise Refused(f"{instance} exists already")
 
     @property
@@ -82,19 +122,31 @@ class AttachedProcess:
         """Return how many values were sent to its ports, numbered, and did not arrive."""
         return self._wiring.lost(_SETTLE_S)
 
+    def end(self, instances: Collection[str]) -> None:
+        """End components; without effect on those that have ended."""
+        for instance in self._held.intersection(instances):
+            self._container.put({"op": "delete", "instance": instance})
+        with self._departures:
+            self._departures.wait_for(lambda: self._held.isdisjoint(instances), _LEAVE_S)
+
     def leave(self) -> None:
         """End all components and detach; without effect when that was done already."""
-        for instance in list(self._held):
-            self._container.put({"op": "delete", "instance": instance})
-        if self._held:
-            self._is_empty.wait(_LEAVE_S)
-        self._ending.ask()
+        self.end(self.holds)
+        self._container.post(self._take_leave)
         self._container.close()
         for thread in self._threads:
-            thread.join(_LEAVE_S)
+            if thread is not threading.current_thread():
+                thread.join(_LEAVE_S)
+        if self._stacks is not None:
+            os.close(self._stacks)
+            self._stacks = None
+            with contextlib.suppress(FileNotFoundError):  # the manager was quicker
+                os.unlink(self._heartbeats()[1])
 
     def put(self, message: Message) -> None:
         """Take a message of the manager."""
+        if self._stacks is not None and self._is_for_stacks(message, self._stacks):
+            return
         if "welcome" in message:
             self._welcome = list(message["welcome"])
             self._welcomed.set()
@@ -103,14 +155,37 @@ class AttachedProcess:
             if message.get("op") == "unlink":
                 self._container.post(self.changed)
 
-    def _hold(self, components: Sequence[Component], timeout_s: float) -> None:
+    def _heartbeats(self) -> tuple[str, str]:
+        from rtkit.container.heartbeats import guest_pattern, heartbeats_path
+
+        pattern = guest_pattern(places.data_socket(self.manager, os.getpid()))
+        return pattern, heartbeats_path(pattern, os.getpid())
+
+    @staticmethod
+    def _is_for_stacks(message: Message, stacks: int) -> bool:
+        from rtkit.container.stacks import ASK, write_stacks
+
+        is_asked = message.get("op") == ASK
+        if is_asked:
+            write_stacks(stacks)
+        return is_asked
+
+    def _hold(
+        self,
+        components: Sequence[Component],
+        timeout_s: float,
+        kept: Mapping[str, Any],
+        start: StartDriver,
+    ) -> None:
         errors: list[RtkitError] = []
         done = threading.Event()
 
         def hold() -> None:
+            self._container.start_driver = start
             try:
                 for component in components:
-                    self._container.hold(component)
+                    is_new = not component.is_alive
+                    (self._container.hold if is_new else self._container.drive)(component, kept)
                     self._held.add(component.instance)
             except RtkitError as error:
                 errors.append(error)
@@ -122,13 +197,16 @@ class AttachedProcess:
         if errors:
             raise errors[0]
 
+    def _take_leave(self) -> None:
+        self._connection.take_leave()
+        self._ending.ask()
+
     def _send(self, message: Message) -> None:
         self._connection.send(message)
         if "gone" in message:
-            instance = message["gone"]
-            self._held.discard(instance)
-            if not self._held:
-                self._is_empty.set()
+            with self._departures:
+                self._held.discard(message["gone"])
+                self._departures.notify_all()
             self.changed()
 
     def _start(self, name: str, work: Callable[[], object]) -> None:

@@ -27,12 +27,13 @@ from rtkit.container.execution_contexts import ExecutionContexts, StateMachines,
 from rtkit.container.facts import facts_of
 from rtkit.container.neighbours import Neighbours
 from rtkit.container.operations import LATER, Operations, in_time
-from rtkit.container.pacer import Pacer, Work
+from rtkit.container.pacer import Pacer, StartDriver, Work
 from rtkit.container.port_wiring import PortWiring
 from rtkit.container.user_requests import UserRequests
 from rtkit.deployment.message import Message
 from rtkit.errors import Malformed, NotFound, Refused, RtkitError, Unreachable
 from rtkit.guard import guarded, kind_and_text
+from rtkit.link.threads import start_thread
 from rtkit.logs.late import late
 from rtkit.property.exchange import NOT_BEGUN
 from rtkit.rtc.create import parse_create
@@ -59,6 +60,9 @@ class ComponentContainer:
         send: Takes what is reported and answered.
         wiring: The connector ends of the process.
         maker: Makes components; None where they are only handed in.
+
+    Attributes:
+        start_driver: Starts the work of each context, by default on a thread of its own.
     """
 
     def __init__(
@@ -67,6 +71,7 @@ class ComponentContainer:
         wiring: PortWiring,
         component_factory: ComponentFactory | None,
     ) -> None:
+        self.start_driver: StartDriver = start_thread
         self._send = send
         self._component_factory = component_factory
         self._heartbeats: Heartbeats | None = None
@@ -225,8 +230,7 @@ class ComponentContainer:
             self._send({"loaded": found})
         if not isinstance(component, Component):
             return component
-        self.hold(component)
-        self._memory[instance] = message.get("kept", {})
+        self.hold(component, message.get("kept", {}))
         odd = [text for each in found for text in each["remarks"]]
         odd += component_factory.odd_options(component, create)
         for text in odd:
@@ -239,7 +243,7 @@ class ComponentContainer:
         self.report(component)
         return answer
 
-    def hold(self, component: Component) -> None:
+    def hold(self, component: Component, kept: Mapping[str, Any] | None = None) -> None:
         """Initialise a component and drive its contexts; only on the thread of `run`.
 
         Raises:
@@ -247,7 +251,15 @@ class ComponentContainer:
         """
         with self._watched(component.instance, "on_initialize"):
             component.initialize()
+        self.drive(component, kept)
+
+    def drive(self, component: Component, kept: Mapping[str, Any] | None = None) -> None:
+        """Drive the contexts of an initialised component; only on the thread of `run`.
+
+        `kept` are facts about it that only the manager, or whoever made it, can tell.
+        """
         self._components[component.instance] = component
+        self._memory[component.instance] = kept or {}
         for context in component.contexts.values():
             self._drive(component, context)
 
@@ -267,7 +279,8 @@ class ComponentContainer:
         key = (component.instance, context.id)
         slot = self._heartbeats.slot() if self._heartbeats is not None else None
         grant = slot.grant if slot is not None else None
-        self._pacers[key] = Pacer(context, f"{component.instance}/{context.id}", grant)
+        name = f"{component.instance}/{context.id}"
+        self._pacers[key] = Pacer(context, name, grant, self.start_driver)
         context.changed = self._changed
         if slot is not None:
             self._slots[key] = slot

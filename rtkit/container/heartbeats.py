@@ -51,6 +51,11 @@ def heartbeats_path(pattern: str, pid: int) -> str:
     return pattern.replace("%p", str(pid)).removesuffix(".data") + ".beats"
 
 
+def guest_pattern(pattern: str) -> str:
+    """Return the pattern for attached processes: by another name nothing takes them for slaves."""
+    return pattern.removesuffix(".data") + ".guest.data"
+
+
 class Activity(NamedTuple):
     """A callback, the import of a module, or the creation of a component that is under way.
 

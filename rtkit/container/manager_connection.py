@@ -11,6 +11,7 @@ from __future__ import annotations
 import contextlib
 import os
 import select
+import socket
 import threading
 from collections.abc import Callable
 from functools import partial
@@ -25,6 +26,9 @@ from rtkit.logs.late import late
 
 PROTOCOL = 3
 """Version of the messages between manager and slaves."""
+
+LEAVES = "leaves"
+"""Key of the last message of an attached process."""
 
 _SEEK_S = 0.1
 """How often the next manager is looked for [s]."""
@@ -67,6 +71,7 @@ class ManagerConnection:
         self._channel: ControlChannel | None = None
         self._ending = ending
         self._is_over = False
+        self._is_renewed = False
 
     @property
     def is_alone(self) -> bool:
@@ -103,6 +108,19 @@ class ManagerConnection:
         report_all(introduce)
         if not sent.wait(timeout_s):
             raise TimeoutError(f"not ready within {timeout_s:g} s")
+
+    def renew(self) -> None:
+        """Have all that is held reported anew, over another connection; from any thread."""
+        channel = self._channel
+        if channel is not None:
+            self._is_renewed = True
+            with contextlib.suppress(OSError):  # it is gone already
+                channel.socket.shutdown(socket.SHUT_RDWR)
+
+    def take_leave(self) -> None:
+        """Tell the manager that this attached process leaves; no other one is looked for."""
+        self._is_over = True
+        self.send({LEAVES: True})
 
     def send(self, message: Message) -> None:
         """Report to the manager, if there is one."""
@@ -153,7 +171,9 @@ class ManagerConnection:
 
     def _seek(self, report_all: Callable[..., object]) -> ControlChannel | None:
         """Wait for the next manager and report everything to it; None when the end came instead."""
-        _log().warning("the manager is gone; waiting for the next one")
+        if not self._is_renewed:
+            _log().warning("the manager is gone; waiting for the next one")
+        self._is_renewed = False
         fault.point("slave.alone")
         while True:
             with contextlib.suppress(OSError):

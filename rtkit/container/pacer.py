@@ -9,7 +9,7 @@ from __future__ import annotations
 import threading
 import time
 from collections.abc import Callable
-from typing import NamedTuple
+from typing import NamedTuple, Protocol
 
 from rtkit.component.context import ExecutionContext
 from rtkit.component.owned_contexts import CPU_AFFINITY
@@ -27,6 +27,19 @@ class Work(NamedTuple):
     longest_ns: int = 0
 
 
+class Driver(Protocol):
+    """Thread at the work of a pacer, or the part of a borrowed one's time."""
+
+    def join(self, timeout: float | None = None) -> None:
+        """Wait until the work is done."""
+
+    def is_alive(self) -> bool:
+        """Return whether the work is under way."""
+
+
+StartDriver = Callable[[Callable[[], object], str], Driver]
+
+
 class Pacer:
     """Drives one execution context.
 
@@ -34,16 +47,22 @@ class Pacer:
         context: The one that is driven.
         name: What its thread is called.
         grant: Grants the callback that is under way more time [ns].
+        start: Starts its work; by default on a thread of its own.
     """
 
     def __init__(
-        self, context: ExecutionContext, name: str, grant: Callable[[int], object] | None = None
+        self,
+        context: ExecutionContext,
+        name: str,
+        grant: Callable[[int], object] | None = None,
+        start: StartDriver = start_thread,
     ) -> None:
         self._context = context
         self._name = name
         self._grant = grant
+        self._start = start
         self._lock = threading.Lock()
-        self._thread: threading.Thread | None = None
+        self._thread: Driver | None = None
         self._alarm = threading.Event()
         self._is_closed = False
         self._ticks = 0
@@ -60,7 +79,7 @@ class Pacer:
         self._alarm.set()
         with self._lock:
             if self._thread is None and not self._is_closed:
-                self._thread = start_thread(self._run, self._name)
+                self._thread = self._start(self._run, self._name)
 
     @property
     def is_resting(self) -> bool:
@@ -96,6 +115,9 @@ class Pacer:
                 self._run_at_rate()
             else:
                 self._run_when_due()
+        except BaseException:  # only what may end the process: another thread ends what is left
+            self._thread = None
+            raise
         finally:
             processors.end()
             grant_by(None)

@@ -33,6 +33,8 @@ _LIBRARIES = (
     f"{sysconfig.get_path('purelib')}{os.sep}",
     "<frozen ",
 )
+_DEBUGGERS = ("bdb.py", "pdb.py", "pydevd.py")
+"""Files whose code runs while a thread stands at a breakpoint: of pdb and its kin, of debugpy."""
 _DEPTH = 100
 """How many frames of a thread are written, innermost first: as many as `faulthandler` writes."""
 
@@ -93,16 +95,31 @@ def place_of(stacks: str, thread: int, *, must_be_own: bool = False) -> str:
     Code of libraries and of rtkit is passed over, so that the line is one its author can mend;
     where there is no other, the innermost frame is returned unless it must be a component's.
     """
-    _, found, rest = stacks.partition(f"hread 0x{thread:016x}")
-    if not found:
-        return ""
+    frames = _frames(stacks, thread)
+    own = [frame for frame in frames if not frame[0].startswith(_LIBRARIES)]
+    for file, number, name in own[:1] or ([] if must_be_own else frames[:1]):
+        return f"{os.path.basename(file)}:{number} in {name}"
+    return ""
+
+
+def is_in_debugger(stacks: str, thread: int) -> bool:
+    """Return whether a debugger has stopped a thread in a callback; what runs it does not count."""
+    for file, _, name in _frames(stacks, thread):
+        if name == "attempt" and file.startswith(_OURS):
+            break
+        if os.path.basename(file) in _DEBUGGERS:
+            return True
+    return False
+
+
+def _frames(stacks: str, thread: int) -> list[tuple[str, str, str]]:
+    """Return file, line and function of each frame of a thread, innermost first."""
+    _, _, rest = stacks.partition(f"hread 0x{thread:016x}")
     frames = []
     for line in rest.splitlines()[1:]:
         match = _FRAME.fullmatch(line)
         if match is None:
             break
-        frames.append(match.groups())
-    own = [frame for frame in frames if not frame[0].startswith(_LIBRARIES)]
-    for file, number, name in own[:1] or ([] if must_be_own else frames[:1]):
-        return f"{os.path.basename(file)}:{number} in {name}"
-    return ""
+        file, number, name = match.groups()
+        frames.append((file, number, name))
+    return frames

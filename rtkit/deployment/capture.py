@@ -16,7 +16,7 @@ from rtkit.rtc.connector_properties import (
     USUAL_NAMES,
     finite,
 )
-from rtkit.rtc.create import CreateString, parse_create
+from rtkit.rtc.create import FRESH_SLAVE, CreateString, parse_create
 from rtkit.rtc.enums import PortType
 from rtkit.rtc.names import COMPONENT_SUFFIX, LOCAL, MANAGER_SUFFIX
 from rtkit.rtc.profiles import DEFINITION, ConnectorProfile, PortProfile, PortRef
@@ -51,7 +51,8 @@ def capture(
     likewise whom its execution contexts drive, and who drives it.
 
     With `hosts` only components registered below one of these. Zombies are left out, and so are
-    attached processes: what a data tool shows for a while is no part of the system.
+    components of attached processes that state no create string: what a data tool shows for a while
+    is no part of the system. One run by hand is saved as what a slave of its own makes.
     """
     own = _own(snapshot)
     chosen = _chosen(snapshot, own, takes_all, tuple(hosts))
@@ -88,19 +89,20 @@ def _chosen(
     wired = {end.instance for connector in snapshot.connectors for end in connector.ports}
     wired = _with_composites(snapshot, wired)
     guests = {
-        (each.manager, process.name)
-        for each in (snapshot, *snapshot.others)
-        for process in each.processes
-        if process.is_guest
+        (each.manager, name) for each in (snapshot, *snapshot.others) for name in _guests(each)
     }
     chosen = [
         c
         for c in snapshot.components
-        if not (c.zombie or (own[c.instance].manager, c.process) in guests)
+        if not (c.zombie or ((own[c.instance].manager, c.process) in guests and not c.create))
         and (takes_all or c.instance in wired)
         and (not hosts or any(n.partition("/")[0] in hosts for n in _names(c, own[c.instance])))
     ]
     return tuple(sorted(chosen, key=lambda component: component.instance))
+
+
+def _guests(snapshot: Snapshot) -> set[str]:
+    return {process.name for process in snapshot.processes if process.is_guest}
 
 
 def _with_composites(snapshot: Snapshot, wired: set[str]) -> set[str]:
@@ -220,6 +222,8 @@ def _create(facts: ComponentFacts, snapshot: Snapshot) -> CreateString | None:
     own = {key: "" for key in made.options if key.startswith("rtkit.")}
     slaves = {process.name for process in snapshot.processes if process.is_slave}
     place = facts.process if facts.process in slaves else ""
+    if facts.process in _guests(snapshot):
+        place = FRESH_SLAVE
     if facts.composite_type:  # what it was made of may be another thing by now
         present = facts.sets.get(facts.active_set, {})
         own.update({key: present.get(key, "") for key in ("members", "exported_ports")})

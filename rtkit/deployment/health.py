@@ -23,6 +23,8 @@ from rtkit.fast_dataclass import dataclass
 from rtkit.rtc.connector_properties import finite
 
 STUCK = f"{HEALTH}stuck"
+IN_DEBUGGER = "in a debugger"
+"""Begins the text of a callback that is late because a debugger has stopped it."""
 
 COMPARE: Mapping[str, Callable[[float, float], bool]] = {
     "<=": operator.le,

@@ -19,7 +19,8 @@ _DYING_S = 1.0
 
 _REWRITTEN = ("held", "family", "rehearsed")
 _OF_SLAVES = ("beats", "rehearsal", *_REWRITTEN, *(f"{kind}.new" for kind in _REWRITTEN))
-_KINDS = (*_OF_SLAVES, "data", "zygote")
+_OF_GUESTS = "guest.beats"
+_KINDS = (*_OF_SLAVES, _OF_GUESTS, "data", "zygote")
 """What processes of a manager lay into the runtime folder, named ``<manager>.<pid>.<kind>``."""
 
 
@@ -125,4 +126,6 @@ def _is_of_the_dead(path: str, name: str, living: Collection[int]) -> bool:
     is_one = entry == f"{name}.{pid}.{kind}" and pid.isdigit() and kind in _KINDS
     if not is_one or int(pid) in living:
         return False
+    if kind == _OF_GUESTS:
+        return not os.path.exists(f"/proc/{pid}")
     return kind in _OF_SLAVES or is_abandoned(path, int(pid))

@@ -290,7 +290,8 @@ class Loop:
             write_stacks(self._stacks)
         elif is_urgent:
             process = self._core.state.processes.get(key)
-            if process is not None and process.state == "up":  # a stopped one gets it later
+            # A stopped one gets it later, and an attached one may do with signals what it likes.
+            if process is not None and process.state == "up" and not process.is_guest:
                 self._slave_supervisor.signal(key, STACK_SIGNAL)
         else:
             self.connections.send(key, {"op": ASK})
@@ -476,8 +477,7 @@ class Loop:
             case ev.AdoptSlave(key, pid, is_guest):
                 self.connections.adopt(key, pid, is_guest=is_guest)
                 fault.point("manager.adopted")
-                if not is_guest:
-                    self._watchdog.watch(key, pid)
+                self._watchdog.watch(key, pid, is_guest=is_guest)
             case ev.SignalSlave(key, number):
                 self._slave_supervisor.signal(key, signal.Signals(number))
                 fault.point("manager.signalled")

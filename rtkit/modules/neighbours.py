@@ -46,7 +46,7 @@ def among_neighbours(real: str) -> Iterator[None]:
     finally:
         found = ((name, sys.modules.get(name)) for name in _since(last))
         own.update(
-            (name, each) for name, each in found if each is not None and _lies(name, each, folder)
+            (name, each) for name, each in found if each is not None and lies_in(folder, name, each)
         )
         sys.modules.update(strange)
         sys.path[:] = [path for path in sys.path if path not in _beside] + list(_beside)
@@ -120,7 +120,7 @@ def _is_in(folder: str, name: str) -> bool:
     return os.path.isfile(f"{path}.py") or os.path.isdir(path)
 
 
-def _lies(name: str, module: ModuleType, folder: str) -> bool:
+def lies_in(folder: str, name: str, module: ModuleType) -> bool:
     """Return whether a module was found in that folder, not below it by another path."""
     file = getattr(module, "__file__", None)
     path = os.path.join(folder, name.partition(".")[0])

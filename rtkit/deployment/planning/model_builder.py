@@ -293,6 +293,8 @@ class ModelBuilder:
         now = place_name(manager, facts.process)
         if not is_stated:
             return var.ANY
+        if self.live.is_guest(facts):
+            return now  # its user has started it there
         lack = self._lack(component)
         if lack and not component.is_required:
             self._notes.append(f"{lack}; it stays where it is")

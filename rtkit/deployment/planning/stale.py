@@ -37,6 +37,12 @@ class Stale:
             file = drift.changed_code(facts, code)
             if file:
                 self._files[facts.instance] = file
+        self._guests = {
+            (manager, process.name)
+            for manager, snapshot in live.managers.items()
+            for process in snapshot.processes
+            if process.is_guest
+        }
         self._slaves = {
             (manager, process.name)
             for manager, snapshot in live.managers.items()
@@ -69,6 +75,8 @@ class Stale:
 
     def _hindrance(self, instance: str) -> str:
         holder = self._holders.get(instance, ("", ""))
+        if holder in self._guests:
+            return "it was started by hand: start it again"
         if holder not in self._slaves:
             return "rtmgr restart loads it anew"
         strangers = [each for each in self._held[holder] if each not in self._named]

@@ -184,9 +184,12 @@ def take_report(state: ManagerState, process: Process, report: object) -> Compon
         if known is not None:
             state.forget(instance)
             known = None
-    names, create = (known.names, known.create) if known is not None else ((), "")
-    trouble = state.trouble_of(instance, process)
-    return _enter(state, process, replace(facts, create=create), names, trouble)
+    names: tuple[str, ...] = ()
+    if known is not None:
+        names, facts = known.names, replace(facts, create=known.create, module=known.module)
+    else:
+        facts = replace(facts, create="", module="")
+    return _enter(state, process, facts, names, state.trouble_of(instance, process))
 
 
 def _enter(

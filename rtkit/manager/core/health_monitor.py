@@ -9,7 +9,7 @@ import logging
 from collections.abc import Mapping, Sequence
 
 from rtkit.deployment.actions import Result
-from rtkit.deployment.health import HealthRule, Reaction, Sample, broken, read_rules
+from rtkit.deployment.health import IN_DEBUGGER, HealthRule, Reaction, Sample, broken, read_rules
 from rtkit.deployment.metrics import ComponentMetrics
 from rtkit.manager.core.deletion import HANGING_S, end_slaves
 from rtkit.manager.core.effects import Procedure, ReadClock, Sleep
@@ -166,5 +166,9 @@ def _of(instance: str) -> tuple[str, Reaction]:
 
 
 def _stuck(process: Process | None, instance: str) -> str:
-    """Return which callback does not come back in a process that is not being ended."""
-    return process.stuck.get(instance, "") if process is not None and process.is_wanted else ""
+    """Return which callback does not come back in a process that is not being ended.
+
+    One that a debugger has stopped comes back when its user is done: rules wait.
+    """
+    why = process.stuck.get(instance, "") if process is not None and process.is_wanted else ""
+    return "" if why.startswith(IN_DEBUGGER) else why

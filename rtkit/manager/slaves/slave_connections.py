@@ -17,7 +17,7 @@ from functools import partial
 from typing import Any
 
 from rtkit.container.control_channel import ControlChannel
-from rtkit.container.manager_connection import PROTOCOL
+from rtkit.container.manager_connection import LEAVES, PROTOCOL
 from rtkit.errors import Malformed
 from rtkit.link import unix
 from rtkit.manager.core import events as ev
@@ -226,7 +226,18 @@ class SlaveConnections:
                 self._lost(key)
             return
         for message in messages:
+            if LEAVES in message and self._slave_supervisor.is_guest(key):
+                self._left(key)
+                return
             self._handle(ev.ContainerReported(key, message))
+
+    def _left(self, key: int) -> None:
+        """Forget an attached process that leaves; it may live on, as that of a notebook does."""
+        pidfd = self._slave_supervisor.pidfd_of(key)
+        if pidfd is not None:
+            self._selector.unregister(pidfd)
+        self.drop(key)
+        self._lost(key)
 
     def _flush(self, key: int, channel: ControlChannel) -> None:
         try:

@@ -154,6 +154,14 @@ class SlaveSupervisor:
         if pidfd is not None:
             os.close(pidfd)
 
+    def is_guest(self, key: int) -> bool:
+        """Return whether a process is an attached one."""
+        return self._pids.get(key) in self._guests
+
+    def pidfd_of(self, key: int) -> int | None:
+        """Return the pidfd of a process, None where there is none."""
+        return self._pidfds.get(key)
+
     def lost(self, key: int) -> ev.Event | None:
         """Return the end of an adopted slave of which only its pidfd reported."""
         pid = self._pids.get(key)

@@ -14,9 +14,9 @@ from collections.abc import Callable, Iterator
 from functools import lru_cache
 from math import inf
 
-from rtkit.container.heartbeats import Activity, HeartbeatReader, heartbeats_path
-from rtkit.container.stacks import forget_stacks, place_of, read_stacks
-from rtkit.deployment.health import STUCK, read_rules
+from rtkit.container.heartbeats import Activity, HeartbeatReader, guest_pattern, heartbeats_path
+from rtkit.container.stacks import forget_stacks, is_in_debugger, place_of, read_stacks
+from rtkit.deployment.health import IN_DEBUGGER, STUCK, read_rules
 from rtkit.fast_dataclass import dataclass
 from rtkit.manager.core.events import CallbackStuck, ProcessInspected
 from rtkit.rtc.create import parse_create
@@ -63,8 +63,9 @@ def _deadline_s(create: str) -> float:
 
 def remove_traces(pattern: str, pid: int) -> None:
     """Remove what a process wrote to be watched by."""
-    with contextlib.suppress(FileNotFoundError):
-        os.unlink(heartbeats_path(pattern, pid))
+    for each in (pattern, guest_pattern(pattern)):
+        with contextlib.suppress(FileNotFoundError):
+            os.unlink(heartbeats_path(each, pid))
 
 
 @dataclass(slots=True)
@@ -72,6 +73,7 @@ class _Watched:
     """A process and what is known to be stuck in it, by instance.
 
     Attributes:
+        pattern: Of the data sockets of its kind.
         stack_polls: How many polls it still has to write the stacks that it was asked for.
         age_s: What to report though its deadline is not over, because somebody asks.
         due_ns: Before then nothing in it can be late [ns].
@@ -80,8 +82,10 @@ class _Watched:
     """
 
     pid: int
+    pattern: str
     reader: HeartbeatReader
     stuck: dict[str, Activity]
+    is_guest: bool = False
     stack_polls: int = 0
     age_s: float | None = None
     due_ns: int = 0
@@ -121,12 +125,12 @@ class Watchdog:
         self._watched: dict[int, _Watched] = {}
         self._look_at_ns = 0
 
-    def watch(self, key: int, pid: int) -> None:
-        """Begin to watch a process; one without heartbeats is let be."""
+    def watch(self, key: int, pid: int, *, is_guest: bool = False) -> None:
+        """Begin to watch a process; one without heartbeats is let be, as tools have none."""
+        pattern = guest_pattern(self._pattern) if is_guest else self._pattern
         with contextlib.suppress(OSError):
-            self._watched[key] = _Watched(
-                pid, HeartbeatReader(heartbeats_path(self._pattern, pid)), {}
-            )
+            reader = HeartbeatReader(heartbeats_path(pattern, pid))
+            self._watched[key] = _Watched(pid, pattern, reader, {}, is_guest)
             self._look_at_ns = 0
 
     def forget(self, key: int) -> None:
@@ -202,10 +206,11 @@ class Watchdog:
         fresh = [beat for name, beat in late.items() if watched.stuck.get(name) != beat]
         for beat in fresh:
             watched.stuck[beat.instance] = beat
-            yield CallbackStuck(key, beat.instance, _text(beat, now_ns, ""))
+            if not watched.is_guest:  # of these a debugger may be why: the stack tells first
+                yield CallbackStuck(key, beat.instance, _text(beat, now_ns, ""))
         if fresh:
             with contextlib.suppress(OSError):
-                forget_stacks(self._pattern, watched.pid)
+                forget_stacks(watched.pattern, watched.pid)
                 self._ask_for_stack(key, False)
                 watched.stack_polls = _STACK_POLLS
         if watched.age_s is not None and not watched.stack_polls:
@@ -238,17 +243,20 @@ class Watchdog:
 
     def _lines(self, key: int, watched: _Watched, now_ns: int) -> Iterator[WatchdogEvent]:
         """Yield the lines of what is stuck, when the stack is written that names them."""
-        stacks = read_stacks(self._pattern, watched.pid)
+        stacks = read_stacks(watched.pattern, watched.pid)
         places = {each: place_of(stacks, beat.thread) for each, beat in watched.stuck.items()}
         watched.stack_polls = 0 if all(places.values()) else watched.stack_polls - 1
         if watched.stack_polls == _STACK_POLLS - _ASKED_POLLS and not stacks:
             self._ask_for_stack(key, True)
         if not watched.stack_polls:
             for instance, beat in watched.stuck.items():
-                yield CallbackStuck(key, instance, _text(beat, now_ns, places[instance]), True)
+                is_debugged = is_in_debugger(stacks, beat.thread)
+                text = _text(beat, now_ns, places[instance], is_debugged=is_debugged)
+                yield CallbackStuck(key, instance, text, True)
 
 
-def _text(beat: Activity, now_ns: int, place: str) -> str:
+def _text(beat: Activity, now_ns: int, place: str, *, is_debugged: bool = False) -> str:
     began = time.localtime(time.time() - (now_ns - beat.since_ns) / 1e9)
     since = time.strftime("%H:%M:%S", began)
-    return f"stuck in {beat.callback} since {since}" + (f" ({place})" if place else "")
+    what = IN_DEBUGGER if is_debugged else f"stuck in {beat.callback}"
+    return f"{what} since {since}" + (f" ({place})" if place else "")

@@ -25,6 +25,7 @@ from rtkit.deployment.planning.step_costs import (
     times_to_text,
 )
 from rtkit.errors import Unreachable
+from rtkit.manager.core.state import Process
 from rtkit.rtc.enums import LifeCycleState, ReturnCode
 from rtkit.rtc.profiles import ConnectorProfile, PortRef
 
@@ -835,3 +836,17 @@ def test_changed_code_that_cannot_be_replaced_says_what_helps(console, tmp_path,
         assert status == 0
         assert helps[where] in err
         assert out.startswith("nothing to do")
+
+
+def test_one_run_by_hand_stays_where_it_is_and_is_not_replaced(console, tmp_path):
+    file = tmp_path / "Sink.py"
+    file.write_text("edited since")
+    console.up()
+    console.change('"Sink"/>', '"Sink?manager_name=s"/>')
+    assert "deactivate Sink0" in console.run("rtplan")[1]
+    visitor = Process(300, "Sink_300", 300, "up", is_guest=True)
+    console.world.shell.state.processes[visitor.key] = visitor
+    console.world.update("Sink0", process="Sink_300", code=f"00000000 {file}")
+    status, out, err = console.run("rtplan --replace")
+    assert (status, out.splitlines()[0]) == (0, "nothing to do: everything is as wanted")
+    assert "it was started by hand: start it again" in err

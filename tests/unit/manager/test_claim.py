@@ -143,3 +143,14 @@ def test_what_is_left_of_a_manager_that_runs_is_its_own(folder: Path) -> None:
         claim.take_lock("m", stack)
         with pytest.raises(Refused, match="is running already"):
             end_remains("m")
+
+
+def test_what_a_component_run_by_hand_shows_goes_when_it_is_dead(folder: Path) -> None:
+    with subprocess.Popen(["true"]) as done:
+        done.wait()
+    dead, alive = folder / f"m.{done.pid}.guest.beats", folder / f"m.{os.getpid()}.guest.beats"
+    for path in (dead, alive):
+        Heartbeats(str(path))
+    assert living_slaves("m") == set()
+    claim.remove_stale("m", ())
+    assert list(folder.iterdir()) == [alive]

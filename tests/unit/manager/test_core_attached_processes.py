@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from fake_shell import FakeShell, wire
+from fake_shell import FakeShell, facts, wire
 
 from rtkit.deployment.actions import Connect, Create, Delete
 from rtkit.deployment.capture import SystemHeading, capture
@@ -71,3 +71,24 @@ def test_a_guest_is_no_part_of_a_captured_system(shell: FakeShell) -> None:
     heading = SystemHeading("2026-01-01T00:00:00")
     profile = capture(shell.state.snapshot(), heading, takes_all=True)
     assert [component.instance_name for component in profile.components] == ["B"]
+
+
+def test_one_run_by_hand_is_saved_as_what_a_slave_of_its_own_makes(shell: FakeShell) -> None:
+    made = {"create": "Type?instance_name=A&manager_name=manager_%25p", "module": "/m/Type.py"}
+    shell.feed(ev.SlaveFound(300, "Type_300", [{**facts("A"), **made}], [], is_guest=True))
+    key = shell.adopted[300]
+    shell.feed(ev.ContainerReported(key, {"facts": facts("A")}))  # these do not tell it again
+    heading = SystemHeading("2026-01-01T00:00:00")
+    (component,) = capture(shell.state.snapshot(), heading, takes_all=True).components
+    told = {each.name: each.value for each in component.properties}
+    assert told == {"rtkit.create": made["create"], "rtkit.module": made["module"]}
+
+
+def test_a_debugger_in_it_is_told_and_breaks_no_rule(shell: FakeShell) -> None:
+    made = {"create": "Type?instance_name=A&rtkit.health.stuck=0.2:restart"}
+    shell.feed(ev.SlaveFound(300, "Type_300", [{**facts("A"), **made}], [], is_guest=True))
+    text = "in a debugger since 12:00:00 (a.py:7 in on_execute)"
+    shell.feed(ev.CallbackStuck(shell.adopted[300], "A", text, True))
+    shell.wait(5.0)
+    assert shell.state.components["A"].trouble == text
+    assert (shell.signals, shell.calls) == ([], [])

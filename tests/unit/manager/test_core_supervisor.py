@@ -290,6 +290,15 @@ def test_one_of_which_nobody_says_where_it_hangs_is_ended_soon(shell: FakeShell)
     assert shell.signals == [(key, 15)]
 
 
+def test_one_that_a_debugger_has_stopped_is_let_be(shell: FakeShell) -> None:
+    key = make(shell, "A", **{"health.stuck": "restart"})
+    shell.feed(ev.CallbackStuck(key, "A", "stuck in on_execute since 12:00:00"))
+    shell.feed(ev.CallbackStuck(key, "A", "in a debugger since 12:00:00 (a.py:7)", True))
+    shell.wait(5.0)
+    assert not shell.signals
+    assert not shell.calls
+
+
 def test_one_that_goes_on_meanwhile_is_let_be(shell: FakeShell) -> None:
     key = make(shell, "A", **{"health.stuck": "restart"})
     shell.feed(ev.CallbackStuck(key, "A", "stuck in on_execute since 12:00:00"))

@@ -10,11 +10,12 @@ from pathlib import Path
 
 import pytest
 
+from rtkit.component import callbacks
 from rtkit.component.buffer import GuardedRing
 from rtkit.component.options import BufferOptions, EmptyPolicy, FullPolicy, PortStatus
 from rtkit.component.waiting import grant_by
 from rtkit.container.heartbeats import CALLBACKS, HeartbeatReader, Heartbeats
-from rtkit.container.stacks import place_of
+from rtkit.container.stacks import is_in_debugger, place_of
 from rtkit.manager.slaves.watchdog import DEADLINE_S, callback_deadline_s
 
 
@@ -97,6 +98,28 @@ def test_without_a_line_of_the_author_the_innermost_is_told() -> None:
     stacks = f'Thread 0x{1:016x}\n  File "{selectors.__file__}", line 5 in select\n'
     assert place_of(stacks, 1) == "selectors.py:5 in select"
     assert sys.modules["selectors"] is selectors
+
+
+CALLBACK = f'''  File "/home/me/Arm.py", line 12 in on_execute
+  File "{callbacks.__file__}", line 5 in attempt
+'''
+
+
+@pytest.mark.parametrize(
+    ("frames", "is_so"),
+    [
+        ('  File "/py/pdb.py", line 3 in interaction\n' + CALLBACK, True),
+        ('  File "/x/pydevd/pydevd.py", line 9 in do_wait_suspend\n' + CALLBACK, True),
+        (CALLBACK, False),
+        (CALLBACK + '  File "/py/bdb.py", line 3 in run\n', False),
+    ],
+)
+def test_a_debugger_that_has_stopped_a_callback_is_seen_not_one_that_runs_it(
+    frames: str, is_so: bool
+) -> None:
+    stacks = f"Thread 0x{17:016x} (most recent call first):\n{frames}\n"
+    assert is_in_debugger(stacks, 17) is is_so
+    assert not is_in_debugger(stacks, 18)
 
 
 @pytest.mark.parametrize(

@@ -10,10 +10,10 @@ from pathlib import Path
 
 import pytest
 
-from rtkit.container.heartbeats import STACKS_AT, Heartbeats, heartbeats_path
+from rtkit.container.heartbeats import STACKS_AT, Heartbeats, guest_pattern, heartbeats_path
 from rtkit.container.stacks import open_stacks, write_stacks
 from rtkit.manager.core.events import CallbackStuck, ProcessInspected
-from rtkit.manager.slaves.watchdog import POLL_S, Watchdog
+from rtkit.manager.slaves.watchdog import POLL_S, Watchdog, remove_traces
 
 KEY = 7
 
@@ -21,8 +21,9 @@ KEY = 7
 class Watched:
     """This process as one that is watched; its deadline is `deadline_s`."""
 
-    def __init__(self, folder: Path) -> None:
-        pattern = str(folder / "m.%p.data")
+    def __init__(self, folder: Path, *, is_guest: bool = False) -> None:
+        of_slaves = str(folder / "m.%p.data")
+        pattern = guest_pattern(of_slaves) if is_guest else of_slaves
         heartbeats = Heartbeats(heartbeats_path(pattern, os.getpid()))
         slot = heartbeats.slot()
         assert slot is not None
@@ -34,9 +35,9 @@ class Watched:
         self.file = Path(heartbeats_path(pattern, os.getpid()))
         self.shortest_s = 0.0
         self.watchdog = Watchdog(
-            pattern, lambda _instance: self.deadline_s, lambda: self.shortest_s, self._dump
+            of_slaves, lambda _instance: self.deadline_s, lambda: self.shortest_s, self._dump
         )
-        self.watchdog.watch(KEY, os.getpid())
+        self.watchdog.watch(KEY, os.getpid(), is_guest=is_guest)
 
     def _dump(self, _key: int, is_urgent: bool) -> None:
         self.asked.append(is_urgent)
@@ -84,6 +85,17 @@ def test_what_takes_too_long_is_told_then_its_line_then_its_end(watched):
     watched.slot.watch("", "")
     assert watched.poll() == [CallbackStuck(KEY, "A", "")]
     assert watched.poll() == []
+
+
+def test_of_an_attached_process_nothing_is_told_before_its_stack(tmp_path):
+    watched = Watched(tmp_path, is_guest=True)
+    watched.deadline_s = 0.0
+    watched.slot.watch("A", "on_execute")
+    assert watched.poll() == []
+    assert text(watched.poll()) == "stuck in on_execute since NOW (PLACE)"
+    watched.close()
+    remove_traces(str(tmp_path / "m.%p.data"), os.getpid())
+    assert list(tmp_path.iterdir()) == []
 
 
 def test_the_same_callback_of_a_later_cycle_is_told_anew(watched):

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, TypeVar
 
 from rtkit.cli.managers.doctor import ERROR, NOTE, OK, WARNING, Diagnosis
 from rtkit.cli.managers.doctor.folders import state_of
+from rtkit.deployment.health import IN_DEBUGGER
 from rtkit.errors import RtkitError
 from rtkit.link import places
 from rtkit.rtc.manager_address import DEFAULT_PORT
@@ -158,8 +159,10 @@ def _components(listing: Listing) -> Iterator[Diagnosis]:
             cure = f"rtdel -z {path}, or rtresurrect makes it again"
             yield Diagnosis("components", ERROR, text, cure, path)
         elif row.trouble:
-            cure = f"rtexit --force {path} if it does not come back"
-            yield Diagnosis("components", WARNING, f"{path}: {row.trouble}", cure, path)
+            is_debugged = row.trouble.startswith(IN_DEBUGGER)
+            cure = "" if is_debugged else f"rtexit --force {path} if it does not come back"
+            level = NOTE if is_debugged else WARNING
+            yield Diagnosis("components", level, f"{path}: {row.trouble}", cure, path)
         elif row.state == "Error":
             text = f"{path} is in Error" + (f": {row.cause}" if row.cause else "")
             yield Diagnosis("components", WARNING, text, f"rtreset {path}", path)
