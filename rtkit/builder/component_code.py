@@ -240,6 +240,8 @@ def _setting(setting: GeneratedParameter) -> list[str]:
     for keyword in ("unit", "doc", "constraint", "widget"):
         text = getattr(setting, keyword)
         given += [(keyword, text)] if text else []
+    sets = {name: constant(value) for name, value in setting.sets.items()}
+    given += [("sets", sets)] if sets else []
     return assigned(setting.attribute, CallExpression("rt.Parameter", given))
 
 

@@ -33,6 +33,7 @@ from rtkit.profile import rtc_model as rtc
 from rtkit.profile.common import ExtensionProperty
 from rtkit.profile.constraint_model import Constraint
 from rtkit.profile.constraint_text import parse_constraint
+from rtkit.profile.words import SET
 from rtkit.rtc.data_types import scoped_name
 from rtkit.rtc.enums import ExecutionKind, PortType
 from rtkit.rtc.profiles import PortProfile
@@ -163,7 +164,10 @@ def _configuration(parameter: Parameter[object]) -> rtc.ConfigurationParameter:
         unit=parameter.unit or None,
         constraint=constraint,
         doc=doc if parameter.doc or words else None,
-        properties=(ExtensionProperty(WIDGET, parameter.widget),) if parameter.widget else (),
+        properties=(
+            *((ExtensionProperty(WIDGET, parameter.widget),) if parameter.widget else ()),
+            *(ExtensionProperty(f"{SET}{name}", text) for name, text in parameter.sets.items()),
+        ),
     )
 
 

@@ -10,10 +10,11 @@ from rtkit.builder.identifiers import Taken, attribute_name, cut
 from rtkit.builder.source_text import doc_text, one_line
 from rtkit.builder.subject import GeneratedParameter
 from rtkit.component.kinds import elements, read_bool, read_float, read_int
+from rtkit.component.parameter import Parameter
 from rtkit.errors import Malformed
 from rtkit.profile.constraint_text import format_constraint
 from rtkit.profile.rtc_model import ConfigurationParameter, RtcProfile
-from rtkit.profile.words import property_value
+from rtkit.profile.words import property_value, values_in_sets
 
 WIDGET = "__widget__"
 _INTEGER = re.compile(r"(unsigned |signed )?(u?int\d*(_t)?|short|long|long long|char|byte|integer)")
@@ -54,15 +55,34 @@ def unused(name: str, names: set[str], link: str = "_") -> str:
 def _setting(
     each: ConfigurationParameter, name: str, attribute: str, note: _Note
 ) -> GeneratedParameter:
+    default = default_value(each.type, each.default_value, f"parameter {name}", note)
+    constraint = _constraint(each, name, note)
     return GeneratedParameter(
         attribute=attribute,
         name=name,
-        default=default_value(each.type, each.default_value, f"parameter {name}", note),
+        default=default,
         unit=one_line(each.unit or doc_text(each.doc, "unit")),
         doc=one_line(doc_text(each.doc, "description") or each.comment),
-        constraint=_constraint(each, name, note),
+        constraint=constraint,
         widget=property_value(each.properties, WIDGET) or "",
+        sets=_sets(each, name, default, constraint, note),
     )
+
+
+def _sets(
+    each: ConfigurationParameter, name: str, default: Any, constraint: str, note: _Note
+) -> dict[str, Any]:
+    """Return the values in further sets; those that the class would refuse are left out."""
+    found = {}
+    for set_id, text in values_in_sets(each.properties).items():
+        value = default_value(each.type, text, f"parameter {name}", note)
+        try:
+            Parameter(default, name=name, constraint=constraint, sets={set_id: value})
+        except Malformed as error:
+            note(f"{error}; left out")
+        else:
+            found[set_id] = value
+    return found
 
 
 def _constraint(each: ConfigurationParameter, name: str, note: _Note) -> str:

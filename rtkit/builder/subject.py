@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -76,6 +77,7 @@ class GeneratedParameter(NamedTuple):
     doc: str
     constraint: str
     widget: str
+    sets: Mapping[str, bool | int | float | str | tuple[float, ...] | tuple[int, ...]]
 
 
 class GeneratedEvent(NamedTuple):

@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any, ClassVar, Protocol, TypeVar
 
 from rtkit.component.callbacks import Callbacks, Failure, attempt
+from rtkit.component.collisions import refuse_collisions
 from rtkit.component.config import DEFAULT, Configuration
 from rtkit.component.context import ExecutionContext
 from rtkit.component.kinds import kind_of
@@ -26,9 +27,6 @@ T = TypeVar("T")
 AnyPort = TypeVar("AnyPort", bound=Port)
 ACTIVE_SET = "configuration.active_config"
 _PORT_KINDS = ("inport", "outport", "service")
-
-
-_HOME = "rtkit.component."
 
 
 class Manager(Protocol):
@@ -98,6 +96,7 @@ class Component(Callbacks):
 
     def __init_subclass__(cls, **keywords: Any) -> None:
         super().__init_subclass__(**keywords)
+        refuse_collisions(cls, cls.own_attributes)
         found = {
             name: value
             for ancestor in reversed(cls.__mro__)
@@ -105,21 +104,6 @@ class Component(Callbacks):
         }
         cls._declared = {n: v for n, v in found.items() if isinstance(v, Port)}
         cls._parameters = declared_parameters(cls)
-        cls._refuse_hiding()
-
-    @classmethod
-    def _refuse_hiding(cls) -> None:
-        """Refuse a port or parameter under a name that every component needs for something else."""
-        ours = [base for base in cls.__mro__ if base.__module__.startswith(_HOME)]
-        for name in (*cls._declared, *cls._parameters):
-            found = [vars(base)[name] for base in ours if name in vars(base)]
-            if name in cls.own_attributes or any(
-                not isinstance(each, (Port, Parameter)) for each in found
-            ):
-                raise Refused(
-                    f"{cls.__name__}.{name} hides what every component has under that name: write"
-                    f" {name}_ = …, the name for others stays {name}"
-                )
 
     def __init__(self, instance: str, options: Mapping[str, str] | None = None) -> None:
         self.instance = check_instance_name(instance)
@@ -349,6 +333,9 @@ class Component(Callbacks):
                     hints.setdefault(set_id, {})[parameter.name] = text
         for set_id, values in hints.items():
             configuration.declare(set_id, values)
+        for parameter in self._parameters.values():
+            for set_id, text in parameter.sets.items():
+                configuration.declare(set_id, {parameter.name: text})
         self._declare_options()
         configuration.activate(self.options.get(ACTIVE_SET, "") or DEFAULT)
         configuration.update()

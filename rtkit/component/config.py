@@ -11,9 +11,10 @@ from collections import deque
 from collections.abc import Callable, Mapping
 from typing import Any, cast
 
-from rtkit.component.constraint_check import misfits
+from rtkit.component.constraint_check import misfits, parameter_names
 from rtkit.component.kinds import ParameterKind, Value, kind_of
 from rtkit.errors import Malformed, NotFound, Refused
+from rtkit.rtc.names import check_set_name
 
 DEFAULT = "default"
 
@@ -109,12 +110,17 @@ class Configuration:
         """Add a set at run time.
 
         Raises:
-            Refused: One of that name exists, or the name is empty.
-            Malformed: A text that a parameter cannot have.
+            Refused: One of that name exists.
+            NotFound: No set has a parameter of such a name.
+            Malformed: No set may have that name, or a parameter cannot have a text.
         """
-        if not set_id or set_id in self._sets:
-            reason = "exists already" if set_id else "needs a name"
-            raise Refused(f"configuration set {set_id or repr('')} {reason}")
+        if set_id in self._sets:
+            raise Refused(f"configuration set {set_id} exists already")
+        check_set_name(set_id)
+        known = parameter_names(self._sets)
+        for name in values:
+            if name not in known:
+                raise NotFound(f"No such configuration parameter: {name}")
         why = self.misfits(set_id, values)
         if why:
             raise Malformed(why)

@@ -17,6 +17,8 @@ if TYPE_CHECKING:
 TYPE_SET = "__type__"
 CONSTRAINT_SET = "__constraints__"
 WIDGET_SET = "__widget__"
+DESCRIPTION = "description"
+"""The parameter of a set that tells what the set is for."""
 _DEFAULT_SET = "default"
 
 _LIST_WIDGETS = ("checkbox", "ordered_list")
@@ -53,12 +55,21 @@ def misfits(sets: Mapping[str, Mapping[str, str]], values: Iterable[tuple[str, s
     return "; ".join(f"{name} cannot be {text!r}: {why}" for name, text, why in whys if why)
 
 
+def parameter_names(sets: Mapping[str, Mapping[str, str]]) -> frozenset[str]:
+    """Return what an added set of a component with these sets may hold.
+
+    Hidden sets have hints, not parameters; each set may have a description.
+    """
+    visible = (values for set_id, values in sets.items() if not set_id.startswith("__"))
+    return frozenset(name for values in visible for name in values) | {DESCRIPTION}
+
+
 def hinted(sets: Mapping[str, Mapping[str, str]], name: str) -> Declared:
     """Return the declaration of a parameter in the hidden sets of a component."""
     rule = _hint(sets, CONSTRAINT_SET, name)
     is_list = _hint(sets, WIDGET_SET, name).startswith(_LIST_WIDGETS)
     type = declared_type(_hint(sets, TYPE_SET, name), _hint(sets, _DEFAULT_SET, name))
-    return Declared(type, rule, _read(rule), is_list)
+    return Declared(type, rule, read_constraint(rule), is_list)
 
 
 def declared_type(type: str, default: str) -> str:
@@ -72,7 +83,8 @@ def _hint(sets: Mapping[str, Mapping[str, str]], set_id: str, name: str) -> str:
     return sets.get(set_id, {}).get(name, "")
 
 
-def _read(rule: str) -> Constraint | None:
+def read_constraint(rule: str) -> Constraint | None:
+    """Return a constraint as far as a machine can read it."""
     if not rule:
         return None
     from rtkit.profile.constraint_text import parse_constraint

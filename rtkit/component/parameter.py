@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any, Generic, Protocol, TypeVar, cast, overload
 
 from rtkit.component.kinds import Value, kind_of
+from rtkit.errors import Malformed
+from rtkit.rtc.names import check_set_name
 
 if TYPE_CHECKING:
     from rtkit.component.config import Configuration
@@ -30,6 +33,10 @@ class Parameter(Generic[T]):
         doc: One line for users.
         constraint: Range in the words of RTC profiles, ``0<=x<=100`` or ``(a,b,c)``.
         widget: How editors show it: ``text slider.0.1 spin radio checkbox``.
+        sets: Text of its value in further configuration sets, by name of the set.
+
+    Raises:
+        Malformed: A value is none of a parameter, or breaks the constraint in a further set.
     """
 
     def __init__(
@@ -41,6 +48,7 @@ class Parameter(Generic[T]):
         constraint: str = "",
         widget: str = "",
         name: str = "",
+        sets: Mapping[str, T] | None = None,
     ) -> None:
         self.default: T = cast(T, tuple(default) if isinstance(default, list) else default)
         self.unit = unit
@@ -49,9 +57,25 @@ class Parameter(Generic[T]):
         self.widget = widget
         self.name = name
         kind_of(cast(Value, self.default))
+        self.sets = {name: self._text(name, value) for name, value in (sets or {}).items()}
 
     def __set_name__(self, owner: type, name: str) -> None:
         self.name = self.name or name.rstrip("_")
+
+    def _text(self, set_id: str, value: object) -> str:
+        """Return the text of a value in a further set, as if it had been set there."""
+        from rtkit.component.constraint_check import Declared, misfit_of, read_constraint
+
+        check_set_name(set_id)
+        kind = kind_of(cast(Value, self.default))
+        plain = cast(Value, tuple(value) if isinstance(value, list) else value)
+        text = kind_of(plain).write(plain)
+        rule = Declared(kind.name, self.constraint, read_constraint(self.constraint))
+        why = misfit_of(rule, text)
+        if why:
+            label = f"{self.name} " if self.name else ""
+            raise Malformed(f"parameter {label}cannot be {text!r} in set {set_id}: {why}")
+        return kind.write(kind.read(text))
 
     @property
     def description(self) -> str:

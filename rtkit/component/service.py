@@ -258,6 +258,16 @@ class ServicePort(Port):
         )
 
     @property
+    def own_operations(self) -> tuple[str, ...]:
+        """The operations that the component itself is to implement."""
+        own = (
+            use.interface.methods
+            for use in self._uses
+            if use.profile.polarity is Polarity.PROVIDED and use.implementation is None
+        )
+        return tuple(name for names in own for name in names)
+
+    @property
     def needed(self) -> tuple[Interface, ...]:
         """The interfaces that it needs."""
         uses = (use for use in self._uses if use.profile.polarity is Polarity.REQUIRED)

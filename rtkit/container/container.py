@@ -30,7 +30,7 @@ from rtkit.container.operations import LATER, Operations, in_time
 from rtkit.container.pacer import Pacer, StartDriver, Work
 from rtkit.container.port_wiring import PortWiring
 from rtkit.container.user_requests import UserRequests
-from rtkit.deployment.message import Message
+from rtkit.deployment.message import NEW, Message
 from rtkit.errors import Malformed, NotFound, Refused, RtkitError, Unreachable
 from rtkit.guard import guarded, kind_and_text
 from rtkit.link.threads import start_thread
@@ -93,6 +93,7 @@ class ComponentContainer:
             "delete": self._delete,
             "set": self._set,
             "activate_set": self._activate_set,
+            "remove_set": self._remove_set,
             "set_back": self._set_back,
             "remember": self._remember,
             "metrics": self._send_metrics,
@@ -430,6 +431,11 @@ class ComponentContainer:
     def _set(self, message: Message) -> object:
         component = self.component(message["instance"])
         configuration = component.configuration
+        adds = message.get("adds")
+        if adds == NEW or (adds and message["set_id"] not in configuration.sets):
+            configuration.add_set(message["set_id"], message["values"])
+            self.report(component)
+            return ""
         if message["set_id"] == configuration.active_set:
             _check_composite(component, message["set_id"], message["values"])
         configuration.set(message["set_id"], message["values"])
@@ -438,6 +444,12 @@ class ComponentContainer:
             return ""
         configuration.activate(message["set_id"])
         return self._take_over(component, message)
+
+    def _remove_set(self, message: Message) -> object:
+        component = self.component(message["instance"])
+        component.configuration.remove_set(message["set_id"])
+        self.report(component)
+        return ""
 
     def _activate_set(self, message: Message) -> object:
         component = self.component(message["instance"])
@@ -449,6 +461,9 @@ class ComponentContainer:
         """Undo what was asked for by somebody who has given up; what was set since stays."""
         component, set_id = self.component(message["instance"]), message["set_id"]
         configuration = component.configuration
+        if message.get("is_added") and set_id in configuration.sets:
+            self._remove_set(message)
+            return
         present, meant = configuration.sets.get(set_id, {}), message["values"]
         before = message["before"].items()
         configuration.set(set_id, {k: v for k, v in before if present.get(k) == meant.get(k)})

@@ -9,10 +9,11 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from typing import Any
 
-from rtkit.deployment.message import Message
+from rtkit.deployment.message import MISSING, Message
 
 _FIELDS: Mapping[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
     "set": (("set_id",), ("values",)),
+    "remove_set": (("set_id",), ()),
     "activate_set": ((), ("set_id",)),
     "change_state": (("context",), ("transition",)),
     "set_rate": (("context",), ("rate",)),
@@ -23,6 +24,10 @@ _FIELDS: Mapping[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
 }
 """Operations that set how a component shall be: the keys that distinguish requests of a kind, and
 their other values."""
+
+
+_OPPOSITES = {"detach": "attach", "remove_set": "set"}
+"""Operations that take back what another one did: the last of both counts."""
 
 
 class UserRequests:
@@ -39,17 +44,23 @@ class UserRequests:
         if op not in _FIELDS:
             return
         names, others = _FIELDS[op]
-        key = ("attach" if op == "detach" else op, *(message[name] for name in names))
+        key = (_OPPOSITES.get(op, op), *(message[name] for name in names))
         requests = self._requests.setdefault(message["instance"], {})
         request = {"op": op, **{name: message[name] for name in (*names, *others)}}
-        if op == "set" and key in requests:
-            request["values"] = {**requests[key]["values"], **message["values"]}
+        known = requests.get(key, {})
+        if op == "set":
+            request["values"] = {**known.get("values", {}), **message["values"]}
+            if message.get("adds") or known.get("adds"):
+                request["adds"] = MISSING
         requests[key] = request
 
     def _take_back(self, message: Message) -> None:
         """Drop values that were asked for by somebody who has given up."""
-        request = self._requests.get(message["instance"], {}).get(("set", message["set_id"]))
-        if request is not None:
+        requests, key = self._requests.get(message["instance"], {}), ("set", message["set_id"])
+        request = requests.get(key)
+        if message.get("is_added"):
+            requests.pop(key, None)
+        elif request is not None:
             values, meant = request["values"], message["values"]
             left = {key: value for key, value in values.items() if meant.get(key) != value}
             request["values"] = left

@@ -7,6 +7,8 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 from rtkit import errors
+from rtkit.deployment.message import MISSING as MISSING
+from rtkit.deployment.message import NEW as NEW
 from rtkit.fast_dataclass import dataclass, field, replace
 from rtkit.rtc.enums import ReturnCode, Transition
 
@@ -128,11 +130,25 @@ class Disconnect:
 
 @dataclass(frozen=True, slots=True)
 class SetParameters:
-    """Change parameters of one configuration set, all or none."""
+    """Change parameters of one configuration set, all or none.
+
+    Attributes:
+        adds: Where there is no such set this is refused if it is empty; `MISSING` adds it, `NEW`
+            does and refuses one that is there.
+    """
 
     instance: str
     set_id: str
     values: Mapping[str, str] = field(default_factory=dict)
+    adds: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class RemoveSet:
+    """Remove a configuration set that was added at run time, and is not the active one."""
+
+    instance: str
+    set_id: str
 
 
 @dataclass(frozen=True, slots=True)
@@ -234,6 +250,7 @@ Action = (
     | Connect
     | Disconnect
     | SetParameters
+    | RemoveSet
     | ActivateSet
     | ChangeState
     | SetRate

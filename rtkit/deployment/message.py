@@ -6,3 +6,5 @@ from collections.abc import Mapping
 from typing import Any
 
 Message = Mapping[str, Any]
+MISSING, NEW = "missing", "new"
+"""What is done where a configuration set is not there: it is added; and one that is, is refused."""

@@ -31,7 +31,10 @@ def traces(attempted: Iterable[Action], before: Snapshot, now: Snapshot) -> list
     }
     found = [
         *_connectors(tried, before, now, made),
-        *_settings(tried, before, now, made),
+        # A set that is active cannot be removed: the one of before comes first.
+        *sorted(
+            _settings(tried, before, now, made), key=lambda each: type(each.undo) is act.RemoveSet
+        ),
         *(Trace(name, act.Delete(name)) for name in sorted(made)),
         *_modules(tried, before, now),
     ]
@@ -81,6 +84,9 @@ def _settings(
             case act.SetPolicy():
                 yield Trace(f"policy of {instance}", act.SetPolicy(instance, policy_in(was.create)))
             case act.SetParameters(_, set_id, values):
+                if set_id in is_now.sets and set_id not in was.sets:
+                    yield Trace(f"set {set_id} of {instance}", act.RemoveSet(instance, set_id))
+                    continue
                 old, new = was.sets.get(set_id, {}), is_now.sets.get(set_id, {})
                 changed = {n: old[n] for n in values if n in old and old[n] != new.get(n)}
                 if changed:

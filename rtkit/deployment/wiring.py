@@ -5,7 +5,14 @@ from __future__ import annotations
 from collections.abc import Collection, Iterator
 
 from rtkit.deployment import drift
-from rtkit.deployment.actions import ActivateSet, Connect, SetParameters, SetPolicy, SetRate
+from rtkit.deployment.actions import (
+    MISSING,
+    ActivateSet,
+    Connect,
+    SetParameters,
+    SetPolicy,
+    SetRate,
+)
 from rtkit.deployment.facts import ComponentFacts
 from rtkit.deployment.layered_plan import LayeredPlan, PlannedAction, layer
 from rtkit.deployment.live_index import LiveIndex, absence
@@ -104,24 +111,34 @@ def _parameters(
                 yield PlannedAction(text, None, holds=True)
             elif component.instance in pending:
                 made_so = component.pattern is not None
-                action = (
-                    None if made_so else SetParameters(component.instance, set_id, {name: value})
-                )
+                wanted = SetParameters(component.instance, set_id, {name: value}, _adds(set_id))
+                action = None if made_so else wanted
                 yield PlannedAction(text, action, holds=made_so, where=component.path)
             elif away or facts is None:
                 yield PlannedAction(text, None, blocked=away)
             else:
-                wanted = SetParameters(facts.instance, set_id, {name: value})
+                wanted = SetParameters(facts.instance, set_id, {name: value}, _adds(set_id))
                 yield _parameter(text, facts, wanted, component.path)
+
+
+def _adds(set_id: str) -> str:
+    """Return whether a set is added that a component has not: every one has the default set."""
+    return "" if set_id == "default" else MISSING
+
+
+def _names(facts: ComponentFacts) -> Collection[str]:
+    from rtkit.component.constraint_check import parameter_names
+
+    return parameter_names(facts.sets)
 
 
 def _parameter(text: str, facts: ComponentFacts, wanted: SetParameters, path: str) -> PlannedAction:
     ((name, value),) = wanted.values.items()
     present = facts.sets.get(wanted.set_id)
-    if present is None or name not in present:
-        what = f"parameter: {name}" if present is not None else f"set: {wanted.set_id}"
-        return PlannedAction(text, None, blocked=f"No such configuration {what} (on {path})")
-    if present[name] == value:
+    if name not in (_names(facts) if present is None else present):
+        why = f"No such configuration parameter: {name} (on {path})"
+        return PlannedAction(text, None, blocked=why)
+    if present is not None and present[name] == value:
         return PlannedAction(text, None, holds=True)
     return PlannedAction(text, wanted, where=path)
 

@@ -305,6 +305,8 @@ def import_file(file: str, source: bytes) -> ModuleType:
 
 
 def _import_failure(error: BaseException, file: str) -> str:
+    if isinstance(error, Refused) and str(error).startswith(f"{os.path.basename(file)}:"):
+        return f"module does not import: {error}"
     line = getattr(error, "lineno", None) if isinstance(error, SyntaxError) else None
     trace = error.__traceback__
     while trace is not None:

@@ -44,6 +44,16 @@ def normal_data_type(text: str) -> str:
     return f"IDL:{name}:{version}"
 
 
+SET = "rtkit.set."
+"""Property of a configuration parameter, with the name of a further set: its value in that set."""
+
+
+def values_in_sets(properties: Iterable[ExtensionProperty]) -> dict[str, str]:
+    """Return the values that a parameter has in further configuration sets, by name of the set."""
+    named = ((item.name.removeprefix(SET), item) for item in properties)
+    return {name: item.value or "" for name, item in named if name and name != item.name}
+
+
 def property_value(properties: Iterable[ExtensionProperty], name: str) -> str | None:
     """Return the value of the first property named `name`; None when absent or without value."""
     for item in properties:

@@ -8,7 +8,7 @@ from rtkit.drawing.component import component_svg
 from rtkit.profile import rtc_model as rtc
 from rtkit.profile.constraint_text import format_constraint
 from rtkit.profile.rtc_spec import ACTIONS
-from rtkit.profile.words import normal_data_type
+from rtkit.profile.words import normal_data_type, values_in_sets
 from rtkit.profile_tools.component_scene import component_name, component_pins
 from rtkit.profile_tools.component_summary import DIRECTIONS, dates, hertz, one_line
 from rtkit.profile_tools.page import Page, PageTable, Section, present, section
@@ -171,6 +171,7 @@ def _parameter(item: rtc.ConfigurationParameter) -> tuple[str, ...]:
     limits = [format_constraint(item.constraint) or doc.range or "", doc.constraint or ""]
     is_named = doc.dataname and doc.dataname != item.name
     texts = [doc.description, item.comment, f"Data: {doc.dataname}" if is_named else ""]
+    texts += [f"In set {name}: {text}" for name, text in values_in_sets(item.properties).items()]
     return (
         item.name,
         item.type,

@@ -9,6 +9,7 @@ from rtkit.profile.common import ExtensionProperty
 from rtkit.profile.constraint_text import format_constraint
 from rtkit.profile.rtc_spec import ACTIONS
 from rtkit.profile.rts_rules import NO_DATE
+from rtkit.profile.words import values_in_sets
 from rtkit.profile_tools.outline import Outline, entry
 from rtkit.profile_tools.page import with_line_breaks
 
@@ -96,7 +97,8 @@ def _parameter(item: rtc.ConfigurationParameter) -> Outline:
     value = f"{item.default_value} {item.unit or ''}".rstrip()
     limit = format_constraint(item.constraint)
     description = one_line(item.comment) or (one_line(item.doc.description) if item.doc else "")
-    return entry(item.name or "(no name)", item.type, value, limit, description)
+    below = [entry("set", *pair) for pair in values_in_sets(item.properties).items()]
+    return entry(item.name or "(no name)", item.type, value, limit, description, below=below)
 
 
 def _behaviour(profile: rtc.RtcProfile) -> Iterator[Outline]:

@@ -108,6 +108,23 @@ def check_port_name(name: str) -> str:
     return name
 
 
+def check_set_name(name: str) -> str:
+    """Return `name` if a further configuration set may bear it.
+
+    Raises:
+        Malformed: Names the rule that it breaks.
+    """
+    bad = sorted({c for c in name if c in ".=&?," or c.isspace() or _is_barred(c)})
+    if not name or bad:
+        why = f"has characters that are not allowed: {bad}" if bad else "is empty"
+        raise Malformed(f"name of a configuration set {name!r} {why}")
+    if name.startswith("_"):
+        raise Malformed(f"configuration set {name} could not be activated: it begins with _")
+    if name == "default":
+        raise Malformed("configuration set default is there already: it holds the defaults")
+    return name
+
+
 def near_port_name(name: str) -> str:
     """Return what of a name a port may bear, empty if that is nothing."""
     return "".join("_" if _is_barred(c) else c for c in name).strip()

@@ -8,7 +8,7 @@ from hypothesis.stateful import RuleBasedStateMachine, invariant, rule
 
 from rtkit.component.config import Configuration
 from rtkit.component.kinds import kind_of
-from rtkit.errors import NotFound, Refused
+from rtkit.errors import Malformed, NotFound, Refused
 from rtkit.rtc.data_types import is_same_type, scoped_name
 
 SETS = st.sampled_from(["default", "fast", "slow", "__widget__", "_x", ""])
@@ -52,10 +52,11 @@ class ConfigurationMachine(RuleBasedStateMachine):
         before = dict(self.config.sets)
         try:
             self.config.add_set(name, {"gain": "7"})
-        except Refused:
+        except (Refused, Malformed):
             assert self.config.sets == before
         else:
             assert name not in before
+            assert not name.startswith("_")
 
     @rule(name=SETS)
     def remove(self, name):

@@ -8,6 +8,7 @@ from typing import Any
 import fake_composites as composites
 
 from rtkit.component import lifecycle
+from rtkit.component.constraint_check import parameter_names
 from rtkit.component.period import check_rate
 from rtkit.container.user_requests import UserRequests
 from rtkit.deployment.facts import ComponentFacts
@@ -147,6 +148,11 @@ class FakeContainers:
     def _set(self, _pid: int, message: Message) -> None:
         known, set_id = self._of(message["instance"]), message["set_id"]
         present = known.sets.get(set_id)
+        adds = message.get("adds")
+        if adds == "new" and present is not None:
+            raise Refused(f"configuration set {set_id} exists already")
+        if present is None and adds:
+            present = dict.fromkeys(parameter_names(known.sets) & message["values"].keys(), "")
         if present is None:
             raise NotFound(f"No such configuration set: {set_id}")
         for name in message["values"]:
@@ -154,6 +160,13 @@ class FakeContainers:
                 raise NotFound(f"No such configuration parameter: {name}")
         changed = {**present, **message["values"]}
         self._arrange(replace(known, sets={**known.sets, set_id: changed}))
+
+    def _remove_set(self, _pid: int, message: Message) -> None:
+        known, set_id = self._of(message["instance"]), message["set_id"]
+        if set_id == known.active_set:
+            raise Refused(f"configuration set {set_id} is the active one")
+        left = {name: values for name, values in known.sets.items() if name != set_id}
+        self._arrange(replace(known, sets=left))
 
     def _activate_set(self, _pid: int, message: Message) -> None:
         known, set_id = self._of(message["instance"]), message["set_id"]

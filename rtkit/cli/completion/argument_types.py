@@ -235,6 +235,10 @@ def _facts(asked: CursorMeaning, live: CompletionSource) -> dict[str, dict[str, 
 
 def _conf(asked: CursorMeaning, live: CompletionSource) -> Found | Files:
     verb, count = asked.arguments[1], len(asked.arguments)
+    if verb in ("copy", "remove") and count == 2:
+        return _sets(asked, live)
+    if (verb == "add" and count > 2) or (verb == "copy" and count > 3):
+        verb, count = "set", 2  # what follows is as for set: PARAM=VALUE
     if verb == "diff" and count == 2:
         return [*_sets(asked, live)] or Files((".json",))
     if verb in ("import", "export") and count == 2:

@@ -41,6 +41,15 @@ def values_of(arguments: Sequence[str]) -> dict[str, str]:
     """
     if len(arguments) == 2 and "=" not in arguments[0]:
         return {arguments[0]: arguments[1]}
+    return pairs_of(arguments)
+
+
+def pairs_of(arguments: Sequence[str]) -> dict[str, str]:
+    """Read ``PARAM=VALUE`` several times.
+
+    Raises:
+        WrongArguments: One is of another form.
+    """
     values = {}
     for argument in arguments:
         name, equals, value = argument.partition("=")
@@ -67,6 +76,10 @@ def of_component(app: App, facts: ComponentFacts, asked: ConfRequest) -> int:
         show_value(argument, sets[set_id], asked)
     elif asked.verb == "act":
         _activate(app, facts.instance, set_id)
+    elif asked.verb in ("add", "copy"):
+        _add(app, facts, sets, asked)
+    elif asked.verb == "remove":
+        _remove(app, facts, sets, argument)
     elif asked.verb == "export":
         _export(facts, chosen, argument)
     elif asked.verb == "import":
@@ -131,14 +144,15 @@ def check(facts: ComponentFacts, wanted: Sets, notify: Callable[[str], object]) 
         NotFound: No such parameter.
         Malformed: A text that the parameter cannot have.
     """
-    from rtkit.component.constraint_check import misfit, misfit_of
+    from rtkit.component.constraint_check import misfit, misfit_of, parameter_names
 
     declared = _declared(facts, wanted, notify)
     bad: list[tuple[str, RtkitError]] = []
     for set_id, values in wanted.items():
         for name, text in values.items():
-            if name not in facts.sets[set_id]:
-                raise no_parameter(name, facts.sets[set_id])
+            names = facts.sets.get(set_id, parameter_names(facts.sets))
+            if name not in names:
+                raise no_parameter(name, names)
             # A hidden set holds hints, not values of the parameters.
             if _hidden(set_id):
                 continue
@@ -179,6 +193,29 @@ def _activate(app: App, instance: str, set_id: str) -> None:
     from rtkit.deployment.actions import ActivateSet
 
     app.tree.perform(ActivateSet(instance, set_id))
+
+
+def _add(app: App, facts: ComponentFacts, sets: Sets, asked: ConfRequest) -> None:
+    from rtkit.deployment.actions import NEW, SetParameters
+    from rtkit.rtc.names import check_set_name
+
+    is_copy = asked.verb == "copy"
+    source, set_id, *given = asked.arguments if is_copy else ("", *asked.arguments)
+    if is_copy and source not in sets:
+        raise no_set(source, sets)
+    if set_id in facts.sets:
+        raise Refused(f"configuration set {set_id} exists already")
+    values = {**(sets[source] if is_copy else {}), **(pairs_of(given))}
+    check(facts, {check_set_name(set_id): values}, app.verbose)
+    app.tree.perform(SetParameters(facts.instance, set_id, values, NEW))
+
+
+def _remove(app: App, facts: ComponentFacts, sets: Sets, set_id: str) -> None:
+    from rtkit.deployment.actions import RemoveSet
+
+    if set_id not in sets:
+        raise no_set(set_id, sets)
+    app.tree.perform(RemoveSet(facts.instance, set_id))
 
 
 DESCRIPTION = "description"

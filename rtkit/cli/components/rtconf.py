@@ -27,6 +27,9 @@ FORMS = {
     "get": "get PARAM",
     "set": "set PARAM VALUE, or set PARAM=VALUE...",
     "act": "act, with -s SET",
+    "add": "add SET PARAM=VALUE...",
+    "copy": "copy SET NEW [PARAM=VALUE]...",
+    "remove": "remove SET",
     "diff": "diff SET|FILE",
     "export": "export [FILE]",
     "import": "import [FILE]",
@@ -48,6 +51,8 @@ class _Numbers(NumbersAreArguments):
         ("rtconf /localhost/Robot0.rtc export robot.json", "Write the sets to a file."),
         ("rtconf /localhost/Robot1.rtc import robot.json", "Take them over, here or elsewhere."),
         ("rtconf -s careful /localhost/Robot0.rtc act", "Make another set the active one."),
+        ("rtconf /localhost/Robot0.rtc copy careful gentle speed=0.1", "A further set, like one."),
+        ("rtconf /localhost/Robot0.rtc remove gentle", "Remove it again."),
     ),
     json=("configuration", "parameter", "configuration-difference", "properties"),
     arguments=("component|manager", "words", "conf"),
@@ -74,6 +79,9 @@ def main(
     set PARAM VALUE    change one parameter
     set A=1 B=2 ...    change several, all or none
     act                make the set given with -s the active one
+    add SET A=1 ...    add a set with these parameters
+    copy SET NEW A=1   add a set that is like another one, but for these parameters
+    remove SET         remove a set that was added and is not the active one
     diff SET|FILE      where it differs from another set, or from what was exported
     export [FILE]      write the sets as JSON
     import [FILE]      take over what was exported
@@ -113,6 +121,9 @@ def _asked(
         "get": count == 1,
         "set": count == 2 or bool(count and all("=" in each[1:] for each in arguments)),
         "act": count == 0 and bool(set_id),
+        "add": count > 1 and not set_id,
+        "copy": count > 1 and not set_id,
+        "remove": count == 1 and not set_id,
         "diff": count == 1,
         "export": count < 2,
         "import": count < 2,

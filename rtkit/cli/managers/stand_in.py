@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from rtkit.profile.ports import declared_interfaces
-from rtkit.profile.words import property_value
+from rtkit.profile.words import property_value, values_in_sets
 from rtkit.rtc.enums import ExecutionKind, PortType
 from rtkit.rtc.pattern import ComponentPattern, ContextPattern
 from rtkit.rtc.port_types import declared_port_type
@@ -69,6 +69,7 @@ def _sets(profile: RtcProfile) -> dict[str, dict[str, str]]:
             "__type__": each.type,
             "__constraints__": format_constraint(each.constraint),
             "__widget__": property_value(each.properties, "__widget__") or "",
+            **values_in_sets(each.properties),
         }
         for set_id, text in texts.items():
             if text or set_id == "default":

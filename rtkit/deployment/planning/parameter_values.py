@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 
-from rtkit.component.constraint_check import Declared, misfit, misfit_of
+from rtkit.component.constraint_check import Declared, misfit, misfit_of, parameter_names
 from rtkit.deployment.facts import ComponentFacts
 from rtkit.deployment.planning.component_settings import ACTIVE_SET, DEFAULT, ComponentSetting
 from rtkit.deployment.planning.model import UNKNOWN, ParameterVariable
@@ -41,6 +41,7 @@ class Values:
         self._component = component
         self._facts = facts
         self._declared = declared
+        self._added = {**component.sets, **(was.sets if was is not None else {})}
         self.missing: list[str] = []
         self.misfits: list[str] = []
         now_active = facts.active_set if facts is not None else ""
@@ -62,7 +63,7 @@ class Values:
         for set_id, values in component.sets.items():
             for parameter, value in () if set_id.startswith(HIDDEN) else values.items():
                 present = facts.sets.get(set_id, {}).get(parameter) if facts is not None else None
-                if self._is_missing(set_id, parameter, present):
+                if self._is_missing(set_id, parameter):
                     continue
                 if (set_id, parameter) in self._free:
                     continue
@@ -74,18 +75,22 @@ class Values:
                 is_hot = set_id not in self._seen or self._is_hot(parameter)
                 default = value if component.pattern is not None else UNKNOWN
                 key = ParameterVariable(default, is_hot, self._text(set_id, parameter))
+                if present is None and facts is not None:
+                    present = UNKNOWN
                 yield ComponentSetting(f"{set_id}.{parameter}", key, value, present)
 
-    def _is_missing(self, set_id: str, parameter: str, present: str | None) -> bool:
+    def _is_missing(self, set_id: str, parameter: str) -> bool:
         """Note a parameter that is not there, or will not be."""
-        facts, what = self._facts, f"parameter: {parameter}"
+        facts = self._facts
         if facts is not None:
-            is_missing = present is None
-            what = what if set_id in facts.sets else f"set: {set_id}"
+            there = facts.sets.get(set_id, {})
+            is_missing = parameter not in there and not self._can_add(set_id, parameter)
         else:
             is_missing = self._declared is not None and parameter not in self._declared
         if is_missing:
-            self.missing.append(f"No such configuration {what} (on {self._component.path})")
+            self.missing.append(
+                f"No such configuration parameter: {parameter} (on {self._component.path})"
+            )
         return is_missing
 
     def _misfit(self, parameter: str, value: str) -> str:
@@ -103,17 +108,23 @@ class Values:
             for parameter, value in () if set_id.startswith(HIDDEN) else values.items():
                 present = facts.sets.get(set_id, {}).get(parameter) if facts is not None else None
                 is_wanted = parameter in named and (set_id, parameter) not in self._free
-                if is_wanted or (facts is not None and present is None):
+                is_lost = facts is not None and present is None
+                if is_wanted or (is_lost and (has_stayed or not self._can_add(set_id, parameter))):
                     continue
                 key = ParameterVariable(text=self._text(set_id, parameter))
                 wanted = present if has_stayed and present is not None else value
                 yield ComponentSetting(f"{set_id}.{parameter}", key, wanted, present)
 
+    def _can_add(self, set_id: str, parameter: str) -> bool:
+        """Return whether a set that the component has not can be added with this parameter."""
+        sets = self._facts.sets if self._facts is not None else {}
+        return set_id not in sets and parameter in parameter_names(sets)
+
     def _choose(self, wanted: str) -> None:
         facts, component = self._facts, self._component
         before = facts.sets.get(facts.active_set, {}) if facts is not None else {}
         after = facts.sets.get(wanted, {}) if facts is not None else {}
-        if facts is not None and wanted not in facts.sets:
+        if facts is not None and wanted not in {**facts.sets, **self._added}:
             self.missing.append(f"No such configuration set: {wanted} (on {component.path})")
             return
         changed = [p for p in after if after[p] != before.get(p)]

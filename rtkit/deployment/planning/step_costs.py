@@ -49,6 +49,7 @@ _KINDS: Mapping[type, str] = {
     act.Detach: "disconnect",
     act.SetParameters: "configure",
     act.ActivateSet: "configure",
+    act.RemoveSet: "configure",
     act.SetRate: "configure",
     act.SetPolicy: "configure",
 }

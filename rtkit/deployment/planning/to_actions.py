@@ -136,8 +136,9 @@ class ActionBuilder:
 
     def _set(self, name: str, key: str, value: str, live: LiveIndex) -> Iterator[Action]:
         set_id, _, parameter = key.partition(".")
-        yield act.SetParameters(name, set_id, {parameter: value})
         facts = live.namesake(name)
+        is_there = facts is not None and set_id in facts.sets
+        yield act.SetParameters(name, set_id, {parameter: value}, "" if is_there else act.MISSING)
         if facts is not None and facts.active_set == set_id:
             # A component sees what is written only when the set is taken over again.
             yield act.ActivateSet(name, set_id)

@@ -325,6 +325,9 @@ def note(kept: DesiredState, action: Action) -> None:
             kept.change(instance, events=events)
         case act.Attach(owner) | act.Detach(owner):
             _attach(kept, kept.components.get(owner, _NONE), action)
+        case act.RemoveSet(instance, set_id):
+            sets = kept.components.get(instance, _NONE).sets
+            kept.change(instance, sets={k: v for k, v in sets.items() if k != set_id})
         case act.SetParameters(instance) | act.ChangeState(instance) | act.SetRate(instance):
             _set(kept, kept.components.get(instance, _NONE), action)
 
@@ -365,6 +368,7 @@ Asked = Mapping[str, tuple[Action, ...]]
 
 OPERATIONS: Mapping[type[Action], str] = {
     act.SetParameters: "set",
+    act.RemoveSet: "remove_set",
     act.ActivateSet: "activate_set",
     act.ChangeState: "change_state",
     act.SetRate: "set_rate",

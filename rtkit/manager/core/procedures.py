@@ -90,7 +90,8 @@ def _configure(state: ManagerState, action: act.SetParameters | act.ActivateSet)
         if process.is_ready:
             before = {name: present[name] for name in values if name in present}
             back = {"op": "set_back", "instance": instance, "set_id": set_id, "values": values}
-            yield Send(process, {**back, "before": before, "active_set": facts.active_set})
+            was = {"before": before, "active_set": facts.active_set}
+            yield Send(process, {**back, **was, "is_added": set_id not in facts.sets})
         raise
 
 
@@ -445,6 +446,7 @@ _PROCEDURES: Mapping[type[Action], Callable[[ManagerState, Any], Procedure]] = {
     act.Disconnect: disconnect,
     act.SetParameters: _configure,
     act.ActivateSet: _configure,
+    act.RemoveSet: _pass_on,
     act.ChangeState: change_state,
     act.SetRate: _pass_on,
     act.Tick: _pass_on,

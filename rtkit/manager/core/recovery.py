@@ -292,7 +292,8 @@ def _settings(state: ManagerState, instance: str, asked: DesiredComponent) -> It
         now, last = facts.sets.get(set_id, {}), asked.sets.get(set_id, {})
         changed = {k: v for k, v in values.items() if v not in (now.get(k), last.get(k))}
         if changed:
-            yield act.SetParameters(instance, set_id, changed)
+            adds = "" if set_id in facts.sets else act.MISSING
+            yield act.SetParameters(instance, set_id, changed, adds)
     if desired.active_set not in ("", facts.active_set, asked.active_set):
         yield act.ActivateSet(instance, desired.active_set)
     if desired.states != asked.states:

@@ -198,3 +198,54 @@ def test_nothing_of_a_bad_file_is_imported(
     assert (status, out) == (1, "")
     assert err.startswith(f"rtconf: {why.format(file=file)}")
     assert world.performed == []
+
+
+def test_sets_are_added_copied_and_removed(hinted: FakeManager, run: Run) -> None:
+    hinted.performed.clear()
+    assert run(f"rtconf {STD} add race gain=7 description=quick") == (0, "", "")
+    assert run(f"rtconf {STD} copy fast near mode=a") == (0, "", "")
+    assert run(f"rtconf {STD}").out == "+default* \n+fast \n+near \n+race  (quick)\n".replace(
+        "* \n", "*\n"
+    )
+    assert hinted.components["Std0"].sets["near"] == {"gain": "5", "mode": "a"}
+    assert run(f"rtconf {STD} remove near") == (0, "", "")
+    assert hinted.performed == [
+        act.SetParameters("Std0", "race", {"gain": "7", "description": "quick"}, act.NEW),
+        act.SetParameters("Std0", "near", {"gain": "5", "mode": "a"}, act.NEW),
+        act.RemoveSet("Std0", "near"),
+    ]
+
+
+@pytest.mark.parametrize(
+    ("words", "why"),
+    [
+        ("add race gain=10", "gain cannot be '10': it is to be 0<=x<=9"),
+        ("add race gian=1", "No such configuration parameter: gian (did you mean gain?)"),
+        ("add fast gain=1", "configuration set fast exists already"),
+        ("add default gain=1", "configuration set default exists already"),
+        ("add __x__ gain=1", "configuration set __x__ could not be activated: it begins with _"),
+        ("copy fsat near", "No such configuration set: fsat (did you mean fast?)"),
+        ("copy fast near gain=-1", "gain cannot be '-1': it is to be 0<=x<=9"),
+        ("remove fsat", "No such configuration set: fsat (did you mean fast?)"),
+        ("remove default", "configuration set default is the active one"),
+        ("remove __type__", "No such configuration set: __type__"),
+    ],
+)
+def test_what_can_be_no_set_is_refused_before_anything_is_sent(
+    hinted: FakeManager, run: Run, words: str, why: str
+) -> None:
+    before = hinted.components["Std0"]
+    assert run(f"rtconf {STD} {words}") == (1, "", f"rtconf: {why}\n")
+    assert hinted.components["Std0"] == before
+
+
+@pytest.mark.parametrize("words", ["add race", "copy fast", "remove", "remove a b", "add a gain"])
+def test_the_form_of_words_about_sets_is_told(hinted: FakeManager, run: Run, words: str) -> None:
+    status, _, err = run(f"rtconf {STD} {words}")
+    assert status in (1, 2)
+    assert "expected: " in err or "not PARAM=VALUE" in err
+
+
+def test_a_manager_has_no_sets_to_add(run: Run) -> None:
+    why = "rtconf: a manager has properties, but no configuration sets: /localhost/manager.mgr\n"
+    assert run("rtconf /localhost/manager.mgr add race gain=1") == (1, "", why)

@@ -162,6 +162,32 @@ def test_a_hot_parameter_is_set_without_a_stop(console):
     assert console.world.components["Source0"].sets["default"]["gain"] == "5"
 
 
+def test_a_set_of_the_profile_that_the_component_has_not_is_added_and_made_active(console):
+    console.up()
+    default = rts_text.SET.format("2")
+    console.change(default, default + default.replace("default", "race").replace("2", "7"))
+    head = 'instanceName="Source0" rts:isRequired="true" rts:activeConfigurationSet='
+    console.change(f'{head}"default"', f'{head}"race"')
+    assert console.steps() == [
+        "deactivate Source0",
+        "set Source0.gain=7",
+        "use set of Source0: race",
+        "activate Source0",
+    ]
+    assert console.run("rtapply")[0] == 0
+    assert console.world.components["Source0"].sets["race"] == {"gain": "7"}
+    assert console.world.components["Source0"].active_set == "race"
+    assert console.steps() == []
+
+
+def test_an_added_set_moves_with_its_component(console):
+    console.up()
+    console.world.perform(act.SetParameters("Source0", "race", {"gain": "9"}, act.NEW))
+    console.write(slave="other")
+    assert console.run("rtapply")[0] == 0
+    assert console.world.components["Source0"].sets["race"] == {"gain": "9"}
+
+
 def test_one_that_moves_is_made_anew_with_its_connections_and_values(console):
     console.up()
     console.world.perform(act.SetParameters("Source0", "default", {"mode": "z"}))

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import inspect
 import logging
+import re
+from typing import Protocol
 
 import pytest
 
@@ -20,6 +23,7 @@ from rtkit.component import (
     TimedLong,
     TimedVelocity2D,
 )
+from rtkit.component.composite import PeriodicECSharedComposite
 from rtkit.errors import Malformed, NotFound, Refused
 from rtkit.rtc.enums import ExecutionKind, LifeCycleState, ReturnCode
 from rtkit.rtc.profiles import TypeProfile
@@ -319,12 +323,101 @@ def test_reports_go_to_the_log_of_the_instance(caplog):
 def test_no_port_or_parameter_hides_what_every_component_has(name, kind):
     with pytest.raises(Refused) as caught:
         type("Robot", (Component,), {name: kind()})
-    assert str(caught.value) == (
-        f"Robot.{name} hides what every component has under that name: write {name}_ = …,"
-        f" the name for others stays {name}"
+    assert re.fullmatch(
+        rf"test_base\.py:\d+: (port|parameter) {name} of Robot collides with"
+        rf" (Component|Callbacks)\.{name}, which rtkit itself uses: write {name}_ = …,"
+        rf" the name for others stays {name}",
+        str(caught.value),
     )
     made = type("Robot", (Component,), {f"{name}_": OutPort(TimedLong)})("r")
     assert list(made.ports) == [name]
+
+
+def refused(define):
+    with pytest.raises(Refused) as caught:
+        define()
+    return re.sub(r":\d+:", ":N:", str(caught.value))
+
+
+def here(function, text):
+    """Return the line of this file, within a function, that has this text."""
+    lines = inspect.getsource(function).splitlines()
+    offset = next(number for number, line in enumerate(lines) if text in line)
+    return function.__code__.co_firstlineno + offset
+
+
+class Leaving(Protocol):
+    def leave(self) -> None: ...
+
+
+def test_a_method_that_hides_one_of_every_component_is_refused_with_its_line():
+    def define():
+        class Robot(Component):
+            speed = Parameter(1)
+
+            def leave(self): ...
+
+    with pytest.raises(Refused) as caught:
+        define()
+    assert str(caught.value) == (
+        f"test_base.py:{here(define, 'def leave')}: method leave of Robot collides with"
+        " Component.leave, which rtkit itself uses: give it another name"
+    )
+
+
+def test_the_line_of_a_declaration_is_told():
+    def define():
+        class Robot(Component):
+            """It has a docstring."""
+
+            speed = Parameter(1)
+            ports = Parameter(2)
+
+    with pytest.raises(Refused, match=rf"^test_base.py:{here(define, 'ports =')}: parameter ports"):
+        define()
+
+
+def test_attributes_private_helpers_properties_and_mixins_are_looked_at():
+    class Mixin:
+        def finalize(self): ...
+
+    kinds = [{"logger": logging.getLogger("x")}, {"_log": print}, {"report": print}, {"type": "x"}]
+    kinds += [{"rate": property(lambda self: 1.0)}, {"_declared": 3}]
+    for each in kinds:
+        assert " of Robot collides with " in refused(lambda e=each: type("Robot", (Component,), e))
+    text = refused(lambda: type("Robot", (Mixin, Component), {}))
+    assert "method finalize of Robot collides with Component.finalize" in text
+
+
+def test_an_operation_of_its_own_that_the_base_class_would_answer_is_refused():
+    text = refused(lambda: type("R", (Component,), {"way": ServicePort.provided(Leaving)}))
+    assert text == (
+        "test_base.py:N: operation leave, of port way of R collides with Component.leave, which"
+        " rtkit itself uses: implementation=… names an object of its own that does it"
+    )
+    apart = ServicePort.provided(Leaving, implementation=type("X", (), {"leave": print}))
+    type("R", (Component,), {"way": apart})("r0")
+
+
+def test_callbacks_and_settings_are_overridden_and_parameters_declared_anew():
+    class Robot(FsmComponent):
+        vendor, rate, states, events = "me", 5.0, {"A": {}}, {}
+
+        def on_execute(self, context): ...
+        def on_entry(self, state): ...
+        def activate(self): ...
+
+    class Faster(Robot):
+        vendor = "you"
+
+    class Plain(Component):
+        def state(self): ...
+
+    text = refused(lambda: type("R", (FsmComponent,), {"state": Parameter(1)}))
+    assert "parameter state of R collides with FsmComponent.state" in text
+
+    type("Whole", (PeriodicECSharedComposite,), {"members": Parameter("a")})
+    assert Faster("f0").type.vendor == "you"
 
 
 def test_what_instances_keep_is_listed():

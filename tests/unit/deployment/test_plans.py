@@ -241,14 +241,27 @@ def test_connections_of_what_is_not_there(make, world):
 
 def test_unknown_parameters_and_sets(make, world):
     world.perform(act.Create("Sink?instance_name=Sink0"))
-    sets = {"default": {"no": "1"}, "nowhere": {"gain": "1"}, "__widget__": {"gain": "text"}}
+    sets = {"default": {"no": "1"}, "nowhere": {"none": "1"}, "__widget__": {"gain": "text"}}
     system, live = make.live(make.profile(make.component("Sink0", sets=sets)), world)
     plan = wiring_plan(system, live)
     assert blocked(plan) == [
         "No such configuration parameter: no (on /localhost/Sink0.rtc)",
-        "No such configuration set: nowhere (on /localhost/Sink0.rtc)",
+        "No such configuration parameter: none (on /localhost/Sink0.rtc)",
     ]
     assert plan.steps[2].holds
+
+
+def test_a_set_that_a_component_has_not_is_added(make, world):
+    world.perform(act.Create("Sink?instance_name=Sink0"))
+    sets = {"default": {"gain": "1"}, "race": {"gain": "7"}}
+    system, live = make.live(make.profile(make.component("Sink0", sets=sets)), world)
+    todo = [step.action for step in wiring_plan(system, live).steps if step.action]
+    wanted = act.SetParameters("Sink0", "race", {"gain": "7"}, act.MISSING)
+    assert todo[-1] == wanted
+    assert world.perform(wanted).ok
+    assert all(
+        step.holds for step in wiring_plan(system, LiveIndex(world.snapshot(), system)).steps[1:]
+    )
 
 
 def test_start_goes_in_the_order_of_the_profile(make, world):

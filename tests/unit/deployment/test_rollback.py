@@ -58,6 +58,19 @@ def test_settings_are_put_back(world):
     assert world.snapshot() == before
 
 
+def test_a_set_that_was_added_is_removed_when_it_is_active_no_more(world):
+    world.batch([SOURCE, SINK])
+    what, before = attempt(
+        world,
+        [
+            act.SetParameters("Sink0", "race", {"gain": "5"}, act.MISSING),
+            act.ActivateSet("Sink0", "race"),
+        ],
+    )
+    assert what == ["active set of Sink0", "set race of Sink0"]
+    assert world.snapshot() == before
+
+
 def test_what_failed_leaves_nothing(world):
     what, before = attempt(world, [act.Create("Nobody?instance_name=N0"), act.Connect(WIRE)])
     assert what == []

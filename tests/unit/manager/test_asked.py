@@ -7,6 +7,7 @@ from typing import Any
 import pytest
 
 from rtkit.container.user_requests import UserRequests
+from rtkit.deployment import actions as act
 from rtkit.errors import Malformed
 from rtkit.manager.core.desired import DesiredComponent, desired_by, requests_from
 
@@ -50,6 +51,20 @@ def test_the_last_request_of_each_kind_counts_and_values_add_up() -> None:
         states={"s": {"e": "s"}},
         events={"e": "TimedLong"},
     )
+
+
+def test_an_added_set_is_told_as_such_and_not_once_it_was_removed_or_taken_back() -> None:
+    added = {"op": "set", "set_id": "s", "values": {"a": "1"}, "adds": "new"}
+    more = {"op": "set", "set_id": "s", "values": {"b": "2"}}
+    (action,) = requests_from(asked(added, more).by_component(["A"]))["A"]
+    assert action == act.SetParameters("A", "s", {"a": "1", "b": "2"}, act.MISSING)
+    gone = asked(added, {"op": "remove_set", "set_id": "s"})
+    assert requests_from(gone.by_component(["A"]))["A"] == (act.RemoveSet("A", "s"),)
+    assert desired(gone).sets == {}
+    again = asked(added, {"op": "remove_set", "set_id": "s"}, {**added, "values": {"b": "3"}})
+    assert desired(again).sets == {"s": {"b": "3"}}
+    back = {"op": "set_back", "set_id": "s", "values": {"a": "1"}, "is_added": True}
+    assert asked(added, back).by_component(["A"]) == {"A": []}
 
 
 def test_what_was_taken_back_was_not_asked() -> None:

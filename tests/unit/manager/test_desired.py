@@ -23,6 +23,10 @@ NOTED: list[tuple[list[Action], dict[str, object]]] = [
         ],
         {"sets": {"s": {"p": "3", "q": "2"}}},
     ),
+    (
+        [act.SetParameters("A", "s", {"p": "1"}, act.NEW), act.RemoveSet("A", "s")],
+        {"sets": {}},
+    ),
     ([act.ActivateSet("A", "s")], {"active_set": "s"}),
     ([act.ChangeState("A", "0", ON), act.ChangeState("A", "1", ON)], {"active": ("0", "1")}),
     ([act.ChangeState("A", "0", ON), act.ChangeState("A", "0", OFF)], {"active": ()}),
