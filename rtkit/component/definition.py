@@ -34,6 +34,7 @@ interface local long module multiple native object octet oneway out primarykey p
 public publishes raises readonly sequence setraises short string struct supports switch true
 truncatable typedef typeid typeprefix union unsigned uses valuebase valuetype void wchar wstring
 """
+_ATTRIBUTE = re.compile(r"^( +)(\w+): (.+(?:\n\1 +\S.*)*)", re.MULTILINE)
 _known: dict[type, str] = {}
 
 
@@ -60,7 +61,7 @@ def idl_of(cls: type) -> str:
     Raises:
         Malformed: It is no data type, or one that IDL has no words for.
     """
-    return "\n".join(_definitions(layout_of(cls), set()))
+    return "\n".join(_definitions(layout_of(cls), {}))
 
 
 def has_octets(cls: type) -> bool:
@@ -76,24 +77,47 @@ def _has_octets(layout: Layout) -> bool:
     return _has_octets(layout.item) if isinstance(layout, ItemsLayout) else layout.cls is bytes
 
 
-def _definitions(layout: Layout, known: set[str]) -> Iterator[str]:
+def _definitions(layout: Layout, known: dict[str, object]) -> Iterator[str]:
+    """Yield the definitions of a layout, each once; `known` has what each name stands for."""
     if isinstance(layout, ItemsLayout):
         yield from _definitions(layout.item, known)
+        if isinstance(layout.item, ArrayLayout):
+            name = _array_name(layout.item)
+            text = f"typedef {_field(layout.item, name)};"
+            if _is_new(name, text, known):
+                yield text
     elif isinstance(layout, ArrayLayout):
-        for item in layout.items:
+        for item in {id(each): each for each in layout.items}.values():
             yield from _definitions(item, known)
     elif isinstance(layout, (StructLayout, EnumLayout)):
         name = name_of(layout.cls)
-        if name in known:
+        if not _is_new(name, layout.cls, known):
             return
-        known.add(name)
         if isinstance(layout, EnumLayout):
             yield _in_module(name, f"enum {_last(name)} {{ {', '.join(_members(layout))} }};")
             return
         for _, item in layout.fields:
             yield from _definitions(item, known)
-        fields = "".join(f"    {_field(item, each)};\n" for each, item in layout.fields)
+        docs = docs_of(layout.cls)
+        fields = "".join(
+            f"    {_field(item, each)};{'  // ' * (each in docs)}{docs.get(each, '')}\n"
+            for each, item in layout.fields
+        )
         yield _in_module(name, f"struct {_last(name)} {{\n{fields}  }};")
+
+
+def _is_new(name: str, meant: object, known: dict[str, object]) -> bool:
+    if name in known and known[name] != meant:
+        raise Malformed(f"two types are called {name}")
+    is_new = name not in known
+    known[name] = meant
+    return is_new
+
+
+def docs_of(cls: type) -> dict[str, str]:
+    """Return what the docstring of a class says of its attributes, a line for each."""
+    text = (cls.__doc__ or "").partition("Attributes:\n")[2]
+    return {name: " ".join(about.split()) for _, name, about in _ATTRIBUTE.findall(text)}
 
 
 def _members(layout: EnumLayout) -> Iterator[str]:
@@ -123,8 +147,15 @@ def _type(layout: Layout) -> str:
         item = _type(layout.item)
         return f"sequence<{item}{' ' * item.endswith('>')}>"  # >> would shift
     if isinstance(layout, ArrayLayout):
-        raise Malformed("a sequence of arrays, which IDL has no words for")
+        return _array_name(layout)
     return _NUMBERS.get(layout.name, layout.name)
+
+
+def _array_name(layout: ArrayLayout) -> str:
+    """Return the name for an array, as sequences can only be of types that have one."""
+    inner = layout.items[0]
+    item = _array_name(inner) if isinstance(inner, ArrayLayout) else _type(inner)
+    return "_".join(["array", str(len(layout.items)), *re.findall(r"\w+", item)])
 
 
 def _in_module(name: str, definition: str) -> str:

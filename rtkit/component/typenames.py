@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+import sys
 from collections.abc import Callable
 from importlib import import_module
 from typing import TypeVar, get_type_hints
@@ -14,15 +16,27 @@ C = TypeVar("C", bound=type)
 _by_name: dict[str, type] = {}
 _by_class: dict[type, str] = {bytes: ANY}
 _by_version: dict[tuple[str, str], type] = {}
+_OF_FILES = ("__main__", "rtkit_module_")
+"""How the names of modules begin that a program ran, or a manager loaded, as files."""
 
 
 def register(cls: type, name: str) -> None:
     """Make a class known under a name, any of its forms."""
+    give_name(cls, name)
+    _by_name[scoped_name(name)] = cls
+
+
+def give_name(cls: type, name: str) -> None:
+    """Name a class, without making it the class of that name: there may be several."""
     scoped = scoped_name(name)
     if not scoped:
         raise Malformed(f"a data type needs a name: {name!r}")
-    _by_name[scoped] = cls
     _by_class[cls] = f"IDL:{scoped.replace('::', '/')}:1.0"
+
+
+def known_names() -> list[str]:
+    """Return the names of the classes that modules of this process have registered."""
+    return list(_by_name)
 
 
 def shared(name: str, version: str) -> Callable[[C], C]:
@@ -53,10 +67,22 @@ def type_name(cls: type) -> str:
     """Return the name of a data type; that of an unregistered class is its module and name."""
     known = _by_class.get(cls)
     if known is None:
-        scope = cls.__module__.rpartition(".")[2]
-        register(cls, f"{scope}::{cls.__name__}")
+        name = cls.__qualname__.rpartition("<locals>.")[2].replace(".", "_")
+        register(cls, f"{_scope(cls.__module__)}::{name}")
         known = _by_class[cls]
     return known
+
+
+def _scope(module: str) -> str:
+    """Return the name of a module as IDL may have it; that of its file, where it was run as one.
+
+    So a type has the same name wherever that file is, and however it is run.
+    """
+    name = module.rpartition(".")[2]
+    if name.startswith(_OF_FILES):
+        file = getattr(sys.modules.get(module), "__file__", None) or ""
+        name = file.rpartition("/")[2][:-3] if file.endswith(".py") else name.strip("_")
+    return re.sub(r"[^A-Za-z0-9]", "_", name).lstrip("_0123456789") or "main"
 
 
 def is_standard(text: str) -> bool:

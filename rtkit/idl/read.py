@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Container, Iterator
 from functools import cache
 from typing import TYPE_CHECKING, Any
@@ -56,6 +57,10 @@ _OPAQUE = {
     "forward_value": BasicKind.FORWARD,
 }
 """Rules of the grammar for declarations that are known by name only."""
+
+_UNIT = re.compile(r'@unit\s*\(\s*(?:value\s*=\s*)?"([^"]+)"\s*\)')
+_ABOUT_VALUES = ("[", "@range", "@min", "@max")
+"""How annotations begin that are kept: those that people read, not generators."""
 
 _WORDS = {
     "CHARACTER": "a character",
@@ -248,9 +253,13 @@ class _Reader:
     def _member(self, node: Any, scope: Path) -> Iterator[Field]:
         kind, *declarators = _bare(node)
         type, doc = self._type(kind, scope), self._doc(node)
+        marks = (
+            self._source.text[m.meta.start_pos : m.meta.end_pos] for m in _parts(node, "annotation")
+        )
+        full_doc = " ".join(filter(None, (doc, *(_mark(each, doc) for each in marks))))
         for each in declarators:
             name, full = self._declarator(each, type, scope)
-            yield Field(name, full, doc)
+            yield Field(name, full, full_doc)
 
     def _declarator(self, node: Any, type: Type, scope: Path) -> tuple[str, Type]:
         name, *sizes = node.children
@@ -371,6 +380,13 @@ class _Reader:
 
     def _doc(self, node: Any) -> str:
         return self._comments.of(node.meta.line, node.meta.end_line)
+
+
+def _mark(text: str, doc: str) -> str:
+    """Return what an annotation tells of values, a unit in brackets; empty where `doc` tells it."""
+    unit = _UNIT.fullmatch(text)
+    told = f"[{unit[1]}]" if unit else " ".join(text.split())
+    return "" if told in doc or not told.startswith(_ABOUT_VALUES) else told
 
 
 def _is_missing(declared: Declaration | None) -> bool:

@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 import keyword
+import re
+from collections.abc import Sequence
 from enum import Enum
 from functools import cache
+from math import prod
 from typing import Any
 
-from rtkit.component.type_layout import layout_of_hint, zero
-from rtkit.component.typenames import is_standard, register, type_by_name
+from rtkit.component.definition import idl_of
+from rtkit.component.type_layout import layout_of, layout_of_hint, zero
+from rtkit.component.typenames import give_name, is_standard, type_by_name
 from rtkit.component.types import BASIC_TYPES
-from rtkit.errors import Malformed
+from rtkit.errors import Malformed, RtkitError
 from rtkit.fast_dataclass import make_dataclass
 from rtkit.idl.model import (
     ArrayOf,
@@ -18,6 +22,7 @@ from rtkit.idl.model import (
     Definitions,
     EnumDeclaration,
     Named,
+    Opaque,
     Path,
     SequenceOf,
     StructDeclaration,
@@ -27,17 +32,50 @@ from rtkit.idl.model import (
 from rtkit.idl.read import read_idl
 from rtkit.rtc.data_types import scoped_name
 
+_MOST_ITEMS = 1 << 20
+"""How many items arrays may have: what rubbish asks for would take all the memory."""
+_HIDDEN = ("mro", "name", "value")
+"""Names that members of a Python enumeration cannot have, or would hide."""
 
-@cache
+
 def class_of(name: str, definition: str) -> type:
     """Return the class of a data type that a definition has; the same one each time.
 
     Raises:
         Malformed: The definition cannot be read, or has no such type, or one of no fixed form.
     """
+    return _class_of(scoped_name(name), definition)
+
+
+@cache
+def _class_of(name: str, definition: str) -> type:
     definitions = read_idl(definition, name)
-    made: type = _Maker(definitions).of(tuple(scoped_name(name).split("::")))
+    try:
+        made: type = class_in(definitions, name)
+        layout_of(made)
+    except (TypeError, ValueError, RecursionError) as error:
+        raise Malformed(f"{name} cannot be made of its definition: {error}") from error
     return made
+
+
+def is_same_definition(name: str, one: str, other: str) -> bool:
+    """Return whether values of a type have one form by both definitions; so too where one lacks."""
+    if not one or not other or one == other:
+        return True
+    try:
+        texts = {re.sub(r" *//.*", "", idl_of(class_of(name, each))) for each in (one, other)}
+    except RtkitError:
+        return True  # it cannot be said
+    return len(texts) == 1
+
+
+def class_in(definitions: Definitions, name: str) -> Any:
+    """Return the class of a data type of definitions that were read.
+
+    Raises:
+        Malformed: There is no such type, or one of no fixed form.
+    """
+    return _Maker(definitions).of(tuple(scoped_name(name).split("::")))
 
 
 class _Maker:
@@ -45,7 +83,8 @@ class _Maker:
 
     def __init__(self, definitions: Definitions) -> None:
         self._definitions = definitions
-        self._made: dict[Path, type] = {}
+        self._made: dict[Path, Any] = {}
+        self._sizes: dict[Path, int] = {}
 
     def of(self, path: Path) -> Any:
         """Return the annotation of a declaration."""
@@ -59,20 +98,22 @@ class _Maker:
         if isinstance(declared, StructDeclaration):
             made = self._struct(declared)
         elif isinstance(declared, EnumDeclaration):
-            made = Enum(path[-1], declared.numbers)  # type: ignore[misc, no-redef]
+            members = [(_free(each, _HIDDEN), n) for each, n in declared.numbers.items()]
+            made = Enum(path[-1], members)  # type: ignore[misc, no-redef]
         else:
-            raise Malformed(f"{name} is no structure in its definition")
-        register(made, name)
+            kind = f" but a {declared.kind}" if isinstance(declared, Opaque) else ""
+            raise Malformed(f"{name} is no structure{kind} in its definition")
+        give_name(made, name)
         self._made[path] = made
         return made
 
     def _struct(self, declared: StructDeclaration) -> type:
         fields = []
         for each in declared.fields:
-            own = f"{each.name}_" if keyword.iskeyword(each.name) else each.name
+            own = _free(each.name)
             hint = self.hint(each.type)
             fields.append((own, hint, zero(layout_of_hint(hint, each.name))))
-        return make_dataclass(declared.path[-1], fields, module=__name__, doc=declared.doc)
+        return make_dataclass(declared.path[-1], fields, module=__name__, doc=_doc(declared))
 
     def hint(self, type: Type) -> Any:
         """Return the annotation of a type."""
@@ -82,6 +123,8 @@ class _Maker:
             item = type.item
             return bytes if item == Basic("octet") else tuple[self.hint(item), ...]  # type: ignore[misc]
         if isinstance(type, ArrayOf):
+            if self._size(type) > _MOST_ITEMS:
+                raise Malformed(f"an array has more than {_MOST_ITEMS} items")
             hint = self.hint(type.item)
             for size in reversed(type.sizes):
                 hint = tuple[(hint,) * size]  # type: ignore[misc]
@@ -89,3 +132,29 @@ class _Maker:
         if type.name not in BASIC_TYPES:
             raise Malformed(f"{type.name} cannot be carried")
         return BASIC_TYPES[type.name]
+
+    def _size(self, type: Type) -> int:
+        """Return how many items a value has at least, with those of structures inside."""
+        if isinstance(type, ArrayOf):
+            return prod(type.sizes) * self._size(type.item)
+        declared = self._definitions.by_path.get(type.path) if isinstance(type, Named) else None
+        if isinstance(declared, Typedef):
+            return self._size(declared.type)
+        if not isinstance(declared, StructDeclaration):
+            return 1
+        if declared.path not in self._sizes:
+            self._sizes[declared.path] = sum(self._size(each.type) for each in declared.fields)
+        return self._sizes[declared.path]
+
+
+def _free(name: str, hidden: Sequence[str] = ()) -> str:
+    return f"{name}_" if name in hidden or keyword.iskeyword(name) else name
+
+
+def _doc(declared: StructDeclaration) -> str:
+    """Return the docstring of a structure, with what is said of its fields."""
+    lines = [declared.doc or declared.path[-1]]
+    told = [each for each in declared.fields if each.doc]
+    lines += ["\nAttributes:"] * bool(told)
+    lines += [f"    {_free(each.name)}: {' '.join(each.doc.split())}" for each in told]
+    return "\n".join(lines)

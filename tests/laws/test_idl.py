@@ -16,6 +16,7 @@ from rtkit.builder.component_files import build_types
 from rtkit.builder.packaging import TYPE_RULES, linter
 from rtkit.builder.types_code import TypesCode
 from rtkit.component.codec import codec_for
+from rtkit.component.definition import idl_of, name_of
 from rtkit.component.interface import Interface as Read
 from rtkit.idl.model import (
     ArrayOf,
@@ -35,6 +36,7 @@ from rtkit.idl.model import (
 )
 from rtkit.idl.read import read_idl
 from rtkit.idl.source import InvalidIdl
+from rtkit.probe.defined import class_of
 
 PROJECT = "\n".join(linter({"law_idl.py": TYPE_RULES}))
 BASIC = ("short", "unsigned long", "long long", "float", "double", "char", "wchar", "boolean")
@@ -82,7 +84,9 @@ def definitions(draw: Any) -> list[Any]:
         if kind == "struct":
             made.append(StructDeclaration(path, place, members(draw, values)))
         elif kind == "typedef":
-            made.append(Typedef(path, place, types(draw, values)))
+            item = types(draw, values)
+            sizes = draw(st.sampled_from([(), (2,), (3, 2)]))
+            made.append(Typedef(path, place, ArrayOf(item, sizes) if sizes else item))
         elif kind == "enum":
             words = [f"{path[-1]}_{n}" for n in range(draw(st.integers(1, 3)))]
             made.append(EnumDeclaration(path, place, tuple(words)))
@@ -124,7 +128,7 @@ def _text(each: Any) -> str:
     if isinstance(each, EnumDeclaration):
         return f"enum {name} {{ {', '.join(each.members)} }};"
     if isinstance(each, Typedef):
-        return f"typedef {_type(each.type)} {name};"
+        return f"typedef {_member(Field(each.path[-1], each.type))}"
     return f"interface {name} {{ {' '.join(map(_operation, each.operations))} }};"
 
 
@@ -179,6 +183,8 @@ def test_what_is_read_becomes_python_that_is_carried(declarations: list[Any]) ->
             if isinstance(each, StructDeclaration):
                 codec = codec_for(made)
                 assert codec.decode(codec.encode(made())) == made()
+                told = codec_for(class_of(name_of(made), idl_of(made)))
+                assert told.encode(told.decode(codec.encode(made()))) == codec.encode(made())
             elif isinstance(each, InterfaceDeclaration):
                 assert len(Read(made).methods) == len(each.operations)
     finally:
