@@ -109,6 +109,15 @@ class AttachedProcess:
         for instance in sorted(entered - set(self._welcome or ())):
             raise Refused(f"{instance} exists already")
 
+    def change(self, component: Component, how: Callable[[], object]) -> None:
+        """Have a component changed by the thread that holds it, and shown as it is then."""
+
+        def change() -> None:
+            how()
+            self._container.report(component)
+
+        self._container.post(change)
+
     @property
     def holds(self) -> frozenset[str]:
         """Instance names of the components that live."""

@@ -6,9 +6,14 @@ import os
 import sys
 from collections.abc import Callable, Sequence
 from importlib import import_module
+from typing import TYPE_CHECKING
 
 from rtkit.component.typenames import type_by_name
 from rtkit.errors import NotFound, Refused, RtkitError
+from rtkit.rtc.data_types import scoped_name
+
+if TYPE_CHECKING:
+    from rtkit.deployment.facts import Snapshot
 
 
 def import_modules(names: Sequence[str], folders: Sequence[str]) -> None:
@@ -43,7 +48,7 @@ def data_type(name: str, typed: str, definition: str = "") -> type:
     Raises:
         NotFound: It is not defined.
     """
-    if not name:
+    if not scoped_name(name):
         return bytes
     found = type_by_name(name)
     if found is None and definition:
@@ -68,5 +73,15 @@ def type_or_bytes(
     try:
         return data_type(name, typed, definition)
     except NotFound as error:
-        notify(f"note: {error}; its values are taken as they are")
+        notify(f"warning: {error}; its values stay bytes")
         return bytes
+
+
+def definitions(snapshot: Snapshot) -> dict[str, str]:
+    """Return the IDL of each data type that a port tells, by the name of the type."""
+    return {
+        scoped_name(port.data_type): port.definition
+        for facts in snapshot.components
+        for port in facts.ports
+        if port.definition
+    }

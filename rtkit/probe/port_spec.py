@@ -19,7 +19,7 @@ from rtkit.tree.wiring import Facts, ResolvedPort
 
 _FORMATTER = r"[A-Za-z_][\w.]*"
 _STREAM = r"\w+"
-_WORDS = {PortType.OUT: "output", PortType.IN: "input"}
+WORDS = {PortType.OUT: "output", PortType.IN: "input"}
 _STREAMS = {PortType.OUT: "input", PortType.IN: "output"}
 """What the tool's own port is to a component's: streams that are not named are numbered so."""
 
@@ -39,11 +39,16 @@ class PortSpec(NamedTuple):
 
 
 class Stream(NamedTuple):
-    """One port of the tool, and the ports of components that it is connected to."""
+    """One port of the tool, and the ports of components that it is connected to.
+
+    Attributes:
+        told: IDL of its type that another port has; for where these have none.
+    """
 
     name: str
     ends: tuple[ResolvedPort, ...]
     formatter: str = ""
+    told: str = ""
 
     @property
     def data_type(self) -> str:
@@ -53,7 +58,7 @@ class Stream(NamedTuple):
     @property
     def definition(self) -> str:
         """IDL of that type from a port's properties; empty where no port has it."""
-        return next((end.port.definition for end in self.ends if end.port.definition), "")
+        return next((end.port.definition for end in self.ends if end.port.definition), self.told)
 
 
 def parse_spec(typed: str, cwd: str = "/") -> PortSpec:
@@ -100,11 +105,13 @@ def find_streams(
             raise NotFound(f"No such object: {spec.path.typed}")
         port, name = _port_and_stream(spec, {port.name: port for port in component.ports})
         if port.port_type is not wanted:
-            raise Refused(f"Port is not {_WORDS[wanted]}: {spec.path.typed}")
+            raise Refused(f"Port is not {WORDS[wanted]}: {spec.path.typed}")
         end = ResolvedPort(spec.path, PortRef(instance, port.name), port)
         number = sum(len(group) for group in found.values())
         if not name:
             name = unnamed(number, end.ref) if unnamed else f"{_STREAMS[wanted]}{number}"
+            while name in found:
+                name += "_"
         found.setdefault(name, []).append((end, spec))
     return tuple(_stream(name, group) for name, group in found.items())
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 import queue
 import threading
 import time
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any
 from uuid import uuid4
 
@@ -23,7 +23,7 @@ from rtkit.errors import Refused, RtkitError, from_kind
 from rtkit.probe.port_spec import Stream
 from rtkit.probe.tap import Arrival, Tap
 from rtkit.rtc.enums import Transition
-from rtkit.rtc.profiles import ConnectorProfile, PortRef
+from rtkit.rtc.profiles import PortRef
 from rtkit.tree.client import Tree
 from rtkit.tree.wiring import ResolvedPort, make_connector
 
@@ -37,9 +37,16 @@ LOSSLESS = {
 }
 """Connector properties by which a slow reader delays its writer and loses nothing."""
 
+Refusal = Callable[[str], object]
+
 
 class Tool(Component):
-    """A tool's end of connections."""
+    """A tool's end of connections.
+
+    Attributes:
+        arrived: What has arrived, in batches.
+        notify: Called when something has.
+    """
 
     vendor = "rtkit"
     category = "tool"
@@ -50,9 +57,15 @@ class Tool(Component):
         super().__init__(instance, polling if rate else {})
         self._is_polling = rate > 0
         self.arrived: queue.SimpleQueue[list[Arrival]] = queue.SimpleQueue()
+        self._taps: list[Tap] = []
+        self.notify: Callable[[], object] = lambda: None
+        self.extend(ports)
+
+    def extend(self, ports: Sequence[Port]) -> None:
+        """Add ports."""
         for port in ports:
             self._add(port)
-        self._taps = [port for port in ports if isinstance(port, Tap)]
+        self._taps = [*self._taps, *(port for port in ports if isinstance(port, Tap))]
 
     def on_execute(self, context: str) -> None:
         """Hand the arrived values over, in one batch."""
@@ -62,6 +75,7 @@ class Tool(Component):
             arrivals = [arrival for tap in self._taps for arrival in tap.take()]
         if arrivals:
             self.arrived.put(arrivals)
+            self.notify()
 
 
 class Probe(Closing):
@@ -72,6 +86,7 @@ class Probe(Closing):
 
     Attributes:
         component: The tool's component.
+        is_patient: Whether it goes on without connections, as others may come.
     """
 
     def __init__(
@@ -87,33 +102,58 @@ class Probe(Closing):
         self._streams = streams
         self._ports = ports
         self._rate = rate
+        self.is_patient = False
         self._ended = threading.Event()
         self._attached, self.component = self._attach()
 
-    def connect(self, properties: Mapping[str, str]) -> None:
+    def connect(self, properties: Mapping[str, str], refused: Refusal | None = None) -> None:
         """Activate the component and connect its ports.
+
+        Args:
+            properties: Of the connectors.
+            refused: Is told why a port is not connected, and the others are; without it that ends
+                all.
 
         Raises:
             Refused: A connection is not possible, or failed; names the port as typed.
         """
-        own = {port.name: port for port in self._ports}
-        connectors: list[ConnectorProfile] = []
-        typed = [""]
-        for stream in self._streams:
-            port = own[stream.name].profile
-            mine = ResolvedPort(
-                stream.ends[0].path, PortRef(self.component.instance, stream.name), port
-            )
-            for end in stream.ends:
-                given = {NUMBERED: "YES", **properties}
-                connectors.append(make_connector(mine, end, str(uuid4()), "", given))
-                typed.append(f"{end.path.typed}: ")
         self._attached.changed = self._look
         activate = ChangeState(self.component.instance, "0", Transition.ACTIVATE)
-        actions: list[Action] = [activate, *(Connect(connector) for connector in connectors)]
-        for where, result in zip(typed, self._tree.apply(actions), strict=False):
-            if not result.ok:
-                raise from_kind(result.kind, f"{where}{result.why}")
+        connects = self._connects(self._streams, properties, refused)
+        _perform(self._tree, [("", activate), *connects], refused)
+
+    def extend(self, ports: Sequence[Port]) -> None:
+        """Give the component further ports; the manager knows them a little later."""
+        self._attached.change(self.component, lambda: self.component.extend(ports))
+
+    def join(
+        self,
+        tree: Tree,
+        streams: Sequence[Stream],
+        properties: Mapping[str, str],
+        refused: Refusal,
+    ) -> None:
+        """Connect further streams, by a connection to the present manager; see `connect`."""
+        _perform(tree, list(self._connects(streams, properties, refused)), refused)
+
+    def _connects(
+        self, streams: Sequence[Stream], properties: Mapping[str, str], refused: Refusal | None
+    ) -> Iterator[tuple[str, Action]]:
+        """Yield the action that connects each port, with the port as typed."""
+        given = {NUMBERED: "YES", **properties}
+        for stream in streams:
+            port = self.component.ports[stream.name].profile
+            ref = PortRef(self.component.instance, stream.name)
+            mine = ResolvedPort(stream.ends[0].path, ref, port)
+            for end in stream.ends:
+                try:
+                    connector = make_connector(mine, end, str(uuid4()), "", given)
+                except RtkitError as error:
+                    if refused is None:
+                        raise
+                    refused(f"{end.path.typed}: {error}")
+                    continue
+                yield end.path.typed, Connect(connector)
 
     @property
     def lost(self) -> int:
@@ -170,6 +210,7 @@ class Probe(Closing):
         """End the arrivals and wake the waiting thread; may be called on any thread."""
         self._ended.set()
         self.component.arrived.put([])
+        self.component.notify()
 
     def close(self) -> None:
         """End the component and detach the process."""
@@ -196,8 +237,19 @@ class Probe(Closing):
         raise error or Refused(f"no name is free for {self._kind}")
 
     def _look(self) -> None:
-        if not (self._attached.holds and self.is_connected):
+        if not (self._attached.holds and (self.is_patient or self.is_connected)):
             self.stop()
+
+
+def _perform(tree: Tree, named: Sequence[tuple[str, Action]], refused: Refusal | None) -> None:
+    """Perform actions, in order unless failures of some are only told."""
+    results = tree.apply([action for _, action in named], is_ordered=refused is None)
+    for (typed, _), result in zip(named, results, strict=False):
+        if not result.ok:
+            error = from_kind(result.kind, f"{typed}: {result.why}" if typed else result.why)
+            if refused is None:
+                raise error
+            refused(str(error))
 
 
 def tap_ports(streams: Sequence[Stream]) -> list[Tap]:

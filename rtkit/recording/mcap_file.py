@@ -68,9 +68,15 @@ class RecordingWriter:
         return self._close_at
 
     def add_channel(self, channel: RecordedStream, cls: type) -> None:
-        """Declare a stream, once, before its first value."""
-        text = "" if cls is bytes else _text_of(cls)
-        number = self._mcap.register_schema(name_of(cls), ENCODING, text.encode()) if text else 0
+        """Declare a stream, once, before its first value.
+
+        Of one that is recorded as bytes the schema is what is known of its type: the definition
+        that came with it, or the name alone.
+        """
+        text = channel.definition if cls is bytes else _text_of(cls)
+        name = scoped_name(channel.data_type) if cls is bytes else name_of(cls)
+        encoding = ENCODING if text else ""
+        number = self._mcap.register_schema(name, encoding, text.encode()) if name else 0
         self._numbers[channel.name] = self._mcap.register_channel(
             channel.name,
             "cdr",

@@ -7,9 +7,12 @@ the last element after a colon: ``/localhost/Motor0.rtc:velocity``.
 from __future__ import annotations
 
 from functools import lru_cache
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 from rtkit.errors import Malformed
+
+if TYPE_CHECKING:
+    from re import Pattern
 
 LOCAL = "localhost"
 COMPONENT_SUFFIX = ".rtc"
@@ -132,6 +135,19 @@ def near_port_name(name: str) -> str:
 
 def _is_barred(character: str) -> bool:
     return character in "/:" or not character.isprintable()
+
+
+def glob(text: str, *, any_case: bool = False) -> Pattern[str]:
+    """Return a pattern of names, in which * stands for any text and ? for any character."""
+    import re
+
+    parts = (".*" if c == "*" else "." if c == "?" else re.escape(c) for c in text)
+    return re.compile("".join(parts), re.DOTALL | (re.IGNORECASE if any_case else 0))
+
+
+def is_glob(text: str) -> bool:
+    """Return whether a text is a pattern of names."""
+    return "*" in text or "?" in text
 
 
 def is_local_host(host: str, hostname: str) -> bool:

@@ -35,7 +35,7 @@ def connected(shell: Any, line: str) -> Any:
     """Start a data tool and wait until it is connected."""
     process = shell.open(f"{line} -v")
     told = process.stderr.readline()
-    while told.startswith("note:"):
+    while "warning: " in told:
         told = process.stderr.readline()
     if "is connected" not in told:
         process.kill()
@@ -250,6 +250,7 @@ class Spot:
 class Path:
     mode: Mode = Mode.IDLE
     spots: tuple[Spot, ...] = ()
+    pairs: tuple[tuple[Spot, Spot], ...] = ()
 
 
 @dataclass(frozen=True)
@@ -283,10 +284,16 @@ def test_types_that_only_the_component_knows(manager: Any) -> None:
     rover = "/localhost/Rover0.rtc"
     manager.ok(f"rtact {rover}")
     printing = connected(manager, f"rtprint -n 1 {rover}:out")
-    recording = connected(manager, f"rtlog -i -e 2 -f run.mcap {rover}:out.a {rover}:odd.b")
-    value = "{mode: DRIVING, spots: [{x: 1.5}, {y: 2}]}"
+    recording = manager.open(f"rtlog -v -i -e 2 -f run.mcap {rover}:out.a {rover}:odd.b")
+    warned = recording.stderr.readline()
+    assert warned.startswith(f"rtlog: warning: Type not found: IDL:Rover/Odd:1.0 of {rover}:odd")
+    assert "is connected" in recording.stderr.readline()
+    value = "{mode: DRIVING, spots: [{x: 1.5}, {y: 2}], pairs: [[{x: 3}, {}]]}"
     assert manager.run(f"rtinject -c '{value}' {rover}:into").status == 0
-    shown = "Path(mode=DRIVING, spots=[Spot(x=1.5, y=0.0), Spot(x=0.0, y=2.0)])\n"
+    shown = (
+        "Path(mode=DRIVING, spots=[Spot(x=1.5, y=0.0), Spot(x=0.0, y=2.0)],"
+        " pairs=[[Spot(x=3.0, y=0.0), Spot(x=0.0, y=0.0)]])\n"
+    )
     assert printing.communicate(timeout=30)[0] == shown
     assert recording.wait(timeout=30) == 0
     manager.ok("rtmgr stop")
@@ -295,6 +302,42 @@ def test_types_that_only_the_component_knows(manager: Any) -> None:
     values = {each["stream"]: each["value"] for each in jsonrecords.checked(exported.out)}
     assert values["a"]["spots"] == [{"x": 1.5, "y": 0.0}, {"x": 0.0, "y": 2.0}]
     assert bytes(values["b"])[-4:-1] == b"odd"
+
+
+def test_all_ports_are_recorded_also_those_that_come_and_come_back(manager: Any) -> None:
+    shutil.copy(EXAMPLES / "Doubler.py", manager.modules)
+    recording = manager.open("rtlog -a -v -i -e 3 -f all.mcap")
+
+    def told(text: str) -> None:
+        for line in recording.stderr:
+            if text in line:
+                return
+        pytest.fail(f"no {text!r}: {manager.log()}")
+
+    told("is connected")
+    for name in ("Doubler0", "Doubler0", "Doubler1"):
+        manager.ok(f"rtmgr localhost/manager.mgr -c 'Doubler?instance_name={name}&manager_name=s'")
+        manager.ok(f"rtact /localhost/{name}.rtc")
+        told(f"/localhost/{name}.rtc:out is recorded as {name}_out")
+        injected = manager.run(f"rtinject -c {name[-1]} /localhost/{name}.rtc:in")
+        assert injected == (0, "", "")
+        if name == "Doubler0":
+            manager.ok("rtexit /localhost/Doubler0.rtc")
+    assert recording.wait(timeout=30) == 0
+    recording.communicate(timeout=30)
+    values = jsonrecords.checked(manager.ok("rtlog --export json -f all.mcap"))
+    assert [(each["stream"], each["value"]["data"]) for each in values] == [
+        *[("Doubler0_out", 0)] * 2,
+        ("Doubler1_out", 2),
+    ]
+
+
+def test_a_pattern_of_ports_that_are_not_there_is_told(doubler: Any) -> None:
+    done = doubler.run("rtprint -n 1 'Doubblr*:out'")
+    assert (done.status, done.err) == (1, "rtprint: No output port matches: Doubblr*:out\n")
+    printing = connected(doubler, "rtprint -f data -n 1 'Doub*:out'")
+    assert doubler.run(f"rtinject -c 4 {DOUBLER}:in").status == 0
+    assert printing.communicate(timeout=30)[0] == "8\n"
 
 
 def test_a_chart_on_a_terminal_is_drawn_in_place(doubler: Any) -> None:

@@ -9,7 +9,7 @@ from rtkit.cli.shared.app import App, WrongArguments, working_directory
 from rtkit.cli.shared.options import several
 
 if TYPE_CHECKING:
-    from rtkit.probe.port_spec import Stream
+    from rtkit.probe.port_spec import PortSpec, Stream
     from rtkit.rtc.enums import PortType
     from rtkit.rtc.profiles import PortRef
 
@@ -31,22 +31,55 @@ def types_of(streams: Iterable[Stream]) -> dict[str, type]:
     return {s.name: data_type(s.data_type, s.ends[0].path.typed, s.definition) for s in streams}
 
 
-def named_streams(
-    app: App,
-    typed: Sequence[str],
-    wanted: PortType,
-    unnamed: Callable[[int, PortRef], str] | None = None,
-) -> tuple[Stream, ...]:
-    """Return the streams of the ports that the user named; see `find_streams` for `unnamed`.
+def specified(app: App, typed: Sequence[str]) -> list[PortSpec]:
+    """Return the port specifications that the user gave.
 
     Raises:
-        RtkitError: There are none, or one of them is not there or not of that kind.
+        RtkitError: There are none, or one of them is none.
     """
-    from rtkit.probe.port_spec import find_streams, parse_spec
+    from rtkit.probe.port_spec import parse_spec
 
     if not typed:
         raise WrongArguments("No ports specified.")
     specs = [parse_spec(each, working_directory()) for each in typed]
     for spec in specs:
         app.note_place(spec.path)
-    return find_streams(app.tree, specs, wanted, unnamed)
+    return specs
+
+
+def named_streams(
+    app: App,
+    specs: Sequence[PortSpec],
+    wanted: PortType,
+    unnamed: Callable[[int, PortRef], str] | None = None,
+    *,
+    is_patient: bool = False,
+) -> tuple[Stream, ...]:
+    """Return the streams of the ports specified; see `find_streams` for `unnamed`.
+
+    Args:
+        app: The run of the command.
+        specs: Specifications and patterns.
+        wanted: The kind of the ports.
+        unnamed: Names streams.
+        is_patient: Whether a pattern may match nothing as yet.
+
+    Raises:
+        RtkitError: One of them is not there or not of that kind.
+    """
+    from rtkit.component.typenames import type_by_name
+    from rtkit.probe.known_types import definitions
+    from rtkit.probe.port_pattern import expanded, is_pattern
+    from rtkit.probe.port_spec import find_streams
+    from rtkit.rtc.data_types import scoped_name
+
+    if any(map(is_pattern, specs)):
+        specs = expanded(app.tree.snapshot(), specs, wanted, is_patient=is_patient)
+    streams = find_streams(app.tree, specs, wanted, unnamed)
+    lacking = [
+        scoped_name(each.data_type)
+        for each in streams
+        if scoped_name(each.data_type) and not each.definition and not type_by_name(each.data_type)
+    ]
+    known = definitions(app.tree.snapshot()) if lacking else {}
+    return tuple(each._replace(told=known.get(scoped_name(each.data_type), "")) for each in streams)

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 from rtkit.cli.shared import json_records, terminal
 from rtkit.cli.shared.app import App
 from rtkit.cli.shared.progress import Show, counted, metered
-from rtkit.errors import Refused
+from rtkit.errors import Malformed, Refused
 
 if TYPE_CHECKING:
     from rtkit.recording.entries import RecordedStream, RecordedValue, RecordingSelection
@@ -60,17 +60,32 @@ def _watched(entries: Iterator[RecordedValue], total: int, show: Show) -> Iterat
 def _lines(
     app: App, channels: dict[str, RecordedStream], entries: Iterator[RecordedValue], line: Line
 ) -> Iterator[str]:
+    decoders = {name: _decoder(app, channel) for name, channel in channels.items()}
+    for entry in entries:
+        yield from line(entry, decoders[entry.channel](entry.payload))
+
+
+def _decoder(app: App, channel: RecordedStream) -> Callable[[bytes], Any]:
+    """Return what decodes values of a stream; those that are none of its type stay bytes."""
     from rtkit.component.codec import codec_for
     from rtkit.probe.known_types import type_or_bytes
 
-    decoders = {
-        name: codec_for(
-            type_or_bytes(channel.data_type, f"stream {name}", app.report, channel.definition)
-        ).decode
-        for name, channel in channels.items()
-    }
-    for entry in entries:
-        yield from line(entry, decoders[entry.channel](entry.payload))
+    name = f"stream {channel.name}"
+    cls = type_or_bytes(channel.data_type, name, app.fail, channel.definition)
+    strict = codec_for(cls).decode
+    is_told = False
+
+    def decode(payload: bytes) -> Any:
+        nonlocal is_told
+        try:
+            return strict(payload)
+        except Malformed as error:
+            if not is_told:
+                app.fail(f"warning: a value of {name} is no {channel.data_type}: {error}")
+            is_told = True
+            return payload
+
+    return decode
 
 
 def _as_text(_channels: dict[str, RecordedStream]) -> Line:

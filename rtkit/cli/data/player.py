@@ -8,7 +8,7 @@ from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, NamedTuple
 
-from rtkit.cli.data.arguments import named_streams
+from rtkit.cli.data.arguments import named_streams, specified
 from rtkit.cli.shared import json_records, terminal
 from rtkit.cli.shared.app import App
 from rtkit.cli.shared.progress import metered
@@ -144,7 +144,8 @@ def play(
     from rtkit.rtc.enums import PortType
 
     app.bound(pace.duration_s)
-    streams = named_streams(app, ports, PortType.IN, lambda number, _: f"{_UNNAMED}{number}")
+    specs = specified(app, ports)
+    streams = named_streams(app, specs, PortType.IN, lambda number, _: f"{_UNNAMED}{number}")
     source = _TextSource(name) if form == "text" else _McapSource(name)
     chosen = _matched(app, streams, source.channels)
     warning = part.check(*source.extent)
@@ -203,6 +204,7 @@ def _matched(
     Raises:
         Refused: A port has another data type than its channel, or there is nothing to play.
     """
+    from rtkit.probe.defined import is_same_definition
     from rtkit.rtc.data_types import is_same_type
 
     named = {channel.name: channel for channel in channels}
@@ -227,6 +229,8 @@ def _matched(
                 raise Refused(
                     f"{typed} has {stream.data_type}, stream {channel.name} {channel.data_type}"
                 )
+        if not is_same_definition(stream.data_type, channel.definition, stream.definition):
+            raise Refused(f"{typed}: {stream.data_type} is defined otherwise than in the recording")
         chosen[stream.name] = channel.name
     if not chosen:
         raise Refused("there is nothing to play")

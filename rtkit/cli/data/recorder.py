@@ -6,11 +6,11 @@ import re
 import signal
 import sys
 import time
-from collections.abc import Iterator, Mapping, Sequence
-from contextlib import AbstractContextManager, contextmanager, nullcontext
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import AbstractContextManager, ExitStack, contextmanager, nullcontext
 from typing import IO, TYPE_CHECKING, cast
 
-from rtkit.cli.data.arguments import named_streams
+from rtkit.cli.data.arguments import named_streams, specified
 from rtkit.cli.shared import stdout_reader
 from rtkit.cli.shared.app import App
 from rtkit.cli.shared.progress import Show, metered
@@ -22,7 +22,8 @@ if TYPE_CHECKING:
     from rtkit.probe.port_spec import Stream
     from rtkit.probe.probe import Probe
     from rtkit.probe.stats import Stamp
-    from rtkit.recording.entries import RecordedValue, RecordingSelection
+    from rtkit.probe.tap import Arrival
+    from rtkit.recording.entries import RecordedStream, RecordedValue, RecordingSelection
     from rtkit.recording.mcap_file import RecordingWriter
     from rtkit.rtc.profiles import PortRef
 
@@ -46,33 +47,42 @@ def record(
     Raises:
         RtkitError: A port is not there, or the file exists already or cannot be written.
     """
-    from rtkit.probe.known_types import type_or_bytes
+    from rtkit.probe.port_pattern import is_pattern
     from rtkit.probe.probe import LOSSLESS, Probe, tap_ports
-    from rtkit.probe.stats import stamp_reader
     from rtkit.rtc.enums import PortType
 
     app.bound(duration_s)
-    streams = named_streams(app, ports, PortType.OUT, _name)
-    types = {
-        s.name: type_or_bytes(s.data_type, s.ends[0].path.typed, app.report, s.definition)
-        for s in streams
-    }
+    specs = specified(app, ports)
+    is_patient = any(map(is_pattern, specs))
+    streams = named_streams(app, specs, PortType.OUT, _name, is_patient=is_patient)
+    if not streams:
+        app.fail(f"warning: no output port matches {' '.join(ports)} yet")
+    types = {each.name: _type(app, each) for each in streams}
+    properties = LOSSLESS if is_lossless else {}
     with (
         waking_main(),
         _ended_in_order(),
         opened(name, form) as file,
-        _sink(form, file, streams, types) as sink,
+        _sink(form, file, types) as sink,
         Probe(app.tree, "rtlog_recorder", streams, tap_ports(streams)) as probe,
         _reading(name, probe) as reader,
     ):
-        probe.connect(LOSSLESS if is_lossless else {})
+        stamps = _Stamps(app, sink, streams, types)
+        probe.is_patient = is_patient
+        probe.connect(properties, app.fail if is_patient else None)
         app.verbose(f"{probe.component.instance} is connected")
         limit = _Limit(part, duration_s)
         app.report(limit.announcement)
-        with metered(app, "record", is_writing=name == STDOUT) as show:
-            _take(probe, sink, limit, {n: stamp_reader(cls) for n, cls in types.items()}, show)
+        with metered(app, "record", is_writing=name == STDOUT) as show, ExitStack() as stack:
+            take = probe.take
+            if is_patient:
+                from rtkit.cli.data.late_ports import LatePorts
+
+                late = LatePorts(app, probe, specs, streams, _name, properties, stamps.add)
+                take = stack.enter_context(late).take
+            _take(take, sink, limit, stamps.of, show)
         reader.check()
-        lost, is_cut = probe.lost, not probe.is_connected
+        lost, is_cut = probe.lost, not (is_patient or probe.is_connected)
     if lost:
         app.report(f"{app.name}: {lost} values were lost")
     app.verbose(f"{sink.count} entries in {name}")
@@ -80,6 +90,51 @@ def record(
         raise Refused("no connection is left: the components or the connections have gone")
     if not sink.count:
         raise Refused(f"nothing was recorded: no value came, {name} has no entries")
+
+
+def _type(app: App, stream: Stream) -> type:
+    """Return the class of a stream's values: bytes, with a warning, where its type is unknown."""
+    from rtkit.probe.known_types import type_or_bytes
+    from rtkit.rtc.data_types import scoped_name
+
+    typed = stream.ends[0].path.typed
+    if not scoped_name(stream.data_type):
+        app.fail(f"warning: {typed} tells no data type; its values stay bytes")
+    return type_or_bytes(stream.data_type, typed, app.fail, stream.definition)
+
+
+class _Stamps:
+    """Declares streams to a sink, and reads the time stamps of their values.
+
+    Attributes:
+        of: What reads the time stamp of a value, by the name of its stream.
+    """
+
+    def __init__(
+        self,
+        app: App,
+        sink: RecordingWriter | _TextSink,
+        streams: Sequence[Stream],
+        types: Mapping[str, type],
+    ) -> None:
+        self._app = app
+        self._sink = sink
+        self.of: dict[str, Stamp] = {}
+        for stream in streams:
+            self._declare(stream, types[stream.name])
+
+    def add(self, stream: Stream) -> None:
+        """Add a stream that has come."""
+        self._declare(stream, _type(self._app, stream))
+
+    def _declare(self, stream: Stream, cls: type) -> None:
+        from rtkit.probe.stats import stamp_reader
+        from rtkit.recording.entries import RecordedStream
+
+        sources = tuple(str(end.path) for end in stream.ends)
+        channel = RecordedStream(stream.name, stream.data_type, sources, stream.definition)
+        self._sink.add_channel(channel, cls)
+        self.of[stream.name] = stamp_reader(cls)
 
 
 def _name(_number: int, ref: PortRef) -> str:
@@ -156,37 +211,35 @@ def _reading(name: str, probe: Probe) -> AbstractContextManager[stdout_reader.St
 
 @contextmanager
 def _sink(
-    form: str, file: IO[bytes], streams: Sequence[Stream], types: Mapping[str, type]
+    form: str, file: IO[bytes], types: Mapping[str, type]
 ) -> Iterator[RecordingWriter | _TextSink]:
     if form == "text":
-        yield _TextSink(file, types, 0.0 if file is sys.stdout.buffer else _FLUSH_S)
+        yield _TextSink(file, 0.0 if file is sys.stdout.buffer else _FLUSH_S)
         return
     from rtkit.component.definition import has_octets
-    from rtkit.recording.entries import RecordedStream
     from rtkit.recording.mcap_file import RecordingWriter
 
     is_compressed = not any(map(has_octets, types.values()))
     with RecordingWriter(file, is_compressed=is_compressed) as writer:
-        for stream in streams:
-            sources = tuple(str(end.path) for end in stream.ends)
-            writer.add_channel(
-                RecordedStream(stream.name, stream.data_type, sources), types[stream.name]
-            )
         yield writer
 
 
 class _TextSink:
     """Writes a line for each value, at once or `delay_s` [s] after the line before."""
 
-    def __init__(self, file: IO[bytes], types: Mapping[str, type], delay_s: float) -> None:
-        from rtkit.component.codec import codec_for
-
+    def __init__(self, file: IO[bytes], delay_s: float) -> None:
         self._file = file
         self._delay_s = delay_s
-        self._decode = {name: codec_for(cls).decode for name, cls in types.items()}
+        self._decode: dict[str, Callable[[bytes], object]] = {}
         self.count = 0
         self.flush_at: float | None = None
         self._flushed_at = 0.0
+
+    def add_channel(self, channel: RecordedStream, cls: type) -> None:
+        """Declare a stream, before its first value."""
+        from rtkit.component.codec import codec_for
+
+        self._decode[channel.name] = codec_for(cls).decode
 
     def write(self, entry: RecordedValue) -> None:
         from rtkit.probe.value_text import plain
@@ -231,7 +284,7 @@ class _Limit:
 
 
 def _take(
-    probe: Probe,
+    take: Callable[[float | None], list[Arrival] | None],
     sink: RecordingWriter | _TextSink,
     limit: _Limit,
     stamps: Mapping[str, Stamp],
@@ -241,7 +294,7 @@ def _take(
     from rtkit.recording.entries import RecordedValue
 
     while limit.count is None or sink.count < limit.count:
-        piece = probe.take(_sooner(limit.until, sink.flush_at))
+        piece = take(_sooner(limit.until, sink.flush_at))
         if piece is None:
             break
         if limit.count is not None:

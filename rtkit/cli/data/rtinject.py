@@ -9,7 +9,7 @@ from typing import IO, TYPE_CHECKING
 
 import click
 
-from rtkit.cli.data.arguments import FOLDERS, MODULES, named_streams, types_of
+from rtkit.cli.data.arguments import FOLDERS, MODULES, named_streams, specified, types_of
 from rtkit.cli.shared.app import App
 from rtkit.cli.shared.command import command
 from rtkit.cli.shared.options import POSITIVE, arguments, flag, lasting, option
@@ -74,7 +74,7 @@ def main(
         raise UsageProblem("-n 0 writes nothing")
     import_modules(modules, folders)
     app.bound(duration_s)
-    streams = named_streams(app, ports, PortType.IN)
+    streams = named_streams(app, specified(app, ports), PortType.IN)
     types = types_of(streams)
     if const is not None:
         times = 1 if number is None else number

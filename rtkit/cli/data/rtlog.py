@@ -32,6 +32,8 @@ _NS = 1_000_000_000
     "rtlog",
     examples=(
         ("rtlog -f run.mcap Robot0.rtc:pose", "Record every pose until Ctrl-C."),
+        ("rtlog -a -f run.mcap", "Record all out ports, also those that come later."),
+        ("rtlog -f run.mcap 'Sensor*:out'", "Record these ports of all such components."),
         ("rtlog -d -f run.mcap", "What is in the recording."),
         ("rtlog --export csv -f run.mcap", "Its values for a spreadsheet, one field a line."),
         ("rtlog -p -r 0.5 -f run.mcap Map0.rtc:pose", "Play it at half its speed."),
@@ -65,7 +67,10 @@ def main(
         POSITIVE,
     ),
     is_untimed: bool = flag("-n --ignore-times", "Play at a steady pace instead."),
-    is_absolute: bool = flag("-a --absolute-times", "Play time stamps as recorded."),
+    is_all: bool = flag(
+        "-a --all --absolute-times",
+        "Record all out ports, also those that come; with -p: play time stamps as recorded.",
+    ),
     exec_rate: float | None = option(
         "-x --exec-rate HZ", "Cycles a second with -n (default 100).", POSITIVE
     ),
@@ -79,9 +84,14 @@ def main(
 
     \b
     rtlog -f run.mcap Robot0.rtc:pose Laser0.rtc:scan     record, until Ctrl-C
+    rtlog -f run.mcap -a                                  record every out port
     rtlog -d -f run.mcap                                  what is in it
     rtlog -p -f run.mcap Map0.rtc:pose                    play it
     rtlog --export csv -f run.mcap                        its values, one field a line
+
+    A port may be a pattern, 'Sensor*:out': * stands for any text, ? for any character. Without a
+    slash it is one of names anywhere below the working directory. Ports that match and come later,
+    or come back with their components, are recorded from then on.
 
     A recording is an MCAP file that other viewers open too: values in CDR, with their data types.
     What was recorded up to half a second ago can be read even after the recorder was killed.
@@ -117,13 +127,12 @@ def main(
 
         export(app, str(filename), exported, part)
     elif is_play:
-        pace = player.PlaybackPace(
-            rate or 1.0, is_untimed, exec_rate or 100.0, is_absolute, duration_s
-        )
+        pace = player.PlaybackPace(rate or 1.0, is_untimed, exec_rate or 100.0, is_all, duration_s)
         player.play(app, str(filename), chosen, ports, part, pace, is_lossless=lossless)
     else:
         _refuse_when_recording(start, is_untimed, rate)
         name = filename or f"rtlog_{int(time.time())}.{'txt' if form == 'text' else 'mcap'}"
+        ports = (*ports, "*:*") if is_all else ports
         recorder.record(app, name, chosen, ports, part, duration_s, is_lossless=lossless)
 
 

@@ -6,7 +6,7 @@ import time
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
-from rtkit.cli.data.arguments import FOLDERS, MODULES, named_streams, types_of
+from rtkit.cli.data.arguments import FOLDERS, MODULES, named_streams, specified, types_of
 from rtkit.cli.shared import stdout_reader
 from rtkit.cli.shared.app import App
 from rtkit.cli.shared.command import command
@@ -94,7 +94,7 @@ def main(
 
     import_modules(modules, folders)
     app.bound(duration_s)
-    streams = named_streams(app, ports, PortType.OUT)
+    streams = named_streams(app, specified(app, ports), PortType.OUT)
     types = types_of(streams)
     for cls in types.values():
         for field in fields:

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterator, Sequence
+from typing import TYPE_CHECKING
 
 import click
 
@@ -12,8 +12,12 @@ from rtkit.cli.shared.app import App, WrongArguments, check_at_most_one
 from rtkit.cli.shared.command import command
 from rtkit.cli.shared.options import arguments, flag, json_flag, option, several
 from rtkit.errors import Malformed, UsageProblem
+from rtkit.rtc.names import glob
 from rtkit.tree.resolve import absent, find
 from rtkit.tree.view import NodeKind, TreeNode, once
+
+if TYPE_CHECKING:
+    from re import Pattern
 
 _LETTERS: dict[str, tuple[NodeKind, ...]] = {
     "c": (NodeKind.COMPONENT,),
@@ -64,8 +68,8 @@ def main(
         raise WrongArguments("No start specified.")
     check_at_most_one(starts, "start")
     kinds = _kinds(letters)
-    patterns = [_pattern(each, 0) for each in names]
-    patterns += [_pattern(each, re.IGNORECASE) for each in inames]
+    patterns = [glob(each) for each in names]
+    patterns += [glob(each, any_case=True) for each in inames]
     root, start = _start(app, starts[0])
     nodes = list(_walk(start, depth or -1))
     found = [node for node in nodes if node.kind in kinds and _matches(node.name, patterns)]
@@ -86,12 +90,7 @@ def _kinds(letters: str) -> set[NodeKind]:
     return {kind for letter in letters for kind in _LETTERS[letter]}
 
 
-def _pattern(text: str, flags: int) -> re.Pattern[str]:
-    parts = (".*" if c == "*" else "." if c == "?" else re.escape(c) for c in text)
-    return re.compile("".join(parts), flags | re.DOTALL)
-
-
-def _matches(name: str, patterns: Sequence[re.Pattern[str]]) -> bool:
+def _matches(name: str, patterns: Sequence[Pattern[str]]) -> bool:
     return not patterns or any(pattern.fullmatch(name) for pattern in patterns)
 
 

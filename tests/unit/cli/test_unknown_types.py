@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -22,8 +23,8 @@ def test_a_type_that_nobody_defined_is_told_and_taken_as_bytes() -> None:
     assert not said
     assert type_or_bytes("IDL:No/Such:1.0", "Own0:out", said.append) is bytes
     assert said == [
-        "note: Type not found: IDL:No/Such:1.0 of Own0:out (-m imports the module that defines it);"
-        " its values are taken as they are"
+        "warning: Type not found: IDL:No/Such:1.0 of Own0:out"
+        " (-m imports the module that defines it); its values stay bytes"
     ]
     with pytest.raises(NotFound):
         data_type("IDL:No/Such:1.0", "Own0:out")
@@ -40,5 +41,26 @@ def test_a_stream_of_unknown_type_stops_no_export(
         writer.write(RecordedValue("b", 2, 2, codec_for(TimedLong).encode(TimedLong(data=7))))
     status, out, err = run("rtlog --export text -f a.mcap")
     assert status == 0
-    assert err.startswith("note: Type not found: No::Such of stream a")
+    assert err.startswith("rtlog: warning: Type not found: No::Such of stream a")
     assert [line.partition("\t")[2][:5] for line in out.splitlines()] == ["('a',", "('b',"]
+
+
+def test_values_that_are_none_of_their_type_stop_no_export(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, run: Callable[[str], Any]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    good = codec_for(TimedLong).encode(TimedLong(data=7))
+    with open("a.mcap", "wb") as file, RecordingWriter(file) as writer:
+        writer.add_channel(RecordedStream("a", "IDL:RTC/TimedLong:1.0"), TimedLong)
+        for number, payload in enumerate((b"\0\1\0\0\5", b"\0\1", good)):
+            writer.write(RecordedValue("a", number, number, payload))
+    status, out, err = run("rtlog --export json -f a.mcap")
+    assert status == 0
+    assert err.count("rtlog: warning: a value of stream a is no RTC::TimedLong: ") == 1
+    values = [json.loads(line)["value"] for line in out.splitlines()]
+    assert values == [[0, 1, 0, 0, 5], [0, 1], {"tm": {"sec": 0, "nsec": 0}, "data": 7}]
+
+
+def test_a_port_that_carries_any_data_is_read_as_bytes() -> None:
+    assert data_type("any", "A:out") is bytes
+    assert data_type("IDL:any:1.0", "A:out") is bytes

@@ -91,3 +91,26 @@ def test_a_chunk_is_due_soon_after_its_first_value() -> None:
     assert writer.flush_at is not None
     writer.flush()
     assert writer.flush_at is None
+
+
+@pytest.mark.parametrize(
+    ("definition", "encoding"), [("module V { union T switch", "omgidl"), ("", "")]
+)
+def test_a_stream_of_bytes_has_the_schema_that_there_is(
+    tmp_path: Path, definition: str, encoding: str
+) -> None:
+    path = tmp_path / "x.mcap"
+    stream = RecordedStream("a", "IDL:V/T:1.0", ("/localhost/A.rtc:out",), definition)
+    with path.open("wb") as file, RecordingWriter(file) as writer:
+        writer.add_channel(stream, bytes)
+        writer.add_channel(RecordedStream("b", "any"), bytes)
+        writer.write(RecordedValue("a", 1, 1, b"xyz"))
+        writer.write(RecordedValue("b", 2, 2, b""))
+    with path.open("rb") as file:
+        (schema, _, _), (none, _, _) = make_reader(file, validate_crcs=True).iter_messages()
+    assert none is None
+    assert schema is not None
+    assert (schema.name, schema.encoding) == ("V::T", encoding)
+    assert schema.data.decode() == definition
+    info = RecordingReader(str(path)).info()
+    assert info.channels[0] == stream._replace(data_type="V::T")
