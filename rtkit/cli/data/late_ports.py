@@ -6,8 +6,8 @@ from collections.abc import Callable, Mapping, Sequence
 from time import monotonic
 from typing import TYPE_CHECKING, NamedTuple
 
+from rtkit.api.observers import Observers
 from rtkit.cli.shared.app import App
-from rtkit.cli.shared.observers import Observers
 from rtkit.closing import Closing
 from rtkit.deployment.delta import TREE
 from rtkit.deployment.listing import Listing, listing_of
