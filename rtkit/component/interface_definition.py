@@ -23,7 +23,7 @@ class _Writer:
     """Writes each type that several interfaces need once."""
 
     def __init__(self) -> None:
-        self._known: set[str] = set()
+        self._known: dict[str, object] = {}
         self._exceptions: dict[str, str] = {}
 
     def interface(self, interface: Interface) -> Iterator[str]:
