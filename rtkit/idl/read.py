@@ -385,8 +385,8 @@ class _Reader:
 def _mark(text: str, doc: str) -> str:
     """Return what an annotation tells of values, a unit in brackets; empty where `doc` tells it."""
     unit = _UNIT.fullmatch(text)
-    told = f"[{unit[1]}]" if unit else " ".join(text.split())
-    return "" if told in doc or not told.startswith(_ABOUT_VALUES) else told
+    shown = f"[{unit[1]}]" if unit else " ".join(text.split())
+    return "" if shown in doc or not shown.startswith(_ABOUT_VALUES) else shown
 
 
 def _is_missing(declared: Declaration | None) -> bool:

@@ -154,7 +154,7 @@ def _free(name: str, hidden: Sequence[str] = ()) -> str:
 def _doc(declared: StructDeclaration) -> str:
     """Return the docstring of a structure, with what is said of its fields."""
     lines = [declared.doc or declared.path[-1]]
-    told = [each for each in declared.fields if each.doc]
-    lines += ["\nAttributes:"] * bool(told)
-    lines += [f"    {_free(each.name)}: {' '.join(each.doc.split())}" for each in told]
+    described = [each for each in declared.fields if each.doc]
+    lines += ["\nAttributes:"] * bool(described)
+    lines += [f"    {_free(each.name)}: {' '.join(each.doc.split())}" for each in described]
     return "\n".join(lines)

@@ -42,13 +42,13 @@ class Stream(NamedTuple):
     """One port of the tool, and the ports of components that it is connected to.
 
     Attributes:
-        told: IDL of its type that another port has; for where these have none.
+        elsewhere: IDL of its type that another port has; for where these have none.
     """
 
     name: str
     ends: tuple[ResolvedPort, ...]
     formatter: str = ""
-    told: str = ""
+    elsewhere: str = ""
 
     @property
     def data_type(self) -> str:
@@ -58,7 +58,9 @@ class Stream(NamedTuple):
     @property
     def definition(self) -> str:
         """IDL of that type from a port's properties; empty where no port has it."""
-        return next((end.port.definition for end in self.ends if end.port.definition), self.told)
+        return next(
+            (end.port.definition for end in self.ends if end.port.definition), self.elsewhere
+        )
 
 
 def parse_spec(typed: str, cwd: str = "/") -> PortSpec:

@@ -82,4 +82,6 @@ def named_streams(
         if scoped_name(each.data_type) and not each.definition and not type_by_name(each.data_type)
     ]
     known = definitions(app.tree.snapshot()) if lacking else {}
-    return tuple(each._replace(told=known.get(scoped_name(each.data_type), "")) for each in streams)
+    return tuple(
+        each._replace(elsewhere=known.get(scoped_name(each.data_type), "")) for each in streams
+    )

@@ -73,16 +73,16 @@ def _decoder(app: App, channel: RecordedStream) -> Callable[[bytes], Any]:
     name = f"stream {channel.name}"
     cls = type_or_bytes(channel.data_type, name, app.fail, channel.definition)
     strict = codec_for(cls).decode
-    is_told = False
+    is_reported = False
 
     def decode(payload: bytes) -> Any:
-        nonlocal is_told
+        nonlocal is_reported
         try:
             return strict(payload)
         except Malformed as error:
-            if not is_told:
+            if not is_reported:
                 app.fail(f"warning: a value of {name} is no {channel.data_type}: {error}")
-            is_told = True
+            is_reported = True
             return payload
 
     return decode
