@@ -21,7 +21,7 @@ TOPICS: dict[str, dict[str, str]] = {
     "managers": {
         "rtconfig": "Show settings, and the files and variables that they are from.",
         "rtdoctor": "Tell what is wrong with this set-up, and what helps.",
-        "rtmgr": "Start, stop and command managers.",
+        "rtmgr": "Start, stop, install and command managers.",
     },
     "observing": {
         "rttop": "Show what components do, live.",

@@ -1,4 +1,7 @@
-"""Connects unix sockets to processes of this user only; the kernel identifies the peer."""
+"""Connects unix sockets to processes of this user only; the kernel identifies the peer.
+
+Only datagrams to a service manager go to another user.
+"""
 
 from __future__ import annotations
 
@@ -27,6 +30,21 @@ def connect(path: str, timeout_s: float | None = None) -> socket.socket:
         end.close()
         raise
     return end
+
+
+def send_datagram(address: str, data: bytes, timeout_s: float) -> None:
+    """Send a datagram to the service manager at an address; an ``@`` begins an abstract one.
+
+    It is whoever started this process and named its address, mostly root; with a time-out of 0
+    it is sent at once or not at all.
+
+    Raises:
+        OSError: Nobody takes it in time.
+    """
+    place = "\0" + address[1:] if address.startswith("@") else address
+    with socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) as end:
+        end.settimeout(timeout_s)
+        end.sendto(data, place)
 
 
 def is_answering(path: str) -> bool:

@@ -38,6 +38,7 @@ from rtkit.manager.predecessor.descendants import bear_mark, end_descendants
 from rtkit.manager.predecessor.stale_resources import end_lost
 from rtkit.manager.predecessor.unreported import checkpoints_of_the_dead, living_slaves
 from rtkit.manager.report import Report, execute_again
+from rtkit.manager.service_notifier import ServiceNotifier
 from rtkit.manager.slaves.slave_supervisor import SlaveSupervisor
 from rtkit.manager.store.writer import StoreWriter
 from rtkit.resources import resource as shipped
@@ -90,8 +91,10 @@ def run(name: str, wanted: CommandLineSettings, is_shown: bool = False) -> int:
             for text in configuration.warnings:
                 report.warn(text)
             state = _state(name, folder, configuration.settings)
+            notifier = ServiceNotifier(state, os.environ)  # before it has children
             keeper, remembered = _recall(state, report.warn, stack)
             loop = _assemble(state, dead, keeper, is_shown, report.warn, stack)
+            loop.notifier = notifier
             loop.recall(remembered)
             done = partial(_started, loop, keeper, report, state.settings)
             start_up = StartUp(state, loop.requests, loop.post, done, report.warn)
@@ -105,7 +108,7 @@ def run(name: str, wanted: CommandLineSettings, is_shown: bool = False) -> int:
         report.give_up(str(error))
         return error.exit_code
     if loop.query_server.restart is not None:
-        execute_again(folder, loop.query_server.restart.report)
+        execute_again(folder, loop.query_server.restart.report, loop.notifier.variables)
     return 1 if loop.has_failed else 0
 
 
@@ -146,6 +149,7 @@ def _started(
         fault.point("manager.settled")
         report.ready()
         fault.point("manager.ready")
+        loop.notifier.ready()
         keeper.begin()
         loop.following.begin()
 

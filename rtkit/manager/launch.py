@@ -83,6 +83,8 @@ def read_report(name: str, pid: int, lines: list[str]) -> Started:
 
 def run(name: str, wanted: CommandLineSettings) -> int:
     """Be the manager in the foreground; return the exit status."""
+    if os.getpid() == 1:  # of a container: the kernel ignores what it has no handler for
+        signal.signal(signal.SIGTERM, lambda number, _frame: sys.exit(128 + number))
     from rtkit.manager.daemon import run as run_daemon
 
     return run_daemon(name, wanted, is_shown=True)

@@ -43,6 +43,7 @@ from rtkit.manager.following.following import Following
 from rtkit.manager.limits.usage import usage
 from rtkit.manager.predecessor.descendants import Descendants
 from rtkit.manager.query_server import ManagerQueryServer
+from rtkit.manager.service_notifier import ServiceNotifier
 from rtkit.manager.slaves.slave_connections import SlaveConnections
 from rtkit.manager.slaves.slave_supervisor import SlaveSupervisor
 from rtkit.manager.slaves.watchdog import (
@@ -100,6 +101,7 @@ class Loop:
         query_server: Where requests are taken.
         following: Follows the events of systems.
         connections: To slaves and zygotes.
+        notifier: Reports to the service manager that started this manager, if one did.
         wake_descriptor: A byte at it wakes the loop, for `signal.set_wakeup_fd`.
         has_failed: The manager ends because its start failed.
     """
@@ -124,6 +126,7 @@ class Loop:
         self.query_server.follow = self.following.ask
         self.query_server.dump = self._dump
         self.has_failed = False
+        self.notifier = ServiceNotifier(core.state, {})
         self._container = container
         self._slave_supervisor = slave_supervisor
         self._inbox: queue.SimpleQueue[ev.Event | Request | _Failed] = queue.SimpleQueue()
@@ -232,6 +235,7 @@ class Loop:
             _Duty("limits", self._next_look_at_limits, self._look_at_limits),
             _Duty("tidying", self._next_tidying, self._tidy),
             _Duty("sweeping", lambda: supervisor.sweep_at, supervisor.sweep),
+            _Duty("heartbeat", lambda: self.notifier.due_at, lambda: self.notifier.beat()),
         )
 
     def _wait_s(self) -> float | None:
@@ -385,6 +389,7 @@ class Loop:
             case ev.FollowAsked():
                 self.following.sync()
             case ev.StopRequested():
+                self.notifier.end(is_restart=self.query_server.restart is not None)
                 self.following.end()
             case ev.SlaveReady(key):
                 self._watchdog.watch(key, self._core.state.processes[key].pid)

@@ -85,11 +85,12 @@ class ManagerQueryServer:
             return ev.BatchRequested(batch, self._requests.add(request.answer), request.until)
         if request.name in ("stop", "shutdown"):
             request.answer(Reply(str(self._state.pid)))
-            return ev.StopRequested()
+            return ev.StopRequested(is_kept=request.payload == "keep")
         if request.name == "restart":
-            self.restart = RestartRequest(open_report(request.payload))
+            pipe = request.payload.removesuffix("forget")
+            self.restart = RestartRequest(open_report(pipe.rstrip()))
             request.answer(Reply(str(self._state.pid)))
-            return ev.StopRequested(is_kept=True)
+            return ev.StopRequested(is_kept=pipe == request.payload)
         if zenoh_keys.unescape(request.name) == FOLLOW:
             self.follow(request)
             return None

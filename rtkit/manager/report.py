@@ -11,6 +11,7 @@ import os
 import re
 import stat
 import sys
+from collections.abc import Mapping
 
 from rtkit.errors import Malformed, Refused
 
@@ -94,9 +95,12 @@ def open_report(path: str) -> int | None:
     return descriptor
 
 
-def execute_again(folder: str, report: int | None) -> None:
-    """Become the same program anew; it reports on the descriptor `report` when it is ready."""
-    environment = dict(os.environ)
+def execute_again(folder: str, report: int | None, more: Mapping[str, str]) -> None:
+    """Become the same program anew; it reports on the descriptor `report` when it is ready.
+
+    `more` are variables that were taken out of its environment.
+    """
+    environment = {**os.environ, **more}
     if report is not None:
         os.set_inheritable(report, True)
         environment[READY_VARIABLE] = str(report)

@@ -36,8 +36,10 @@ def name_at(address: str, timeout_s: float) -> str:
         return tree.manager
 
 
-def stop(name: str, timeout_s: float) -> None:
+def stop(name: str, timeout_s: float, *, is_kept: bool = False) -> None:
     """Stop a manager with all its slaves and return when its process has ended.
+
+    What it holds is there again at its next start only if it `is_kept`.
 
     Raises:
         Unreachable: It does not run, or did not end in time.
@@ -48,7 +50,7 @@ def stop(name: str, timeout_s: float) -> None:
         except ProcessLookupError:
             return  # somebody else has stopped it meanwhile
         try:
-            tree.set("stop", "")
+            tree.set("stop", "keep" if is_kept else "")
             fault.point("stop.asked")
             if not select.select([pidfd], [], [], bounded(timeout_s))[0]:
                 raise Unreachable(f"manager {name!r} did not end within {timeout_s:g} s")
@@ -57,9 +59,15 @@ def stop(name: str, timeout_s: float) -> None:
 
 
 def restart(
-    name: str, timeout_s: float, receive: Callable[[int, float], list[str] | None]
+    name: str,
+    timeout_s: float,
+    receive: Callable[[int, float], list[str] | None],
+    *,
+    is_forgotten: bool = False,
 ) -> tuple[int, list[str]]:
     """Have a manager end everything and start again; return its pid and what `receive` returned.
+
+    Everything is made again as it was, unless it `is_forgotten`.
 
     It has `timeout_s` [s] for the end, where what hangs has its graces, and again for the start.
 
@@ -69,7 +77,8 @@ def restart(
     read, write = os.pipe()
     try:
         with connect(name, timeout_s) as tree:
-            pid = int(tree.set("restart", f"/proc/{os.getpid()}/fd/{write}"))
+            pipe = f"/proc/{os.getpid()}/fd/{write}"
+            pid = int(tree.set("restart", f"{pipe} forget" if is_forgotten else pipe))
         os.close(write)
         write = -1
         lines = receive(read, 2 * timeout_s)

@@ -18,6 +18,7 @@ from typing import Any
 
 import pytest
 from faultkit import PATIENCE_S, Order, Site
+from notifykit import ServiceManager
 
 from rtkit.deployment.actions import Create, Delete
 from rtkit.errors import RtkitError
@@ -76,6 +77,8 @@ CAUSES: dict[str, Callable[[Site], object]] = {
 @pytest.mark.timeout(300)
 def test_a_fault_in_each_duty_leaves_the_daemon_alive_and_a_dump(shell: Any) -> None:
     site = Site(shell)
+    service_manager = ServiceManager(shell.folder / "notify", 0.3)  # else no heart beats
+    shell.environment.update(service_manager.environment)
     site.start()
     site.apply(HELD)
     state = shell.folder / "state"
@@ -97,6 +100,7 @@ def test_a_fault_in_each_duty_leaves_the_daemon_alive_and_a_dump(shell: Any) -> 
         site.apply(HELD)
         assert not shell.run("rtls -l").err
     shell.ok("rtmgr stop")
+    service_manager.close()
 
 
 def tried(site: Site) -> None:

@@ -1,4 +1,4 @@
-"""``rtmgr``: start, stop and command managers."""
+"""``rtmgr``: start, stop, install and command managers."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import click
 
 from rtkit import fault
+from rtkit.cli.managers.word_options import WordOptions
 from rtkit.cli.shared.app import App, check_at_most_one
 from rtkit.cli.shared.command import command
 from rtkit.cli.shared.options import (
@@ -26,7 +27,8 @@ if TYPE_CHECKING:
     from rtkit.cli.managers.steps import ManagerStep
     from rtkit.tree.view import TreeNode
 
-WORDS = ("start", "stop", "restart", "status", "run", "dump", "replay")
+WORDS = ("start", "stop", "restart", "status", "run", "install", "uninstall", "dump", "replay")
+_OF_START = "start, run and install"
 _ORDER = "rtkit.order"
 _FOR_START = "-f, -o, -p, -a, -i and --allow-faults"
 
@@ -81,6 +83,8 @@ _STEPS = {
         ("rtmgr -d Left /localhost/manager.mgr", "Finalise a component and forget it."),
         ("rtmgr dump", "Write down what the manager did last, in manager.dump."),
         ("rtmgr replay manager.dump", "What it did at each event, done again here."),
+        ("rtmgr install --print", "Show the systemd unit that makes a service of it."),
+        ("rtmgr restart", "End all in order, and make all again as it was."),
         ("rtmgr stop", "End the manager with everything that it holds."),
     ),
     json=("properties", "instance", "component-type", "manager-status", "replay"),
@@ -97,7 +101,7 @@ _STEPS = {
 def main(
     app: App,
     _steps: None = together(None, _STEPS),
-    is_printing: bool = flag("--print", "Print paths of created components."),
+    is_printing: bool = flag("--print", "Print paths of created components; install: the unit."),
     is_json: bool = json_flag("Lists and status as JSON."),
     file: str = option("-f --file FILE", "start: the rtc.conf to read.", default=""),
     given: tuple[str, ...] = several("-o --option KEY:VALUE", "start: a property."),
@@ -107,20 +111,27 @@ def main(
     no_door: bool = flag("-a --no-door", "start: no TCP port at all."),
     lenient: bool = flag("-i --lenient", "start: the file may be missing."),
     allow_faults: bool = flag("--allow-faults", "start: root's manager heeds RTKIT_FAULT."),
+    options: WordOptions = together(WordOptions),
     strict: None = strict_option(
         "Take warnings, and notes on what is made, for errors; nothing of it stays."
     ),
     words: tuple[str, ...] = arguments(
-        "MANAGER | start|stop|restart|status|run [NAME] | dump [NAME [FILE]] | replay FILE"
+        "MANAGER | start|stop|restart|status|run|install|uninstall [NAME]"
+        " | dump [NAME [FILE]] | replay FILE"
     ),
 ) -> int:
-    r"""Start, stop and command managers.
+    r"""Start, stop, install and command managers.
 
     start, stop, restart, status and run (in the foreground) take the name of a manager, by
     default "manager". start and run read its properties from FILE, else from the file that
     RTC_MANAGER_CONFIG names, ./rtc.conf, or one in /etc; what -o says counts more. Everything
     else is asked of the manager at a path, or at a direct address as corbaloc::localhost:2810,
     in the order of the command line and in one batch, and ends at the first failure.
+
+    stop forgets what it ends, unless it is to --keep it for the next start; restart makes all
+    again as it was, unless it is to --forget. install writes the unit that makes a service of
+    systemd of a manager, with what start takes and the folder it is called in, and tells what
+    starts it; the service keeps what its manager holds. See rtkit help survival.
 
     dump writes the last events of a manager, with the state that they began in, to a new FILE,
     by default NAME.dump, which replay reads: it shows what the manager did at each, and that it
@@ -143,13 +154,15 @@ def main(
     overrides = (*given, *_endpoint(port, no_door), *faults)
     is_configured = bool(file or overrides or lenient)
     if words and words[0] in WORDS:
-        _check_word(words, bool(asked), is_configured)
+        _check_word(words, bool(asked), is_configured, options)
         from rtkit.settings.properties import STRICT
 
         properties = (*overrides, f"{STRICT}:YES") if app.is_strict else overrides
-        return _word(app, words, is_json, (file, properties, lenient))
+        shows = "json" * is_json or "text" * is_printing
+        return _word(app, words, options, (file, properties, lenient), shows)
     if is_configured:
-        raise UsageProblem(f"{_FOR_START} are for rtmgr start and rtmgr run")
+        raise UsageProblem(f"{_FOR_START} are for rtmgr {_OF_START}")
+    options.check("")
     check_at_most_one(words, "manager")
     steps = [read_step(name, str(value)) for name, value in asked]
     if not words:
@@ -212,11 +225,14 @@ def _endpoint(port: int | None, no_door: bool) -> list[str]:
     return [] if port is None else [f"net.endpoints:localhost:{port}"]
 
 
-def _check_word(words: Sequence[str], has_steps: bool, is_configured: bool) -> None:
+def _check_word(
+    words: Sequence[str], has_steps: bool, is_configured: bool, options: WordOptions
+) -> None:
     if has_steps:
         raise UsageProblem(f"{words[0]} takes no options that command a manager")
-    if is_configured and words[0] not in ("start", "run"):
+    if is_configured and words[0] not in ("start", "run", "install"):
         raise UsageProblem(f"{_FOR_START} are not for {words[0]}")
+    options.check(words[0])
     if words[0] == "replay":
         if len(words) == 1:
             raise UsageProblem("replay takes the file of a dump")
@@ -228,13 +244,17 @@ def _check_word(words: Sequence[str], has_steps: bool, is_configured: bool) -> N
 
 
 def _word(
-    app: App, words: Sequence[str], is_json: bool, wanted: tuple[str, tuple[str, ...], bool]
+    app: App,
+    words: Sequence[str],
+    options: WordOptions,
+    wanted: tuple[str, tuple[str, ...], bool],
+    shows: str,
 ) -> int:
     if words[0] == "replay":
         from rtkit.cli.managers.words import replay
 
-        return replay(app, words[1], is_json)
+        return replay(app, words[1], shows == "json")
     from rtkit.cli.managers.words import run_word
 
     name, file = (*words[1:], "", "")[:2]
-    return run_word(app, words[0], name, is_json, wanted, file)
+    return run_word(app, words[0], name, options, wanted, shows, file)

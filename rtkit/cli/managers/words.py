@@ -1,4 +1,4 @@
-"""Words of ``rtmgr`` that take no path: start, stop, restart, status, run, dump and replay."""
+"""Words of ``rtmgr`` that take no path: start, stop, restart, status, install, dump and others."""
 
 from __future__ import annotations
 
@@ -14,6 +14,7 @@ from rtkit.rtc.manager_address import is_address
 from rtkit.rtc.names import MANAGER_SUFFIX, check_instance_name
 
 if TYPE_CHECKING:
+    from rtkit.cli.managers.word_options import WordOptions
     from rtkit.manager.core.dump import Dump
     from rtkit.manager.core.replay import Replay
     from rtkit.manager.launch import Started
@@ -24,18 +25,19 @@ def run_word(
     app: App,
     word: str,
     name: str,
-    is_json: bool,
+    options: WordOptions,
     wanted: tuple[str, tuple[str, ...], bool],
+    shows: str,
     file: str = "",
 ) -> int:
-    """Start, stop, run, dump or report on the manager of that name; return the exit status.
+    """Start, stop, run, install, dump or report on a manager of that name; return the exit status.
 
     `wanted` is its configuration file, properties over it, and whether the file may be missing;
-    `file` is where a dump goes.
+    `shows` is ``json`` or ``text`` where that is asked for; `file` is where a dump goes.
     """
     typed = name.removesuffix(MANAGER_SUFFIX)
-    if word in ("start", "run"):
-        return _launch(app, word, typed, wanted)
+    if word in ("start", "run", "install"):
+        return _launch(app, word, typed, wanted, options, is_printing=bool(shows))
     chosen = typed or os.environ.get("RTKIT_MANAGER") or "manager"
     from rtkit.tree import managers
 
@@ -44,21 +46,33 @@ def run_word(
     check_instance_name(chosen)
 
     if word == "restart":
-        _restart(app, chosen)
+        _restart(app, chosen, is_forgotten=options.is_forgotten)
     elif word == "stop":
-        _stop(app, chosen)
+        _stop(app, chosen, is_kept=options.is_kept)
+    elif word == "uninstall":
+        from rtkit.cli.managers.service import uninstall
+
+        uninstall(app, chosen, options)
     elif word == "dump":
         dump(app, chosen, file)
     else:
-        _print_status(chosen, managers.status(chosen, app.timeout_s), is_json)
+        _print_status(chosen, managers.status(chosen, app.timeout_s), shows == "json")
     return 0
 
 
-def _launch(app: App, word: str, typed: str, options: tuple[str, tuple[str, ...], bool]) -> int:
+def _launch(
+    app: App,
+    word: str,
+    typed: str,
+    given: tuple[str, tuple[str, ...], bool],
+    options: WordOptions,
+    *,
+    is_printing: bool,
+) -> int:
     from rtkit.manager import launch
     from rtkit.settings import configuration
 
-    wanted = configuration.CommandLineSettings(*options)
+    wanted = configuration.CommandLineSettings(*given)
     name = configuration.name(typed, configuration.read(wanted).settings)
     if is_address(name):
         port = name.rpartition(":")[2]
@@ -66,27 +80,32 @@ def _launch(app: App, word: str, typed: str, options: tuple[str, tuple[str, ...]
         hint = f"rtmgr {word} NAME -p {port} has one listen there"
         raise Malformed(f"an address is no name of a manager: {name}{where} ({hint})")
     check_instance_name(name)
+    if word == "install":
+        from rtkit.cli.managers.service import install
+
+        install(app, name, given, options, is_printing=is_printing)
+        return 0
     if word == "run":
         return launch.run(name, wanted)
     _report_start(app, name, launch.start(name, wanted, app.timeout_s))
     return 0
 
 
-def _stop(app: App, name: str) -> None:
+def _stop(app: App, name: str, *, is_kept: bool) -> None:
     """Stop a manager, or end the orphans of a killed one."""
     from rtkit.link.segments import remove_orphans
     from rtkit.tree import managers
 
     absent = None
     try:
-        managers.stop(name, app.timeout_s)
+        managers.stop(name, app.timeout_s, is_kept=is_kept)
     except Unreachable as error:
         if places.owner(name) is not None:
             raise
         absent = error
     left = _end_remains(name)
     remove_orphans()  # its own, which it held until it ended
-    is_forgotten = absent is not None and _forget_desired_state(name)
+    is_forgotten = absent is not None and not is_kept and _forget_desired_state(name)
     if absent is not None and not left and not is_forgotten:
         raise absent
     notes = [f"had been killed; what it left was ended ({left} slaves)"] if left else []
@@ -128,11 +147,11 @@ def _forget_desired_state(name: str) -> bool:
         return remove(path)
 
 
-def _restart(app: App, name: str) -> None:
+def _restart(app: App, name: str, *, is_forgotten: bool) -> None:
     from rtkit.manager.launch import read_report, receive_lines
     from rtkit.tree import managers
 
-    pid, report = managers.restart(name, app.timeout_s, receive_lines)
+    pid, report = managers.restart(name, app.timeout_s, receive_lines, is_forgotten=is_forgotten)
     _report_start(app, name, read_report(name, pid, report))
 
 

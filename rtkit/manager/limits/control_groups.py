@@ -82,10 +82,12 @@ def control_groups(root: str = _ROOT, proc: str = "/proc") -> ControlGroups | No
     """Return where control groups for slaves can be made; None where they cannot.
 
     A group with processes in it has no limited ones below it: where all of them are this
-    manager's, as in a service of its own, they go into one more.
+    manager's, they go into one more. A service has that from systemd, or does without: systemd
+    starts no manager again in a group above those of slaves that outlived the last one.
     """
     own = _own_group(_read(f"{proc}/self/cgroup"))
-    if own is None:
+    is_service = os.environ.get("SYSTEMD_EXEC_PID") == str(os.getpid())
+    if own is None or (is_service and not own.endswith(f"/{_MANAGER}")):
         return None
     parent = f"{root}{own}".rstrip("/").removesuffix(f"/{_MANAGER}")
     had = _read(f"{parent}/cgroup.controllers").split()

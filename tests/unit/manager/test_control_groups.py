@@ -48,6 +48,17 @@ def written(folder: Path) -> dict[str, str]:
     return {name: (folder / name).read_text() for name in FILES}
 
 
+def test_a_service_has_groups_only_where_systemd_starts_it_beside_them(
+    system: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    own = group(system / "fs/a")
+    monkeypatch.setenv("SYSTEMD_EXEC_PID", str(os.getpid()))
+    assert found(system) is None
+    (system / "proc/self/cgroup").write_text("0::/a/rtkit-manager\n")
+    assert found(system) is not None
+    assert own.exists()
+
+
 def test_a_limited_slave_has_a_group_of_its_own_until_it_ends(system: Path) -> None:
     own = group(system / "fs/a")
     groups = found(system)
