@@ -63,7 +63,6 @@ TIDY_S = 1.0
 """Period in which processes are checked that report nothing of themselves [s]."""
 
 _WAKES = 4096
-
 _LONG_S = 3600.0
 """The longest sleep; a selector takes no arbitrarily long one [s]."""
 _BREATH_S = 0.01
@@ -101,7 +100,7 @@ class Loop:
         query_server: Where requests are taken.
         following: Follows the events of systems.
         connections: To slaves and zygotes.
-        notifier: Reports to the service manager that started this manager, if one did.
+        notifier: Reports to the service manager that started this one, if one did.
         wake_descriptor: A byte at it wakes the loop, for `signal.set_wakeup_fd`.
         has_failed: The manager ends because its start failed.
     """
@@ -200,9 +199,8 @@ class Loop:
         if self._guard.is_paused("waiting"):
             time.sleep(_BREATH_S)
         fault.point("duty.waiting")
-        wait_s = self._wait_s()
-        if self._is_left_alone(self._wake_read):  # so nobody can wake the loop
-            wait_s = _BREATH_S
+        can_be_woken = not self._is_left_alone(self._wake_read)
+        wait_s = self._wait_s() if can_be_woken else _BREATH_S
         return select_but(self._selector, self._is_left_alone, wait_s)
 
     def _is_left_alone(self, descriptor: int) -> bool:

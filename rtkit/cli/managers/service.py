@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING
 
 from rtkit.cli.shared import terminal
 from rtkit.cli.shared.app import App
-from rtkit.cli.shared.atomic import write_output
 from rtkit.errors import NotFound, Refused
 from rtkit.link import places
+from rtkit.link.atomic import write_output
 from rtkit.manager.unit_file import ROOT, ManagerService, is_as_written, unit_name
 
 if TYPE_CHECKING:
