@@ -10,7 +10,7 @@ report = $(if $(REPORTS),--junitxml=$(REPORTS)/$(1).xml)
 BIN := .venv/bin
 READY := .venv/.ready
 
-.PHONY: help venv demo test test-pure test-real campaign campaign-faults laws lint bench commands man docs pictures bench-page clean
+.PHONY: help venv demo test test-pure test-real campaign campaign-faults laws lint bench commands man docs pictures bench-page first-value clean
 
 help:
 	@echo "make demo    bring up a small robot, break it, repair it, take it down"
@@ -21,6 +21,7 @@ help:
 	@echo "make laws    try each law with fifty seeds (SEEDS=1 FROM=7: with seed 7 alone)"
 	@echo "make bench   measure, beside a floor of the same run (ROWS=slaves/stop: only that)"
 	@echo "make bench-page  measure all, and write the table of docs/performance.md"
+	@echo "make first-value  do the first steps of the README in an empty home, and time them"
 	@echo "make docs    build the pages as a site: build/site/index.html"
 	@echo "make pictures  draw the diagrams of the pages anew from the tables of the code"
 	@echo "make commands  write anew what is made of the commands: table, scripts, manual pages"
@@ -70,7 +71,7 @@ lint: $(READY)
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
-	$(BIN)/mypy bench campaign examples/demo.py tools/make_commands.py
+	$(BIN)/mypy bench campaign examples/demo.py tools/make_commands.py tools/first_value.py
 	$(BIN)/lint-imports
 
 bench: $(READY)
@@ -79,6 +80,10 @@ bench: $(READY)
 # On a machine that does nothing else: PLACEMENT says where the run was, "pinned to processors 2-3".
 bench-page: $(READY)
 	@$(BIN)/python -m bench --page docs/performance.md $(if $(PLACEMENT),--placement '$(PLACEMENT)')
+
+# What a newcomer waits for, the installation included; fails above three minutes.
+first-value:
+	@$(PYTHON) tools/first_value.py
 
 # Sphinx keeps what it has read in build/doctrees: only pages that changed are read again.
 docs: $(READY)
