@@ -19,6 +19,7 @@ import click
 from rtkit import __version__, cli
 from rtkit.cli.help.topics import DETAILS, EXIT_DETAIL_NOTE, STATUSES, TOPICS
 from rtkit.cli.shared.command import Main
+from rtkit.cli.shared.commands import TABLE as LOADED
 from rtkit.cli.shared.commands import WORDS
 from rtkit.cli.shared.group import CommandGroup
 from rtkit.cli.unified import EXAMPLES
@@ -60,7 +61,12 @@ def commands() -> dict[str, tuple[str, Main]]:
             folder = Path(importlib.import_module(module).__file__ or "").parent / "words"
             words = [_imported(file) for file in folder.glob("[a-z]*.py")]
             known = {each.name: (at, each) for at, each in words}
-            found |= {f"{name} {word}": known[word] for word in main.command.words}
+            words_of = {f"{name} {word}": known[word] for word in main.command.words}
+            found |= words_of
+            # A new word is not in the table yet, by which its group finds it.
+            LOADED.update(
+                {word: (at, "") for word, (at, _) in words_of.items() if word not in LOADED}
+            )
     return found
 
 

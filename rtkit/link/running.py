@@ -11,6 +11,7 @@ from contextlib import suppress
 
 from rtkit.errors import Refused
 from rtkit.link import places
+from rtkit.rtc.nearest import did_you_mean
 
 _LOCK = ".lock"
 _SOCKET = ".sock"
@@ -61,6 +62,8 @@ def why_absent(name: str) -> str:
     try:
         is_socket = stat.S_ISSOCK(os.lstat(path).st_mode)
     except OSError:
+        if near := did_you_mean(name, managers()):
+            return f"{absent}{near}"
         others = ", ".join(managers())
         return f"{absent} (start it with: {start}{f'; running: {others}' * bool(others)})"
     if not is_socket:

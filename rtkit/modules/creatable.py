@@ -12,7 +12,6 @@ from rtkit.modules.describing import describe
 from rtkit.modules.known import instead
 from rtkit.modules.search import SUFFIX, Search
 from rtkit.rtc.create import CreateString, parse_create
-from rtkit.rtc.nearest import did_you_mean
 from rtkit.rtc.profiles import ModuleProfile, TypeProfile, split_module
 
 _STAR = b"import *"
@@ -62,7 +61,7 @@ class _Finder:
             try:
                 found = self._offered(path, init)
             except (NotFound, Refused, Malformed) as error:
-                return f"{error}{self._near(path) if isinstance(error, NotFound) else ''}"
+                return str(error)
             if found is None:
                 return ""  # its types are known only when it runs
             offered = found
@@ -112,11 +111,6 @@ class _Finder:
         search = self._search if self._is_search_allowed else None
         more = instead(name, named, COMPOSITES, search)
         return f"{message}{looked if may_search else ''}{more}"
-
-    def _near(self, path: str) -> str:
-        known = [each.removesuffix(SUFFIX) for each in self._search.modules()]
-        name = os.path.basename(path).removesuffix(SUFFIX)
-        return did_you_mean(name, known) if name not in known else ""
 
 
 def _is_among(create: CreateString, types: Sequence[TypeProfile]) -> bool:

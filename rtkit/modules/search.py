@@ -18,6 +18,7 @@ from importlib.machinery import ModuleSpec, PathFinder
 from typing import NamedTuple
 
 from rtkit.errors import NotFound, Refused
+from rtkit.rtc.nearest import did_you_mean
 from rtkit.settings.reading import find_private
 
 SUFFIX = ".py"
@@ -62,7 +63,9 @@ class Search:
         file, folder, init = self._place(path)
         if not file or not os.path.isfile(file):
             looked = f"looked in {', '.join(self.folders)} and among installed packages"
-            raise NotFound(f"no module {path} ({looked})")
+            known = [each.removesuffix(SUFFIX) for each in self.modules()]
+            hint = did_you_mean(os.path.basename(path).removesuffix(SUFFIX), known)
+            raise NotFound(f"no module {path}{hint} ({looked})")
         text, real = find_private(file)
         if folder and not _is_inside(real, os.path.realpath(folder)):
             raise Refused(f"module {path} is a link that leaves the load path {folder}")

@@ -9,6 +9,7 @@ from rtkit.errors import Malformed, NotFound
 from rtkit.fast_dataclass import replace
 from rtkit.profile.common import ExtensionProperty
 from rtkit.profile.rts_model import RtsProfile
+from rtkit.rtc.nearest import did_you_mean
 
 
 class Statement(NamedTuple):
@@ -49,8 +50,11 @@ def stated(profile: RtsProfile, statements: Iterable[Statement]) -> RtsProfile:
             profile = replace(profile, properties=_with(profile.properties, each, "the system"))
             continue
         if not any(c.instance_name == each.instance for c in profile.components):
-            known = ", ".join(c.instance_name for c in profile.components) or "none"
-            raise NotFound(f"no component named {each.instance} (components: {known})")
+            known = [c.instance_name for c in profile.components]
+            hint = (
+                did_you_mean(each.instance, known) or f" (components: {', '.join(known) or 'none'})"
+            )
+            raise NotFound(f"no component named {each.instance}{hint}")
         profile = replace(
             profile,
             components=tuple(

@@ -25,6 +25,7 @@ main = group(
         "from",
         "doc",
         "graph",
+        "schema",
     ],
     examples=(
         ("rtprofile validate robot.xml", "Is it valid, and what had to be put right?"),

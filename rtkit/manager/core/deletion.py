@@ -26,7 +26,7 @@ from rtkit.manager.core.effects import (
 )
 from rtkit.manager.core.events import OWN_PROCESS
 from rtkit.manager.core.registration import at_rest
-from rtkit.manager.core.state import ManagerState, Process
+from rtkit.manager.core.state import ManagerState, Process, no_component
 from rtkit.manager.core.wiring import cut
 
 FORCE_S = 1.0
@@ -47,7 +47,7 @@ def delete(state: ManagerState, action: act.Delete) -> Procedure:
     facts = state.components.get(instance)
     process = state.process_of(instance)
     if facts is None or process is None:
-        raise NotFound(f"no component named {instance}")
+        raise no_component(state, instance)
     if action.slave not in ("", process.name):
         raise NotFound(f"no component named {instance} in {action.slave}: it is in {process.name}")
     if instance in state.ending and not action.is_forced:

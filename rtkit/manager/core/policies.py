@@ -7,11 +7,11 @@ from rtkit.deployment.extension import with_policy
 from rtkit.deployment.health import Reaction, read_rules
 from rtkit.deployment.limits import read_limits
 from rtkit.deployment.supervision import RestartPolicy, RestartRule, read_policy, restart_of
-from rtkit.errors import NotFound, Refused
+from rtkit.errors import Refused
 from rtkit.manager.core.effects import Procedure
 from rtkit.manager.core.limiting import reserve
 from rtkit.manager.core.registration import remember
-from rtkit.manager.core.state import ManagerState
+from rtkit.manager.core.state import ManagerState, no_component
 from rtkit.rtc.create import parse_create
 
 DEFAULT = "manager.restart"
@@ -41,7 +41,7 @@ def set_policy(state: ManagerState, action: act.SetPolicy) -> Procedure:
     """Change the policy of a component, and with it its create string."""
     facts = state.components.get(action.instance)
     if facts is None:
-        raise NotFound(f"no component named {action.instance}")
+        raise no_component(state, action.instance)
     if not facts.create:
         raise Refused(f"{action.instance} was not made here: it has no policy")
     create = with_policy(facts.create, action.policy)

@@ -16,7 +16,7 @@ from rtkit.deployment.actions import Result
 from rtkit.errors import NotFound, Refused, RtkitError
 from rtkit.manager.core.effects import Call, Procedure, Send, WaitUntil
 from rtkit.manager.core.events import OWN_PROCESS
-from rtkit.manager.core.state import ManagerState, NameReservation
+from rtkit.manager.core.state import ManagerState, NameReservation, no_component
 from rtkit.rtc.create import CreateString
 from rtkit.rtc.names import COMPONENT_SUFFIX, MANAGER_SUFFIX, check_instance_name
 from rtkit.settings import formats
@@ -139,7 +139,7 @@ def register(state: ManagerState, action: act.Register) -> Procedure:
     """
     facts = state.components.get(action.instance)
     if facts is None:
-        raise NotFound(f"no component named {action.instance}")
+        raise no_component(state, action.instance)
     if action.name in facts.names:
         return Result()
     check_free(state, (action.name,), action.instance)

@@ -6,10 +6,11 @@ from collections.abc import Callable, Iterator
 
 from rtkit.deployment.facts import ComponentFacts, ProcessFacts, RestartStatus, Snapshot
 from rtkit.deployment.limits import Capacity, SlaveLimits
-from rtkit.errors import RtkitError
+from rtkit.errors import NotFound, RtkitError
 from rtkit.fast_dataclass import dataclass, field, replace
 from rtkit.manager.core.desired import DesiredComponent, DesiredState, RestartRecord
 from rtkit.manager.core.events import OWN_PROCESS
+from rtkit.rtc.nearest import did_you_mean
 from rtkit.rtc.profiles import ConnectorProfile, ModuleProfile
 from rtkit.settings.properties import Settings
 
@@ -345,3 +346,8 @@ class ManagerState:
 
 def _has_end(connector: ConnectorProfile, instance: str) -> bool:
     return any(end.instance == instance for end in connector.ports)
+
+
+def no_component(state: ManagerState, instance: str) -> NotFound:
+    """Return the error that there is no such component, with those that may have been meant."""
+    return NotFound(f"no component named {instance}{did_you_mean(instance, state.components)}")

@@ -9,7 +9,7 @@ from rtkit.deployment.actions import Result
 from rtkit.deployment.shown_ports import OwnEnds
 from rtkit.errors import Malformed, NotFound, Refused, RtkitError, Unreachable
 from rtkit.manager.core.effects import Call, Procedure, Send, WaitUntil
-from rtkit.manager.core.state import ManagerState, Opening, Process
+from rtkit.manager.core.state import ManagerState, Opening, Process, no_component
 from rtkit.rtc.connector_properties import DIRECT, differing
 from rtkit.rtc.enums import PortType
 from rtkit.rtc.port_types import WRONG_TYPE, are_reversed, provides
@@ -27,7 +27,7 @@ def living(state: ManagerState, instance: str) -> Process:
     facts = state.components.get(instance)
     process = state.process_of(instance)
     if facts is None or process is None:
-        raise NotFound(f"no component named {instance}")
+        raise no_component(state, instance)
     if facts.zombie:
         raise Refused(f"zombie ({facts.zombie}): {instance}")
     if instance in state.ending:

@@ -63,6 +63,7 @@ ELSEWHERE = {
     "log-record": "system/test_observers.py",
     "plan": "unit/cli/test_planning.py",
     "replay": "unit/cli/test_rtmgr_replay.py",
+    "schema-file": "unit/cli/test_profile_schema.py",
     "setting": "unit/cli/test_rtconfig.py",
     "settings-file": "unit/cli/test_rtconfig.py",
     "system-state": "unit/cli/test_system_states.py",

@@ -65,7 +65,7 @@ def test_what_may_be_made(ask: Ask, module: str, create: str) -> None:
 @pytest.mark.parametrize(
     ("module", "create", "told"),
     [
-        ("Arn.py:ArnInit", "Arn", "no module Arn.py (looked in .*) (did you mean Arm?)"),
+        ("Arn.py:ArnInit", "Arn", "no module Arn.py (did you mean Arm?) (looked in .*)"),
         ("../Arm.py", "Arm", "module path leaves the load paths: ../Arm.py"),
         ("Arm.py:LegInit", "Arm", "no init function LegInit in module Arm.py"),
         ("Bad.py:BadInit", "Bad", "module does not import: SyntaxError: .*Bad.py:1"),

@@ -63,7 +63,7 @@ def test_what_is_removed_is_gone() -> None:
 @pytest.mark.parametrize(
     ("text", "is_removal", "why"),
     [
-        ("Motor1:a=1", False, r"no component named Motor1 \(components: Motor0\)"),
+        ("Arm:a=1", False, r"no component named Arm \(components: Motor0\)"),
         ("Motor0:b", True, "Motor0 has no property b"),
         ("z", True, "the system has no property z"),
     ],
