@@ -13,24 +13,39 @@ TYPE_CHECKING = False
 if TYPE_CHECKING:
     from typing import Any
 
+    from rtkit.api.connect import connect
+    from rtkit.api.plan import Plan
+    from rtkit.api.profiles import SystemProfile, load
+    from rtkit.api.tree import Tree
     from rtkit.by_hand import run
     from rtkit.property.annotations import Range, Unit
-    from rtkit.tree.client import Tree
-    from rtkit.tree.connect import connect
     from rtkit.version import __version__
     from rtkit.wires.serve import serve
 
-__all__ = ["Range", "Tree", "Unit", "__version__", "connect", "run", "serve"]
-
 _HOMES = {
+    "Plan": "rtkit.api.plan",
     "Range": "rtkit.property.annotations",
-    "Tree": "rtkit.tree.client",
-    "__version__": "rtkit.version",
+    "SystemProfile": "rtkit.api.profiles",
+    "Tree": "rtkit.api.tree",
     "Unit": "rtkit.property.annotations",
-    "connect": "rtkit.tree.connect",
+    "__version__": "rtkit.version",
+    "connect": "rtkit.api.connect",
+    "load": "rtkit.api.profiles",
     "run": "rtkit.by_hand",
     "serve": "rtkit.wires.serve",
 }
+__all__ = [
+    "Plan",
+    "Range",
+    "SystemProfile",
+    "Tree",
+    "Unit",
+    "__version__",
+    "connect",
+    "load",
+    "run",
+    "serve",
+]
 
 
 def __getattr__(name: str) -> Any:
@@ -42,4 +57,4 @@ def __getattr__(name: str) -> Any:
 
 
 def __dir__() -> list[str]:
-    return sorted({*globals(), *__all__} - {"TYPE_CHECKING", "annotations"})
+    return sorted(__all__)

@@ -18,11 +18,11 @@ def carry_out(
     *,
     rolls_back: bool = False,
     is_exact: bool = False,
-) -> bool:
+) -> tuple[str, ...]:
     """Carry a plan out, and have the system followed if its profile wants that.
 
     Durations of steps are noted. One that is to be carried out exactly is not planned again where
-    the world differs. Returns whether required components are what is wanted.
+    the world differs. Returns in what required components are not what is wanted.
 
     Raises:
         Refused: A step failed; the message states what is left, or that it went back.
@@ -37,4 +37,4 @@ def carry_out(
         applier.run(plan, snapshot, rolls_back=rolls_back, is_exact=is_exact)
     if is_followed:
         following.begin_from(session, document, goal)
-    return not applier.unmet
+    return tuple(applier.unmet)

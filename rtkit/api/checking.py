@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 from rtkit.api import looking
+from rtkit.fast_dataclass import dataclass
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Iterator
 
     from rtkit.api.document import SystemDocument
     from rtkit.api.session import Session
@@ -17,12 +18,31 @@ if TYPE_CHECKING:
     from rtkit.rtc.enums import LifeCycleState
 
 
-class SystemReport(NamedTuple):
-    """The wanted system, the live one, and what deviates."""
+@dataclass(frozen=True, slots=True)
+class SystemReport:
+    """The deviations of a live system; true when nothing that is required deviates.
+
+    Attributes:
+        system: The wanted system.
+        live: The live one.
+        found: What deviates, as data: kind, path, text, item, wanted, found.
+    """
 
     system: WantedSystem
     live: LiveIndex
-    found: Sequence[Deviation]
+    found: tuple[Deviation, ...]
+
+    def __iter__(self) -> Iterator[Deviation]:
+        return iter(self.found)
+
+    def __len__(self) -> int:
+        return len(self.found)
+
+    def __bool__(self) -> bool:
+        return self.holds
+
+    def __str__(self) -> str:
+        return "\n".join(each.text for each in self.found)
 
     @property
     def holds(self) -> bool:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING
 
 from rtkit.errors import Unreachable
@@ -136,28 +136,38 @@ def can_be_started(manager: str) -> bool:
     return ":" not in manager and places.owner(manager) is None
 
 
+def start_manager(name: str, timeout_s: float, notify: Callable[[str], object]) -> None:
+    """Start a manager as ``rtmgr start NAME`` does; no error if somebody else has just done so.
+
+    Raises:
+        Refused: It cannot be started, or not all of its start was done.
+    """
+    from rtkit.errors import Partial, Refused
+    from rtkit.link import places
+    from rtkit.manager import launch
+    from rtkit.rtc.names import check_instance_name
+    from rtkit.settings.configuration import CommandLineSettings
+
+    check_instance_name(name)
+    try:
+        started = launch.start(name, CommandLineSettings(), timeout_s)
+        for text in (*started.warnings, *started.failures):
+            notify(f"manager {name}: {text}")
+    except Partial as error:
+        whys = (str(failure) for _, failure in error.failures)
+        raise Refused("; ".join([str(error), *whys])) from error
+    except Refused:
+        if places.owner(name) is None:  # else somebody else has just started it
+            raise
+
+
 def starter(session: Session) -> Start:
     """Return a function that starts a manager as ``rtmgr start NAME`` does, and connects to it."""
 
     def start(name: str) -> Tree:
-        from rtkit.errors import Partial, Refused
-        from rtkit.link import places
-        from rtkit.manager import launch
-        from rtkit.rtc.names import check_instance_name
-        from rtkit.settings.configuration import CommandLineSettings
         from rtkit.tree.connect import connect
 
-        check_instance_name(name)
-        try:
-            started = launch.start(name, CommandLineSettings(), session.timeout_s)
-            for text in (*started.warnings, *started.failures):
-                session.fail(f"manager {name}: {text}")
-        except Partial as error:
-            whys = (str(failure) for _, failure in error.failures)
-            raise Refused("; ".join([str(error), *whys])) from error
-        except Refused:
-            if places.owner(name) is None:  # else somebody else has just started it
-                raise
+        start_manager(name, session.timeout_s, session.fail)
         return connect(name, session.timeout_s)
 
     return start

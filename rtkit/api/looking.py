@@ -184,7 +184,7 @@ def managers_started(session: Session, found: Snapshot, *, dry_run: bool) -> Ite
         return
     try:
         for name in absent:
-            uninterrupted(partial(session.tree.start, name))
+            uninterrupted(partial(session.tree.start_manager, name))
             session.verbose(f"manager {name} was not running, and is started")
         yield snapshot(session)
     except BaseException:

@@ -128,7 +128,7 @@ class Applier:
         starts = [move for move in plan.moves if move.kind == "start_manager"]
         for move in starts:
             try:
-                self._careful(partial(self._site.start, move.subject))
+                self._careful(partial(self._site.start_manager, move.subject))
             except RtkitError as error:
                 raise from_kind(error.kind, f"{move.text}: {error}") from error
             self._progress(f"[1/{len(plan.layers)}] {move.text}")

@@ -30,7 +30,7 @@ class Site(Protocol):
         """Have a batch performed and return the result of each action."""
         ...
 
-    def start(self, manager: str) -> None:
+    def start_manager(self, manager: str) -> None:
         """Start a manager that does not run."""
         ...
 

@@ -20,6 +20,7 @@ from rtkit.component.port import OutPort, Port
 from rtkit.container.attached_process import AttachedProcess
 from rtkit.deployment.actions import Action, ChangeState, Connect
 from rtkit.errors import Refused, RtkitError, from_kind
+from rtkit.link import stopping
 from rtkit.probe.port_spec import Stream
 from rtkit.probe.tap import Arrival, Tap
 from rtkit.rtc.enums import Transition
@@ -183,9 +184,14 @@ class Probe(Closing):
                 piece = arrived.get(timeout=wait_s)
             except queue.Empty:
                 return []
+            stopping.check()
             if piece:
                 return piece
         return None
+
+    def wake(self) -> None:
+        """Wake the waiting thread, which goes on to wait unless a stop was requested."""
+        self.component.arrived.put([])
 
     def wait(self, until: float) -> bool:
         """Wait until a monotonic time [s]; return False when no connection is left to write to."""

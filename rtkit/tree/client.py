@@ -86,7 +86,7 @@ class Tree(ByPath, Closing):
         """Return the connection to one of the managers in use; here there is only one."""
         return self
 
-    def start(self, manager: str) -> None:
+    def start_manager(self, manager: str) -> None:
         """Start a manager that does not run; this connection cannot.
 
         Raises:

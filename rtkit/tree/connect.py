@@ -14,10 +14,13 @@ if TYPE_CHECKING:
     from rtkit.rtc.manager_address import Address
 
 
-def connect(manager: str = "", timeout_s: float = DEFAULT_TIMEOUT_S) -> Tree:
+def connect(
+    manager: str = "", timeout_s: float = DEFAULT_TIMEOUT_S, kind: type[Tree] = Tree
+) -> Tree:
     """Connect to a manager of this host, by default the one that the settings name.
 
-    `manager` may also be an address, ``localhost:2811`` or ``corbaloc::localhost:2811``.
+    `manager` may also be an address, ``localhost:2811`` or ``corbaloc::localhost:2811``. What is
+    returned is of the `kind`.
 
     Raises:
         Unreachable: It does not run, or does not answer within `timeout_s` [s].
@@ -34,7 +37,7 @@ def connect(manager: str = "", timeout_s: float = DEFAULT_TIMEOUT_S) -> Tree:
     if ":" in name:
         from rtkit.rtc.manager_address import parse_address
 
-        return connect_at(parse_address(name), timeout_s)
+        return connect_at(parse_address(name), timeout_s, kind)
     path = manager_socket(name)
     if not os.path.exists(path):
         raise Unreachable(why_absent(name))
@@ -44,7 +47,7 @@ def connect(manager: str = "", timeout_s: float = DEFAULT_TIMEOUT_S) -> Tree:
         if owner(name) is None:
             raise Unreachable(why_absent(name)) from error
         raise Unreachable(f"manager {name!r} does not answer within {timeout_s:g} s") from error
-    tree = Tree(ZenohLink(session), os.uname().nodename, name, timeout_s)
+    tree = kind(ZenohLink(session), os.uname().nodename, name, timeout_s)
     tree.has_ended = lambda: owner(name) is None
     return tree
 
@@ -54,7 +57,9 @@ def usual_manager() -> str:
     return os.environ.get("RTKIT_MANAGER") or DEFAULT_MANAGER
 
 
-def connect_at(address: Address, timeout_s: float = DEFAULT_TIMEOUT_S) -> Tree:
+def connect_at(
+    address: Address, timeout_s: float = DEFAULT_TIMEOUT_S, kind: type[Tree] = Tree
+) -> Tree:
     """Connect to the manager that listens at an address.
 
     Raises:
@@ -82,7 +87,7 @@ def connect_at(address: Address, timeout_s: float = DEFAULT_TIMEOUT_S) -> Tree:
     except Unreachable:
         session.close()  # type: ignore[no-untyped-call]
         raise
-    return Tree(ZenohLink(session), identity.host, identity.manager, timeout_s)
+    return kind(ZenohLink(session), identity.host, identity.manager, timeout_s)
 
 
 def connect_near(address: Address, timeout_s: float = DEFAULT_TIMEOUT_S) -> tuple[Tree, str]:

@@ -7,6 +7,7 @@ from threading import Event, Thread
 from typing import TypeVar
 
 from rtkit.deployment.site import UNFINISHED
+from rtkit.link import stopping
 
 T = TypeVar("T")
 
@@ -21,8 +22,10 @@ def uninterrupted(call: Callable[[], T]) -> T:
     what there is to be taken back.
 
     Raises:
-        KeyboardInterrupt: There was an interruption; the call has ended or had its grace.
+        KeyboardInterrupt: There was an interruption; the call has ended or had its grace. Or a stop
+            was requested before, and it was not begun.
     """
+    stopping.check()
     ended = Event()
     outcome: list[T] = []
     failure: list[BaseException] = []

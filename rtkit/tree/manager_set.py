@@ -82,10 +82,10 @@ class ManagerSet(Tree):
             raise Unreachable(f"manager {name!r} is not running")
         return self.trees[name]
 
-    def start(self, manager: str) -> None:
-        """See `Tree.start`; `Unreachable` if it was not ready in time."""
+    def start_manager(self, manager: str) -> None:
+        """See `Tree.start_manager`; `Unreachable` if it was not ready in time."""
         if self._start is None:
-            super().start(manager)
+            super().start_manager(manager)
             return
         tree = self._start(manager)
         if not self.trees:

@@ -11,6 +11,7 @@ from contextlib import suppress
 from rtkit.closing import Closing
 from rtkit.deployment.plan_lock import LockHolder, holder_from_text
 from rtkit.errors import Malformed, NotFound, Refused, RtkitError
+from rtkit.link import stopping
 from rtkit.link.port_holders import user_name
 from rtkit.link.processes import ProcessWatch
 from rtkit.rtc.serde import encode
@@ -47,6 +48,7 @@ class PlanLocks(Closing):
         until = time.monotonic() + self._wait_s
         notified = ""
         while True:
+            stopping.check()
             busy = self._try([*trees])
             left_s = until - time.monotonic()
             if busy is None:

@@ -17,6 +17,7 @@ from rtkit.deployment.facts import Snapshot
 from rtkit.deployment.runner import Count, Talk
 from rtkit.deployment.start_schedule import ScheduledAction, StartPlan, look
 from rtkit.errors import Refused, RtkitError, Unreachable
+from rtkit.link import stopping
 from rtkit.link.wakeup import Wakeup
 from rtkit.tree import grace
 from rtkit.tree.client import Tree, bounded
@@ -74,7 +75,8 @@ class Starter:
         """
         self._wakeup = Wakeup()
         try:
-            self._run()
+            with stopping.waking(self._wakeup.ring):
+                self._run()
         finally:
             if self._subscription is not None:
                 self._subscription.close()
@@ -158,6 +160,7 @@ class Starter:
         self._wakeup.wait(
             self._subscription.sources if self._subscription is not None else (), patience_s
         )
+        stopping.check()
         error = self._take()
         if error is not None:
             raise error

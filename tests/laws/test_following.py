@@ -53,7 +53,7 @@ class Dying:
         self._count()
         return results
 
-    def start(self, manager: str) -> None:
+    def start_manager(self, manager: str) -> None:
         raise Refused(manager)
 
     def end_started(self) -> list[str]:

@@ -6,6 +6,7 @@ import json
 import math
 from functools import partial
 from threading import RLock
+from typing import TypeVar
 
 from fake_link import InprocLink
 from fake_manager import FakeManager
@@ -21,12 +22,20 @@ from rtkit.property.exchange import Reply, Request, failure
 from rtkit.tree.client import Tree
 
 
+T = TypeVar("T", bound=Tree)
+
+
 def fake_tree(world: FakeManager, timeout_s: float = 1.0) -> Tree:
+    """Return the real client of a fake manager, over its real query server."""
+    return tree_of(Tree, world, timeout_s)
+
+
+def tree_of(kind: type[T], world: FakeManager, timeout_s: float = 1.0) -> T:
     """Return the real client of a fake manager, over its real query server."""
     link = InprocLink()
     service = zenoh_keys.service(world.host, world.manager)
     link.serve(service, _Server(world, link, service).serve)
-    return Tree(link, world.host, world.manager, timeout_s)
+    return kind(link, world.host, world.manager, timeout_s)
 
 
 class _Server:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING
 
 from rtkit.cli.shared.app import App, WrongArguments, working_directory
@@ -18,17 +18,6 @@ MODULES = several(
     "Import a module whose data types take precedence over what ports and files tell.",
 )
 FOLDERS = several("-p --path DIR", "Look for modules here too.")
-
-
-def types_of(streams: Iterable[Stream]) -> dict[str, type]:
-    """Return the data type of each stream, by its name.
-
-    Raises:
-        RtkitError: One is not known here.
-    """
-    from rtkit.probe.known_types import data_type
-
-    return {s.name: data_type(s.data_type, s.ends[0].path.typed, s.definition) for s in streams}
 
 
 def specified(app: App, typed: Sequence[str]) -> list[PortSpec]:

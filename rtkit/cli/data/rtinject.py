@@ -9,7 +9,8 @@ from typing import IO, TYPE_CHECKING
 
 import click
 
-from rtkit.cli.data.arguments import FOLDERS, MODULES, named_streams, specified, types_of
+from rtkit.api.ports import types_of
+from rtkit.cli.data.arguments import FOLDERS, MODULES, named_streams, specified
 from rtkit.cli.shared.app import App
 from rtkit.cli.shared.command import command
 from rtkit.cli.shared.options import POSITIVE, arguments, flag, lasting, option

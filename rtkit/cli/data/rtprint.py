@@ -6,7 +6,8 @@ import time
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
-from rtkit.cli.data.arguments import FOLDERS, MODULES, named_streams, specified, types_of
+from rtkit.api.ports import types_of
+from rtkit.cli.data.arguments import FOLDERS, MODULES, named_streams, specified
 from rtkit.cli.shared import stdout_reader
 from rtkit.cli.shared.app import App
 from rtkit.cli.shared.command import command

@@ -4,47 +4,16 @@ from __future__ import annotations
 
 import time
 from collections.abc import Iterator, Sequence
-from typing import TYPE_CHECKING, NamedTuple
 
+from rtkit.api.waiting import WORDS, Problem, WaitGoal, goal_of, reach
 from rtkit.cli.shared import json_records, terminal
 from rtkit.cli.shared.app import App, WrongArguments
 from rtkit.cli.shared.command import command
 from rtkit.cli.shared.options import NumberChoice, arguments, json_flag, option
 from rtkit.errors import Malformed, Partial, RtkitError
+from rtkit.rtc.names import Path
 
-if TYPE_CHECKING:
-    from rtkit.api.observers import Observers
-    from rtkit.rtc.names import Path
-    from rtkit.tree.view import TreeNode
-
-EXISTS, GONE, DATA = "exists", "gone", "data"
-_STATES = {"created": "Created", "inactive": "Inactive", "active": "Active", "error": "Error"}
-WORDS = (EXISTS, *_STATES, GONE, DATA)
 _DEFAULT_S = 30.0
-
-
-class WaitGoal(NamedTuple):
-    """Desired state of one path."""
-
-    path: Path
-    wanted: str
-
-    def problem(self, node: TreeNode | None) -> str:
-        """Return the reason why the goal does not hold, "" when it does."""
-        row = node.row if node is not None else None
-        if row is None:
-            return "" if self.wanted == GONE else "does not exist"
-        if self.wanted == GONE:
-            return "still exists"
-        if row.zombie:
-            return f"is a zombie ({row.zombie})"
-        if self.wanted in (EXISTS, DATA) or row.state == _STATES[self.wanted]:
-            return ""
-        why = f" ({row.trouble or row.cause})" if row.trouble or row.cause else ""
-        return f"is {row.state}{why}, not {_STATES[self.wanted]}"
-
-
-Problem = tuple[WaitGoal, str]
 
 
 @command(
@@ -85,13 +54,9 @@ def main(
     which it does not is told with the reason. It waits for the manager, too.
     """
     begin = time.monotonic()
-    until = begin + timeout_s
     app.bound(timeout_s)
     goals = _goals(app, words)
-    problems = _reach(app, goals, until)
-    carried = [goal for goal in goals if goal.wanted == DATA]
-    if carried and not problems:
-        problems = _await_values(app, carried, until)
+    problems = reach(app, goals, begin + timeout_s)
     if is_json:
         terminal.write(
             json_records.lines("goal", _goal_records(goals, problems, time.monotonic() - begin))
@@ -124,12 +89,12 @@ def _goals(app: App, words: Sequence[str]) -> list[WaitGoal]:
         if state in WORDS:
             if not pending:
                 raise WrongArguments(f"No path before the state {word}.")
-            goals += [_goal(path, state) for path in pending]
+            goals += [goal_of(path, state) for path in pending]
             pending = []
         else:
             _check_path(word)
             pending.append(app.path(word))
-    goals += [_goal(path, DATA if path.port else EXISTS) for path in pending]
+    goals += [goal_of(path) for path in pending]
     if not goals:
         raise WrongArguments("No component specified.")
     return goals
@@ -143,71 +108,8 @@ def _check_path(word: str) -> None:
         raise Malformed(f"neither a path nor a state: {word}{meant}")
 
 
-def _goal(path: Path, wanted: str) -> WaitGoal:
-    if (path.port is not None) is not (wanted == DATA):
-        what = "a state is one of a component" if path.port else "data come from a port"
-        raise Malformed(f"{path.typed} {wanted}: {what}")
-    if path.is_directory or not path.elements:
-        raise Malformed(f"Not a component: {path.typed}")
-    return WaitGoal(path, wanted)
-
-
-def _reach(app: App, goals: Sequence[WaitGoal], until: float) -> Sequence[Problem]:
-    """Wait until all goals hold, looking again only when something has changed.
-
-    When the time is up it returns what is missing; no manager answers may be why.
-    """
-    from rtkit.api.observers import Observers
-    from rtkit.deployment.delta import TREE
-
-    with Observers(app, (TREE,), is_patient=True) as subscriptions:
-        if subscriptions.why is not None:
-            app.verbose(str(subscriptions.why))
-        problems = _problems(goals, subscriptions)
-        for _ in subscriptions.listen(until) if problems else ():
-            problems = _problems(goals, subscriptions)
-            if not problems:
-                return []
-        if not subscriptions.subscriptions and subscriptions.why is not None:
-            return [(goal, f"is not known: {subscriptions.why}") for goal in goals]
-        return problems
-
-
-def _problems(goals: Sequence[WaitGoal], subscriptions: Observers) -> list[Problem]:
-    """Return the unmet condition of each goal, as far as is known."""
-    from rtkit.deployment.listing import listing_of
-    from rtkit.tree.resolve import find
-    from rtkit.tree.view import build
-
-    subscription = subscriptions.subscriptions.get("")
-    if subscription is None:
-        return [(goal, "is at a manager that does not answer") for goal in goals]
-    root = build(listing_of(subscription.facts))
-    pairs = ((goal, goal.problem(find(root, goal.path, subscription.facts.host))) for goal in goals)
-    return [(goal, problem) for goal, problem in pairs if problem]
-
-
 def _failures(problems: Sequence[Problem], timeout_s: float) -> list[tuple[str, RtkitError]]:
     return [
         (goal.path.typed, RtkitError(f"{goal.path.typed} {problem} after {timeout_s:g} s"))
         for goal, problem in problems
     ]
-
-
-def _await_values(app: App, goals: Sequence[WaitGoal], until: float) -> Sequence[Problem]:
-    """Wait until each of these ports has carried a value; return those that did not in time."""
-    from rtkit.probe.port_spec import PortSpec, find_streams
-    from rtkit.probe.probe import Probe, tap_ports
-    from rtkit.rtc.enums import PortType
-
-    specs = [PortSpec(goal.path.typed, goal.path) for goal in goals]
-    streams = find_streams(app.tree, specs, PortType.OUT)
-    silent = dict(zip((stream.name for stream in streams), goals, strict=True))
-    with Probe(app.tree, "rtwait", streams, tap_ports(streams)) as probe:
-        probe.connect({})
-        for piece in probe.arrivals(until):
-            for arrival in piece:
-                silent.pop(arrival.stream, None)
-            if not silent:
-                return []
-    return [(goal, "carried no data") for goal in silent.values()]

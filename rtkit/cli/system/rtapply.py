@@ -87,8 +87,8 @@ def main(
     if dry_run:
         terminal.write(map(terminal.printable, lines(prepared.plan, prepared.goal.costs)))
         return 0
-    is_reached = carry_out(app, prepared, rolls_back=rollback or app.is_strict, is_exact=is_saved)
-    return 0 if is_reached else app.status(Refused())
+    unmet = carry_out(app, prepared, rolls_back=rollback or app.is_strict, is_exact=is_saved)
+    return app.status(Refused()) if unmet else 0
 
 
 def _check_nothing_else(app: App, options: dict[str, Any]) -> None:

@@ -89,8 +89,8 @@ def main(
     from rtkit.api.checking import compare
 
     expected = None if state == UNKNOWN_STATE else LifeCycleState(state)
-    comparison = compare(app, document, expected, asked.mapped)
-    system, live, found = comparison
+    report_of = compare(app, document, expected, asked.mapped)
+    system, live, found = report_of.system, report_of.live, report_of.found
     if is_diff:
         from rtkit.deployment.deviations import diff_lines, surplus
 
@@ -104,4 +104,4 @@ def main(
 
         for each in found:
             app.report(text_of(each))
-    return 0 if comparison.holds else app.status(Refused())
+    return 0 if report_of.holds else app.status(Refused())

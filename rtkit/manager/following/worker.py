@@ -246,7 +246,7 @@ class OwnSite:
         batch = Batch(words, is_ordered, TIMEOUT_S, os.urandom(8).hex())
         return results_from_text(self._ask("batch", batch_to_text(batch)))
 
-    def start(self, manager: str) -> None:
+    def start_manager(self, manager: str) -> None:
         """Start another manager; that is for commands to do.
 
         Raises:

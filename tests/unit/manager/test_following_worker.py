@@ -52,7 +52,7 @@ class Place:
         assert self.is_locked
         return tuple(self.world.batch(actions, is_ordered))
 
-    def start(self, manager: str) -> None:
+    def start_manager(self, manager: str) -> None:
         raise Refused(manager)
 
     def end_started(self) -> list[str]:

@@ -70,7 +70,7 @@ def test_it_is_looked_at_and_acted_on_like_any_manager() -> None:
     manager.requests.answer(asked.request, Reply(results_to_text([])))
     assert found.get(timeout=WAIT_S) == ()
     with pytest.raises(Refused, match="starts no other"):
-        manager.site.start("m1")
+        manager.site.start_manager("m1")
     assert manager.site.end_started() == []
 
 

@@ -1,0 +1,118 @@
+"""Reads and writes values of ports, by a component of its own that is connected for as long."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterable, Iterator, Sequence
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from rtkit.errors import Refused
+from rtkit.link import stopping
+
+if TYPE_CHECKING:
+    from rtkit.probe.port_spec import Stream
+    from rtkit.rtc.enums import PortType
+    from rtkit.tree.client import Tree
+
+
+class PortValue(NamedTuple):
+    """A value that came out of a port.
+
+    Attributes:
+        port: As it was named.
+        time: When it arrived, Unix time [s].
+        value: Of the data type of the port.
+    """
+
+    port: str
+    time: float
+    value: Any
+
+
+def types_of(streams: Iterable[Stream]) -> dict[str, type]:
+    """Return the data type of each stream, by its name.
+
+    Raises:
+        RtkitError: One is not known here.
+    """
+    from rtkit.probe.known_types import data_type
+
+    return {s.name: data_type(s.data_type, s.ends[0].path.typed, s.definition) for s in streams}
+
+
+def values(
+    tree: Tree, ports: Sequence[str], until: float | None, *, lossless: bool
+) -> Iterator[PortValue]:
+    """Yield values of out ports as they come, until a moment [s, monotonic].
+
+    Raises:
+        Refused: No connection is left.
+    """
+    from rtkit.component.codec import codec_for
+    from rtkit.probe.probe import LOSSLESS, Probe, tap_ports
+    from rtkit.rtc.enums import PortType
+
+    streams = _streams(tree, ports, PortType.OUT)
+    typed = {stream.name: stream.ends[0].path.typed for stream in streams}
+    decode = {name: codec_for(cls).decode for name, cls in types_of(streams).items()}
+    with Probe(tree, "reader", streams, tap_ports(streams)) as probe:
+        probe.connect(LOSSLESS if lossless else {})
+        while True:
+            with stopping.waking(probe.wake):
+                piece = probe.take(until)
+            if piece is None:
+                raise Refused("no connection is left: the components or the connections have gone")
+            for stream, time_ns, payload in piece:
+                yield PortValue(typed[stream], time_ns / 1e9, decode[stream](payload))
+            if not piece:
+                return
+
+
+def write(tree: Tree, port: str, data: Iterable[Any], rate: float) -> int:
+    """Write values to an in port and return how many, once all have arrived.
+
+    Raises:
+        Malformed: One is no value of the port's type.
+        Refused: No connection is left, or the other end is silent.
+    """
+    from rtkit.probe.probe import SURE, Probe, out_ports
+    from rtkit.rtc.enums import PortType
+
+    streams = _streams(tree, [port], PortType.IN)
+    ((name, cls),) = types_of(streams).items()
+    count = 0
+    with Probe(tree, "writer", streams, out_ports({name: cls})) as probe:
+        probe.connect(SURE)
+        begin = time.monotonic()
+        for count, each in enumerate(data, start=1):
+            value = _value(cls, each)
+            if not probe.wait(begin + (count - 1) / rate if rate else 0.0):
+                raise Refused("no connection is left: the components or the connections have gone")
+            stopping.check()
+            probe.write(name, value)
+        if not probe.flush():
+            raise Refused("cannot say whether all values have arrived: the other end is silent")
+    return count
+
+
+def _value(cls: type, given: Any) -> Any:
+    """Return what was given as a value of a type; plain data are read as ``rtinject`` does."""
+    if isinstance(given, cls):
+        return given
+    import json
+
+    from rtkit.component.literal import Literal
+    from rtkit.component.types import Time
+    from rtkit.errors import Malformed
+
+    try:
+        text = json.dumps(given)
+    except (TypeError, ValueError) as error:
+        raise Malformed(f"no value of {cls.__name__}: {given!r}: {error}") from None
+    return Literal(cls, text).at(Time.now())
+
+
+def _streams(tree: Tree, ports: Sequence[str], wanted: PortType) -> tuple[Stream, ...]:
+    from rtkit.probe.port_spec import find_streams, parse_spec
+
+    return find_streams(tree, [parse_spec(each) for each in ports], wanted)

@@ -1,0 +1,121 @@
+"""System profiles of scripts: loaded, validated, checked and written."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+from rtkit.api.document import SystemDocument
+from rtkit.fast_dataclass import dataclass
+
+if TYPE_CHECKING:
+    from rtkit.profile.rts_model import RtsProfile
+    from rtkit.report.finding import Checked
+
+Source = SystemDocument | str | os.PathLike[str]
+"""A system profile, or the path of its file: XML, YAML or JSON."""
+
+
+@dataclass(frozen=True, slots=True)
+class SystemProfile(SystemDocument):
+    """A system profile (RTS profile): components, connections, parameters of a system.
+
+    Example::
+
+        robot = rtkit.load("robot.xml")
+        for finding in robot.check().findings:
+            print(finding.line, finding.text)
+        robot.write("robot.yaml")
+
+    Attributes:
+        profile: Its content, as data of `rtkit.profile.rts_model`.
+        data: The text that it was read from.
+        source: Names it in messages, as a rule the file.
+        form: ``xml``, ``yaml`` or ``json`` if that was said; None if name and content tell it.
+    """
+
+    @property
+    def components(self) -> list[str]:
+        """The instance names of its components."""
+        return [each.instance_name for each in self.profile.components]
+
+    def validate(self, *, strict: bool = False) -> Checked:
+        """Return the verdict of the schemas, with a finding for each repair.
+
+        Args:
+            strict: Take every repair for an error.
+        """
+        from rtkit.profile_tools.validation import validated
+
+        return validated(self.data, self.source, form=self.form, strict=strict)
+
+    def check(self, components: Sequence[str] = (), *, strict: bool = False) -> Checked:
+        """Return the verdict of the static check: nothing that lives is asked.
+
+        Args:
+            components: Files and folders with RTC profiles of component types.
+            strict: Take warnings for errors.
+
+        Raises:
+            NotFound: A file or folder of components cannot be read.
+        """
+        from rtkit.api.component_profiles import profiles
+        from rtkit.manager.limits.control_groups import capacity
+        from rtkit.static_check.stock import CandidateDocument, stocked
+        from rtkit.static_check.verdict import Options, opened, verdict
+
+        options = Options(strict, (), capacity)
+        system = opened(self.data, self.source, form=self.form, strict=strict)
+        files = [self.source] if os.path.exists(self.source) else []
+        found = profiles(components, lambda _: None, systems=files)
+        catalogue, _ = stocked((CandidateDocument(*each) for each in found), system.types, options)
+        return verdict(system, catalogue, options)
+
+    def text(self, form: str = "xml") -> str:
+        """Return it as XML, YAML or JSON."""
+        from rtkit.profile.write import write_profile
+
+        return write_profile(self.profile, form).decode()
+
+    def write(self, path: str | os.PathLike[str], form: str = "") -> None:
+        """Write it to a file in one step, in the form that the name of the file ends with.
+
+        Raises:
+            NotFound: It cannot be written; what was there is unchanged.
+        """
+        from rtkit.link.atomic import write_output
+        from rtkit.profile.forms import form_of_name
+
+        name = os.fspath(path)
+        write_output(self.text(form or form_of_name(name) or "xml").encode(), name)
+
+
+def load(source: Source, *, form: str | None = None, strict: bool = False) -> SystemProfile:
+    """Load a system profile from a file: ``rtkit.load("robot.xml")``.
+
+    Args:
+        source: Path of the file.
+        form: ``xml``, ``yaml`` or ``json``; None finds out.
+        strict: Refuse a profile that needs repair.
+
+    Raises:
+        NotFound: The file cannot be read.
+        InvalidDocument: It is no system profile; names file and line.
+    """
+    if isinstance(source, SystemProfile):
+        return source
+    if isinstance(source, SystemDocument):
+        return SystemProfile(source.profile, source.data, source.source, source.form)
+    from rtkit.profile.read import read_bytes, read_rts
+
+    name = os.fspath(source)
+    data = read_bytes(name)
+    return SystemProfile(read_rts(data, name, form=form, strict=strict).profile, data, name, form)
+
+
+def made(profile: RtsProfile, source: str) -> SystemProfile:
+    """Return a profile that was made here, not read."""
+    from rtkit.profile.write import write_profile
+
+    return SystemProfile(profile, write_profile(profile), source, "xml")

@@ -1,0 +1,114 @@
+"""Sessions of scripts: operations over a connection that the script has."""
+
+from __future__ import annotations
+
+import select
+from collections.abc import Callable, Iterable
+from contextlib import AbstractContextManager, nullcontext
+from time import monotonic
+from typing import TYPE_CHECKING
+
+from rtkit.closing import Closing
+from rtkit.errors import Malformed
+from rtkit.link import stopping
+
+if TYPE_CHECKING:
+    from rtkit.rtc.names import Path
+    from rtkit.tree.client import Tree
+    from rtkit.tree.view import TreeNode
+
+Notify = Callable[[str], object]
+"""Receives what a command would tell on stderr."""
+
+
+class ScriptSession(Closing):
+    """One operation of a script; see `rtkit.api.session.Session`.
+
+    The connection of the script stays open when it is closed.
+    """
+
+    def __init__(
+        self, tree: Tree, notify: Notify, name: str = "script", *, is_strict: bool = False
+    ) -> None:
+        self.name = name
+        self.timeout_s = tree.timeout_s
+        self.is_strict = is_strict
+        self.finds_managers = True
+        self.usual_manager = tree.manager
+        self._notify = notify
+        self._of_script = tree
+        self._own: Tree | None = None
+        self._is_stale = False
+
+    @property
+    def tree(self) -> Tree:
+        """The connection of the script, or one made for this operation."""
+        if self._own is None and self._is_stale:
+            from rtkit.tree.connect import connect
+
+            self._own = connect(self.usual_manager, self.timeout_s)
+        return self._own if self._own is not None else self._of_script
+
+    def ask(self, tree: Tree) -> None:
+        """See `Session.ask`."""
+        self._own = tree
+
+    def close(self) -> None:
+        """See `Session.close`; afterwards the manager is connected to anew."""
+        if self._own is not None:
+            self._own.close()
+            self._own = None
+        self._is_stale = True
+
+    def report(self, text: str) -> None:
+        """See `Session.report`."""
+        self._notify(text)
+
+    fail = report
+
+    def verbose(self, text: str) -> None:
+        """See `Session.verbose`; scripts get no details."""
+
+    def warn(self, texts: Iterable[str], mark: str = "warning: ") -> None:
+        """See `Session.warn`."""
+        found = list(texts)
+        if found and self.is_strict:
+            raise Malformed("; ".join(found))
+        for text in found:
+            self._notify(f"{mark}{text}")
+
+    def path(self, typed: str) -> Path:
+        """See `Session.path`."""
+        from rtkit.rtc.names import parse_path
+        from rtkit.tree.api import as_text
+
+        return parse_path(as_text(typed, "a path"))
+
+    def root(self, path: Path, *, is_deep: bool) -> tuple[TreeNode, str]:
+        """See `Session.root`."""
+        from rtkit.tree.view import build
+
+        listing = self.tree.listing()
+        return build(listing), listing.host
+
+    def counting(self, title: str) -> AbstractContextManager[Callable[[int, int], None]]:
+        """See `Session.counting`."""
+        return nullcontext(lambda _done, _total: None)
+
+    def report_silent_servers(self, done: str) -> int:
+        """See `Session.report_silent_servers`; scripts look at this host only."""
+        return 0
+
+    def wait_for(self, sources: Iterable[int], until: float | None) -> set[int]:
+        """See `Session.wait_for`.
+
+        Raises:
+            Stopped: A stop was requested.
+        """
+        poll = select.poll()
+        for each in (*sources, *stopping.descriptors()):
+            poll.register(each, select.POLLIN)
+        wait_ms = None if until is None else max(0.0, until - monotonic()) * 1000
+        ready = {each for each, _ in poll.poll(wait_ms)}
+        stopping.check()
+        return ready
