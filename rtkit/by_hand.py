@@ -23,7 +23,12 @@ from rtkit.component import callbacks
 from rtkit.component.base import Component
 from rtkit.component.describe import CODE
 from rtkit.component.factory import free_name
-from rtkit.container.attached_process import AttachedProcess
+from rtkit.container.attached_process import (
+    ENTERING,
+    AttachedProcess,
+    attached_to,
+    leave_if_empty,
+)
 from rtkit.container.component_factory import odd_options
 from rtkit.container.pacer import Driver
 from rtkit.errors import Refused, RtkitError
@@ -40,8 +45,6 @@ _log = logging.getLogger("rtkit")
 _running: dict[tuple[str, str], RunningComponent] = {}
 """What this process runs, by type and the name that was asked for: a cell that is run again
 replaces what it made before."""
-_attached: dict[str, AttachedProcess] = {}
-"""This process, by the managers that it is attached to."""
 
 
 class _Wish(NamedTuple):
@@ -179,7 +182,9 @@ class RunningComponent(Closing):
             del _running[self._key]
         self._calling.end()
         self._attached.end([self.component.instance])
-        _leave_if_empty(self._attached)
+        if self.look in self._attached.listeners:
+            self._attached.listeners.remove(self.look)
+        leave_if_empty(self._attached)
 
     def _enter(
         self, tree: Tree, component_class: type[Component], wish: _Wish
@@ -196,13 +201,17 @@ class RunningComponent(Closing):
             for text in odd_options(component, wish.options):
                 component.report(text)
             component.initialize()
-            attached = _attached_to(tree, kind)
             origin = {"create": _create(kind, instance, wish.options), "module": _module(code)}
             try:
-                attached.enter([component], wish.timeout_s, origin, self._calling.start)
+                with ENTERING:
+                    attached = attached_to(
+                        tree.manager, tree.host, kind, AttachedProcess.be_watched
+                    )
+                    attached.enter([component], wish.timeout_s, origin, self._calling.start)
+                    attached.listeners.append(self.look)
             except RtkitError as error:
                 attached.end([instance])
-                _leave_if_empty(attached)
+                leave_if_empty(attached)
                 if wish.name or not isinstance(error, Refused):
                     raise
                 taken.add(instance)  # another process took it in the meantime
@@ -225,26 +234,6 @@ class RunningComponent(Closing):
         """Notice whether it was ended from outside."""
         if not self.is_running:
             self._calling.end()
-
-
-def _attached_to(tree: Tree, kind: str) -> AttachedProcess:
-    """Return this process as its manager knows it, which is once, whatever it runs."""
-    if tree.manager not in _attached:
-        attached = _attached[tree.manager] = AttachedProcess(tree.manager, tree.host, kind)
-        attached.be_watched()
-        attached.changed = _look
-    return _attached[tree.manager]
-
-
-def _leave_if_empty(attached: AttachedProcess) -> None:
-    if not attached.holds and attached in _attached.values():
-        _attached.pop(attached.manager)
-        attached.leave()
-
-
-def _look() -> None:
-    for running in tuple(_running.values()):
-        running.look()
 
 
 class _Turn:

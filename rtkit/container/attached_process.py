@@ -35,7 +35,7 @@ class AttachedProcess:
 
     Attributes:
         manager: Its name.
-        changed: Called after a component was ended, or a connection removed, from outside; by a
+        listeners: Called after a component was ended, or a connection removed, from outside; by a
             thread of the attached process's own.
     """
 
@@ -52,7 +52,7 @@ class AttachedProcess:
         self._departures = threading.Condition()
         self._welcome: list[str] | None = None
         self._welcomed = threading.Event()
-        self.changed: Callable[[], object] = lambda: None
+        self.listeners: list[Callable[[], object]] = []
         self._threads: list[threading.Thread] = []
 
     def be_watched(self) -> None:
@@ -146,6 +146,8 @@ class AttachedProcess:
         for thread in self._threads:
             if thread is not threading.current_thread():
                 thread.join(_LEAVE_S)
+        if not any(thread.is_alive() for thread in self._threads):
+            self._ending.close()
         if self._stacks is not None:
             os.close(self._stacks)
             self._stacks = None
@@ -162,7 +164,11 @@ class AttachedProcess:
         else:
             self._container.put(message)
             if message.get("op") == "unlink":
-                self._container.post(self.changed)
+                self._container.post(self._changed)
+
+    def _changed(self) -> None:
+        for listener in tuple(self.listeners):
+            listener()
 
     def _heartbeats(self) -> tuple[str, str]:
         from rtkit.container.heartbeats import guest_pattern, heartbeats_path
@@ -216,12 +222,40 @@ class AttachedProcess:
             with self._departures:
                 self._held.discard(message["gone"])
                 self._departures.notify_all()
-            self.changed()
+            self._changed()
 
     def _start(self, name: str, work: Callable[[], object]) -> None:
         thread = threading.Thread(target=work, name=f"guest {name}", daemon=True)
         self._threads.append(thread)
         thread.start()
+
+
+ENTERING = threading.RLock()
+"""Held by a thread that has a component enter, or leaves."""
+_here: dict[str, AttachedProcess] = {}
+"""This process, by the managers that it is attached to: each knows it once, whatever it runs."""
+
+
+def attached_to(
+    manager: str, host: str, name: str, prepare: Callable[[AttachedProcess], object]
+) -> AttachedProcess:
+    """Return this process as its manager knows it; `prepare` one that is new.
+
+    Whoever calls holds `ENTERING` until its component has entered.
+    """
+    if manager not in _here:
+        attached = AttachedProcess(manager, host, name)
+        prepare(attached)
+        _here[manager] = attached
+    return _here[manager]
+
+
+def leave_if_empty(attached: AttachedProcess) -> None:
+    """Detach this process from a manager if it holds nothing there any more."""
+    with ENTERING:
+        if not attached.holds and _here.get(attached.manager) is attached:
+            del _here[attached.manager]
+            attached.leave()
 
 
 class _Leave:
@@ -238,3 +272,9 @@ class _Leave:
 
     def has_come(self) -> bool:
         return bool(os.read(self._read, 1))
+
+    def close(self) -> None:
+        if self._read >= 0:
+            os.close(self._read)
+            os.close(self._write)
+        self._read = self._write = -1

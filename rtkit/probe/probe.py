@@ -17,7 +17,12 @@ from rtkit.component.base import Component
 from rtkit.component.options import NUMBERED, PortStatus
 from rtkit.component.owned_contexts import PERIODIC
 from rtkit.component.port import OutPort, Port
-from rtkit.container.attached_process import AttachedProcess
+from rtkit.container.attached_process import (
+    ENTERING,
+    AttachedProcess,
+    attached_to,
+    leave_if_empty,
+)
 from rtkit.deployment.actions import Action, ChangeState, Connect
 from rtkit.errors import Refused, RtkitError, from_kind
 from rtkit.link import stopping
@@ -118,7 +123,7 @@ class Probe(Closing):
         Raises:
             Refused: A connection is not possible, or failed; names the port as typed.
         """
-        self._attached.changed = self._look
+        self._attached.listeners.append(self._look)
         activate = ChangeState(self.component.instance, "0", Transition.ACTIVATE)
         connects = self._connects(self._streams, properties, refused)
         _perform(self._tree, [("", activate), *connects], refused)
@@ -220,8 +225,10 @@ class Probe(Closing):
 
     def close(self) -> None:
         """End the component and detach the process."""
-        self._attached.changed = lambda: None
-        self._attached.leave()
+        if self._look in self._attached.listeners:
+            self._attached.listeners.remove(self._look)
+        self._attached.end([self.component.instance])
+        leave_if_empty(self._attached)
 
     def _attach(self) -> tuple[AttachedProcess, Tool]:
         """Attach under the first free name."""
@@ -232,14 +239,18 @@ class Probe(Closing):
             if name in taken:
                 continue
             component = Tool(name, self._ports, self._rate)
-            attached = AttachedProcess(self._tree.manager, self._tree.host, self._kind)
-            try:
-                attached.enter([component], self._tree.timeout_s)
-            except Refused as refused:
-                error = refused  # another process took the name in the meantime
-                attached.leave()
-                continue
-            return attached, component
+            where = (self._tree.manager, self._tree.host, self._kind)
+            with ENTERING:
+                attached = attached_to(*where, prepare=lambda _: None)
+                try:
+                    attached.enter([component], self._tree.timeout_s)
+                    return attached, component
+                except RtkitError as refused:
+                    attached.end([name])
+                    leave_if_empty(attached)
+                    if not isinstance(refused, Refused):
+                        raise
+                    error = refused  # another process took the name in the meantime
         raise error or Refused(f"no name is free for {self._kind}")
 
     def _look(self) -> None:

@@ -21,7 +21,6 @@ from rtkit.manager.query_server import ManagerQueryServer
 from rtkit.property.exchange import Reply, Request, failure
 from rtkit.tree.client import Tree
 
-
 T = TypeVar("T", bound=Tree)
 
 

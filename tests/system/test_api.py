@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import time
 from collections.abc import Iterator
 from pathlib import Path
@@ -26,7 +27,7 @@ def tree(manager: Shell, monkeypatch: pytest.MonkeyPatch) -> Iterator[Tree]:
 
 
 def test_values_are_read_and_written(tree: Tree) -> None:
-    source, sink = tree.create("SeqOut"), tree.create("SeqIn")
+    source, sink = tree.create("SeqOut?manager_name=s"), tree.create("SeqIn?manager_name=s")
     tree.activate(source)
     tree.wait(f"{source}:Long", timeout_s=10.0)
     value = tree.read(f"{source}:Long")
@@ -37,14 +38,33 @@ def test_values_are_read_and_written(tree: Tree) -> None:
     assert tree.write(f"{sink}:Long", 1, {"data": 2}, type(value)(data=3)) == 3
     assert list(tree.values(f"{sink.replace('SeqIn', 'SeqOut')}:Float", timeout_s=0.0)) == []
     tree.deactivate(source)
-    with pytest.raises(TimeoutError, match="carried no data for 0.05 s"):
+    with pytest.raises(TimeoutError, match=r"carried no data for 0\.05 s"):
         tree.read(f"{source}:Long", timeout_s=0.05)
     with pytest.raises(Refused, match="Port is not output"):
         tree.read(f"{sink}:Long")
 
 
+def test_a_script_reads_several_ports_and_writes_meanwhile(tree: Tree) -> None:
+    """Its process is attached once, whatever it reads and writes."""
+    source, sink = tree.create("SeqOut?manager_name=s"), tree.create("SeqIn?manager_name=s")
+    tree.activate(source)
+    first = tree.values(f"{source}:Long", timeout_s=10.0)
+    before = next(first)
+    files = len(os.listdir("/proc/self/fd"))
+    for _ in range(3):
+        assert tree.write(f"{sink}:Long", 1) == 1
+    second = tree.values(f"{source}:Long", timeout_s=10.0)
+    assert next(second).value.data >= before.value.data
+    first.close()
+    assert next(second).value.data > before.value.data
+    second.close()
+    assert tree.ls() == ["SeqIn0.rtc", "SeqOut0.rtc", "manager.mgr"]
+    assert not any(each.is_guest for each in tree.snapshot().processes)
+    assert len(os.listdir("/proc/self/fd")) <= files
+
+
 def test_a_system_goes_through_its_whole_cycle(tree: Tree, tmp_path: Path) -> None:
-    source = tree.create("SeqOut")
+    source = tree.create("SeqOut?manager_name=s")
     tree.connect(f"{source}:Long", f"{tree.create('SeqIn?manager_name=other')}:Long")
     file = tmp_path / "robot.xml"
     tree.save("Robot").write(file)
