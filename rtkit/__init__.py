@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from typing import Any
 
     from rtkit.api.connect import connect
-    from rtkit.api.plan import Plan
+    from rtkit.api.plan import SystemPlan
     from rtkit.api.profiles import SystemProfile, load
     from rtkit.api.tree import Tree
     from rtkit.by_hand import run
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from rtkit.wires.serve import serve
 
 _HOMES = {
-    "Plan": "rtkit.api.plan",
+    "SystemPlan": "rtkit.api.plan",
     "Range": "rtkit.property.annotations",
     "SystemProfile": "rtkit.api.profiles",
     "Tree": "rtkit.api.tree",
@@ -35,8 +35,8 @@ _HOMES = {
     "serve": "rtkit.wires.serve",
 }
 __all__ = [
-    "Plan",
     "Range",
+    "SystemPlan",
     "SystemProfile",
     "Tree",
     "Unit",

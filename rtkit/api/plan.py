@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from rtkit.tree.client import Tree
 
 
-class Plan:
+class SystemPlan:
     """The cheapest plan from what lives to a profile; false when there is nothing to do.
 
     Made by `Tree.plan`. Nothing is changed before `apply`. As text it is what ``rtplan`` shows.
@@ -58,7 +58,7 @@ class Plan:
         return "\n".join(lines(self._prepared.plan, self._prepared.goal.costs))
 
     def __repr__(self) -> str:
-        return f"<Plan: {len(self)} steps, cost {self.cost:g}, to {self.profile.source}>"
+        return f"<SystemPlan: {len(self)} steps, cost {self.cost:g}, to {self.profile.source}>"
 
     def as_dict(self) -> Mapping[str, Any]:
         """Return it as the plain data that ``rtplan --json`` writes."""
@@ -100,7 +100,7 @@ class Plan:
 
 
 def run(session: Any, prepared: Prepared, *, rollback: bool, exact: bool) -> None:
-    """Carry a plan out whose locks are taken; see `Plan.apply`."""
+    """Carry a plan out whose locks are taken; see `SystemPlan.apply`."""
     from rtkit.api.applying import carry_out
 
     is_back = rollback or session.is_strict

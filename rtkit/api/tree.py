@@ -15,7 +15,7 @@ from rtkit.tree import client
 
 if TYPE_CHECKING:
     from rtkit.api.checking import SystemReport
-    from rtkit.api.plan import Plan
+    from rtkit.api.plan import SystemPlan
     from rtkit.api.planning import GoalOptions
     from rtkit.api.ports import PortValue
     from rtkit.link.transport import Link
@@ -24,7 +24,7 @@ NO_MAP: Mapping[str, Any] = {}
 
 
 class NotReached(Refused, TimeoutError):
-    """What was waited for did not come in time."""
+    """Tells that what was waited for did not come in time."""
 
 
 def _silent(_text: str) -> None:
@@ -88,7 +88,7 @@ class Tree(client.Tree):
         stand_in: bool = False,
         hosts: Mapping[str, str] = NO_MAP,
         strict: bool = False,
-    ) -> Plan:
+    ) -> SystemPlan:
         """Return the cheapest plan from what lives to a profile; nothing is changed.
 
         Args:
@@ -106,13 +106,13 @@ class Tree(client.Tree):
             InvalidDocument: The profile makes no sense; names file and line.
         """
         from rtkit.api import planning
-        from rtkit.api.plan import Plan
+        from rtkit.api.plan import SystemPlan
 
         aim = _aim(state, costs, prune=prune, replace=replace, stand_in=stand_in)
         document = load(profile, strict=strict)
         with self._session("plan", document, strict=strict) as session:
             prepared = planning.prepare(session, document, _mapped(hosts), aim, is_dry=True)
-        return Plan(self, self.notify, document, prepared)
+        return SystemPlan(self, self.notify, document, prepared)
 
     def apply_profile(
         self,
@@ -128,7 +128,7 @@ class Tree(client.Tree):
         rollback: bool = False,
         parallel: int = 0,
         wait_s: float = 0.0,
-    ) -> Plan:
+    ) -> SystemPlan:
         """Make the live system what a profile says, by the cheapest plan, and return that plan.
 
         What holds already is not touched. Options are those of `plan`, and:
@@ -151,7 +151,7 @@ class Tree(client.Tree):
             Refused: A step failed, or somebody else is at work; tells what is left.
         """
         from rtkit.api import planning
-        from rtkit.api.plan import Plan, run
+        from rtkit.api.plan import SystemPlan, run
         from rtkit.tree.plan_locks import PlanLocks
 
         aim = _aim(state, costs, prune=prune, replace=replace, stand_in=stand_in)
@@ -164,7 +164,7 @@ class Tree(client.Tree):
                 session, document, mapped, aim, is_dry=False, parallel=parallel, lock=lock
             )
             run(session, prepared, rollback=rollback, exact=False)
-        return Plan(self, self.notify, document, prepared)
+        return SystemPlan(self, self.notify, document, prepared)
 
     def bring_up(
         self,

@@ -14,7 +14,7 @@ class Stopped(KeyboardInterrupt):
     """Another thread had this one stopped; handled as an interruption is."""
 
 
-class Stop:
+class StopRequest:
     """One request to stop, from any thread; whoever waits within `heeding` ends."""
 
     def __init__(self) -> None:
@@ -62,10 +62,10 @@ class Stop:
                 self._calls.remove(wake)
 
 
-_STOP: ContextVar[Stop | None] = ContextVar("rtkit.stop", default=None)
+_STOP: ContextVar[StopRequest | None] = ContextVar("rtkit.stop", default=None)
 
 
-def heed(stop: Stop | None) -> None:
+def heed(stop: StopRequest | None) -> None:
     """Have calls in this context heed a request to stop."""
     _STOP.set(stop)
 

@@ -142,7 +142,7 @@ def test_it_waits_until_components_are_in_a_state(tree: Tree) -> None:
 
 
 def test_what_an_author_uses_is_shown_first() -> None:
-    assert {"connect", "load", "Tree", "Plan", "SystemProfile"} <= set(dir(rtkit))
+    assert {"connect", "load", "Tree", "SystemPlan", "SystemProfile"} <= set(dir(rtkit))
     assert all(not name.startswith("_") for name in dir(rtkit) if name != "__version__")
 
 
