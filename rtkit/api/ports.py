@@ -3,16 +3,23 @@
 from __future__ import annotations
 
 import time
+from collections import deque
 from collections.abc import Iterable, Iterator, Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+from rtkit.closing import Closing
 from rtkit.errors import Refused
 from rtkit.link import stopping
 
 if TYPE_CHECKING:
     from rtkit.probe.port_spec import Stream
+    from rtkit.probe.tap import Arrival
     from rtkit.rtc.enums import PortType
     from rtkit.tree.client import Tree
+
+
+class NotReached(Refused, TimeoutError):
+    """Tells that what was waited for did not come in time."""
 
 
 class PortValue(NamedTuple):
@@ -40,6 +47,75 @@ def types_of(streams: Iterable[Stream]) -> dict[str, type]:
     return {s.name: data_type(s.data_type, s.ends[0].path.typed, s.definition) for s in streams}
 
 
+class PortReader(Closing):
+    """Keeps the values that come out of ports from its beginning on, until they are read.
+
+    Example::
+
+        with PortReader(tree, ["/localhost/Robot0.rtc:pose"]) as pose:
+            tree.write("/localhost/Robot0.rtc:goal", {"x": 1.0})
+            print(pose.read(timeout_s=5.0))
+    """
+
+    def __init__(self, tree: Tree, ports: Sequence[str], *, lossless: bool = False) -> None:
+        """Connect to out ports.
+
+        Raises:
+            NotFound: A component or a port does not exist.
+            Refused: A connection is not possible.
+        """
+        from rtkit.component.codec import codec_for
+        from rtkit.probe.probe import LOSSLESS, Probe, tap_ports
+        from rtkit.rtc.enums import PortType
+
+        streams = _streams(tree, ports, PortType.OUT)
+        self._typed = {stream.name: stream.ends[0].path.typed for stream in streams}
+        self._decode = {name: codec_for(cls).decode for name, cls in types_of(streams).items()}
+        self._arrived: deque[Arrival] = deque()
+        self._probe = Probe(tree, "reader", streams, tap_ports(streams))
+        try:
+            self._probe.connect(LOSSLESS if lossless else {})
+        except BaseException:
+            self.close()
+            raise
+
+    def read(self, *, timeout_s: float) -> Any:
+        """Return the next value, which has perhaps come already.
+
+        Args:
+            timeout_s: How long to wait for it [s].
+
+        Raises:
+            NotReached: None came in time.
+            Refused: No connection is left.
+        """
+        for each in self.values(time.monotonic() + timeout_s):
+            return each.value
+        raise NotReached(f"{', '.join(self._typed.values())} carried no data for {timeout_s:g} s")
+
+    def values(self, until: float | None) -> Iterator[PortValue]:
+        """Yield values as they come, until a moment [s, monotonic].
+
+        Raises:
+            Refused: No connection is left.
+        """
+        while True:
+            while self._arrived:
+                stream, time_ns, payload = self._arrived.popleft()
+                yield PortValue(self._typed[stream], time_ns / 1e9, self._decode[stream](payload))
+            with stopping.waking(self._probe.wake):
+                piece = self._probe.take(until)
+            if piece is None:
+                raise Refused("no connection is left: the components or the connections have gone")
+            if not piece:
+                return
+            self._arrived.extend(piece)
+
+    def close(self) -> None:
+        """Disconnect."""
+        self._probe.close()
+
+
 def values(
     tree: Tree, ports: Sequence[str], until: float | None, *, lossless: bool
 ) -> Iterator[PortValue]:
@@ -48,24 +124,8 @@ def values(
     Raises:
         Refused: No connection is left.
     """
-    from rtkit.component.codec import codec_for
-    from rtkit.probe.probe import LOSSLESS, Probe, tap_ports
-    from rtkit.rtc.enums import PortType
-
-    streams = _streams(tree, ports, PortType.OUT)
-    typed = {stream.name: stream.ends[0].path.typed for stream in streams}
-    decode = {name: codec_for(cls).decode for name, cls in types_of(streams).items()}
-    with Probe(tree, "reader", streams, tap_ports(streams)) as probe:
-        probe.connect(LOSSLESS if lossless else {})
-        while True:
-            with stopping.waking(probe.wake):
-                piece = probe.take(until)
-            if piece is None:
-                raise Refused("no connection is left: the components or the connections have gone")
-            for stream, time_ns, payload in piece:
-                yield PortValue(typed[stream], time_ns / 1e9, decode[stream](payload))
-            if not piece:
-                return
+    with PortReader(tree, ports, lossless=lossless) as reader:
+        yield from reader.values(until)
 
 
 def write(tree: Tree, port: str, data: Iterable[Any], rate: float) -> int:

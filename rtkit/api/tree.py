@@ -8,9 +8,9 @@ from contextlib import contextmanager
 from itertools import islice
 from typing import TYPE_CHECKING, Any
 
+from rtkit.api.ports import NotReached, PortReader
 from rtkit.api.profiles import Source, SystemProfile, load
 from rtkit.api.script import Notify, ScriptSession
-from rtkit.errors import Refused
 from rtkit.tree import client
 
 if TYPE_CHECKING:
@@ -21,10 +21,6 @@ if TYPE_CHECKING:
     from rtkit.link.transport import Link
 
 NO_MAP: Mapping[str, Any] = {}
-
-
-class NotReached(Refused, TimeoutError):
-    """Tells that what was waited for did not come in time."""
 
 
 def _silent(_text: str) -> None:
@@ -377,9 +373,8 @@ class Tree(client.Tree):
             NotReached: None came in time.
         """
         bound_s = self.timeout_s if timeout_s is None else timeout_s
-        for each in self.values(port, timeout_s=bound_s):
-            return each.value
-        raise NotReached(f"{port} carried no data for {bound_s:g} s")
+        with PortReader(self, [port]) as reader:
+            return reader.read(timeout_s=bound_s)
 
     def values(
         self,
