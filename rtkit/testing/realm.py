@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from rtkit.tree.client import Tree
+    from rtkit.api.tree import Tree
 
 _TIMEOUT_S = 20.0
 _MANAGER = "manager"
@@ -32,9 +32,9 @@ def own_manager(*folders: str | Path) -> Iterator[Tree]:
     Raises:
         Refused: It cannot be started.
     """
+    from rtkit.api.connect import connect
     from rtkit.manager.launch import start
     from rtkit.settings.configuration import CommandLineSettings
-    from rtkit.tree.connect import connect
 
     # A socket's path may have 107 bytes, less than folders made for tests often take.
     base = Path(tempfile.mkdtemp(prefix="rtk"))

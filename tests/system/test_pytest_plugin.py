@@ -2,15 +2,20 @@
 
 from __future__ import annotations
 
+import json
 import os
 import re
+import shutil
 import signal
 import subprocess
 import sys
 from pathlib import Path
 
 import pytest
-from shells import Shell, processes_of, wait_for_end
+import yaml
+from shells import ROOT, Shell, processes_of, wait_for_end
+
+EXAMPLE = ROOT / "examples" / "ci"
 
 SCALE = """
 from rtkit.component import Component, InPort, OutPort, Parameter, TimedLong
@@ -100,6 +105,88 @@ def test_a_failure_is_reported_with_what_lived_and_was_logged(project: Shell) ->
     assert "3 failed, 1 passed, 1 error" in out
 
 
+def test_a_system_is_brought_up_and_described_at_a_failure(project: Shell) -> None:
+    for name in ("Heating.xml", "Thermostat.py"):
+        shutil.copy(EXAMPLE / name, project.folder)
+    (project.folder / "broken.xml").write_text("<rts:RtsProfile>")
+    out = run(
+        project,
+        "import pytest\n"
+        "DRIVERS = ('Thermometer0', 'Heater0')\n"
+        "def test_drivers(rtsystem):\n"
+        "    tree = rtsystem('Heating.xml', stand_in=DRIVERS)\n"
+        "    shown = tree.snapshot().components\n"
+        "    assert {each.instance for each in shown if each.is_stand_in} == {*DRIVERS}\n"
+        "    assert tree.check('Heating.xml')\n"
+        "    with pytest.raises(TimeoutError):\n"
+        "        tree.read('/localhost/Thermostat0.rtc:power', timeout_s=0.1)\n"
+        "def test_all(rtsystem, rtmanager):\n"
+        "    assert rtsystem('Heating.xml', stand_in=True, state='Inactive') is rtmanager\n"
+        "    assert 0\n"
+        "def test_modules(rtsystem):\n"
+        "    rtsystem('Heating.xml')\n"
+        "def test_name(rtsystem):\n"
+        "    rtsystem('Heating.xml', stand_in=['Heatr0'])\n"
+        "def test_file(rtsystem):\n"
+        "    rtsystem('Hearing.xml')\n"
+        "def test_text(rtsystem):\n"
+        "    rtsystem('broken.xml')\n",
+    )
+    assert "5 failed, 1 passed" in out, out
+    plan = "- rtkit: plan -+\nplan: 5 steps, cost 20 .*\n +1  create Thermometer0 on manager"
+    assert re.search(plan, out), out
+    assert "  /localhost/Thermostat0.rtc  Inactive  stand-in\n" in out
+    errors = re.findall(r"^E +rtkit\S+: (.*)$", out, re.MULTILINE)
+    for error, told in zip(
+        errors,
+        [
+            r"impossible: Thermometer0 cannot be .*: no module Thermometer.py \(",
+            r"no component named Heatr0 \(",
+            r"cannot read Hearing.xml: No such file or directory",
+            r".*/broken.xml:1: ",
+        ],
+        strict=True,
+    ):
+        assert re.match(told, error)
+    assert "rtkit/api/" not in out, "the inside of rtkit is no part of the report"
+
+
+AT_ONCE = f"""
+import pytest
+@pytest.mark.parametrize("factor", range(4))
+def test_it(rtmanager, factor):
+    {CREATE}
+    rtmanager.configure("/localhost/Scale0.rtc", factor=factor)
+    assert rtmanager.ls() == ["Scale0.rtc", "manager.mgr"]
+    assert rtmanager.component("/localhost/Scale0.rtc").sets["default"]["factor"] == str(factor)
+"""
+
+
+def test_the_example_for_build_servers_is_run_as_it_stands(project: Shell) -> None:
+    """Its tests run beside others at once, and meet none of them."""
+    shutil.copytree(EXAMPLE, project.folder / "mine")
+    shutil.move(project.folder / "Scale.py", project.folder / "mine")
+    (project.folder / "mine" / "test_at_once.py").write_text(AT_ONCE)
+    project.environment["PATH"] = f"{Path(sys.executable).parent}:{os.environ['PATH']}"
+    (workflow,) = (EXAMPLE / ".github/workflows").iterdir()
+    (job,) = yaml.safe_load(workflow.read_text())["jobs"].values()
+    assert all(("run" in step) != ("uses" in step) for step in job["steps"])
+    commands = [step["run"] for step in job["steps"] if "run" in step]
+    assert commands[0].startswith("python -m pip install ")
+    assert commands[-1] == "python -m pytest -n 4"
+    out = ""
+    for command in commands[1:]:
+        shell = ["bash", "--noprofile", "--norc", "-eo", "pipefail", "-c", command]
+        place = {"cwd": project.folder / "mine", "env": project.environment}
+        out += subprocess.run(shell, check=True, stdout=-1, text=True, timeout=60, **place).stdout
+    assert "6 passed" in out
+    assert out.startswith("::warning file=Heating.xml,line="), "drivers have no profiles here"
+    assert json.loads((project.folder / "mine" / "check.sarif").read_text())["version"] == "2.1.0"
+    (test,) = EXAMPLE.glob("test_*.py")
+    assert len(test.read_text().splitlines()) <= 15
+    assert sum(each.is_file() for each in EXAMPLE.iterdir()) == 3, "a component, a system, its test"
+
+
 WAIT = f"""
 import signal
 def test_long(rtmanager):
@@ -136,22 +223,6 @@ def test_nothing_outlives_a_manager_that_is_killed(project: Shell) -> None:
     assert "error" not in out.splitlines()[-1], "at the end of the fixture"
 
 
-def test_tests_that_run_at_once_do_not_meet(project: Shell) -> None:
-    out = run(
-        project,
-        "import pytest, subprocess, sys\n"
-        "@pytest.mark.parametrize('number', range(4))\n"
-        "def test_it(rtmanager, number):\n"
-        f"    {CREATE}\n"
-        "    rtmanager.configure('/localhost/Scale0.rtc', factor=number)\n"
-        "    assert rtmanager.ls() == ['Scale0.rtc', 'manager.mgr']\n"
-        "    assert rtmanager.component('/localhost/Scale0.rtc').sets['default'] == "
-        "{'factor': str(number)}\n",
-        "-n4",
-    )
-    assert "4 passed" in out
-
-
 def test_commands_in_a_test_ask_its_manager(project: Shell) -> None:
     project.environment["RTKIT_CWD"] = "/localhost/elsewhere"
     out = run(
@@ -182,7 +253,7 @@ def test_what_is_not_used_is_not_imported(project: Shell) -> None:
     [
         ("me", "not the number of a process"),
         (str(2**22 + 1), "that process has ended"),
-        (f"{os.getpid()}:1", "that process has ended"),
+        ("1:99999999999", "that process has ended"),
     ],
 )
 def test_a_manager_does_not_begin_that_ought_to_have_ended(

@@ -49,7 +49,7 @@ def test_no_such_topic(
 def test_topics_speak_of_commands_that_there_are() -> None:
     for topic in TOPICS:
         named = set(re.findall(r"\brt(?!c\b|s\b)[a-z]+\b", text(topic)))
-        assert named <= {*COMMANDS.values(), "rtkit", "rtmanager", "rtsystem"}, topic
+        assert named <= {*COMMANDS.values(), "rtkit", "rtmanager", "rtport", "rtsystem"}, topic
 
 
 def test_connector_properties_are_those_that_are_read() -> None:
