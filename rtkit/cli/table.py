@@ -17,6 +17,7 @@ TOPICS: dict[str, dict[str, str]] = {
         "rtinject": "Write values into ports.",
         "rtlog": "Record what comes out of ports, and play it again into others.",
         "rtprint": "Print the values that come out of ports, as they come.",
+        "rttype": "List and show types of ports, and find the ports that carry one.",
     },
     "managers": {
         "rtconfig": "Show settings, and the files and variables that they are from.",

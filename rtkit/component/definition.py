@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
+from enum import Enum
 from typing import Annotated, get_args, get_origin
 
 from rtkit.component.type_layout import (
@@ -13,6 +14,7 @@ from rtkit.component.type_layout import (
     Layout,
     StructLayout,
     layout_of,
+    layout_of_hint,
 )
 from rtkit.component.typenames import is_standard, type_name
 from rtkit.component.types import BASIC_TYPES
@@ -61,7 +63,9 @@ def idl_of(cls: type) -> str:
     Raises:
         Malformed: It is no data type, or one that IDL has no words for.
     """
-    return "\n".join(_definitions(layout_of(cls), {}))
+    is_enum = issubclass(cls, Enum)
+    layout = layout_of_hint(cls, cls.__name__) if is_enum else layout_of(cls)
+    return "\n".join(_definitions(layout, {}))
 
 
 def has_octets(cls: type) -> bool:
@@ -98,12 +102,13 @@ def _definitions(layout: Layout, known: dict[str, object]) -> Iterator[str]:
             return
         for _, item in layout.fields:
             yield from _definitions(item, known)
-        docs = docs_of(layout.cls)
+        docs, summary = docs_of(layout.cls), _summary(layout.cls)
         fields = "".join(
             f"    {_field(item, each)};{'  // ' * (each in docs)}{docs.get(each, '')}\n"
             for each, item in layout.fields
         )
-        yield _in_module(name, f"struct {_last(name)} {{\n{fields}  }};")
+        about = f"// {summary}\n  " if summary else ""
+        yield _in_module(name, f"{about}struct {_last(name)} {{\n{fields}  }};")
 
 
 def _is_new(name: str, meant: object, known: dict[str, object]) -> bool:
@@ -118,6 +123,13 @@ def docs_of(cls: type) -> dict[str, str]:
     """Return what the docstring of a class says of its attributes, a line for each."""
     text = (cls.__doc__ or "").partition("Attributes:\n")[2]
     return {name: " ".join(about.split()) for _, name, about in _ATTRIBUTE.findall(text)}
+
+
+def _summary(cls: type) -> str:
+    """Return the first line of a docstring, unless a program wrote it of the name alone."""
+    first = (cls.__doc__ or "").strip().partition("\n")[0]
+    is_made = first.startswith((f"{cls.__name__}(", f"Structure {cls.__name__}"))
+    return "" if is_made or first == cls.__name__ else first
 
 
 def _members(layout: EnumLayout) -> Iterator[str]:
@@ -137,14 +149,15 @@ def _field(layout: Layout, name: str) -> str:
             raise Malformed(f"{name} is of several types, which IDL has no words for")
         sizes += f"[{len(layout.items)}]"
         layout = layout.items[0]
-    return f"{_type(layout)} {_word(name)}{sizes}"
+    return f"{word_of(layout)} {_word(name)}{sizes}"
 
 
-def _type(layout: Layout) -> str:
+def word_of(layout: Layout) -> str:
+    """Return what stands for a type where a field of it is declared."""
     if isinstance(layout, (StructLayout, EnumLayout)):
         return "::".join(map(_word, name_of(layout.cls).split("::")))
     if isinstance(layout, ItemsLayout):
-        item = _type(layout.item)
+        item = word_of(layout.item)
         return f"sequence<{item}{' ' * item.endswith('>')}>"  # >> would shift
     if isinstance(layout, ArrayLayout):
         return _array_name(layout)
@@ -154,7 +167,7 @@ def _type(layout: Layout) -> str:
 def _array_name(layout: ArrayLayout) -> str:
     """Return the name for an array, as sequences can only be of types that have one."""
     inner = layout.items[0]
-    item = _array_name(inner) if isinstance(inner, ArrayLayout) else _type(inner)
+    item = _array_name(inner) if isinstance(inner, ArrayLayout) else word_of(inner)
     return "_".join(["array", str(len(layout.items)), *re.findall(r"\w+", item)])
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 
-from rtkit.component.definition import _definitions, _field, _type, _word
+from rtkit.component.definition import _definitions, _field, _word, word_of
 from rtkit.component.interface import Interface, InterfaceMethod
 from rtkit.component.type_layout import ArrayLayout, Layout
 from rtkit.errors import Malformed
@@ -76,7 +76,7 @@ class _Writer:
             raise Malformed("a list of numbers that would be read as bytes")
         needed += _definitions(layout, self._known)
         if not isinstance(layout, ArrayLayout):
-            return _type(layout)
+            return word_of(layout)
         needed.append(f"typedef {_field(layout, name)};")
         return name
 

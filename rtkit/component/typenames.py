@@ -34,11 +34,6 @@ def give_name(cls: type, name: str) -> None:
     _by_class[cls] = f"IDL:{scoped.replace('::', '/')}:1.0"
 
 
-def known_names() -> list[str]:
-    """Return the names of the classes that modules of this process have registered."""
-    return list(_by_name)
-
-
 def shared(name: str, version: str) -> Callable[[C], C]:
     """Have all modules of this process that define a type of an IDL use one class for it.
 

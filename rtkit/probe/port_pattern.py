@@ -28,6 +28,11 @@ _TOOL = ("rtkit", "tool")
 """Vendor and category of the components of data tools, whose ports patterns pass over."""
 
 
+def is_tool(facts: ComponentFacts) -> bool:
+    """Return whether a component is that of a data tool, there for as long as the tool runs."""
+    return (facts.type.vendor, facts.type.category) == _TOOL
+
+
 def is_pattern(spec: PortSpec) -> bool:
     """Return whether a specification may stand for several ports."""
     return is_glob(str(spec.path))
@@ -88,7 +93,7 @@ def _matches(
     nodes = (n for n in root.walk() if n.kind is NodeKind.COMPONENT)
     for node in once(each for each in nodes if _is_at(each, spec.path, snapshot.host)):
         facts = known[node.instance]
-        if (facts.type.vendor, facts.type.category) != _TOOL:
+        if not is_tool(facts):
             for name, text in _ports(facts, spec.path.port or "", wanted):
                 elements = tuple(node.path[1:].split("/"))
                 path = spec.path._replace(typed=f"{node.path}:{text}", elements=elements, port=text)

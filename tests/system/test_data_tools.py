@@ -288,6 +288,9 @@ def test_types_that_only_the_component_knows(manager: Any) -> None:
     warned = recording.stderr.readline()
     assert warned.startswith(f"rtlog: warning: Type not found: IDL:Rover/Odd:1.0 of {rover}:odd")
     assert "is connected" in recording.stderr.readline()
+    (page,) = jsonrecords.checked(manager.ok("rttype show --json Rover::Path"))
+    assert page["example"]["pairs"] == [[{"x": 0.0, "y": 0.0}] * 2]
+    assert page["ports"] == [f"{rover}:into", f"{rover}:out"]
     value = "{mode: DRIVING, spots: [{x: 1.5}, {y: 2}], pairs: [[{x: 3}, {}]]}"
     assert manager.run(f"rtinject -c '{value}' {rover}:into").status == 0
     shown = (
@@ -297,6 +300,7 @@ def test_types_that_only_the_component_knows(manager: Any) -> None:
     assert printing.communicate(timeout=30)[0] == shown
     assert recording.wait(timeout=30) == 0
     manager.ok("rtmgr stop")
+    assert page["definition"] in manager.ok("rttype show -f run.mcap Rover::Path")
     exported = manager.run("rtlog --export json -f run.mcap")
     assert exported.err.count("of stream b") == 1
     values = {each["stream"]: each["value"] for each in jsonrecords.checked(exported.out)}

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Iterable
+from typing import Any
 
 from rtkit.cli.completion.candidates import Candidate, Files, those
 from rtkit.cli.completion.grammar import CursorMeaning
@@ -272,6 +273,32 @@ def _types(asked: CursorMeaning, live: CompletionSource) -> Found:
     return those(sorted(names), asked.typed)
 
 
+def _data_types(asked: CursorMeaning, live: CompletionSource) -> Found:
+    """Return names of data types; without their module where one begins as typed only so."""
+    from rtkit.component.standard import SCOPES, names_of
+    from rtkit.rtc.data_types import scoped_name
+
+    names = [f"{scope}::{name}" for scope in SCOPES for name in names_of(scope)]
+    ports = (port for each in _components(live) for port in each.get("ports", ()))
+    live_names = (
+        scoped_name(port.get("properties", {}).get("dataport.data_type", "")) for port in ports
+    )
+    names = [*dict.fromkeys([*filter(None, live_names), *names])]
+    return those(names, asked.typed) or those(
+        (name.rpartition("::")[2] for name in names), asked.typed
+    )
+
+
+def _components(live: CompletionSource) -> list[dict[str, Any]]:
+    """Return the components that live, none where the manager does not answer."""
+    from rtkit.errors import RtkitError
+
+    try:
+        return list(live.snapshot["components"])
+    except RtkitError:
+        return []
+
+
 def _modules(asked: CursorMeaning, live: CompletionSource) -> Found:
     return those((each["path"] for each in live.part()["modules"]), asked.typed)
 
@@ -341,6 +368,7 @@ _MAKERS: dict[str, Maker] = {
     "connector": _connectors,
     "connector-property": lambda asked, _: those(_CONNECTOR_PROPERTIES, asked.typed),
     "context": lambda asked, _: those(("all",), asked.typed),
+    "data-type": _data_types,
     "deletable": _deletable,
     "directory": _all(WantedPath(lambda _: False, takes_folders=True)),
     "faulty": _changeable("Error"),

@@ -33,7 +33,7 @@ _NS = 1_000_000_000
     examples=(
         ("rtlog -f run.mcap Robot0.rtc:pose", "Record every pose until Ctrl-C."),
         ("rtlog -a -f run.mcap", "Record all out ports, also those that come later."),
-        ("rtlog -f run.mcap 'Sensor*:out'", "Record these ports of all such components."),
+        ("rtlog -f run.mcap 'Robot*:pose'", "Record this port of all such components."),
         ("rtlog -d -f run.mcap", "What is in the recording."),
         ("rtlog --export csv -f run.mcap", "Its values for a spreadsheet, one field a line."),
         ("rtlog -p -r 0.5 -f run.mcap Map0.rtc:pose", "Play it at half its speed."),

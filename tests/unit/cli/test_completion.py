@@ -132,6 +132,10 @@ HOST = "/localhost/"
 @pytest.mark.parametrize(
     ("line", "expected"),
     [
+        ("rttype f", ["find-ports"]),
+        ("rttype show RTC::TimedLong", ["RTC::TimedLong", "RTC::TimedLongSeq"]),
+        ("rttype find-ports TimedLong", ["TimedLong", "TimedLongSeq"]),
+        ("rttype show TimedLong RTC::Pose2", ["RTC::Pose2D"]),
         ("rtls ", ["/localhost/"]),
         ("rtls lo", ["localhost/"]),
         ("rtls /localhost/lo", [f"{HOST}local.host_cxt/"]),

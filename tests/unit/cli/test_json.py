@@ -50,6 +50,9 @@ ASKED = {
     f"rtmgr --json -r {MANAGER}": "instance",
     f"rtmgr --json -l /mods/a.py:aInit -m {MANAGER}": "component-type",
     "rtpwd --json": "working-directory",
+    "rttype list --json": "known-type",
+    "rttype show --json TimedLong Add Img::ColorFormat": "data-type",
+    "rttype find-ports --json TimedLong Add": "typed-port",
     f"rtwait --json {STD} inactive": "goal",
 }
 ELSEWHERE = {

@@ -51,6 +51,7 @@ def ros_name(name: str) -> str:
 def ros_definitions(idl: str) -> dict[str, str]:
     """Return the structs of a schema in the language that the decoder reads."""
     made = {}
+    idl = re.sub(r"//.*", "", idl)
     for module, name, body in re.findall(r"module (\w+) \{\s*struct (\w+) \{(.*?)\};", idl, re.S):
         lines = []
         for kind, field in re.findall(r"([\w :<>]+?) (\w+);", body):
