@@ -15,7 +15,7 @@ from rtkit.errors import RtkitError, Unreachable
 
 if TYPE_CHECKING:
     from rtkit.deployment.facts import ComponentFacts
-    from rtkit.probe.type_catalogue import TypeCatalogue, CataloguedType
+    from rtkit.probe.type_catalogue import CataloguedType, TypeCatalogue
 
 _LIST, _SHOW, _PORTS = "list", "show", "find-ports"
 _WORDS = (_LIST, _SHOW, _PORTS)
