@@ -110,7 +110,10 @@ def _imports(subject: GeneratedComponent) -> Iterator[str]:
         yield standard_types.IMAGES
     if subject.has_types:
         yield ""
-        yield f"import {subject.types_module} as idl"
+        yield "if __package__:  # installed, where other packages have modules of this name"
+        yield f"{INDENT}from . import {subject.types_module} as idl"
+        yield "else:"
+        yield f"{INDENT}import {subject.types_module} as idl"
 
 
 def _class(subject: GeneratedComponent, types: TypesCode) -> list[str]:

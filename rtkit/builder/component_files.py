@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
@@ -23,6 +24,7 @@ from rtkit.profile.rtc_model import RtcProfile
 from rtkit.profile.write import write_rtc
 
 PROFILE = "RTC.xml"
+PYPROJECT = "pyproject.toml"
 
 
 class File(NamedTuple):
@@ -43,11 +45,15 @@ class Built:
     Attributes:
         files: By path within the project, ``/`` between folders.
         notes: What could not be taken over as it is.
+        has_idl: IDL files go with it.
+        has_mirror: Its mirror does.
     """
 
     subject: GeneratedComponent
     files: dict[str, File]
     notes: tuple[str, ...]
+    has_idl: bool = False
+    has_mirror: bool = False
 
 
 def build(
@@ -75,16 +81,27 @@ def build(
         text = types.text(made_of, [CODE_STAMP, ""])
         files[f"{subject.types_module}.py"] = File(text, has_regions=True)
     files[f"tests/test_{module}.py"] = File(trial_code(subject), has_regions=True)
-    files["README.md"] = File(readme(subject))
     notes = subject.notes
     if has_mirror:
         mirror, more = _mirror(subject, sources, made_of)
         files |= more
         notes = tuple(dict.fromkeys([*notes, *mirror.notes]))
-    files["pyproject.toml"] = File(pyproject(subject, made_of, has_mirror=has_mirror))
-    files["system.xml"] = File(sample_system(subject))
+    built = Built(subject, files, notes, bool(made_of), has_mirror)
+    files |= project_files([built])
     files[PROFILE] = File(_profile(profile))
-    return Built(subject, files, notes)
+    return built
+
+
+def project_files(members: Sequence[Built]) -> dict[str, File]:
+    """Return the files of a project that are about all its components, but for their profiles."""
+    subjects = [each.subject for each in members]
+    has_idl = any(each.has_idl for each in members)
+    has_mirror = any(each.has_mirror for each in members)
+    return {
+        "README.md": File(readme(subjects)),
+        PYPROJECT: File(pyproject(subjects, has_idl=has_idl, has_mirror=has_mirror)),
+        "system.xml": File(sample_system(subjects)),
+    }
 
 
 def _mirror(

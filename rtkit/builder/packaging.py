@@ -55,16 +55,48 @@ def toml(text: str) -> str:
     return '"' + "".join(c if c.isprintable() else f"\\U{ord(c):08x}" for c in plain) + '"'
 
 
+def entries(subjects: Sequence[GeneratedComponent]) -> dict[str, str]:
+    """Return the lines by which the components are found where the package is installed."""
+    package = package_name(subjects[0].type_name)
+    found = {}
+    for each in subjects:
+        name = each.type_name if _PLAIN_NAME.fullmatch(each.type_name) else each.module
+        target = f"{package}.{each.module}:{each.init}"
+        found[target] = f"{toml(name)} = {toml(target)}"
+    return found
+
+
+def with_entries(text: str, lines: Mapping[str, str]) -> str:
+    """Return a ``pyproject.toml`` of users with the entry points that it lacks; "" where it can't.
+
+    Args:
+        text: What is there.
+        lines: The line of each entry point, by its target.
+    """
+    heading = f'[project.entry-points."{ENTRY_POINTS}"]\n'
+    new = "".join(f"{line}\n" for target, line in lines.items() if target not in text)
+    if new and heading not in text:
+        return ""
+    return text.replace(heading, f"{heading}{new}", 1)
+
+
 def pyproject(
-    subject: GeneratedComponent, made_of: Sequence[str] = (), *, has_mirror: bool = False
+    subjects: Sequence[GeneratedComponent], *, has_idl: bool = False, has_mirror: bool = False
 ) -> str:
-    """Return ``pyproject.toml``, not yet stamped; IDL files that it is `made_of` go with it."""
-    module, package = subject.module, package_name(subject.type_name)
+    """Return ``pyproject.toml`` of components, named after the first one, not yet stamped.
+
+    Args:
+        subjects: The components.
+        has_idl: Whether IDL files go with them.
+        has_mirror: Whether there is a mirror of one.
+    """
+    subject = subjects[0]
+    package = package_name(subject.type_name)
     rules: dict[str, Sequence[str]] = {}
-    rules[f"{module}.py"] = FOREIGN_RULES if _has_foreign_names(subject) else OWN_RULES
-    if subject.has_types:
-        rules[f"{subject.types_module}.py"] = TYPE_RULES
-    entry = subject.type_name if _PLAIN_NAME.fullmatch(subject.type_name) else module
+    for each in subjects:
+        rules[f"{each.module}.py"] = FOREIGN_RULES if _has_foreign_names(each) else OWN_RULES
+        if each.has_types:
+            rules[f"{each.types_module}.py"] = TYPE_RULES
     description = subject.description or f"Component {subject.type_name}"
     lines = [
         FILE_STAMP,
@@ -82,9 +114,9 @@ def pyproject(
         'dependencies = ["rtkit"]',
         "",
         *_DEVELOPMENT,
-        "# By this rtmgr finds the component where the package is installed.",
+        "# By this rtmgr finds what is in the package where that is installed.",
         f'[project.entry-points."{ENTRY_POINTS}"]',
-        f"{toml(entry)} = {toml(f'{package}.{module}:{subject.init}')}",
+        *entries(subjects).values(),
         "",
         "# This folder is the package, so that no module hides one of another component.",
         "[tool.setuptools]",
@@ -93,7 +125,7 @@ def pyproject(
         "include-package-data = false",
         "",
         "[tool.setuptools.package-data]",
-        f"{toml(package)} = [{_listed(['RTC.xml', *(['idl/*.idl'] if made_of else [])])}]",
+        f"{toml(package)} = [{_listed(['*.xml', *(['idl/*.idl'] if has_idl else [])])}]",
         "",
         *linter(rules),
         '"tests/**" = ["D", "N999", "SLF"]',

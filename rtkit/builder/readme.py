@@ -20,19 +20,35 @@ _PORT_FACTS = {
 }
 
 
-def readme(subject: GeneratedComponent) -> str:
-    """Return ``README.md``, not yet stamped."""
-    parts = [
+def readme(subjects: Sequence[GeneratedComponent]) -> str:
+    """Return ``README.md`` of the components of a project, not yet stamped."""
+    first = subjects[0]
+    if len(subjects) == 1:
+        title, *parts = _parts(first, "RTC.xml")
+        found = [title, [MARKDOWN_STAMP], *parts]
+    else:
+        found = [[f"# {project_name(first.type_name)}"], [MARKDOWN_STAMP]]
+        found.append([f"{len(subjects)} component types in one package."])
+        for each in subjects:
+            profile = "RTC.xml" if each is first else f"{each.module}.xml"
+            # Each is a section of its own, one level deeper.
+            found += [
+                [f"#{line}" if line.startswith("#") else line for line in part]
+                for part in _parts(each, profile)
+            ]
+    return "\n\n".join("\n".join(part) for part in found if part) + "\n"
+
+
+def _parts(subject: GeneratedComponent, profile: str) -> list[list[str]]:
+    return [
         [f"# {_plain(subject.type_name)}"],
-        [MARKDOWN_STAMP],
         [_plain(subject.description or f"Component type {subject.type_name}.")],
         list(_documentation(subject)),
         list(_identity(subject)),
         list(_running(subject)),
         *_tables(subject),
-        list(_work(subject)),
+        list(_work(subject, profile)),
     ]
-    return "\n\n".join("\n".join(part) for part in parts if part) + "\n"
 
 
 def _plain(text: str) -> str:
@@ -165,11 +181,12 @@ def _port_text(port: GeneratedPort) -> str:
     return "; ".join(f"{label}{_plain(text)}" for label, text in facts if one_line(text))
 
 
-def _work(subject: GeneratedComponent) -> Iterator[str]:
+def _work(subject: GeneratedComponent, profile: str) -> Iterator[str]:
     yield "## Work on it"
     yield ""
-    yield f"Your code goes between the marks in `{subject.module}.py`. After a change to `RTC.xml`,"
-    yield "`rtbuild RTC.xml` writes what follows from it and keeps what is yours."
+    marks = f"Your code goes between the marks in `{subject.module}.py`."
+    yield f"{marks} After a change to `{profile}`,"
+    yield f"`rtbuild {profile}` writes what follows from it and keeps what is yours."
     yield ""
     yield "```sh"
     yield f"pip install -e '.[dev]'   # {project_name(subject.type_name)}"

@@ -33,9 +33,11 @@ _EPOCH = "1970-01-01T00:00:00"
 _DEFAULT_RATE = 1000.0
 
 
-def sample_system(subject: GeneratedComponent) -> str:
-    """Return a system profile of one component, not yet stamped."""
-    return system_of([(subject, "")], f"A sample of component type {subject.type_name}")
+def sample_system(subjects: Sequence[GeneratedComponent]) -> str:
+    """Return a system profile of these components, one of each, not yet stamped."""
+    names = " and ".join(each.type_name for each in subjects)
+    kind = "component type" if len(subjects) == 1 else "component types"
+    return system_of([(each, "") for each in subjects], f"A sample of {kind} {names}")
 
 
 def system_of(

@@ -31,7 +31,7 @@ TOPICS: dict[str, dict[str, str]] = {
         "rtwatch": "Print what happens to components, as it happens.",
     },
     "profiles": {
-        "rtbuild": "Generate a component from its RTC profile.",
+        "rtbuild": "Generate components from their RTC profiles.",
         "rtdoc": "Write a page about a component.",
         "rtprofile": "Check, show, compare and convert profiles.",
     },

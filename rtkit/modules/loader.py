@@ -20,12 +20,12 @@ from rtkit.errors import NotFound, Refused
 from rtkit.modules.bytecode import code_of
 from rtkit.modules.known import instead
 from rtkit.modules.neighbours import (
-    among_neighbours,
+    among_its_own,
     fingerprints,
     forget_neighbours,
     has_changed,
 )
-from rtkit.modules.search import SUFFIX, Search
+from rtkit.modules.search import SUFFIX, ModuleSource, Search
 from rtkit.rtc.create import CreateString
 from rtkit.rtc.profiles import ModuleProfile, TypeProfile
 
@@ -138,11 +138,11 @@ class Loader:
         imported = self._imported.get(source.real)
         if imported is not None and imported.fingerprint != fingerprint:
             raise Refused(f"module {path} has changed since it was loaded (rtmgr -u forgets it)")
-        with among_neighbours(source.real):
-            module = imported.module if imported else import_file(source.file, source.text)
+        with among_its_own(source):
+            module = imported.module if imported else import_source(source)
             classes = _initialise(module, name, path)
         if imported is None:
-            beside = fingerprints(source.real, source.text)
+            beside = fingerprints(source)
             imported = _Imported(module, fingerprint, _stamp(source.real), beside)
         types = self.factories.register_all(classes)
         code = {source.real: fingerprint, **imported.beside}
@@ -286,18 +286,20 @@ def _stamp(file: str) -> tuple[int, int, int]:
     return status.st_ino, status.st_size, status.st_mtime_ns
 
 
-def import_file(file: str, source: bytes) -> ModuleType:
-    """Import a module from what was read.
+def import_source(source: ModuleSource) -> ModuleType:
+    """Import a module from what was read; by relative imports it gets others of its package.
 
     Raises:
         Refused: It does not import; says where.
     """
+    file = source.file
     name = "rtkit_module_" + "".join(c if c.isalnum() else "_" for c in file)
     module = ModuleType(name)
     module.__file__ = file
+    module.__package__ = source.package
     sys.modules[name] = module
     try:
-        exec(code_of(file, source), module.__dict__)
+        exec(code_of(file, source.text), module.__dict__)
     except BaseException as error:
         del sys.modules[name]
         raise Refused(_import_failure(error, file)) from error

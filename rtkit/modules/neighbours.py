@@ -12,12 +12,16 @@ import re
 import sys
 import zlib
 from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from functools import partial
 from itertools import takewhile
 from operator import is_not
 from types import ModuleType
 
+from rtkit.modules.search import ModuleSource, file_of
+
+_of_packages: dict[str, dict[str, ModuleType]] = {}
+"""By folder of a module that is part of a package what was imported of that package, by name."""
 _beside: dict[str, dict[str, ModuleType]] = {}
 """By folder what was imported from it, by the names of modules. It belongs to `sys.modules`."""
 
@@ -52,6 +56,31 @@ def among_neighbours(real: str) -> Iterator[None]:
         sys.path[:] = [path for path in sys.path if path not in _beside] + list(_beside)
 
 
+@contextmanager
+def among_its_own(source: ModuleSource) -> Iterator[None]:
+    """Let a module import what lies beside it, and the other modules of its package."""
+    if not source.package:
+        with among_neighbours(source.real):
+            yield
+        return
+    top = source.package.partition(".")[0]
+    stem = os.path.basename(source.file).partition(".")[0]
+    is_found = file_of(f"{source.package}.{stem}") == source.file
+    folder = source.real  # of the outermost package
+    for _ in source.package.split("."):
+        folder = os.path.dirname(folder)
+    with nullcontext() if is_found else among_neighbours(folder), among_neighbours(source.real):
+        last = next(reversed(sys.modules))
+        try:
+            yield
+        finally:
+            own = _of_packages.setdefault(os.path.dirname(source.real), {})
+            for others in list(_of_packages.values()):
+                own |= {n: m for n, m in others.items() if n.partition(".")[0] == top}
+            new = [name for name in _since(last) if name.partition(".")[0] == top]
+            own |= {name: sys.modules[name] for name in new if name in sys.modules}
+
+
 def disown(folder: str) -> None:
     """Know nothing more of a folder, as if no module of it had been imported."""
     _beside.pop(folder, None)
@@ -66,14 +95,17 @@ def _since(last: str | None) -> list[str]:
     return list(takewhile(partial(is_not, last), reversed(sys.modules)))
 
 
-def fingerprints(real: str, source: bytes) -> dict[str, int]:
+def fingerprints(source: ModuleSource) -> dict[str, int]:
     """Return the CRC-32 of each file beside a module that it imports, as it is now.
 
-    Also of those that these import; a package counts as a whole.
+    Also of those that these import; a package counts as a whole, also that which it is part of.
     """
-    own = _beside.get(os.path.dirname(real), {})
-    found: dict[str, int] = {}
-    left, texts = {name.partition(".")[0] for name in own}, [source]
+    folder = os.path.dirname(source.real)
+    own = _beside.get(folder, {})
+    packaged = (each.__file__ for each in _of_packages.get(folder, {}).values())
+    whole = {file: read(file) for file in packaged if file}
+    found = {file: zlib.crc32(text) for file, text in whole.items() if text is not None}
+    left, texts = {name.partition(".")[0] for name in own}, [source.text]
     while texts:
         text = texts.pop()
         named = {top for top in left if _imports(text, top)}
@@ -108,10 +140,12 @@ def _imports(source: bytes, name: str) -> bool:
 
 def forget_neighbours(real: str) -> None:
     """Have what lies beside a module imported anew by the next one of its folder."""
-    for name, module in _beside.get(os.path.dirname(real), {}).items():
-        if sys.modules.get(name) is module:
-            del sys.modules[name]
-    _beside.get(os.path.dirname(real), {}).clear()
+    for known in (_beside, _of_packages):
+        own = known.get(os.path.dirname(real), {})
+        for name, module in own.items():
+            if sys.modules.get(name) is module:
+                del sys.modules[name]
+        own.clear()
 
 
 def _is_in(folder: str, name: str) -> bool:

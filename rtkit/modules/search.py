@@ -30,20 +30,29 @@ class ModuleSource(NamedTuple):
     Attributes:
         real: Where the file is, without links.
         init: Name of its init function where its package names one; else empty.
+        package: Name of the package that it is part of, as Python imports it; else empty.
     """
 
     file: str
     real: str
     text: bytes
     init: str = ""
+    package: str = ""
 
 
 class ModulePlace(NamedTuple):
-    """Location of a module: its file, the load path that it has to be in, if any, and its init."""
+    """Location of a module: file, load path that it has to be in, if any, init and package."""
 
     file: str = ""
     folder: str = ""
     init: str = ""
+    package: str = ""
+
+    @property
+    def name(self) -> str:
+        """The name by which Python knows it."""
+        stem = os.path.basename(self.file).removesuffix(SUFFIX)
+        return f"{self.package}.{stem}" if self.package else stem
 
 
 class Search:
@@ -60,7 +69,7 @@ class Search:
             NotFound: There is no such file.
             Refused: It lies where no module is taken from; names the rule.
         """
-        file, folder, init = self._place(path)
+        file, folder, init, package = self._place(path)
         if not file or not os.path.isfile(file):
             looked = f"looked in {', '.join(self.folders)} and among installed packages"
             known = [each.removesuffix(SUFFIX) for each in self.modules()]
@@ -69,7 +78,7 @@ class Search:
         text, real = find_private(file)
         if folder and not _is_inside(real, os.path.realpath(folder)):
             raise Refused(f"module {path} is a link that leaves the load path {folder}")
-        return ModuleSource(file, real, text, init)
+        return ModuleSource(file, real, text, init, package or package_of(file))
 
     def has(self, path: str) -> bool:
         """Return whether there is a module of that name."""
@@ -116,8 +125,14 @@ class Search:
         known = installed().get(path.removesuffix(SUFFIX))
         if known is not None:
             return known
-        is_dotted = "." in path and all(part.isidentifier() for part in path.split("."))
-        return ModulePlace(file_of(path) if is_dotted and self._is_absolute_allowed else "")
+        if "." not in path or not all(part.isidentifier() for part in path.split(".")):
+            return ModulePlace()
+        package = path.rpartition(".")[0]
+        for folder in self.folders:
+            file = f"{os.path.join(folder, *path.split('.'))}{SUFFIX}"
+            if os.path.isfile(file):
+                return ModulePlace(file, folder, package=package)
+        return ModulePlace(file_of(path) if self._is_absolute_allowed else "", package=package)
 
 
 def _is_inside(path: str, folder: str) -> bool:
@@ -139,7 +154,7 @@ def installed() -> dict[str, ModulePlace]:
         for name, module, init in _entries(folder):
             file = "" if name in found else file_of(module)
             if file:
-                found[name] = ModulePlace(file, init=init)
+                found[name] = ModulePlace(file, init=init, package=module.rpartition(".")[0])
     return found
 
 
@@ -169,6 +184,16 @@ def _group(file: str) -> Iterator[tuple[str, str, str]]:
             entry = _ENTRY.fullmatch(line)
             if entry:
                 yield entry[1], entry[2], entry[3]
+
+
+def package_of(file: str) -> str:
+    """Return the package of a file by its folders that have an ``__init__.py``; mostly empty."""
+    names: list[str] = []
+    folder = os.path.dirname(os.path.abspath(file))
+    while os.path.isfile(os.path.join(folder, "__init__.py")):
+        folder, name = os.path.split(folder)
+        names.append(name)
+    return ".".join(reversed(names))
 
 
 def file_of(module: str) -> str:

@@ -79,7 +79,7 @@ manager.components.preconnect | | list | start | connections: A.out?port=B.in&da
 manager.components.preactivation | | list | start | instances to activate
 manager.modules.load_path | | list | live | folders of modules; by default the one of the start
 manager.modules.Python.load_paths | | list | live | more of them
-manager.modules.preload | | list | start | modules to load: FILE (InitFunc)
+manager.modules.preload | | list | start | modules to load: FILE (InitFunc) or FILE:InitFunc
 manager.preload.modules | | list | start | modules to load before those
 manager.modules.abs_path_allowed | YES | boolean | live | NO: modules from load paths only
 manager.modules.search_auto | YES | boolean | live | NO: no type whose module was not loaded

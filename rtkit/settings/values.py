@@ -5,6 +5,7 @@ from __future__ import annotations
 from rtkit.deployment.supervision import restart_of
 from rtkit.errors import Malformed, Refused
 from rtkit.rtc.names import LOCAL
+from rtkit.rtc.profiles import split_module
 
 DEFAULT_PORT = 2810
 """Where a manager listens by convention."""
@@ -80,7 +81,9 @@ def restart(text: str) -> str:
 
 
 def modules(text: str) -> tuple[tuple[str, str], ...]:
-    """Return file and init function (empty for the usual one) of each ``FILE (InitFunc)``.
+    """Return file and init function, empty for the usual one, of each module.
+
+    They are written ``FILE (InitFunc)`` or ``FILE:InitFunc``; FILE may be ``package.module``.
 
     Raises:
         Malformed: A part is missing.
@@ -88,6 +91,9 @@ def modules(text: str) -> tuple[tuple[str, str], ...]:
     found = []
     for item in filter(None, map(str.strip, text.split(","))):
         file, opening, tail = item.partition("(")
+        if not opening and ":" in item:
+            found.append(split_module(item))
+            continue
         init = tail.strip().removesuffix(")").strip()
         if not file.strip() or (opening and not (tail.rstrip().endswith(")") and init)):
             raise Malformed(f"not FILE (InitFunc): {item}")

@@ -6,7 +6,6 @@ import os
 import shutil
 import subprocess
 import sys
-import tomllib
 from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
@@ -137,34 +136,6 @@ def test_the_sample_system_can_be_brought_up(manager: Any) -> None:
     assert manager.run(f"rtstart {folder}/system.xml").status == 0
     manager.ok(f"rtcheck {folder}/system.xml")
     assert "Active" in manager.ok("rtls -l /localhost/RTC_CO2_K300.rtc")
-
-
-def test_an_installed_package_is_found_by_name(shell: Any) -> None:
-    folder = build(shell, "XXX")
-    site = shell.folder / "site"
-    (site / "rtc_xxx-1.0.dist-info").mkdir(parents=True)
-    told = tomllib.loads((folder / "pyproject.toml").read_text())
-    assert told["tool"]["setuptools"]["package-dir"] == {"rtc_xxx": "."}
-    for name in ("XXX.py", "XXX_idl.py", *told["tool"]["setuptools"]["package-data"]["rtc_xxx"]):
-        for file in folder.glob(name):
-            place = site / "rtc_xxx" / file.relative_to(folder)
-            place.parent.mkdir(parents=True, exist_ok=True)
-            shutil.copy(file, place)
-    entries = told["project"]["entry-points"]["rtkit.components"]
-    assert entries == {"XXX": "rtc_xxx.XXX:XXXInit"}
-    (site / "rtc_xxx-1.0.dist-info" / "entry_points.txt").write_text(
-        "[rtkit.components]\n" + "".join(f"{name} = {to}\n" for name, to in entries.items())
-    )
-    shutil.rmtree(folder)
-    shell.environment["PYTHONPATH"] += f":{site}"
-    shell.ok("rtmgr start")
-    assert "XXX" in shell.ok(f"rtmgr -m {MANAGER}")
-    shell.ok(f"rtmgr -c 'XXX?manager_name=s1' -c XXX {MANAGER}")
-    shell.ok("rtact /localhost/XXX0.rtc /localhost/XXX1.rtc")
-    shell.ok(f"rtmgr -l rtc_xxx.XXX:XXXInit -c 'XXX?manager_name=s2' {MANAGER}")
-    shell.ok("rtcryo --all -o saved.xml")
-    assert "system of 3 components" in shell.ok("rtprofile check saved.xml")
-    assert os.listdir(site / "rtc_xxx" / "idl") == ["MyService.idl"]
 
 
 def test_what_a_project_imports_lies_beside_it(manager: Any) -> None:

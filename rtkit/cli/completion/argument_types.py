@@ -329,6 +329,15 @@ def _value(asked: CursorMeaning, live: CompletionSource) -> Found:
     return values(asked.arguments[0], asked.typed, live.timeout_s)
 
 
+def _loadable(asked: CursorMeaning, _live: CompletionSource) -> Found | Files:
+    """Return the modules of installed packages that are meant, else files."""
+    from rtkit.modules.search import installed
+
+    known = installed().values() if asked.typed and "/" not in asked.typed else ()
+    names = dict.fromkeys(f"{each.name}:{each.init}" for each in known)
+    return [*those(names, asked.typed)] or Files((".py", ".so"))
+
+
 def _classes(asked: CursorMeaning, _live: CompletionSource) -> Found | Files:
     """Return the definitions of a file whose name is typed up to the colon, else files."""
     path, colon, _ = asked.typed.rpartition(":")
@@ -385,7 +394,7 @@ _MAKERS: dict[str, Maker] = {
     "manager-name": _manager_names,
     "manager|component": _all(WantedPath(lambda node: living(node) or _is_manager(node))),
     "manager|word": _manager_or_word,
-    "module": lambda _asked, _live: Files((".py", ".so")),
+    "module": _loadable,
     "operation": _operation,
     "out-port": _out_port,
     "port": _all(_PORT),

@@ -10,8 +10,8 @@ from rtkit.component.base import Component
 from rtkit.component.callbacks import describe_failure
 from rtkit.component.factory import Factories
 from rtkit.errors import Malformed, NotFound, Refused, RtkitError
-from rtkit.modules.loader import import_file
-from rtkit.modules.neighbours import among_neighbours
+from rtkit.modules.loader import import_source
+from rtkit.modules.neighbours import among_its_own
 from rtkit.modules.search import SUFFIX, Search
 from rtkit.resources import resource
 
@@ -43,10 +43,11 @@ def component_class(typed: str, wanted: str) -> FactoryOffer:
     folders = [".", *os.environ.get("RTKIT_MODULE_PATH", "").split(os.pathsep)]
     place = os.path.abspath(path) if "/" in path or os.path.isfile(path) else path
     search = Search([each for each in folders if each] + [resource("examples", "basic")])
-    file, real, source, declared = search.read(place)
-    with among_neighbours(real):
-        module = import_file(file, source)
-    init = name or declared or f"{os.path.basename(file).removesuffix(SUFFIX)}Init"
+    source = search.read(place)
+    file = source.file
+    with among_its_own(source):
+        module = import_source(source)
+    init = name or source.init or f"{os.path.basename(file).removesuffix(SUFFIX)}Init"
     found = getattr(module, init, None)
     if found is None:
         raise NotFound(f"no {init} in module {path} ({file})")

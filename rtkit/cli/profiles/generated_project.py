@@ -6,14 +6,27 @@ import os
 from collections.abc import Iterable, Iterator, Sequence
 from typing import TYPE_CHECKING, NamedTuple
 
-from rtkit.builder.component_files import PROFILE, File, build, build_types
+from rtkit.builder.component_files import (
+    PROFILE,
+    PYPROJECT,
+    Built,
+    File,
+    build,
+    build_types,
+    project_files,
+)
+from rtkit.builder.identifiers import module_name, type_name
 from rtkit.builder.merge import Merged, MergeOutcome, merge
+from rtkit.builder.packaging import ENTRY_POINTS, entries, with_entries
 from rtkit.builder.prepare import Sources, idl_files, is_declared, undefined
+from rtkit.builder.regions import stamp_of
 from rtkit.builder.standard_types import IMAGES, KNOWN, expression
 from rtkit.cli.shared.profile_files import STDIN, read_input
 from rtkit.errors import InvalidDocument, NotFound, Refused
 from rtkit.fast_dataclass import dataclass, field
 from rtkit.idl.read import read_idl
+from rtkit.modules.search import installed
+from rtkit.profile.forms import may_be_component
 from rtkit.profile.read import read_bytes, read_rtc
 
 if TYPE_CHECKING:
@@ -22,7 +35,8 @@ if TYPE_CHECKING:
     from rtkit.idl.model import Definitions, Path
     from rtkit.profile.rtc_model import RtcProfile
 
-_ROOT = "RTM_ROOT"
+_ROOT, _IDL = "RTM_ROOT", "idl"
+_HEAD = 2048
 
 
 @dataclass(slots=True)
@@ -34,6 +48,7 @@ class Project:
         notes: Notes that the user should read.
         remarks: Notes that are shown on request.
         other: Type of the component to which the folder belongs, if that is another one.
+        entries: Lines of ``pyproject.toml`` by which the components are found.
     """
 
     folder: str
@@ -41,6 +56,7 @@ class Project:
     notes: list[str] = field(default_factory=list)
     remarks: list[str] = field(default_factory=list)
     other: str = ""
+    entries: Mapping[str, str] = field(default_factory=dict)
 
 
 class FileChange(NamedTuple):
@@ -98,22 +114,98 @@ class _Idl:
         return self.read[path]
 
 
+class _Member(NamedTuple):
+    """A component of the project, as it would be generated.
+
+    Attributes:
+        typed: The file of its profile.
+        idl: IDL files that were read, by path.
+        unnamed: Those of them that the profile does not name.
+    """
+
+    typed: str
+    built: Built
+    idl: Mapping[str, str]
+    unnamed: Sequence[str]
+    remarks: Sequence[str]
+
+    @property
+    def type_name(self) -> str:
+        """Name of its type as the profile has it."""
+        return self.built.subject.info.name
+
+
 def read(
-    typed: str, output: str | None, folders: Sequence[str], *, has_mirror: bool = False
+    typed: Sequence[str],
+    output: str | None,
+    folders: Sequence[str],
+    *,
+    has_mirror: bool = False,
+    adds: bool = False,
+    is_forced: bool = False,
 ) -> Project:
-    """Read a profile or an IDL file and generate its files.
+    """Read profiles, or one IDL file, and generate the files of their project.
+
+    Args:
+        typed: The files.
+        output: Where to write; None for the folder of the first file.
+        folders: Where else IDL files are looked for.
+        has_mirror: Also generate the mirror of the component.
+        adds: Components that the project has stay in it.
+        is_forced: They do not.
 
     Raises:
         NotFound: A file cannot be read.
         InvalidDocument: It is neither, or something is wrong with it.
+        Refused: The files are not of one project, or it has none of what is asked for.
     """
-    beside = os.path.dirname(typed) if typed != STDIN else ""
-    folder = output if output is not None else beside
-    root = os.environ.get(_ROOT, "")
-    places = [beside or ".", os.path.join(beside, "idl"), *folders]
-    idl = _Idl([*places, root and os.path.join(root, "rtm", "idl")])
-    if typed.lower().endswith(".idl"):
-        return _types_alone(typed, folder, idl)
+    folder = _beside(typed[0]) if output is None else output
+    are_idl = [each for each in typed if each.lower().endswith(".idl")]
+    if are_idl:
+        if len(typed) > 1:
+            raise Refused(f"{are_idl[0]}: an IDL file is generated alone")
+        return _types_alone(typed[0], folder, _Idl(_places(typed[0], folders)))
+    if has_mirror and len(typed) > 1:
+        raise Refused("--mirror is for one component")
+    given = {each.type_name: each for each in (_member(t, folders, has_mirror) for t in typed)}
+    if len(given) < len(typed):
+        raise Refused(f"{typed[-1]}: another file given describes the same component type")
+    profiles = {} if is_forced and not adds else _present(folder)
+    project = Project(folder, {})
+    present = os.path.join(folder, PROFILE)
+    strange = [name for name in profiles if name not in given]
+    if os.path.isfile(present) and not is_forced and not any(map(profiles.get, given)):
+        own = next(iter(given))
+        project.other = next(iter(strange), "") or _other_type(present, own)
+        if adds and project.other and project.other not in profiles:
+            raise Refused(
+                f"{present}: {project.other} is not generated there yet: rtbuild it first"
+            )
+    members = [given.get(name) or _member(path, folders) for name, path in profiles.items()]
+    members += [each for name, each in given.items() if name not in profiles]
+    for member in given.values():
+        _take(project, member, PROFILE if member is members[0] else "")
+    if len(members) > 1:
+        project.files |= project_files([each.built for each in members])
+    project.entries = entries([each.built.subject for each in members])
+    return project
+
+
+def _beside(typed: str) -> str:
+    return os.path.dirname(typed) if typed != STDIN else ""
+
+
+def _places(typed: str, folders: Sequence[str]) -> list[str]:
+    """Return where IDL files are looked for: in installed packages, too, but there last."""
+    beside, root = _beside(typed), os.environ.get(_ROOT, "")
+    places = [beside or ".", os.path.join(beside, _IDL), *folders]
+    packages = (os.path.dirname(each.file) for each in installed().values())
+    known = dict.fromkeys(os.path.join(each, _IDL) for each in packages)
+    return [*places, root and os.path.join(root, "rtm", "idl"), *filter(os.path.isdir, known)]
+
+
+def _member(typed: str, folders: Sequence[str], has_mirror: bool = False) -> _Member:
+    idl = _Idl(_places(typed, folders))
     name, data = read_input(typed)
     reading = read_rtc(data, name)
     named = [path for name in idl_files(reading.profile) if (path := _path(idl, name))]
@@ -121,30 +213,63 @@ def read(
     more = _defining(undefined(reading.profile, definitions), idl)
     if more:
         definitions = _definitions([*named, *more], idl)
-    sources = {os.path.basename(path): text for path, text in idl.read.items()}
+    names = tuple(os.path.basename(path) for path in idl.read)
     stem = os.path.basename(typed).partition(".")[0] if typed != STDIN else "Component"
-    drawn = _drawn(reading.profile, beside)
-    found = Sources(stem, definitions, drawn)
-    built = build(reading.profile, found, tuple(sources), has_mirror=has_mirror)
-    project = Project(folder, dict(built.files), list(built.notes))
-    project.notes += [f"{path}: not named by the profile; types are taken from it" for path in more]
-    project.remarks = [f"{typed}:{note.line}: {note.text}" for note in reading.notes]
-    project.files |= {f"idl/{name}": File(text) for name, text in sources.items()}
-    present = os.path.join(folder, PROFILE)
-    if _is_same(typed, present):
-        project.files.pop(PROFILE)
-    elif os.path.isfile(present):
-        project.other = _other_type(present, built.subject.info.name)
-    return project
+    found = Sources(stem, definitions, _drawn(reading.profile, _beside(typed)))
+    built = build(reading.profile, found, names, has_mirror=has_mirror)
+    remarks = [f"{typed}:{note.line}: {note.text}" for note in reading.notes]
+    return _Member(typed, built, idl.read, more, remarks)
+
+
+def _take(project: Project, member: _Member, profile: str) -> None:
+    """Add the files of a component, with its profile under that name; by default its own."""
+    files = dict(member.built.files)
+    text = files.pop(PROFILE)
+    profile = profile or f"{member.built.subject.module}.xml"
+    if not _is_same(member.typed, os.path.join(project.folder, profile)):
+        files[profile] = text
+    for path, content in member.idl.items():
+        files[f"{_IDL}/{os.path.basename(path)}"] = File(content)
+    project.files |= files
+    project.notes += member.built.notes
+    project.notes += [
+        f"{path}: not named by the profile; types are taken from it" for path in member.unnamed
+    ]
+    project.remarks += member.remarks
+
+
+def _present(folder: str) -> dict[str, str]:
+    """Return the profiles of the components that were generated in a folder, by type name."""
+    try:
+        names = sorted(name for name in os.listdir(folder or ".") if name.endswith(".xml"))
+    except OSError:
+        return {}
+    found: dict[str, str] = {}
+    for name in sorted(names, key=lambda each: each != PROFILE):
+        path = os.path.join(folder, name)
+        type = _described(path)
+        module = os.path.join(folder, f"{module_name(type_name(type, ''))}.py") if type else ""
+        if module and type not in found and os.path.isfile(module):
+            with open(module, encoding="utf-8", errors="replace") as stream:
+                if stamp_of(stream.read(_HEAD)):
+                    found[type] = path
+    return found
 
 
 def _other_type(file: str, own: str) -> str:
     """Return the type that a profile describes if it is another one than `own`."""
+    found = _described(file)
+    return found if found != own else ""
+
+
+def _described(file: str) -> str:
+    """Return the type that an RTC profile describes; empty for what is none."""
     try:
-        info = read_rtc(read_bytes(file), file).profile.basic_info
+        data = read_bytes(file)
+        info = read_rtc(data, file).profile.basic_info if may_be_component(data) else None
     except (InvalidDocument, NotFound):
         return ""
-    return info.name if info is not None and info.name != own else ""
+    return info.name if info is not None else ""
 
 
 def _types_alone(typed: str, folder: str, idl: _Idl) -> Project:
@@ -229,11 +354,26 @@ def compare(project: Project) -> list[FileChange]:
     Raises:
         NotFound: A file that is there cannot be read.
     """
-    return [
-        FileChange(path, _merged(path, file))
-        for name, file in project.files.items()
-        for path in [os.path.join(project.folder, *name.split("/"))]
-    ]
+    changes = []
+    for name, file in project.files.items():
+        path = os.path.join(project.folder, *name.split("/"))
+        merged = _merged(path, file)
+        if name == PYPROJECT and merged.assignment is MergeOutcome.KEEP:
+            merged = _entered(project, path, merged)
+        changes.append(FileChange(path, merged))
+    return changes
+
+
+def _entered(project: Project, path: str, merged: Merged) -> Merged:
+    """Return the ``pyproject.toml`` of users with components that it does not name yet."""
+    old = read_bytes(path).decode("utf-8", "replace")
+    text = with_entries(old, project.entries)
+    if not text:
+        lines = "; ".join(project.entries.values())
+        project.notes.append(f'{path}: yours; [project.entry-points."{ENTRY_POINTS}"]: {lines}')
+    if text in ("", old):
+        return merged
+    return Merged(MergeOutcome.WRITE, text, "what is yours is kept")
 
 
 def _merged(path: str, file: File) -> Merged:

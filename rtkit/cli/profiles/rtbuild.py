@@ -25,6 +25,8 @@ _SHOWN = ("written", "kept")
     examples=(
         ("rtbuild RTC.xml", "Generate a component beside its profile; again after each change."),
         ("rtbuild robot.yaml -o robot -I idl", "In a folder of its own, with IDL files of idl."),
+        ("rtbuild Arm.xml Hand.xml -o robot", "Two components in one package."),
+        ("rtbuild Eye.xml -o robot --add", "One more component for it."),
         ("rtbuild --dry-run RTC.xml", "What would be written."),
         ("rtbuild MyService.idl -o src", "Only the types and protocols of an IDL file."),
     ),
@@ -36,15 +38,16 @@ def main(
         "-o --output DIR", "Where to write (default: the folder of the file)."
     ),
     folders: tuple[str, ...] = several("-I --include DIR", "Look for IDL files there too."),
+    adds: bool = flag("--add", "Add to the components that the folder has."),
     has_mirror: bool = flag("--mirror", "Generate a mirror, too, to try it by hand."),
     dry_run: bool = flag("-n --dry-run", "Tell what would be written, write nothing."),
     force: bool = flag(
         "-f --force", "Write also what was changed; what was there is kept as NAME.bak."
     ),
     is_json: bool = json_flag("A JSON object for each file."),
-    files: tuple[str, ...] = arguments("PROFILE|IDL"),
+    files: tuple[str, ...] = arguments("PROFILE...|IDL"),
 ) -> None:
-    r"""Generate a component from its RTC profile.
+    r"""Generate components from their RTC profiles.
 
     Of an IDL file only Python types are generated.
 
@@ -52,7 +55,10 @@ def main(
     NAME.py             the component: ports, parameters, services, callbacks
     NAME_idl.py         types and protocols, where the profile names IDL files
     tests/test_NAME.py  a test of it
-    README.md  pyproject.toml  system.xml
+    README.md  pyproject.toml  system.xml  RTC.xml
+
+    Several profiles become one package, named after the first component; the profiles of the
+    others are NAME.xml. Each is an entry point, also in a pyproject.toml that you changed.
 
     Generating again keeps the code between "user code" marks, and whole files that are not code
     once they were changed. Changed code outside of the marks is a conflict: nothing is written.
@@ -62,23 +68,25 @@ def main(
     logs what arrives; what it sends, or how it serves, is for you to write, or to rtinject.
 
     IDL files are looked for where the profile says, beside it, in its folder idl, in the folders
-    of -I and below $RTM_ROOT.
+    of -I, below $RTM_ROOT and in the installed packages of components.
     """
     from rtkit.cli.profiles import generated_project
 
-    if len(files) != 1:
+    if not files:
         raise Malformed("One RTC profile or IDL file has to be given.")
-    project = generated_project.read(files[0], output, folders, has_mirror=has_mirror)
-    if project.other and not force:
+    project = generated_project.read(
+        files, output, folders, has_mirror=has_mirror, adds=adds, is_forced=force
+    )
+    if project.other and not (force or adds):
         raise Refused(
             f"{project.folder or '.'} is the folder of component {project.other}:"
-            " -o DIR gives this one its own"
+            " -o DIR gives this one its own, --add puts it beside that one"
         )
+    changes = generated_project.compare(project)
     for note in project.remarks:
         app.verbose(note)
     for note in project.notes:
         app.report(f"note: {note}")
-    changes = generated_project.compare(project)
     conflicts = [each for each in changes if each.is_conflict]
     if conflicts and not force:
         for each in conflicts:

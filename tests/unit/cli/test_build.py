@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import shutil
+import tomllib
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -123,7 +124,7 @@ def test_changes_to_generated_code_stop_everything(place: Path, run: Run) -> Non
     edit(place / "echo.xml", 'rtc:name="in"', 'rtc:name="into"')
     before = contents(place / "out")
     told = (
-        "rtbuild: out/Echo.py:19: the generated part was changed\n"
+        "rtbuild: out/Echo.py:22: the generated part was changed\n"
         "rtbuild: out/Echo_idl.py:27: the generated part was changed\n"
         "rtbuild: nothing was written; --force writes, and keeps these as NAME.bak\n"
     )
@@ -237,12 +238,113 @@ def test_each_component_has_its_own_folder(place: Path, run: Run) -> None:
     shutil.copy(place / "echo.xml", place / "other.xml")
     edit(place / "other.xml", 'rtc:name="Echo"', 'rtc:name="Other"')
     assert run("rtbuild other.xml") == (
-        1, "", "rtbuild: . is the folder of component Echo: -o DIR gives this one its own\n"
-    )  # fmt: skip
+        1,
+        "",
+        "rtbuild: . is the folder of component Echo: -o DIR gives this one its own,"
+        " --add puts it beside that one\n",
+    )
     (place / "other.xml").rename(place.parent / "other.xml")
     assert contents(place) == before
     assert run(f"rtbuild {place.parent / 'other.xml'} -o o").status == 0
     assert run("rtbuild echo.xml").status == 0
+
+
+@pytest.fixture
+def two(place: Path) -> Path:
+    """Two profiles, of which the second one needs no IDL."""
+    other = PROFILE[: PROFILE.index("  <rtc:ServicePorts")] + "</rtc:RtcProfile>\n"
+    (place / "other.xml").write_text(other.replace("Echo", "Other"))
+    return place
+
+
+def test_several_profiles_are_one_package(two: Path, run: Run) -> None:
+    status, out, err = run("rtbuild echo.xml other.xml -o out")
+    assert (status, err) == (0, "")
+    written = {line.split("  ")[-1].removeprefix("out/") for line in out.splitlines()}
+    assert written == {*WRITTEN, "Other.py", "tests/test_Other.py", "Other.xml"}
+    told = tomllib.loads((two / "out" / "pyproject.toml").read_text())
+    assert told["project"]["name"] == "rtc-echo"
+    assert told["project"]["entry-points"]["rtkit.components"] == {
+        "Echo": "rtc_echo.Echo:EchoInit",
+        "Other": "rtc_echo.Other:OtherInit",
+    }
+    assert told["tool"]["setuptools"]["package-data"] == {"rtc_echo": ["*.xml", "idl/*.idl"]}
+    assert 'instanceName="Other0"' in (two / "out" / "system.xml").read_text()
+    readme = (two / "out" / "README.md").read_text()
+    assert [line for line in readme.splitlines() if line.startswith(("# ", "## "))] == [
+        "# rtc-echo",
+        "## Echo",
+        "## Other",
+    ]
+    assert "rtbuild Other.xml" in readme
+    before = contents(two)
+    for line in (
+        "rtbuild echo.xml other.xml -o out",
+        "rtbuild out/RTC.xml",
+        "rtbuild out/Other.xml",
+    ):
+        assert run(line) == (0, "", "")
+    assert contents(two) == before
+
+
+def test_a_component_is_added_and_all_that_is_there_is_kept(two: Path, run: Run) -> None:
+    run("rtbuild echo.xml -o out")
+    code, project = two / "out" / "Echo.py", two / "out" / "pyproject.toml"
+    edit(code, "raise NotImplementedError", "return 'mine'")
+    edit(project, 'dependencies = ["rtkit"]', 'dependencies = ["rtkit", "numpy"]')
+    mine = code.read_bytes()
+    assert run("rtbuild other.xml -o out").status == 1
+    status, out, err = run("rtbuild other.xml -o out --add")
+    assert (status, err) == (0, "")
+    assert "written    out/pyproject.toml (what is yours is kept)\n" in out
+    assert code.read_bytes() == mine
+    text = project.read_text()
+    assert '"numpy"' in text
+    assert list(tomllib.loads(text)["project"]["entry-points"]["rtkit.components"]) == [
+        "Other",
+        "Echo",
+    ]
+    before = contents(two)
+    kept = "kept       out/pyproject.toml (it was changed)\n"
+    assert run("rtbuild other.xml -o out") == (0, kept, "")
+    assert contents(two) == before
+
+
+def test_entry_points_that_have_no_place_are_told(two: Path, run: Run) -> None:
+    run("rtbuild echo.xml -o out")
+    project = two / "out" / "pyproject.toml"
+    edit(project, '[project.entry-points."rtkit.components"]', "[project.urls]")
+    _, _, err = run("rtbuild other.xml -o out --add")
+    assert err == (
+        'note: out/pyproject.toml: yours; [project.entry-points."rtkit.components"]:'
+        ' "Echo" = "rtc_echo.Echo:EchoInit"; "Other" = "rtc_echo.Other:OtherInit"\n'
+    )
+
+
+def test_nothing_is_added_to_what_was_not_generated(two: Path, run: Run) -> None:
+    (two / "out").mkdir()
+    shutil.copy(two / "echo.xml", two / "out" / "RTC.xml")
+    assert run("rtbuild other.xml -o out --add") == (
+        1, "", "rtbuild: out/RTC.xml: Echo is not generated there yet: rtbuild it first\n"
+    )  # fmt: skip
+    assert run("rtbuild echo.xml other.xml -o out --mirror").err == (
+        "rtbuild: --mirror is for one component\n"
+    )
+
+
+def test_types_are_found_in_installed_packages(
+    two: Path, run: Run, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    site = two / "site"
+    shutil.move(two / "idl", site / "rtc_far" / "idl")
+    (site / "rtc_far" / "Far.py").write_text("")
+    (site / "rtc_far-1.dist-info").mkdir()
+    entries = "[rtkit.components]\nFar = rtc_far.Far:FarInit\n"
+    (site / "rtc_far-1.dist-info" / "entry_points.txt").write_text(entries)
+    monkeypatch.syspath_prepend(site)
+    status, out, _ = run("rtbuild echo.xml -o out")
+    assert status == 0
+    assert "out/idl/MyService.idl" in out
 
 
 def test_a_mistake_in_an_idl_file_is_told_with_its_line(place: Path, run: Run) -> None:
@@ -287,7 +389,12 @@ def test_an_idl_file_of_built_in_types_needs_nothing(place: Path, run: Run) -> N
     ("line", "why"),
     [
         ("rtbuild", "rtbuild: One RTC profile or IDL file has to be given."),
-        ("rtbuild a b", "rtbuild: One RTC profile or IDL file has to be given."),
+        ("rtbuild a b", "rtbuild: cannot read a: No such file or directory"),
+        ("rtbuild a.idl b", "rtbuild: a.idl: an IDL file is generated alone"),
+        (
+            "rtbuild echo.xml echo.xml",
+            "rtbuild: echo.xml: another file given describes the same component type",
+        ),
         ("rtbuild nix.xml", "rtbuild: cannot read nix.xml: No such file or directory"),
         ("rtbuild nix.idl", "rtbuild: cannot read nix.idl: No such file or directory"),
         ("rtbuild echo.xml -o echo.xml", "rtbuild: File exists: echo.xml"),

@@ -227,6 +227,19 @@ def test_connections(run: Any, world: FakeManager, told: Callable[[str], list[st
     assert told("rtdis /localhost/Std0.rtc /localhost/Inp") == [f"{HOST}Input0.rtc:in"]
 
 
+def test_modules_of_installed_packages(
+    told: Callable[[str], list[str]], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "arm-1.dist-info").mkdir()
+    entries = "[rtkit.components]\nArm = my_robot.arm:ArmInit\n"
+    (tmp_path / "arm-1.dist-info" / "entry_points.txt").write_text(entries)
+    (tmp_path / "my_robot").mkdir()
+    (tmp_path / "my_robot" / "arm.py").write_text("")
+    monkeypatch.syspath_prepend(tmp_path)
+    assert told("rtmgr -l my_r") == ["my_robot.arm:ArmInit"]
+    assert told("rtprofile from my_r") == ["my_robot.arm:ArmInit"]
+
+
 def test_modules(run: Any, told: Callable[[str], list[str]]) -> None:
     assert told("rtmgr /localhost/manager.mgr -u ") == []
     assert run("rtmgr /localhost/manager.mgr -l b.py:bInit").status == 0

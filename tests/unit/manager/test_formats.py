@@ -88,6 +88,8 @@ def test_processors_and_modules():
         ("b", ""),
         ("c", "d"),
     )
+    named = values.modules("my_robot.arm:ArmInit, ./b.py:bInit, /a:b/c.py")
+    assert named == (("my_robot.arm", "ArmInit"), ("./b.py", "bInit"), ("/a:b/c.py", ""))
     for text in ("(x)", "a (", "a ()", "a (b) c"):
         with pytest.raises(Malformed):
             values.modules(text)

@@ -7,6 +7,7 @@ from importlib.machinery import ModuleSpec
 
 import pytest
 
+from rtkit.component.describe import describe
 from rtkit.errors import NotFound, Refused
 from rtkit.manager.query_server import loadable
 from rtkit.modules.loader import Loader
@@ -31,7 +32,8 @@ def site(tmp_path, monkeypatch):
     folder = tmp_path / "site"
     folder.mkdir()
     monkeypatch.syspath_prepend(folder)
-    monkeypatch.delenv("RTKIT_TEST_RAN", raising=False)
+    monkeypatch.setenv("RTKIT_TEST_RAN", "")  # what the code sets is undone, too
+    monkeypatch.delenv("RTKIT_TEST_RAN")
     return folder
 
 
@@ -55,8 +57,9 @@ def test_entry_points_name_modules(site):
     )
     (site / "inner" / "__init__.py").write_text("import os\nos.environ['RTKIT_TEST_RAN'] = '1'\n")
     found = installed()
-    assert found["Scale"] == (str(site / "Scale.py"), "", "ScaleInit")
-    assert found["my comp"] == (str(site / "inner/deep/Other.py"), "", "OtherInit")
+    assert found["Scale"] == (str(site / "Scale.py"), "", "ScaleInit", "")
+    assert found["my comp"] == (str(site / "inner/deep/Other.py"), "", "OtherInit", "inner.deep")
+    assert found["my comp"].name == "inner.deep.Other"
     assert not {"x", "bad", "none", "Scale2"} & set(found)
     assert "inner" not in sys.modules
 
@@ -163,3 +166,82 @@ def test_a_module_of_a_package_may_be_named_as_python_does(site):
             Search([]).read(name)
     with pytest.raises(NotFound):
         Search([], is_absolute_allowed=False).read("inner.deep.Arm")
+
+
+RELATIVE = """
+from rtkit.component import Component
+from .helpers import NAME
+import {top}.helpers
+
+class Arm{top}(Component):
+    name = NAME
+
+def ArmInit(manager):
+    manager.register_factory(Arm{top})
+"""
+
+
+def package(folder, top, inits=("",)):
+    """Write a package whose module imports a helper relatively; return the module's file."""
+    (folder / top).mkdir(parents=True)
+    for name in inits:
+        (folder / top / f"{name or '__init__'}.py").write_text("")
+    (folder / top / "helpers.py").write_text(f"NAME = '{top}'")
+    file = folder / top / "Arm.py"
+    file.write_text(RELATIVE.format(top=top))
+    return file
+
+
+@pytest.fixture
+def clean():
+    known = set(sys.modules)
+    yield
+    for name in set(sys.modules) - known:
+        if name.startswith(("one", "two", "rtkit_module")):
+            del sys.modules[name]
+
+
+@pytest.mark.usefixtures("clean")
+@pytest.mark.parametrize("inits", [["__init__"], []])
+def test_packages_with_modules_of_equal_names_are_side_by_side(site, inits):
+    loader = Loader([])
+    for top in ("one", "two"):
+        package(site, top, inits)
+        loader.load(f"{top}.Arm", "ArmInit")
+    made = [loader.make(parse_create(f"Arm{top}")).name for top in ("one", "two")]
+    assert made == ["one", "two"]
+    assert "helpers" not in sys.modules
+
+
+@pytest.mark.usefixtures("clean")
+def test_a_package_in_a_load_path_is_named_as_python_does(tmp_path):
+    file = package(tmp_path / "folder", "one")
+    loader = Loader([str(tmp_path / "folder")])
+    assert loader.load("one.Arm", "ArmInit").file == str(file)
+    closed = Search([str(tmp_path / "folder")], is_absolute_allowed=False)
+    assert closed.read("one.Arm").package == "one"
+    with pytest.raises(NotFound):
+        closed.read("one.Nix")
+
+
+@pytest.mark.usefixtures("clean")
+def test_a_file_below_an_init_file_is_part_of_that_package(tmp_path):
+    file = package(tmp_path, "one")
+    loader = Loader([])
+    loader.load(str(file), "ArmInit")
+    assert loader.make(parse_create("Armone")).name == "one"
+
+
+@pytest.mark.usefixtures("clean")
+def test_helpers_of_a_package_are_its_code_and_imported_anew(site):
+    file = package(site, "one")
+    loader = Loader([])
+    loader.load("one.Arm", "ArmInit")
+    made = loader.make(parse_create("Armone"))
+    code = [line.partition(" ")[2] for line in describe(made).code.splitlines()]
+    assert set(code) == {str(file), *(str(site / "one" / n) for n in ("__init__.py", "helpers.py"))}
+    (site / "one" / "helpers.py").write_text("NAME = 'another'")
+    assert loader.changed(made.type) == "one.Arm"
+    loader.unload("one.Arm")
+    loader.load("one.Arm", "ArmInit")
+    assert loader.make(parse_create("Armone")).name == "another"
