@@ -201,6 +201,11 @@ BEFORE: dict[str, tuple[str, ...]] = {
     ),
     "rtmgr -m corbaloc::localhost:2811": (),
     "rtbuild robot.yaml -o robot -I idl": ("rtprofile convert Robot.xml robot.yaml",),
+    "rtbuild Arm.xml Hand.xml -o arms": (
+        "rtprofile new component Arm --out angle:TimedDouble",
+        "rtprofile new component Hand --out width:TimedDouble",
+    ),
+    "rtbuild Wrist.xml -o arms --add": ("rtprofile new component Wrist --in angle:TimedDouble",),
     "rtprofile diff robot.xml robot.new.xml": ("cp robot.xml robot.new.xml",),
     "rtprofile new system Robot --component Motor.xml:Left --component Eye.xml "
     "--connect Eye0.speed=Left.speed": (

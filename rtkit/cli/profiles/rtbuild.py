@@ -25,8 +25,8 @@ _SHOWN = ("written", "kept")
     examples=(
         ("rtbuild RTC.xml", "Generate a component beside its profile; again after each change."),
         ("rtbuild robot.yaml -o robot -I idl", "In a folder of its own, with IDL files of idl."),
-        ("rtbuild Arm.xml Hand.xml -o robot", "Two components in one package."),
-        ("rtbuild Eye.xml -o robot --add", "One more component for it."),
+        ("rtbuild Arm.xml Hand.xml -o arms", "Two components in one package."),
+        ("rtbuild Wrist.xml -o arms --add", "One more component for it."),
         ("rtbuild --dry-run RTC.xml", "What would be written."),
         ("rtbuild MyService.idl -o src", "Only the types and protocols of an IDL file."),
     ),
