@@ -24,7 +24,8 @@ def own_manager(*folders: str | Path) -> Iterator[Tree]:
     """Start a manager in temporary folders; end it, and all that it created, on exit.
 
     The manager looks for modules in `folders`. `rtkit.connect` and commands that the test runs
-    reach it until then. If the process of the test is killed, the manager ends by itself. ::
+    reach it until then. If the process of the test is killed, the manager ends by itself. What
+    lives there, and what was logged, is noted at an exception that leaves the block. ::
 
         with own_manager(Path(__file__).parent) as tree:
             tree.create("Scale?manager_name=other")
@@ -45,7 +46,7 @@ def own_manager(*folders: str | Path) -> Iterator[Tree]:
     with _environment(_settings(base, folders)):
         try:
             pid = start(_MANAGER, CommandLineSettings(str(base / "rtc.conf")), _TIMEOUT_S).pid
-            with connect(_MANAGER, _TIMEOUT_S) as tree:
+            with connect(_MANAGER, _TIMEOUT_S) as tree, _noting_failures():
                 yield tree
         finally:
             try:
@@ -67,8 +68,11 @@ def _settings(base: Path, folders: tuple[str | Path, ...]) -> dict[str, str | No
         "RTKIT_MODULE_PATH": os.pathsep.join(str(Path(each).resolve()) for each in folders),
         "RTKIT_PORT": "none",
         "RTKIT_MANAGER": _MANAGER,
+        "RTKIT_REALM": base.name,
+        "RTKIT_SERVERS": "",
+        # 0055: no pipe, which forks keep open, no PDEATHSIG, which a thread's end brings
         ENDS_WITH: f"{os.getpid()}:{began_at(os.getpid())}",
-        **dict.fromkeys(("RTKIT_CWD", "RTCSH_CWD", "RTKIT_SERVERS", "RTCTREE_NAMESERVERS")),
+        **dict.fromkeys(("RTKIT_CWD", "RTCSH_CWD", "RTCTREE_NAMESERVERS")),
     }
 
 
@@ -110,6 +114,18 @@ def _reap(pid: int) -> None:
     if pid:
         with suppress(ChildProcessError):
             os.waitpid(pid, 0)
+
+
+@contextmanager
+def _noting_failures() -> Iterator[None]:
+    try:
+        yield
+    except Exception as error:
+        from rtkit.testing.failure import system
+
+        for title, text in system():
+            error.add_note(f"{title}\n{text}")
+        raise
 
 
 @contextmanager

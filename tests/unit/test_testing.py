@@ -124,6 +124,18 @@ def test_a_manager_of_its_own_leaves_nothing_behind(tmp_path):
     assert not os.path.exists(base)
 
 
+def test_a_failure_at_a_manager_of_its_own_is_noted_with_what_lived():
+    with pytest.raises(AssertionError) as caught, own_manager() as tree:  # noqa: PT012
+        tree.create("ConsoleIn?instance_name=In0")
+        assert tree.ls() == []
+    status, log = caught.value.__notes__
+    assert re.fullmatch(
+        r"rtkit: status\nmanager manager, pid \d+: 1 components\n  /localhost/In0.rtc  Inactive",
+        status,
+    )
+    assert log.startswith("rtkit: log\n[manager ")
+
+
 class Memory(Protocol):
     def recall(self, key: str) -> str: ...
 
