@@ -63,7 +63,7 @@ def is_same_definition(name: str, one: str, other: str) -> bool:
     if not one or not other or one == other:
         return True
     try:
-        texts = {re.sub(r" *//.*", "", idl_of(class_of(name, each))) for each in (one, other)}
+        texts = {re.sub(r"\s*//.*", "", idl_of(class_of(name, each))) for each in (one, other)}
     except RtkitError:
         return True  # it cannot be said
     return len(texts) == 1

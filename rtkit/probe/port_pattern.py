@@ -33,11 +33,6 @@ def is_tool(facts: ComponentFacts) -> bool:
     return (facts.type.vendor, facts.type.category) == _TOOL
 
 
-def is_pattern(spec: PortSpec) -> bool:
-    """Return whether a specification may stand for several ports."""
-    return is_glob(str(spec.path))
-
-
 def expanded(
     snapshot: Snapshot, specs: Sequence[PortSpec], wanted: PortType, *, is_patient: bool = False
 ) -> list[PortSpec]:
@@ -58,10 +53,10 @@ def expanded(
     own = OwnEnds.of(snapshot)
     found: list[PortSpec] = []
     taken: set[PortRef] = set()
-    for spec in sorted(specs, key=is_pattern):
+    for spec in sorted(specs, key=lambda each: each.is_pattern):
         named = list(_named(snapshot, root, spec.path))
         is_there = find(root, spec.path, snapshot.host) is not None
-        if not is_pattern(spec) or named or (is_there and not is_glob(spec.path.port or "")):
+        if not spec.is_pattern or named or (is_there and not is_glob(spec.path.port or "")):
             found.append(spec)
             taken.update(map(own.end, named))
             continue

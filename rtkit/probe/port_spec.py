@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 from rtkit.errors import Malformed, NotFound, Refused
 from rtkit.rtc.enums import PortType
-from rtkit.rtc.names import Path, parse_path
+from rtkit.rtc.names import Path, is_glob, parse_path
 from rtkit.rtc.profiles import PortProfile, PortRef
 from rtkit.tree.resolve import component_of_port, no_port
 from rtkit.tree.view import build
@@ -36,6 +36,11 @@ class PortSpec(NamedTuple):
     typed: str
     path: Path
     formatter: str = ""
+
+    @property
+    def is_pattern(self) -> bool:
+        """Return whether it may stand for several ports."""
+        return is_glob(str(self.path))
 
 
 class Stream(NamedTuple):

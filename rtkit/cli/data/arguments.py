@@ -57,20 +57,23 @@ def named_streams(
         RtkitError: One of them is not there or not of that kind.
     """
     from rtkit.component.typenames import type_by_name
-    from rtkit.probe.known_types import definitions
-    from rtkit.probe.port_pattern import expanded, is_pattern
     from rtkit.probe.port_spec import find_streams
     from rtkit.rtc.data_types import scoped_name
 
-    if any(map(is_pattern, specs)):
+    if any(spec.is_pattern for spec in specs):
+        from rtkit.probe.port_pattern import expanded
+
         specs = expanded(app.tree.snapshot(), specs, wanted, is_patient=is_patient)
     streams = find_streams(app.tree, specs, wanted, unnamed)
-    lacking = [
-        scoped_name(each.data_type)
-        for each in streams
-        if scoped_name(each.data_type) and not each.definition and not type_by_name(each.data_type)
-    ]
-    known = definitions(app.tree.snapshot()) if lacking else {}
-    return tuple(
-        each._replace(elsewhere=known.get(scoped_name(each.data_type), "")) for each in streams
-    )
+    names = [scoped_name(each.data_type) for each in streams if not each.definition]
+    if all(type_by_name(name) for name in names if name):
+        return streams
+    from rtkit.probe.known_types import definitions
+
+    known = definitions(app.tree.snapshot())
+    return tuple(s._replace(elsewhere=known.get(scoped_name(s.data_type), "")) for s in streams)
+
+
+def not_recorded(app: App) -> Callable[[str], object]:
+    """Return what warns of a port that matches a pattern and cannot be connected."""
+    return lambda why: app.fail(f"warning: {why}; it is not recorded")

@@ -7,6 +7,7 @@ from time import monotonic
 from typing import TYPE_CHECKING, NamedTuple
 
 from rtkit.api.observers import Observers
+from rtkit.cli.data.arguments import not_recorded
 from rtkit.cli.shared.app import App
 from rtkit.closing import Closing
 from rtkit.deployment.delta import TREE
@@ -115,7 +116,8 @@ class LatePorts(Closing):
         ready = [each for each in self._waiting if own.port(each.name) is not None]
         self._waiting = [each for each in self._waiting if each not in ready]
         if ready:
-            self._probe.join(self._app.tree, ready, self._properties, self._app.fail)
+            refused = not_recorded(self._app)
+            self._probe.join(self._app.tree, ready, self._properties, refused)
         for each in ready:
             self._app.verbose(f"{each.ends[0].path.typed} is recorded as {each.name}")
 

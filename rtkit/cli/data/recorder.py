@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, ExitStack, contextmanager, nullcontext
 from typing import IO, TYPE_CHECKING, cast
 
-from rtkit.cli.data.arguments import named_streams, specified
+from rtkit.cli.data.arguments import named_streams, not_recorded, specified
 from rtkit.cli.shared import stdout_reader
 from rtkit.cli.shared.app import App
 from rtkit.cli.shared.progress import Show, metered
@@ -47,13 +47,12 @@ def record(
     Raises:
         RtkitError: A port is not there, or the file exists already or cannot be written.
     """
-    from rtkit.probe.port_pattern import is_pattern
     from rtkit.probe.probe import LOSSLESS, Probe, tap_ports
     from rtkit.rtc.enums import PortType
 
     app.bound(duration_s)
     specs = specified(app, ports)
-    is_patient = any(map(is_pattern, specs))
+    is_patient = any(spec.is_pattern for spec in specs)
     streams = named_streams(app, specs, PortType.OUT, _name, is_patient=is_patient)
     if not streams:
         app.fail(f"warning: no output port matches {' '.join(ports)} yet")
@@ -69,7 +68,7 @@ def record(
     ):
         stamps = _Stamps(app, sink, streams, types)
         probe.is_patient = is_patient
-        probe.connect(properties, app.fail if is_patient else None)
+        probe.connect(properties, not_recorded(app) if is_patient else None)
         app.verbose(f"{probe.component.instance} is connected")
         limit = _Limit(part, duration_s)
         app.report(limit.announcement)

@@ -8,13 +8,21 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from fake_manager import FakeManager
+from fake_tree import fake_tree
 
+from rtkit.api.ports import types_of
+from rtkit.cli.data.arguments import named_streams, specified
+from rtkit.cli.data.player import _matched
+from rtkit.cli.shared.app import App
 from rtkit.component import TimedLong
 from rtkit.component.codec import codec_for
-from rtkit.errors import NotFound
+from rtkit.errors import NotFound, Refused
 from rtkit.probe.known_types import data_type, type_or_bytes
 from rtkit.recording.entries import RecordedStream, RecordedValue
 from rtkit.recording.mcap_file import RecordingWriter
+from rtkit.rtc.enums import PortType
+from rtkit.rtc.profiles import DEFINITION, PortProfile
 
 
 def test_a_type_that_nobody_defined_is_told_and_taken_as_bytes() -> None:
@@ -64,3 +72,35 @@ def test_values_that_are_none_of_their_type_stop_no_export(
 def test_a_port_that_carries_any_data_is_read_as_bytes() -> None:
     assert data_type("any", "A:out") is bytes
     assert data_type("IDL:any:1.0", "A:out") is bytes
+
+
+FAR = "module Far { struct Off { long x; }; };"
+
+
+def far(definition: str, direction: PortType = PortType.OUT) -> PortProfile:
+    """Return a port of the type `Far::Off`."""
+    properties = {"dataport.data_type": "IDL:Far/Off:1.0"}
+    properties |= {DEFINITION: definition} if definition else {}
+    return PortProfile("far", direction, properties)
+
+
+def test_a_port_that_has_no_definition_takes_that_of_another_one(world: FakeManager) -> None:
+    app = App("rtlog", fake_tree(world))
+    world.update("Std0", ports=(far(""),))
+    specs = specified(app, ["/localhost/Std0.rtc:far"])
+    (alone,) = named_streams(app, specs, PortType.OUT)
+    world.update("Err0", ports=(far(FAR),))
+    (stream,) = named_streams(app, specs, PortType.OUT)
+    assert (alone.definition, stream.definition) == ("", FAR)
+    assert [*types_of([stream])[stream.name]().__slots__] == ["x"]
+
+
+def test_what_is_defined_otherwise_is_not_played(world: FakeManager) -> None:
+    app = App("rtlog", fake_tree(world))
+    world.update("Std0", ports=(far(FAR, PortType.IN),))
+    streams = named_streams(app, specified(app, ["/localhost/Std0.rtc:far"]), PortType.IN)
+    channel = RecordedStream("a", "Far::Off", (), FAR.replace("long", "double"))
+    with pytest.raises(Refused, match=r"Far/Off:1\.0 is defined otherwise than in the recording"):
+        _matched(app, [streams[0]._replace(name="a")], [channel])
+    same = channel._replace(definition=f"// As it is.\n{FAR}")
+    assert _matched(app, [streams[0]._replace(name="a")], [same]) == {"a": "a"}
