@@ -13,6 +13,7 @@ TYPE_CHECKING = False
 if TYPE_CHECKING:
     from typing import Any
 
+    from rtkit import aio as aio
     from rtkit.api.connect import connect
     from rtkit.api.plan import SystemPlan
     from rtkit.api.profiles import SystemProfile, load
@@ -23,6 +24,7 @@ if TYPE_CHECKING:
     from rtkit.wires.serve import serve
 
 _HOMES = {
+    "aio": "rtkit.aio",
     "SystemPlan": "rtkit.api.plan",
     "Range": "rtkit.property.annotations",
     "SystemProfile": "rtkit.api.profiles",
@@ -41,6 +43,7 @@ __all__ = [
     "Tree",
     "Unit",
     "__version__",
+    "aio",
     "connect",
     "load",
     "run",
@@ -53,6 +56,8 @@ def __getattr__(name: str) -> Any:
         raise AttributeError(f"module 'rtkit' has no attribute {name!r}")
     from importlib import import_module
 
+    if name == "aio":
+        return import_module("rtkit.aio")
     return getattr(import_module(_HOMES[name]), name)
 
 

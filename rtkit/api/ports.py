@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import time
 from collections import deque
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Generator, Iterable, Iterator, Sequence
+from itertools import islice
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from rtkit.closing import Closing
@@ -117,15 +118,23 @@ class PortReader(Closing):
 
 
 def values(
-    tree: Tree, ports: Sequence[str], until: float | None, *, lossless: bool
-) -> Iterator[PortValue]:
-    """Yield values of out ports as they come, until a moment [s, monotonic].
+    tree: Tree, ports: Sequence[str], number: int | None, until: float | None, *, lossless: bool
+) -> Generator[PortValue | None, None, None]:
+    """Yield None when connected, then values of out ports as they come.
+
+    Args:
+        tree: The manager of the components.
+        ports: Paths of the ports.
+        number: How many values; None for no bound.
+        until: When to end, monotonic [s]; None for never.
+        lossless: Delay the component that writes, rather than lose a value.
 
     Raises:
         Refused: No connection is left.
     """
     with PortReader(tree, ports, lossless=lossless) as reader:
-        yield from reader.values(until)
+        yield None
+        yield from islice(reader.values(until), number)
 
 
 def write(tree: Tree, port: str, data: Iterable[Any], rate: float) -> int:

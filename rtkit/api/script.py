@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import select
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Generator, Iterable
 from contextlib import AbstractContextManager, nullcontext
 from time import monotonic
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar, cast
 
 from rtkit.closing import Closing
 from rtkit.errors import Malformed
@@ -17,8 +17,20 @@ if TYPE_CHECKING:
     from rtkit.tree.client import Tree
     from rtkit.tree.view import TreeNode
 
+T = TypeVar("T")
+Stream = Generator[T, None, None]
+"""Values as they come; `close` ends that, as leaving a loop over it does."""
 Notify = Callable[[str], object]
 """Receives what a command would tell on stderr."""
+
+
+def begun(values: Generator[T | None, None, None]) -> Stream[T]:
+    """Return a generator that is ready: what it waits for is not missed from now on.
+
+    The first value of `values`, None, says that it is.
+    """
+    next(values)
+    return cast("Stream[T]", values)
 
 
 class ScriptSession(Closing):

@@ -3,22 +3,24 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from itertools import islice
 from typing import TYPE_CHECKING, Any
 
 from rtkit.api.ports import NotReached, PortReader
 from rtkit.api.profiles import Source, SystemProfile, load
-from rtkit.api.script import Notify, ScriptSession
+from rtkit.api.script import Notify, ScriptSession, Stream, begun
 from rtkit.tree import client
 
 if TYPE_CHECKING:
     from rtkit.api.checking import SystemReport
+    from rtkit.api.events import SystemEvent
+    from rtkit.api.live import Properties
     from rtkit.api.plan import SystemPlan
     from rtkit.api.planning import GoalOptions
     from rtkit.api.ports import PortValue
     from rtkit.link.transport import Link
+    from rtkit.tree.logbook import LogEntry
 
 NO_MAP: Mapping[str, Any] = {}
 
@@ -36,8 +38,8 @@ class Tree(client.Tree):
     those of `rtkit.errors`.
 
     Systems: `plan apply_profile bring_up start stop check save teardown`. Waiting: `wait`. Data:
-    `read values write`. Components: `ls component create delete activate deactivate
-    reset connect disconnect configure load`.
+    `read values write call`. Observing: `logs events properties`. Components: `ls component create
+    delete activate deactivate reset connect disconnect configure load`.
 
     Example::
 
@@ -382,7 +384,7 @@ class Tree(client.Tree):
         number: int | None = None,
         timeout_s: float | None = None,
         lossless: bool = False,
-    ) -> Iterator[PortValue]:
+    ) -> Stream[PortValue]:
         """Yield values of out ports as they come, each with its port and time.
 
         A component of its own is connected as long as the loop runs.
@@ -399,8 +401,7 @@ class Tree(client.Tree):
         from rtkit.api.ports import values
 
         until = None if timeout_s is None else time.monotonic() + timeout_s
-        found = values(self, ports, until, lossless=lossless)
-        return found if number is None else islice(found, number)
+        return begun(values(self, ports, number, until, lossless=lossless))
 
     def write(self, port: str, *values: Any, rate: float = 0.0) -> int:
         """Write values to an in port; return how many, once all have arrived.
@@ -421,6 +422,97 @@ class Tree(client.Tree):
         from rtkit.api.ports import write
 
         return write(self, port, values, rate)
+
+    def call(self, operation: str, *arguments: Any, timeout_s: float | None = None) -> Any:
+        """Call an operation of a service port and return its result.
+
+        Example::
+
+            tree.call("/localhost/Hand0.rtc:gripper.close", 3.5)
+
+        Args:
+            operation: ``COMPONENT:PORT.OPERATION``, or ``COMPONENT:PORT.INSTANCE.OPERATION``.
+            arguments: Of the types of the interface, or plain data for them.
+            timeout_s: Bound on the answer [s]; by default that of the connection.
+
+        Returns:
+            The result; with out parameters a dict, in which the result itself has no name.
+
+        Raises:
+            NotFound: There is no such operation.
+            Malformed: An argument is of another type.
+            Refused: It raised an exception.
+            Unreachable: There was no answer in time.
+        """
+        from rtkit.api.calling import call
+
+        return call(self, operation, arguments, self.timeout_s if timeout_s is None else timeout_s)
+
+    # Observing
+
+    @property
+    def properties(self) -> Properties:
+        """Live properties of components, managers, this host and served objects."""
+        from rtkit.api.live import Properties
+
+        return Properties(self)
+
+    def logs(
+        self,
+        *paths: str,
+        level: str = "NORMAL",
+        sources: Sequence[str] = (),
+        text: str | None = None,
+        since_s: float | None = None,
+        last: int | None = None,
+        follow: bool = False,
+        timeout_s: float | None = None,
+    ) -> Stream[LogEntry]:
+        """Yield what was logged, in order of time, with `follow` also what is logged from now on.
+
+        Args:
+            paths: Components, slaves, managers; none for everything of this manager.
+            level: The most talkative level, ``ERROR``, ``WARN``, ``INFO``, ``NORMAL``, ``DEBUG`` …
+            sources: Only what these loggers, or those below them, log.
+            text: Only what has this in it.
+            since_s: Only what was logged in the last seconds [s].
+            last: Only so many of the records that are there.
+            follow: Go on with what comes.
+            timeout_s: How long to follow [s]; None for no end.
+
+        Raises:
+            NotFound: Nothing is at a path.
+        """
+        from rtkit.api import logs
+
+        until = None if timeout_s is None else time.monotonic() + timeout_s
+        chosen = logs.selected(level, sources, text, since_s)
+        with ScriptSession(self, self.notify) as session:
+            named = paths or (f"/localhost/{self.manager}.mgr",)
+            tests = [logs.about(session, session.path(path)) for path in named]
+            wanted = logs.all_of(chosen, lambda entry: any(test(entry) for test in tests))
+            return begun(logs.follow(session, wanted, last, until, is_over=not follow))
+
+    def events(
+        self, *paths: str, kinds: Iterable[str] = (), timeout_s: float | None = None
+    ) -> Stream[SystemEvent]:
+        """Yield what happens to components, processes and systems, as it happens.
+
+        It listens from the call on. A manager that ends is waited for.
+
+        Args:
+            paths: Components, directories, managers; none for everything on this host.
+            kinds: ``TREE_EVENT``, ``RTC_STATUS`` … (``rtwatch -h``); none for all but heartbeats.
+            timeout_s: For how long [s]; None for no end.
+
+        Raises:
+            NotFound: Nothing is at a path.
+        """
+        from rtkit.api.events import watched
+
+        until = None if timeout_s is None else time.monotonic() + timeout_s
+        session = ScriptSession(self, self.notify)
+        return begun(watched(session, paths or ("/",), kinds, until))
 
     @contextmanager
     def _session(
@@ -447,7 +539,7 @@ def _mapped(hosts: Mapping[str, str]) -> tuple[str, ...]:
 
 
 _FIRST = """
-activate apply apply_profile bring_up check close component configure connect create deactivate
-delete disconnect get host listing load ls manager notify plan read reset save set snapshot start
-stop teardown timeout_s values wait write
+activate apply apply_profile bring_up call check close component configure connect create deactivate
+delete disconnect events get host listing load logs ls manager notify plan properties read reset
+save set snapshot start stop teardown timeout_s values wait write
 """

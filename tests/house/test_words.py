@@ -21,13 +21,13 @@ TWICE = {
 
 
 def class_names() -> dict[str, list[str]]:
-    found = defaultdict(list)
+    found = defaultdict(set)
     folder = ROOT / "rtkit"
     for file in sorted([*folder.rglob("*.py"), *folder.rglob("*.pyi")]):
         for node in ast.parse(file.read_text(encoding="utf-8")).body:
             if isinstance(node, ast.ClassDef) and not node.name.startswith("_"):
-                found[node.name].append(str(file.relative_to(ROOT)))
-    return found
+                found[node.name].add(str(file.relative_to(ROOT).with_suffix(".py")))
+    return {name: sorted(files) for name, files in found.items()}
 
 
 def test_a_public_class_name_stands_for_one_thing() -> None:

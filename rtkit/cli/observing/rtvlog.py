@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import click
 
+from rtkit.api.logs import LEVELS, SETTLE_S, about, about_name, all_of, selected
 from rtkit.cli.shared import terminal
 from rtkit.cli.shared.app import App, WrongArguments
 from rtkit.cli.shared.command import command
@@ -24,16 +25,9 @@ from rtkit.cli.shared.stdout_reader import wait_for
 from rtkit.errors import Malformed, Unreachable
 
 if TYPE_CHECKING:
-    from rtkit.rtc.names import Path
     from rtkit.tree.logbook import LogEntry, Wanted
 
-LEVELS = ("FATAL", "ERROR", "WARN", "INFO", "NORMAL", "DEBUG", "TRACE", "VERBOSE", "PARANOID")
-"""From few words to many; NORMAL is what a component says that is told nothing else."""
-
 _BEFORE = 10
-_SETTLE_S = 0.02
-"""Wait for simultaneous records of other processes, so that they can be put in order [s]."""
-
 _STYLES = {
     "FATAL": "bold white on red",
     "ERROR": "bold red",
@@ -104,8 +98,8 @@ def main(
     if not paths:
         raise WrongArguments("No component specified.")
     app.bound(duration_s)
-    about, unlogged = _about(app, paths)
-    wanted = _all_of(about, _loud_enough(level), _sent_by(sources), _with(grep), _after(since_s))
+    is_meant, unlogged = _about(app, paths)
+    wanted = all_of(is_meant, selected(level, sources, grep, since_s))
     is_tail = follow and since_s is None
     before = number if number is not None else _BEFORE if is_tail else None
     show = _json if is_json else _text
@@ -115,48 +109,12 @@ def main(
         present = logbook.there(before, unlogged)
         terminal.write_now([line for entry in present for line in show(entry)])
         while follow and wait_for([logbook.fileno()], until):
-            time.sleep(_SETTLE_S)
+            time.sleep(SETTLE_S)
             terminal.write_now([line for entry in logbook.delta() for line in show(entry)])
         if logbook.unreadable:
             app.report(f"{app.name}: {logbook.unreadable} lines are no records")
     finally:
         logbook.close()
-
-
-def _all_of(*conditions: Wanted) -> Wanted:
-    return lambda entry: all(holds(entry) for holds in conditions)
-
-
-def _loud_enough(level: str) -> Wanted:
-    words = set(LEVELS[: LEVELS.index(level) + 1])
-    return lambda entry: entry.level in words
-
-
-def _sent_by(sources: Sequence[str]) -> Wanted:
-    names = tuple(each.casefold() for each in sources)
-    if not names or "all" in names:
-        return lambda entry: True
-
-    def is_from_source(entry: LogEntry) -> bool:
-        origins = {entry.source.casefold(), entry.component.casefold()}
-        return any(one == name or one.startswith(f"{name}.") for one in origins for name in names)
-
-    return is_from_source
-
-
-def _with(text: str | None) -> Wanted:
-    if text is None:
-        return lambda entry: True
-    return lambda entry: text in entry.message or text in entry.exception
-
-
-def _after(since_s: float | None) -> Wanted:
-    from rtkit.cli.shared.json_records import time_text
-
-    if since_s is None:
-        return lambda entry: True
-    first = time_text(int((time.time() - since_s) * 1e9))
-    return lambda entry: entry.time >= first
 
 
 def _about(app: App, typed: Sequence[str]) -> tuple[Wanted, list[LogEntry]]:
@@ -167,62 +125,14 @@ def _about(app: App, typed: Sequence[str]) -> tuple[Wanted, list[LogEntry]]:
             raise Malformed(f"Not a component: {path.typed}")
     unlogged: list[LogEntry] = []
     try:
-        tests = [_about_node(app, path) for path in read]
+        tests = [about(app, path) for path in read]
     except Unreachable as error:
         from rtkit.cli.observing.unseen import unseen_entries
 
         app.fail(f"{error}; logs are looked for by name")
-        tests = [_about_name(path) for path in read]
+        tests = [about_name(path) for path in read]
         unlogged = list(unseen_entries(app.manager))
     return lambda entry: any(test(entry) for test in tests), unlogged
-
-
-def _about_node(app: App, path: Path) -> Wanted:
-    from rtkit.tree.resolve import entry
-    from rtkit.tree.view import NodeKind
-
-    root, hostname = app.root(path, is_deep=False)
-    node = entry(root, path, hostname)
-    manager = app.tree.manager
-    if node.instance:
-        return _of_components(manager, {node.instance})
-    if node.is_slave:
-        return _of_file(f"{manager}.{node.process}")
-    if node.kind is NodeKind.MANAGER:
-        return _of_file(manager, is_deep=True)
-    if node.kind is NodeKind.DIRECTORY:
-        return _of_components(manager, {each.instance for each in node.walk() if each.instance})
-    return lambda entry: True
-
-
-def _about_name(path: Path) -> Wanted:
-    """Return a predicate on the last name of a path, where no manager can be asked."""
-    from rtkit.rtc.names import COMPONENT_SUFFIX, MANAGER_SUFFIX
-
-    if len(path.elements) < 2:
-        return lambda entry: True
-    *_, above, name = path.elements
-    if not name.endswith(MANAGER_SUFFIX):
-        return _of_components("", {name.removesuffix(COMPONENT_SUFFIX)})
-    own = name.removesuffix(MANAGER_SUFFIX)
-    if above.endswith(MANAGER_SUFFIX):
-        return _of_file(f"{above.removesuffix(MANAGER_SUFFIX)}.{own}")
-    return _of_file(own, is_deep=True)
-
-
-def _of_file(name: str, *, is_deep: bool = False) -> Wanted:
-    return lambda entry: entry.file == name or (is_deep and entry.file.startswith(f"{name}."))
-
-
-def _of_components(manager: str, instances: Iterable[str]) -> Wanted:
-    """Return a predicate: whether a record is from components, or loggers below theirs."""
-    names = set(instances)
-    is_near = _of_file(manager, is_deep=True) if manager else lambda _entry: True
-
-    def is_about(entry: LogEntry) -> bool:
-        return (entry.component or entry.source.partition(".")[0]) in names and is_near(entry)
-
-    return is_about
 
 
 def _text(entry: LogEntry) -> list[str]:

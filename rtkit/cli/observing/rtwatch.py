@@ -3,21 +3,15 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Container, Iterable, Iterator, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
-from rtkit.api.observers import (
-    ManagerSeen,
-    Observers,
-    is_covered,
-    place_of,
-    scopes_of,
-)
+from rtkit.api.events import Record, Watch, kinds_of, topics
+from rtkit.api.observers import Observers, scopes_of
 from rtkit.cli.shared import terminal
 from rtkit.cli.shared.app import App, WrongArguments
 from rtkit.cli.shared.command import command
 from rtkit.cli.shared.json_records import line as json_line
-from rtkit.cli.shared.json_records import picked, time_text
+from rtkit.cli.shared.json_records import time_text
 from rtkit.cli.shared.options import (
     COUNT,
     WordChoice,
@@ -28,17 +22,12 @@ from rtkit.cli.shared.options import (
     several,
 )
 from rtkit.cli.shared.terminal import clock
-from rtkit.deployment.user_events import HEARTBEAT, KINDS, SYSTEM_STATE, UserEvent, heartbeats
+from rtkit.deployment.user_events import KINDS, SYSTEM_STATE
 
 if TYPE_CHECKING:
     from rtkit.api.gathering import Managers
-    from rtkit.api.observers import ObservedEvent
-    from rtkit.deployment.facts import Snapshot
-    from rtkit.deployment.metrics import Metrics
     from rtkit.deployment.states.states import States
-    from rtkit.tree.scope import Scope
 
-Record = dict[str, Any]
 ALL = "ALL"
 
 
@@ -96,22 +85,17 @@ def main(
     again at once may not be told. The status is 1 when the time is up before N events, or any at
     all, have come.
     """
-    from rtkit.deployment.delta import TREE
-    from rtkit.deployment.metrics import METRICS
-
     if not paths:
         raise WrongArguments("No component specified.")
-    all_kinds = {*KINDS, SYSTEM_STATE}
-    wanted = all_kinds if ALL in kinds else set(kinds) or all_kinds - {HEARTBEAT}
+    wanted = kinds_of(kinds)
     states, managers = _states(app, system) if system is not None else (None, None)
     app.bound(duration_s)
     until = None if duration_s is None else time.monotonic() + duration_s
     scopes = scopes_of(app, paths)
     is_wide = managers is not None or not all(scope.is_one_manager for scope in scopes)
-    lines = (TREE, METRICS) if HEARTBEAT in wanted else (TREE,)
     left = number
-    with Observers(app, lines, is_wide=is_wide) as subscriptions:
-        watch = _Watch(app, subscriptions, scopes, wanted, states, managers)
+    with Observers(app, topics(wanted), is_wide=is_wide) as subscriptions:
+        watch = Watch(app, subscriptions, scopes, wanted, states, managers)
         watch.begin()
         app.verbose("listening")
         for events in subscriptions.listen(until):
@@ -144,131 +128,6 @@ def _states(app: App, file: str) -> tuple[States, Managers | None]:
         snapshot = managers.joined([snapshot])
     system = looking.wanted_system(app, document, snapshot)
     return states_of(DeploymentInputs(document, DeploymentGoal(system), snapshot)), managers
-
-
-class _Watch:
-    """Makes records of the wanted events.
-
-    Attributes:
-        count: Number of records made.
-    """
-
-    def __init__(
-        self,
-        app: App,
-        subscriptions: Observers,
-        scopes: Sequence[Scope],
-        wanted: Container[str],
-        states: States | None,
-        managers: Managers | None,
-    ) -> None:
-        self._states = states
-        self._managers = managers
-        self._state = ""
-        self._app = app
-        self._subscriptions = subscriptions
-        self._scopes = scopes
-        self._wanted = wanted
-        self._host = app.tree.host
-        self.count = 0
-
-    def records(self, events: Sequence[ObservedEvent]) -> Iterator[Record]:
-        """Yield a record for each event."""
-        from rtkit.deployment.metrics import Metrics
-        from rtkit.tree.subscription import TreeChange
-
-        for manager, event in events:
-            if isinstance(event, TreeChange):
-                if event.lost:
-                    self._app.fail(f"{event.lost} news were missed; what they led to is told")
-                yield from self._chosen(manager, event.time, event.user_events)
-                yield from self._came_to(manager, event.time)
-            elif isinstance(event, Metrics):
-                yield from self._chosen(manager, event.time, self._heartbeats(manager, event))
-            elif isinstance(event, ManagerSeen):
-                self._app.fail(str(event))
-            else:
-                self._app.fail(f"{event.why}; waiting for it to come back")
-
-    def _chosen(
-        self, manager: str, moment: float, happened: Iterable[UserEvent]
-    ) -> Iterator[Record]:
-        for each in happened:
-            if self._is_seen(each):
-                continue
-            if each.kind in self._wanted and is_covered(self._scopes, manager, each, self._host):
-                self.count += 1
-                yield self._record(manager, moment, each)
-
-    def _is_seen(self, user_event: UserEvent) -> bool:
-        """Return whether the arrival of a system in a state is reported all the same."""
-        system = user_event.system
-        is_own = (
-            self._states is not None and system is not None and system.system == self._states.name
-        )
-        return is_own and system is not None and user_event.event == system.state
-
-    def begin(self) -> None:
-        """Record the state of the system before anything happens."""
-        facts = self._facts("")
-        if self._states is not None and facts is not None:
-            self._state = self._states.now(facts)
-
-    def _facts(self, manager: str) -> Snapshot | None:
-        """Return the facts of the system, if this manager has a part in it."""
-        if self._managers is not None:
-            return self._managers.joined(
-                [subscription.facts for subscription in self._subscriptions.subscriptions.values()]
-            )
-        subscription = self._subscriptions.subscriptions.get(manager)
-        return subscription.facts if subscription is not None and not manager else None
-
-    def _came_to(self, manager: str, moment: float) -> Iterator[Record]:
-        """Yield a record when the system is in another state than before."""
-        facts = self._facts(manager)
-        if self._states is None or facts is None or SYSTEM_STATE not in self._wanted:
-            return
-        now = self._states.now(facts, self._state)
-        if now in ("", self._state):
-            return
-        before, self._state = self._state, now
-        self.count += 1
-        user_event = UserEvent(
-            SYSTEM_STATE, "", "", "state", now, f"was {before}" if before else ""
-        )
-        yield {**self._record(manager, moment, user_event), "path": self._states.name}
-
-    def _heartbeats(self, manager: str, metrics: Metrics) -> Iterator[UserEvent]:
-        subscription = self._subscriptions.subscriptions.get(manager)
-        known = (
-            {facts.instance: facts for facts in subscription.facts.components}
-            if subscription
-            else {}
-        )
-        for process in metrics.processes:
-            for component in process.components:
-                facts = known.get(component.instance)
-                if facts is not None and not facts.trouble:
-                    yield from heartbeats(facts, [c.id for c in component.contexts if c.is_running])
-
-    def _record(self, manager: str, moment: float, user_event: UserEvent) -> Record:
-        name = self._subscriptions.names[manager]
-        return {
-            "time": moment,
-            "kind": user_event.kind,
-            "path": place_of(name, user_event, self._host, is_usual=not manager),
-            "manager": name,
-            **picked(user_event, "process instance subject event detail"),
-            **_restart(user_event),
-        }
-
-
-def _restart(user_event: UserEvent) -> Record:
-    """Return which restart it was, in numbers; nothing for other events."""
-    restart = user_event.restart
-    if restart is None:
-        return {}
-    return {"restart": picked(restart, "count=restarts why took_s")}
 
 
 def _json(record: Record) -> str:

@@ -1,0 +1,122 @@
+"""Live properties of scripts: of components, managers, this host, served objects."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Generator, Sequence
+from contextlib import closing
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from rtkit.api.script import ScriptSession, Stream, begun
+
+if TYPE_CHECKING:
+    from rtkit.property.messages import Payload
+    from rtkit.tree.client import Tree
+    from rtkit.tree.property_connections import PropertyConnections
+
+
+class PropertyChange(NamedTuple):
+    """A value that a property came to have.
+
+    Attributes:
+        target: The property, as it was named.
+        value: Numbers, booleans, texts, lists; elements as tables; bytes as they are.
+        time: When it came into force [s since 1970].
+    """
+
+    target: str
+    value: Any
+    time: float
+
+
+class Properties:
+    """Live properties: ``tree.properties.get("/localhost/Motor0.rtc.state")``.
+
+    A target is ``SERVICE.NAME``, or the path of a component, manager or host with the name behind a
+    dot, or an address (``rtkit help wires``), as ``rtget`` takes them.
+    """
+
+    def __init__(self, tree: Tree) -> None:
+        """Ask as long as calls of a tree may take."""
+        self._tree = tree
+
+    def get(self, target: str) -> Any:
+        """Return the value of a property.
+
+        Raises:
+            PropertyError: It cannot be got; its code tells how.
+        """
+        from rtkit.tree.property_connections import asked
+
+        with self._places() as places:
+            place, end = places.find(target)
+            return _plain(asked(lambda: end.ask(place.target()), place.typed))
+
+    def set(self, target: str, value: Any) -> None:
+        """Set a property; a text is read as ``rtset`` does. It is in force when this returns.
+
+        Raises:
+            PropertyError: It cannot be set; its code tells how.
+        """
+        from rtkit.property.plain import from_plain
+        from rtkit.property.writing import write
+        from rtkit.tree.property_connections import asked, bound_of
+
+        content = value if isinstance(value, str | bytes) else from_plain(value)
+        payload = content if isinstance(content, str | bytes) else write(content)
+        with self._places() as places:
+            place, end = places.find(target)
+            bound = bound_of(end, place.parameters, (), self._tree.timeout_s)
+            asked(lambda: end.ask(place.target("&".join(bound)), payload), place.typed)
+
+    def listen(
+        self, *targets: str, timeout_s: float | None = None, every_s: float = 0.0
+    ) -> Stream[PropertyChange]:
+        """Yield the present values of properties, then each change.
+
+        Args:
+            targets: Properties.
+            timeout_s: For how long [s]; None for no bound.
+            every_s: At most one change in this time [s]; the last one always comes.
+
+        Raises:
+            PropertyError: One cannot be listened to, or has been removed.
+        """
+        return begun(self._changes(targets, timeout_s, every_s))
+
+    def _changes(
+        self, targets: Sequence[str], timeout_s: float | None, every_s: float
+    ) -> Generator[PropertyChange | None, None, None]:
+        from rtkit.property.codes import PropertyError
+        from rtkit.tree.property_connections import printed_error
+        from rtkit.tree.property_subscription import PropertySubscription
+
+        until = None if timeout_s is None else time.monotonic() + timeout_s
+        given = f"every={every_s!r}" if every_s else ""
+        with (
+            ScriptSession(self._tree, lambda _: None) as session,
+            self._places() as places,
+            PropertySubscription(places, targets, given) as subscription,
+        ):
+            yield None
+            while True:
+                while (taken := subscription.take()) is not None:
+                    typed, event = taken
+                    if event.code:
+                        gone = PropertyError(event.code, "it has been removed")
+                        raise printed_error(typed, gone)
+                    yield PropertyChange(typed, _plain(event.payload), event.time)
+                if until is not None and time.monotonic() >= until:
+                    return
+                session.wait_for([subscription.fileno()], until)
+
+    def _places(self) -> closing[PropertyConnections]:
+        from rtkit.tree.property_connections import PropertyConnections
+
+        return closing(PropertyConnections("/", "", self._tree.timeout_s))
+
+
+def _plain(payload: Payload) -> Any:
+    from rtkit.property.plain import payload_to_plain
+
+    return payload if isinstance(payload, bytes) else payload_to_plain(payload)
