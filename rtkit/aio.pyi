@@ -75,7 +75,6 @@ class AsyncTree:
         hosts: Mapping[str, str] = ...,
         wait_s: float = ...,
     ) -> None: ...
-    async def call(self, operation: str, *arguments: Any, timeout_s: float | None = ...) -> Any: ...
     async def check(
         self,
         profile: Source,
@@ -84,20 +83,6 @@ class AsyncTree:
         hosts: Mapping[str, str] = ...,
         strict: bool = ...,
     ) -> SystemReport: ...
-    def events(
-        self, *paths: str, kinds: Iterable[str] = ..., timeout_s: float | None = ...
-    ) -> AsyncStream[SystemEvent]: ...
-    def logs(
-        self,
-        *paths: str,
-        level: str = ...,
-        sources: Sequence[str] = ...,
-        text: str | None = ...,
-        since_s: float | None = ...,
-        last: int | None = ...,
-        follow: bool = ...,
-        timeout_s: float | None = ...,
-    ) -> AsyncStream[LogEntry]: ...
     async def plan(
         self,
         profile: Source,
@@ -110,7 +95,6 @@ class AsyncTree:
         hosts: Mapping[str, str] = ...,
         strict: bool = ...,
     ) -> AsyncPlan: ...
-    async def read(self, port: str, *, timeout_s: float | None = ...) -> Any: ...
     async def save(
         self,
         name: str = ...,
@@ -140,6 +124,22 @@ class AsyncTree:
     async def teardown(
         self, profile: Source, *, end: bool = ..., hosts: Mapping[str, str] = ...
     ) -> None: ...
+    async def call(self, operation: str, *arguments: Any, timeout_s: float | None = ...) -> Any: ...
+    def events(
+        self, *paths: str, kinds: Iterable[str] = ..., timeout_s: float | None = ...
+    ) -> AsyncStream[SystemEvent]: ...
+    def logs(
+        self,
+        *paths: str,
+        level: str = ...,
+        sources: Sequence[str] = ...,
+        text: str | None = ...,
+        since_s: float | None = ...,
+        last: int | None = ...,
+        follow: bool = ...,
+        timeout_s: float | None = ...,
+    ) -> AsyncStream[LogEntry]: ...
+    async def read(self, port: str, *, timeout_s: float | None = ...) -> Any: ...
     def values(
         self,
         *ports: str,

@@ -10,7 +10,7 @@ from pathlib import Path
 from types import ModuleType
 
 from rtkit import aio
-from rtkit.api import live, plan, tree
+from rtkit.api import data_tree, live, plan, tree
 from rtkit.tree import api as by_path
 from rtkit.tree import client
 
@@ -76,14 +76,11 @@ def text() -> str:
     applied = _methods(plan, ["apply"], imports)
     properties = _methods(live, aio.waits(live.Properties), imports)
     names = aio.waits(tree.Tree)
-    own = [each for each in names if each in vars(tree.Tree)]
-    inherited = [each for each in names if each in vars(client.Tree) and each not in own]
-    others = [each for each in names if each not in (*own, *inherited)]
-    parts = [
-        *_methods(tree, own, imports),
-        *_methods(client, inherited, imports),
-        *_methods(by_path, others, imports),
-    ]
+    homes = (tree, tree.Tree), (data_tree, data_tree.DataTree), (client, client.Tree)
+    parts = []
+    for module, cls in (*homes, (by_path, by_path.ByPath)):
+        parts += _methods(module, [each for each in names if each in vars(cls)], imports)
+        names = [each for each in names if each not in vars(cls)]
     lines = sorted(f"from {module} import {name}" for name, module in imports.items())
     whole = [_HEAD.format(imports="\n".join(lines)), *applied, "\nclass AsyncProperties:\n"]
     return _formatted("".join([*whole, *properties, _TREE, *parts, _TAIL]))

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from typing import cast
 
+from rtkit.api.data_tree import silent
 from rtkit.api.script import Notify
-from rtkit.api.tree import Tree, _silent
+from rtkit.api.tree import Tree
 from rtkit.errors import Unreachable
 from rtkit.tree import connect as connecting
 from rtkit.tree.client import DEFAULT_TIMEOUT_S
@@ -16,7 +17,7 @@ def connect(
     timeout_s: float = DEFAULT_TIMEOUT_S,
     *,
     start: bool = False,
-    notify: Notify = _silent,
+    notify: Notify = silent,
 ) -> Tree:
     """Connect to a manager of this host: ``with rtkit.connect() as tree:``.
 

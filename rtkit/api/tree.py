@@ -2,34 +2,23 @@
 
 from __future__ import annotations
 
-import time
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
-from rtkit.api.ports import NotReached, PortReader
+from rtkit.api.data_tree import DataTree
 from rtkit.api.profiles import Source, SystemProfile, load
-from rtkit.api.script import Notify, ScriptSession, Stream, begun
-from rtkit.tree import client
+from rtkit.api.script import ScriptSession
 
 if TYPE_CHECKING:
     from rtkit.api.checking import SystemReport
-    from rtkit.api.events import SystemEvent
-    from rtkit.api.live import Properties
     from rtkit.api.plan import SystemPlan
     from rtkit.api.planning import GoalOptions
-    from rtkit.api.ports import PortValue
-    from rtkit.link.transport import Link
-    from rtkit.tree.logbook import LogEntry
 
 NO_MAP: Mapping[str, Any] = {}
 
 
-def _silent(_text: str) -> None:
-    pass
-
-
-class Tree(client.Tree):
+class Tree(DataTree):
     """A connection to one manager, through which a system is looked at and changed.
 
     `rtkit.connect` makes it. A profile is a path or what `rtkit.load` returns; where it has
@@ -57,18 +46,6 @@ class Tree(client.Tree):
         timeout_s: Bound on every call [s].
         notify: Receives progress and warnings, one line each: what commands tell on stderr.
     """
-
-    def __init__(
-        self,
-        link: Link,
-        host: str,
-        manager: str,
-        timeout_s: float = client.DEFAULT_TIMEOUT_S,
-        notify: Notify = _silent,
-    ) -> None:
-        """Use a link to a manager; `rtkit.connect` makes it."""
-        super().__init__(link, host, manager, timeout_s)
-        self.notify = notify
 
     def __dir__(self) -> list[str]:
         return _FIRST.split()  # what authors use; the others speak the manager's own language
@@ -331,188 +308,6 @@ class Tree(client.Tree):
         document = load(profile)
         with self._session("tear down", document) as session:
             teardown(session, document, _mapped(hosts), ends_components=end)
-
-    # Waiting
-
-    def wait(self, *paths: str, state: str = "", timeout_s: float = 30.0) -> None:
-        """Wait until components are in a state, or ports have carried data.
-
-        Example::
-
-            tree.wait("/localhost/A.rtc", "/localhost/B.rtc", state="active")
-            tree.wait("/localhost/A.rtc:out", timeout_s=5.0)
-
-        Args:
-            paths: Components, or ports.
-            state: ``exists``, ``created``, ``inactive``, ``active``, ``error``, ``gone``, for ports
-                ``data``; by default ``exists`` or ``data``.
-            timeout_s: How long to wait [s].
-
-        Raises:
-            NotReached: It is not so in time; a TimeoutError, too, that tells the reasons.
-        """
-        from rtkit.api import waiting
-
-        until = time.monotonic() + timeout_s
-        word = waiting.check_word(state)
-        with ScriptSession(self, self.notify) as session:
-            goals = [waiting.goal_of(session.path(path), word) for path in paths]
-            problems = waiting.reach(session, goals, until)
-        if problems:
-            texts = (f"{goal.path.typed} {why}" for goal, why in problems)
-            raise NotReached(f"{'; '.join(texts)} after {timeout_s:g} s")
-
-    # Data
-
-    def read(self, port: str, *, timeout_s: float | None = None) -> Any:
-        """Return the next value that comes out of a port.
-
-        Args:
-            port: Path of an out port: ``/localhost/Robot0.rtc:pose``.
-            timeout_s: How long to wait [s]; by default the time-out of the connection.
-
-        Raises:
-            NotReached: None came in time.
-        """
-        bound_s = self.timeout_s if timeout_s is None else timeout_s
-        with PortReader(self, [port]) as reader:
-            return reader.read(timeout_s=bound_s)
-
-    def values(
-        self,
-        *ports: str,
-        number: int | None = None,
-        timeout_s: float | None = None,
-        lossless: bool = False,
-    ) -> Stream[PortValue]:
-        """Yield values of out ports as they come, each with its port and time.
-
-        A component of its own is connected as long as the loop runs.
-
-        Args:
-            ports: Paths of out ports.
-            number: How many; None for no bound.
-            timeout_s: For how long [s]; None for no bound.
-            lossless: Lose no value; the component that writes waits instead.
-
-        Raises:
-            Refused: No connection is left.
-        """
-        from rtkit.api.ports import values
-
-        until = None if timeout_s is None else time.monotonic() + timeout_s
-        return begun(values(self, ports, number, until, lossless=lossless))
-
-    def write(self, port: str, *values: Any, rate: float = 0.0) -> int:
-        """Write values to an in port; return how many, once all have arrived.
-
-        Example::
-
-            tree.write("/localhost/Motor0.rtc:speed", 42)
-            tree.write("/localhost/Motor0.rtc:velocity", {"vx": 0.5}, {"vx": 0.0}, rate=10.0)
-
-        Args:
-            port: Path of the port.
-            values: Objects of the data type, or plain data as ``rtinject`` takes them.
-            rate: Values per second [Hz]; 0 for as fast as they are taken.
-
-        Raises:
-            Malformed: One is no value of the port's type.
-        """
-        from rtkit.api.ports import write
-
-        return write(self, port, values, rate)
-
-    def call(self, operation: str, *arguments: Any, timeout_s: float | None = None) -> Any:
-        """Call an operation of a service port and return its result.
-
-        Example::
-
-            tree.call("/localhost/Hand0.rtc:gripper.close", 3.5)
-
-        Args:
-            operation: ``COMPONENT:PORT.OPERATION``, or ``COMPONENT:PORT.INSTANCE.OPERATION``.
-            arguments: Of the types of the interface, or plain data for them.
-            timeout_s: Bound on the answer [s]; by default that of the connection.
-
-        Returns:
-            The result; with out parameters a dict, in which the result itself has no name.
-
-        Raises:
-            NotFound: There is no such operation.
-            Malformed: An argument is of another type.
-            Refused: It raised an exception.
-            Unreachable: There was no answer in time.
-        """
-        from rtkit.api.calling import call
-
-        return call(self, operation, arguments, self.timeout_s if timeout_s is None else timeout_s)
-
-    # Observing
-
-    @property
-    def properties(self) -> Properties:
-        """Live properties of components, managers, this host and served objects."""
-        from rtkit.api.live import Properties
-
-        return Properties(self)
-
-    def logs(
-        self,
-        *paths: str,
-        level: str = "NORMAL",
-        sources: Sequence[str] = (),
-        text: str | None = None,
-        since_s: float | None = None,
-        last: int | None = None,
-        follow: bool = False,
-        timeout_s: float | None = None,
-    ) -> Stream[LogEntry]:
-        """Yield what was logged, in order of time, with `follow` also what is logged from now on.
-
-        Args:
-            paths: Components, slaves, managers; none for everything of this manager.
-            level: The most talkative level, ``ERROR``, ``WARN``, ``INFO``, ``NORMAL``, ``DEBUG`` …
-            sources: Only what these loggers, or those below them, log.
-            text: Only what has this in it.
-            since_s: Only what was logged in the last seconds [s].
-            last: Only so many of the records that are there.
-            follow: Go on with what comes.
-            timeout_s: How long to follow [s]; None for no end.
-
-        Raises:
-            NotFound: Nothing is at a path.
-        """
-        from rtkit.api import logs
-
-        until = None if timeout_s is None else time.monotonic() + timeout_s
-        chosen = logs.selected(level, sources, text, since_s)
-        with ScriptSession(self, self.notify) as session:
-            named = paths or (f"/localhost/{self.manager}.mgr",)
-            tests = [logs.about(session, session.path(path)) for path in named]
-            wanted = logs.all_of(chosen, lambda entry: any(test(entry) for test in tests))
-            return begun(logs.follow(session, wanted, last, until, is_over=not follow))
-
-    def events(
-        self, *paths: str, kinds: Iterable[str] = (), timeout_s: float | None = None
-    ) -> Stream[SystemEvent]:
-        """Yield what happens to components, processes and systems, as it happens.
-
-        It listens from the call on. A manager that ends is waited for.
-
-        Args:
-            paths: Components, directories, managers; none for everything on this host.
-            kinds: ``TREE_EVENT``, ``RTC_STATUS`` … (``rtwatch -h``); none for all but heartbeats.
-            timeout_s: For how long [s]; None for no end.
-
-        Raises:
-            NotFound: Nothing is at a path.
-        """
-        from rtkit.api.events import watched
-
-        until = None if timeout_s is None else time.monotonic() + timeout_s
-        session = ScriptSession(self, self.notify)
-        return begun(watched(session, paths or ("/",), kinds, until))
 
     @contextmanager
     def _session(

@@ -11,6 +11,7 @@ from fake_tree import tree_of
 from worlds import made
 
 import rtkit
+from rtkit.api.data_tree import DataTree
 from rtkit.api.tree import Tree
 from rtkit.deployment import actions as act
 from rtkit.errors import InvalidDocument, Malformed, NotFound, Refused
@@ -148,5 +149,5 @@ def test_what_an_author_uses_is_shown_first() -> None:
 
 def test_each_shown_name_is_there(tree: Tree) -> None:
     assert all(hasattr(tree, name) for name in dir(tree))
-    own = {name for name in vars(Tree) if not name.startswith("_")}
+    own = {name for name in {**vars(Tree), **vars(DataTree)} if not name.startswith("_")}
     assert own <= set(dir(tree))
