@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 
 from rtkit.errors import NotFound, RtkitError
 
@@ -69,7 +69,7 @@ def _candidates(
         yield from ((os.path.join(folder, name), False) for name in _profiles(folder))
     for folder in (os.curdir, *_load_path(notify), *_listed(MODULE_PATH)):
         yield from ((file, False) for file in _beside_modules(folder))
-    yield from ((file, False) for file in _of_packages())
+    yield from ((file, False) for file, _ in of_packages())
     for folder in dict.fromkeys(each for system in systems for each in _around(system)):
         yield from ((file, False) for file in _of_repository(folder))
     if with_shipped:
@@ -120,14 +120,17 @@ def _beside_modules(folder: str) -> Iterator[str]:
             yield os.path.normpath(os.path.join(folder, name))
 
 
-def _of_packages() -> Iterator[str]:
-    """Yield the profiles beside modules of installed packages."""
+def of_packages() -> Iterator[tuple[str, Mapping[str, str]]]:
+    """Yield the profiles beside modules of installed packages, with the module of each type."""
     from rtkit.modules.search import installed
 
-    for each in installed().values():
+    modules: dict[str, dict[str, str]] = {}
+    for name, each in installed().items():
         stem, usual = os.path.splitext(each.file)[0], os.path.dirname(each.file)
-        paths = (f"{stem}.xml", os.path.join(usual, f"{_USUAL}.xml"))
-        yield from (path for path in paths if os.path.isfile(path))
+        for path in (f"{stem}.xml", os.path.join(usual, f"{_USUAL}.xml")):
+            types = modules.setdefault(path, {})
+            types |= dict.fromkeys((name, os.path.basename(stem)), f"{each.name}:{each.init}")
+    yield from ((path, types) for path, types in modules.items() if os.path.isfile(path))
 
 
 def _around(system: str) -> tuple[str, str]:

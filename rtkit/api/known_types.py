@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING
 
-from rtkit.api.component_profiles import SEARCH_PATH
+from rtkit.api.component_profiles import SEARCH_PATH, of_packages
 from rtkit.deployment.described import is_same_id
 from rtkit.deployment.extension import CREATE, MODULE, stated_id
 from rtkit.deployment.system import KnownType
@@ -53,7 +53,7 @@ def _described() -> Iterator[tuple[str, KnownType]]:
     from rtkit.profile.read import read_bytes, read_rtc
     from rtkit.profile.words import property_value
 
-    for path in _files():
+    for path, modules in _files():
         try:
             profile = read_rtc(read_bytes(path), path).profile
         except RtkitError:
@@ -64,19 +64,21 @@ def _described() -> Iterator[tuple[str, KnownType]]:
             continue
         language = profile.language.kind if profile.language is not None else ""
         create = CreateString(info.name, info.vendor, info.category, language, info.version)
-        module = property_value(info.properties, MODULE) or ""
+        module = modules.get(info.name) or property_value(info.properties, MODULE) or ""
         id = f"RTC:{info.vendor}:{info.category}:{info.name}:{info.version}"
         yield id, KnownType(str(create), module)
 
 
-def _files() -> Iterator[str]:
+def _files() -> Iterator[tuple[str, Mapping[str, str]]]:
+    """Yield profiles, each with the modules of types where an installed package has it."""
     from rtkit.profile.forms import form_of_name
     from rtkit.resources import resource
 
+    yield from of_packages()
     folders = [f for f in os.environ.get(SEARCH_PATH, "").split(os.pathsep) if f]
     for folder in (resource("profiles"), *folders):
         try:
             names = sorted(os.listdir(folder))
         except OSError:
             continue
-        yield from (os.path.join(folder, name) for name in names if form_of_name(name))
+        yield from ((os.path.join(folder, name), {}) for name in names if form_of_name(name))

@@ -27,6 +27,7 @@ from rtkit.modules.neighbours import (
 )
 from rtkit.modules.search import SUFFIX, ModuleSource, Search
 from rtkit.rtc.create import CreateString
+from rtkit.rtc.nearest import did_you_mean
 from rtkit.rtc.profiles import ModuleProfile, TypeProfile
 
 _LOOK_S = 0.01
@@ -322,7 +323,9 @@ def _import_failure(error: BaseException, file: str) -> str:
 def _initialise(module: ModuleType, name: str, path: str) -> list[type[Component]]:
     function: Any = getattr(module, name, None)
     if not callable(function):
-        raise NotFound(f"no init function {name} in module {path}")
+        offered = [each for each, value in vars(module).items() if callable(value)]
+        hint = did_you_mean(name, [each for each in offered if each.endswith("Init")])
+        raise NotFound(f"no init function {name}{hint} in module {path}")
     registrar = _Registrar()
     try:
         function(registrar)

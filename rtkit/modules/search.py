@@ -73,6 +73,8 @@ class Search:
         if not file or not os.path.isfile(file):
             looked = f"looked in {', '.join(self.folders)} and among installed packages"
             known = [each.removesuffix(SUFFIX) for each in self.modules()]
+            if "/" not in path:
+                known += [each.name for each in installed().values() if each.package]
             hint = did_you_mean(os.path.basename(path).removesuffix(SUFFIX), known)
             raise NotFound(f"no module {path}{hint} ({looked})")
         text, real = find_private(file)

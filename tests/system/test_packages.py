@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -58,6 +59,10 @@ def with_helper(project: Path, name: str, value: str, body: str) -> None:
     (project / f"{name}.py").write_text(code)
 
 
+def saved_text(folder: Path) -> str:
+    return (folder / "saved.xml").read_text()
+
+
 def install(shell: Any, *projects: Path) -> Path:
     """Install projects as users do, in a folder of their own; return that folder."""
     site = Path(shell.folder / "site")
@@ -97,6 +102,16 @@ def test_wheels_with_equal_names_inside_work_side_by_side(shell: Any) -> None:
     for check in ("rtprofile check", "rtcheck --static"):
         assert "3 components, 3 of known type" in shell.ok(f"{check} saved.xml")
     shell.ok("rtcheck saved.xml")
+    # A profile of other tools says the types, and not of which module they are.
+    plain = re.sub("<rtsExt:Properties [^>]*rtkit[.](module|create)[^>]*/>", "", saved_text(empty))
+    (empty / "plain.xml").write_text(plain)
+    shell.ok("rtteardown saved.xml")
+    shell.ok("rtresurrect plain.xml")
+    assert shell.run("rtstart plain.xml").status == 0
+    shell.ok("rtcheck plain.xml")
+    status, _, err = shell.run(f"rtmgr {MANAGER} -l rtc_talker.Talkr:TalkerInit")
+    assert status == 1
+    assert "no module rtc_talker.Talkr (did you mean rtc_talker.Talker" in err
     told = "from rtc_talker import Hearer; print(Hearer.idl.Level().mode.name, Hearer.__name__)"
     python = [sys.executable, "-c", told]
     assert subprocess.check_output(python, env=shell.environment) == b"IDLE rtc_talker.Hearer\n"

@@ -183,12 +183,25 @@ def read(
             )
     members = [given.get(name) or _member(path, folders) for name, path in profiles.items()]
     members += [each for name, each in given.items() if name not in profiles]
+    _refuse_equal_files(members)
     for member in given.values():
         _take(project, member, PROFILE if member is members[0] else "")
     if len(members) > 1:
         project.files |= project_files([each.built for each in members])
     project.entries = entries([each.built.subject for each in members])
     return project
+
+
+def _refuse_equal_files(members: Sequence[_Member]) -> None:
+    known: dict[str, str] = {}
+    for member in members:
+        subject = member.built.subject
+        for module in (subject.module, *([subject.types_module] if subject.has_types else [])):
+            other = known.setdefault(module, member.type_name)
+            if other != member.type_name:
+                raise Refused(
+                    f"{member.typed}: {module}.py would be of {other} and of {member.type_name}"
+                )
 
 
 def _beside(typed: str) -> str:

@@ -310,6 +310,14 @@ def test_a_component_is_added_and_all_that_is_there_is_kept(two: Path, run: Run)
     assert contents(two) == before
 
 
+def test_two_components_in_one_file_are_refused(two: Path, run: Run) -> None:
+    edit(two / "other.xml", 'rtc:name="Other"', 'rtc:name="Echo_idl"')
+    assert run("rtbuild echo.xml other.xml -o out") == (
+        1, "", "rtbuild: other.xml: Echo_idl.py would be of Echo and of Echo_idl\n"
+    )  # fmt: skip
+    assert not (two / "out").exists()
+
+
 def test_entry_points_that_have_no_place_are_told(two: Path, run: Run) -> None:
     run("rtbuild echo.xml -o out")
     project = two / "out" / "pyproject.toml"
