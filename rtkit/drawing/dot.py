@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 
+from rtkit.drawing.frames import Nested, nested
 from rtkit.drawing.scene import LEFT, RIGHT, SERVICE, Box, Scene, WireEnd
 
 _NAME = re.compile(r"[A-Za-z_]\w*", re.ASCII)
@@ -18,15 +19,30 @@ def dot_lines(scene: Scene, title: str = "") -> Iterator[str]:
     yield "  rankdir=LR;"
     yield "  node [shape=record, fontname=sans];"
     for index, box in enumerate(scene.boxes):
+        if box.is_group:
+            continue
         style = f", style=filled, fillcolor={box.fill}" if box.fill else ""
         yield f"  c{index} [label={_quoted(_record(box))}{style}];"
-    for number, frame in enumerate(scene.frames):
-        inside = "; ".join(f"c{index}" for index in (frame.box, *frame.members))
-        yield f"  subgraph cluster{number} {{ style=dashed; {inside}; }}"
+    for frame in nested(scene):
+        if frame.inside:
+            yield f"  {_cluster(scene, frame)}"
     for wire in scene.wires:
-        style = " [arrowhead=odot, style=dashed]" if wire.kind == SERVICE else ""
-        yield f"  {_end(scene, wire.source)} -> {_end(scene, wire.target)}{style};"
+        look = ["arrowhead=odot", "style=dashed"] if wire.kind == SERVICE else []
+        look += [f"label={_quoted(wire.label)}"] if wire.label else []
+        shown = f" [{', '.join(look)}]" if look else ""
+        yield f"  {_end(scene, wire.source)} -> {_end(scene, wire.target)}{shown};"
     yield "}"
+
+
+def _cluster(scene: Scene, frame: Nested) -> str:
+    """Return a frame with all inside it, on one line; a group is no box of its own."""
+    box = scene.boxes[frame.box]
+    number = next(n for n, each in enumerate(scene.frames) if each.box == frame.box)
+    parts = ["style=dashed", f"c{frame.box}"]
+    if box.is_group:
+        parts = ["style=rounded", f"label={_quoted(' '.join((box.title, box.subtitle)))}"]
+    parts += [_cluster(scene, each) if each.inside else f"c{each.box}" for each in frame.inside]
+    return f"subgraph cluster{number} {{ {'; '.join(parts)}; }}"
 
 
 def _end(scene: Scene, end: WireEnd) -> str:

@@ -6,10 +6,29 @@ A wire that leaves a frame does so at a port of the frame, which leads on to the
 from __future__ import annotations
 
 from collections.abc import Iterator
+from typing import NamedTuple
 
 from rtkit.drawing.layout import laid_out
 from rtkit.drawing.scene import Box, Inside, PortPin, Scene, Wire, WireEnd
 from rtkit.drawing.sides import with_sides
+
+
+class Nested(NamedTuple):
+    """A box with those inside it, by index."""
+
+    box: int
+    inside: tuple[Nested, ...]
+
+
+def nested(scene: Scene) -> tuple[Nested, ...]:
+    """Return the boxes that are in no frame, each with those inside it."""
+    parents = _parents(scene)
+
+    def within(frame: int | None) -> tuple[Nested, ...]:
+        found = (i for i in range(len(scene.boxes)) if parents.get(i) == frame)
+        return tuple(Nested(index, within(index)) for index in found)
+
+    return within(None)
 
 
 def framed(scene: Scene) -> Scene:
@@ -52,7 +71,7 @@ class _Nesting:
 
     def _link_shown(self, frame: int, end: WireEnd, port: PortPin) -> None:
         """Link a port of a member to the one by which its composite shows it."""
-        name = self._name(end, port)
+        name = self._name(end, port)  # no port of a group has that
         for place, shown in enumerate(self._boxes[frame]):
             if shown.name == name:
                 self._links.setdefault(frame, {})[end] = place
@@ -86,7 +105,9 @@ class _Nesting:
         if end not in links:
             port = self._boxes[end.box][end.port]
             links[end] = len(self._boxes[frame])
-            self._boxes[frame].append(port._replace(name=self._name(end, port)))
+            is_group = self._flat.boxes[frame].is_group
+            shown = port._replace(name="" if is_group else self._name(end, port))
+            self._boxes[frame].append(shown)
         return WireEnd(frame, links[end])
 
 

@@ -38,6 +38,11 @@ def _character(c: str) -> float:
     return 1.03 if unicodedata.east_asian_width(c) in "WFA" else 0.72
 
 
+def one_line(text: str) -> str:
+    """Return a text without line breaks and characters that could steer a terminal."""
+    return "".join(c if c.isprintable() else " " for c in text)
+
+
 def shortened(text: str, size: float, most: float) -> str:
     """Return a text that is at most so wide [pixel], its middle left out if need be."""
     if text_width(text, size) <= most:
@@ -75,6 +80,7 @@ class PortPin(NamedTuple):
     """A port at the left or right side of a box.
 
     Attributes:
+        name: Empty where a wire only passes through the edge of a group.
         kind: ``in``, ``out``, ``data`` (of unknown direction), ``event`` or ``service``.
         tip: Further text, shown as a tooltip.
     """
@@ -93,6 +99,7 @@ class Box(NamedTuple):
         is_dashed: Whether it may be missing.
         inside: Its content, for a frame; see `rtkit.drawing.frames`.
         fill: Name of a colour (CSS and X11) that stands for a state; empty for the usual one.
+        is_group: Whether it stands for a place, a process or a manager, and not for a component.
     """
 
     title: str
@@ -102,6 +109,7 @@ class Box(NamedTuple):
     is_dashed: bool = False
     inside: Inside | None = None
     fill: str = ""
+    is_group: bool = False
 
 
 class WireEnd(NamedTuple):
@@ -112,16 +120,17 @@ class WireEnd(NamedTuple):
 
 
 class Wire(NamedTuple):
-    """A connector; data flows from `source` to `target`."""
+    """A connector; data flows from `source` to `target`. A label is shown beside it."""
 
     source: WireEnd
     target: WireEnd
     kind: str = DATA
     tip: str = ""
+    label: str = ""
 
 
 class Frame(NamedTuple):
-    """A box that holds others: the composite of components. All are indices of boxes."""
+    """A box that holds others: a composite or a group. All are indices of boxes."""
 
     box: int
     members: tuple[int, ...]
@@ -180,6 +189,8 @@ def box_size(box: Box) -> Size:
     height = header_height(box) + rows * ROW + (8 if rows else 0)
     if box.inside is not None:
         height = max(height, inside_offset(box)[1] + box.inside.layout.size.height + _PADDING)
+    if box.is_group:
+        height = max(height, *(offset + _PADDING for offset in _offsets_through(box).values()), 0)
     return Size(round(width), height)
 
 
@@ -191,6 +202,32 @@ def inside_offset(box: Box) -> tuple[int, int]:
 
 def port_offset(box: Box, port: int) -> int:
     """Return the distance of a port's middle from the top of its box."""
+    if box.is_group:
+        return _offsets_through(box)[port]
     side = box.ports[port].side
     row = sum(other.side == side for other in box.ports[:port])
     return header_height(box) + row * ROW + ROW // 2
+
+
+def _offsets_through(box: Box) -> dict[int, int]:
+    """Return where wires pass the edge of a group: beside the ports inside, so that they run level.
+
+    Of two that would pass at one place the second one is led below the first.
+    """
+    if box.inside is None:
+        return {}
+    _, top = inside_offset(box)
+    scene, layout = box.inside.scene, box.inside.layout
+    wanted = {
+        port: top + layout.places[end.box][1] + port_offset(scene.boxes[end.box], end.port)
+        for port, end in box.inside.links
+    }
+    offsets: dict[int, int] = {}
+    for side in (LEFT, RIGHT):
+        lowest = 0
+        for port in sorted(
+            (p for p in wanted if box.ports[p].side == side), key=wanted.__getitem__
+        ):
+            lowest = offsets[port] = max(wanted[port], lowest)
+            lowest += ROW // 2
+    return offsets

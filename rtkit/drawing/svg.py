@@ -18,10 +18,12 @@ _TURN = 8
 STYLE = """
 .rt-box{fill:#ffffff;stroke:#4a5568;stroke-width:1.2}
 .rt-head{fill:#e8eef6}
+.rt-group{fill:#f7fafc;stroke:#a0aec0}
 .rt-dashed{stroke-dasharray:5 3}
 .rt-title{font-size:13px;font-weight:bold;fill:#1a202c;text-anchor:middle}
 .rt-sub{font-size:10px;fill:#4a5568;text-anchor:middle}
 .rt-name{font-size:11px;fill:#1a202c}
+.rt-label{font-size:10px;fill:#2b6cb0;text-anchor:middle;paint-order:stroke;stroke:#ffffff;stroke-width:3}
 .rt-end{text-anchor:end}
 .rt-in,.rt-out,.rt-data{fill:#2b6cb0}
 .rt-event{fill:#b7791f}
@@ -73,6 +75,7 @@ def _scene_lines(scene: s.Scene, layout: s.Layout) -> list[str]:
         lines += [f'<path class="rt-halo" d="{path}"/>' for _, path in drawn]
         for wire, path in drawn:
             lines += _wire(wire, path)
+        lines += [_label(scene.wires[i], layout.paths[i]) for i in group if scene.wires[i].label]
     lines += [_joint(point, scene, layout) for point in layout.joints]
     for box, place in zip(scene.boxes, layout.places, strict=True):
         lines += box_lines(box, place)
@@ -98,13 +101,14 @@ def box_lines(box: s.Box, place: s.Point) -> Iterator[str]:
     x, y = place
     size = s.box_size(box)
     head = s.header_height(box)
-    dashed = " rt-dashed" if box.is_dashed else ""
+    dashed = " rt-group" * box.is_group + " rt-dashed" * box.is_dashed
     yield "<g>"
     if box.tip:
         yield f"<title>{escaped(box.tip)}</title>"
     frame = f'x="{x}" y="{y}" width="{size.width}"'
     yield f'<rect class="rt-box{dashed}" {frame} height="{size.height}" rx="4"/>'
-    colour = f' style="fill:{box.fill}"' if box.fill else ""
+    fill = box.fill or ("#edf2f7" if box.is_group else "")
+    colour = f' style="fill:{fill}"' if fill else ""
     yield from head_lines(box.title, place, size.width, head - 3, colour)
     if box.subtitle:
         middle = x + size.width / 2
@@ -135,7 +139,9 @@ def _inside(box: s.Box, inside: s.Inside, place: s.Point) -> Iterator[str]:
     for port, end in inside.links:
         is_left = box.ports[port].side == s.LEFT
         edge = -left if is_left else s.box_size(box).width - left
-        name = round(s.text_width(box.ports[port].name, s.PORT_SIZE)) + 14
+        name = (
+            round(s.text_width(box.ports[port].name, s.PORT_SIZE)) + 14 if not box.is_group else 0
+        )
         start = (edge + (name if is_left else -name), s.port_offset(box, port) - top)
         inner, (inner_x, inner_y) = inside.scene.boxes[end.box], inside.layout.places[end.box]
         is_inner_left = inner.ports[end.port].side == s.LEFT
@@ -145,12 +151,16 @@ def _inside(box: s.Box, inside: s.Inside, place: s.Point) -> Iterator[str]:
         )
         turn = start[0] + (_TURN if is_left else -_TURN)
         path = rounded((start, (turn, start[1]), (turn, stop[1]), stop))
-        yield f'<path class="rt-wire rt-lead" d="{path}"/>'
+        kind = box.ports[port].kind
+        look = (f" rt-w-{kind}" * (kind in (s.SERVICE, s.EVENT))) if box.is_group else " rt-lead"
+        yield f'<path class="rt-wire{look}" d="{path}"/>'
     yield from _scene_lines(inside.scene, inside.layout)
     yield "</g>"
 
 
 def _port(port: s.PortPin, x: int, y: int) -> Iterator[str]:
+    if not port.name:
+        return
     yield "<g>"
     if port.tip:
         yield f"<title>{escaped(port.tip)}</title>"
@@ -194,6 +204,14 @@ def _wire(wire: s.Wire, drawn: str) -> Iterator[str]:
     yield f'<path class="rt-wire{_look(wire)}" d="{drawn}"/>'
     yield f'<path class="rt-hit" d="{drawn}"/>'
     yield "</g>"
+
+
+def _label(wire: s.Wire, path: Sequence[s.Point]) -> str:
+    """Return the label of a wire, above the longest of its level lines."""
+    lines = [(abs(b[0] - a[0]), a, b) for a, b in pairwise(path) if a[1] == b[1]]
+    _, one, other = max(lines, default=(0, path[0], path[-1]))
+    middle = (one[0] + other[0]) / 2
+    return f'<text class="rt-label" x="{middle:g}" y="{one[1] - 4}">{escaped(wire.label)}</text>'
 
 
 def _look(wire: s.Wire) -> str:

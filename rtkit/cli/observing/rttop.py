@@ -5,9 +5,9 @@ from __future__ import annotations
 import os
 
 from rtkit.api.observers import Observers, scopes_of
+from rtkit.api.rates import RateRow
 from rtkit.cli.observing.top.activity import Top
 from rtkit.cli.observing.top.page import TITLES, Look, ordered, table
-from rtkit.cli.observing.top.rates import RateRow
 from rtkit.cli.shared import terminal
 from rtkit.cli.shared.app import App
 from rtkit.cli.shared.command import command

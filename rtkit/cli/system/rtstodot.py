@@ -34,12 +34,12 @@ def main(
     connectors arrows, those of services dashed. With --live a manager is asked, else nothing
     needs to run.
     """
-    from rtkit.drawing.dot import dot_lines
+    from rtkit.drawing.export import exported
 
     if live:
         if files or app.form:
             raise UsageProblem("--live draws what lives: no file, no form")
-        from rtkit.cli.system.live_scene import live_scene
+        from rtkit.api.live_scene import live_scene
 
         scene = live_scene(app, _TITLE)
     else:
@@ -49,5 +49,5 @@ def main(
         from rtkit.profile_tools.system_scene import system_scene
 
         scene = system_scene(read_document(app, files).profile)
-    terminal.write(dot_lines(scene, _TITLE))
+    terminal.write(exported(scene, "dot", _TITLE).splitlines())
     return app.report_silent_servers("not drawn") if live else 0

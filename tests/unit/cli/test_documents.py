@@ -102,3 +102,9 @@ def test_a_live_graph_has_colours_for_states(run: Run) -> None:
     (error,) = [line for line in lines if "Err0" in line]
     assert "fillcolor=tomato" in error
     assert sum("fillcolor=lightblue" in line for line in lines) > 3
+    frames = [line for line in lines if "subgraph" in line]
+    assert [line.rpartition("pid ")[2].lstrip("0123456789") for line in frames] == [
+        '"; c0; c1; c3; c4; c5; c6; }',
+        '"; c2; }',
+        ' · lost: signal 9"; c7; }',
+    ]

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
+from rtkit.api.rates import Rater, RateRow
 from rtkit.cli.observing.top.page import TITLES, Look, cut, ordered, short, table
-from rtkit.cli.observing.top.rates import Rater, RateRow
 from rtkit.cli.observing.top.screen import keys_of
 from rtkit.deployment.facts import ComponentFacts, ProcessFacts, Snapshot
 from rtkit.deployment.metrics import ComponentMetrics, ContextMetrics, Metrics, ProcessMetrics

@@ -16,9 +16,12 @@ from lxml import etree
 from rtkit.drawing.channels import Net, joints, routes
 from rtkit.drawing.component import InterfaceSymbol, Pin, component_svg
 from rtkit.drawing.dot import dot_lines
+from rtkit.drawing.export import exported, form_of
 from rtkit.drawing.frames import framed
 from rtkit.drawing.layout import laid_out
+from rtkit.drawing.mermaid import mermaid_lines
 from rtkit.drawing.order import EdgePiece, count_crossings, ordered
+from rtkit.drawing.outline import outline
 from rtkit.drawing.ranks import backward_edges, ranks
 from rtkit.drawing.scene import (
     DATA,
@@ -36,6 +39,7 @@ from rtkit.drawing.scene import (
     Wire,
     WireEnd,
     box_size,
+    port_offset,
     shortened,
     text_width,
 )
@@ -328,3 +332,109 @@ def test_what_would_be_inside_itself_is_in_no_frame() -> None:
 def test_frames_of_the_dot_form_are_clusters() -> None:
     lines = list(dot_lines(framed_boxes(Frame(3, (1, 2)))))
     assert "  subgraph cluster0 { style=dashed; c3; c1; c2; }" in lines
+
+
+def grouped() -> Scene:
+    """Two components, a wire with a label between them, each in a process, both in a manager."""
+    boxes = (
+        Box("A", "Type · Active", (PortPin("out", RIGHT, OUT),), fill="palegreen"),
+        Box("B", "", (PortPin("in", LEFT, IN), PortPin("s", LEFT, SERVICE)), is_dashed=True),
+        Box("p", "slave", is_group=True),
+        Box("q", "", is_group=True, is_dashed=True),
+        Box("m", "manager", is_group=True),
+    )
+    wire = Wire(WireEnd(0, 0), WireEnd(1, 0), label="100 Hz")
+    return Scene(boxes, (wire,), (Frame(2, (0,)), Frame(3, (1,)), Frame(4, (2, 3))))
+
+
+def test_wires_run_level_through_the_edges_of_groups() -> None:
+    root = checked(picture(grouped(), "t"))
+    texts = [element.text for element in root.iter(f"{SVG}text")]
+    assert texts.count("in") == texts.count("out") == 1, "a group shows no ports of its own"
+    assert texts.count("100 Hz") == 1
+    wires = [each.get("d") for each in root.iter(f"{SVG}path") if "rt-wire" in each.get("class")]
+    assert len(wires) == 3, "within p, between both, within q"
+    for path in wires:
+        heights = set(re.findall(r"[ML]\S+ (\S+)", re.sub(r"[QL]", r" \g<0>", path)))
+        assert len({float(each.split("Q")[0]) for each in heights}) == 1, path
+
+
+def test_two_wires_never_pass_the_edge_of_a_group_at_one_place() -> None:
+    port = (PortPin("out", RIGHT, OUT),)
+    boxes = [Box(name, "", port) for name in "ab"]
+    boxes += [Box("c", "", tuple(PortPin(f"in{n}", LEFT, IN) for n in (0, 1)))]
+    boxes += [Box("p", "", is_group=True)]
+    wires = [Wire(WireEnd(n, 0), WireEnd(2, n)) for n in (0, 1)]
+    group = framed(Scene(tuple(boxes), tuple(wires), (Frame(3, (0, 1)),))).boxes[1]
+    places = [port_offset(group, place) for place in range(len(group.ports))]
+    assert len(set(places)) == 2
+    assert max(places) < box_size(group).height
+
+
+def test_the_mermaid_form() -> None:
+    assert list(mermaid_lines(grouped(), 'the "system"')) == [
+        "---",
+        'title: "the #34;system#34;"',
+        "---",
+        "flowchart LR",
+        '  subgraph c4["m<br/>manager"]',
+        '    subgraph c2["p<br/>slave"]',
+        '      c0["A<br/>Type · Active"]',
+        "    end",
+        '    subgraph c3["q"]',
+        '      c1["B"]',
+        "    end",
+        "  end",
+        '  c0 -->|"out → in 100 Hz"| c1',
+        "  style c0 fill:palegreen",
+        "  style c1 stroke-dasharray:5 3",
+        "  style c3 stroke-dasharray:5 3",
+    ]
+
+
+def test_any_text_keeps_to_its_line_in_mermaid_and_as_text() -> None:
+    for lines in (mermaid_lines(nasty_scene(), NASTY), outline(nasty_scene(), NASTY)):
+        assert all(line.isprintable() for line in lines)
+    labels = re.findall(r'"(.*)"', "\n".join(mermaid_lines(nasty_scene(), NASTY)))
+    assert all('"' not in label for label in labels)
+
+
+def test_the_text_form_is_80_columns_wide() -> None:
+    assert list(outline(grouped(), "t")) == [
+        "t",
+        "",
+        "[m]  manager",
+        "  [p]  slave",
+        "    A  Type · Active",
+        "      out --> B:in  100 Hz",
+        "  [q]",
+        "    B",
+    ]
+    long = grouped()._replace(boxes=tuple(b._replace(title="x" * 90) for b in grouped().boxes))
+    assert max(map(len, outline(long, "t" * 99))) == 80
+
+
+def test_groups_are_clusters_within_clusters() -> None:
+    lines = list(dot_lines(grouped()))
+    inner = 'subgraph cluster0 { style=rounded; label="p slave"; c0; }'
+    assert any(line.startswith("  subgraph cluster2 {") and inner in line for line in lines)
+    assert '  c0:p0:e -> c1:p0:w [label="100 Hz"];' in lines
+
+
+@pytest.mark.skipif(shutil.which("dot") is None, reason="Graphviz absent")
+def test_graphviz_takes_clusters() -> None:
+    text = "\n".join(dot_lines(grouped()))
+    done = subprocess.run(
+        ["dot", "-Tplain"], input=text, capture_output=True, text=True, check=False
+    )
+    assert (done.returncode, done.stderr) == (0, "")
+
+
+@pytest.mark.parametrize(
+    ("file", "form"),
+    [("a.svg", "svg"), ("a.DOT", "dot"), ("a.gv", "dot"), ("a.mmd", "mermaid"), ("a.txt", "text"),
+     ("-", "svg")],
+)  # fmt: skip
+def test_the_name_of_a_file_says_its_form(file: str, form: str) -> None:
+    assert form_of(file) == form
+    assert exported(grouped(), form, "t")

@@ -8,8 +8,8 @@ from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
 from rtkit.api.observers import Observers, is_covered, place_of
+from rtkit.api.rates import Rater, RateRow
 from rtkit.cli.observing.top.page import memory, short
-from rtkit.cli.observing.top.rates import Rater, RateRow
 from rtkit.cli.shared.app import App
 from rtkit.report.finding import counted
 from rtkit.rtc.names import LOCAL

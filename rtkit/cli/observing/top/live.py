@@ -8,8 +8,8 @@ from threading import Thread
 from time import monotonic
 from typing import TYPE_CHECKING
 
+from rtkit.api.rates import RateRow
 from rtkit.cli.observing.top.page import COLUMNS, Look, cut, ordered, table
-from rtkit.cli.observing.top.rates import RateRow
 from rtkit.cli.observing.top.screen import Screen
 from rtkit.cli.shared import terminal
 from rtkit.errors import RtkitError

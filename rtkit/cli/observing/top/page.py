@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
-from rtkit.cli.observing.top.rates import RateRow
+from rtkit.api.rates import RateRow
 from rtkit.cli.shared import terminal
 
 SLOW = 0.9

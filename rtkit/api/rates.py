@@ -3,11 +3,25 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from typing import Any, NamedTuple
+from time import monotonic
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from rtkit.deployment.facts import ComponentFacts, Snapshot
-from rtkit.deployment.metrics import ComponentMetrics, ContextMetrics, Metrics, ProcessMetrics
+from rtkit.deployment.metrics import (
+    METRICS,
+    PERIOD_S,
+    ComponentMetrics,
+    ContextMetrics,
+    Metrics,
+    ProcessMetrics,
+)
 from rtkit.rtc.profiles import ExecutionContextProfile
+
+if TYPE_CHECKING:
+    from rtkit.tree.client import Tree
+
+_READINGS = 3.0
+"""For how many periods rates are waited for at most."""
 
 Rates = Mapping[str, float]
 
@@ -200,3 +214,23 @@ def _cpu_percent(elapsed_s: float, old: ProcessMetrics | None, new: ProcessMetri
     if old is None or old.cpu_s is None or new.cpu_s is None or elapsed_s <= 0:
         return None
     return max(0.0, new.cpu_s - old.cpu_s) / elapsed_s * 100
+
+
+def measured(tree: Tree) -> dict[str, RateRow]:
+    """Return the rates of all components of a manager, which takes a second, by instance name.
+
+    Raises:
+        Unreachable: It does not answer.
+    """
+    from rtkit.deployment.delta import TREE
+    from rtkit.tree.subscription import ManagerSubscription
+
+    rater, until = Rater(), monotonic() + _READINGS * PERIOD_S
+    with ManagerSubscription(tree, (TREE, METRICS)) as subscription:
+        while not rater.has_rates and (left := until - monotonic()) > 0:
+            for event in subscription.wait(left):
+                if isinstance(event, Metrics):
+                    rater.take(event)
+        facts = subscription.facts
+        paths = {each.instance: "" for each in facts.components}
+        return {row.instance: row for row in rater.rows(facts, paths)}
