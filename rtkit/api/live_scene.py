@@ -88,8 +88,11 @@ def _box(box: Box, facts: ComponentFacts, rate: RateRow | None) -> Box:
 
 
 def _process_box(process: ProcessFacts) -> Box:
-    what = "slave" if process.is_slave else "process" if process.is_guest else "manager's own process"
-    state = "" if process.state == "up" else ": ".join(filter(None, (process.state, process.reason)))
+    what = (
+        "slave" if process.is_slave else "process" if process.is_guest else "manager's own process"
+    )
+    parts = () if process.state == "up" else (process.state, process.reason)
+    state = ": ".join(filter(None, parts))
     subtitle = " · ".join(filter(None, (what, f"pid {process.pid}" * bool(process.pid), state)))
     return Box(process.name, subtitle, is_dashed=bool(state), is_group=True)
 
