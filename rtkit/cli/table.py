@@ -32,6 +32,7 @@ TOPICS: dict[str, dict[str, str]] = {
     },
     "profiles": {
         "rtbuild": "Generate components from their RTC profiles.",
+        "rtdev": "Apply an RTS profile, and again what is saved, until Ctrl-C.",
         "rtdoc": "Write a page about a component.",
         "rtprofile": "Check, show, compare and convert profiles.",
     },

@@ -33,6 +33,8 @@ from rtkit.report.finding import counted
 
 _MOST_PLANS = 10
 """How often it is planned anew before a world that never behaves is given up."""
+_MOST_MADE = 2
+"""How often one component is made in all these: its code may make another than is wanted."""
 
 See = Callable[[Snapshot], Model]
 
@@ -144,9 +146,14 @@ class Applier:
     def _reach(
         self, plan: DeploymentPlan, doing: ActionBuilder, see: See, system: WantedSystem
     ) -> None:
+        made: Counter[str] = Counter()
         for _ in range(_MOST_PLANS):
             if not plan.moves:
                 return
+            made.update(move.subject for move in plan.moves if move.kind.startswith("create"))
+            odd = next((name for name, count in made.items() if count > _MOST_MADE), "")
+            if odd:
+                raise Refused(f"{odd} was made, and is not what the profile says all the same")
             why = self._carry_out(plan, doing, see, system)
             if why:
                 self._differs(why)

@@ -220,6 +220,8 @@ BEFORE: dict[str, tuple[str, ...]] = {
 """What is typed before an example, so that it can do what it says."""
 
 ENDLESS = {
+    "rtdev robot.xml",
+    "rtdev -s inactive robot.xml",
     "rtlisten robot.speed",
     "rtlisten /localhost/Robot0.rtc.ports.pose.count",
     "rtlisten --mode diff robot",

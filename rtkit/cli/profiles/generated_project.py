@@ -453,3 +453,30 @@ def _backups(path: str) -> Iterator[str]:
     while True:
         number += 1
         yield f"{path}.bak{number}"
+
+
+def renew_types(idl: str) -> list[str]:
+    """Make anew the types that were made of an IDL file; return what was written.
+
+    They lie beside it, or above its folder ``idl``. If an RTC profile is there, they are its.
+
+    Raises:
+        InvalidDocument: The file is no IDL; tells the line.
+        Refused: What is there was changed by hand.
+    """
+    folder = os.path.dirname(idl)
+    home = os.path.dirname(folder) if os.path.basename(folder) == "idl" else folder
+    profile = os.path.join(home, PROFILE)
+    read_idl(read_bytes(idl).decode("utf-8", "replace"), idl, _Idl([folder]).find, KNOWN)
+    project = read(profile if os.path.isfile(profile) else idl, home, [folder])
+    changes = [
+        each
+        for each in compare(project)
+        if each.path.endswith("_idl.py") and os.path.isfile(each.path)
+    ]
+    for each in changes:
+        if each.is_conflict:
+            raise Refused(f"{each.path}:{each.merged.line}: {each.merged.why}")
+    write(changes, is_forced=False)
+    wanted = MergeOutcome.WRITE.value
+    return [each.path for each in changes if each.assignment_when(is_forced=False) == wanted]

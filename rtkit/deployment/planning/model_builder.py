@@ -63,6 +63,7 @@ class WantedDeployment:
         feasibility: What is known of components that do not live yet.
         states: In which single components are to be, instead of `state`.
         absent: Components that are not to be there, by name.
+        dropped: Ids of connections that are not to be there.
         replaces: What cannot be changed in place is created again.
         prunes: What is not in the system is not to be there.
         is_strict: What would be made with a note on it is to fail instead.
@@ -76,6 +77,7 @@ class WantedDeployment:
     feasibility: Feasibility = NOTHING_KNOWN
     states: Mapping[str, LifeCycleState | None] = field(default_factory=dict)
     absent: frozenset[str] = frozenset()
+    dropped: frozenset[str] = frozenset()
     replaces: bool = False
     prunes: bool = False
     is_strict: bool = False
@@ -436,7 +438,9 @@ class ModelBuilder:
             self._connectors[id] = ConnectionVariable(
                 tuple(names), "", self._text(id, connector.ports)
             )
-            is_kept = not self.wanted.prunes or any(self._units[name].why_not for name in names)
+            is_kept = id not in self.wanted.dropped and (
+                not self.wanted.prunes or any(self._units[name].why_not for name in names)
+            )
             if self.wanted.absent.isdisjoint(names):
                 self._desired[f"con:{id}"] = var.YES if is_kept else var.NO
             self._live[f"con:{id}"] = var.NO if self.live.connector(id) is None else var.YES

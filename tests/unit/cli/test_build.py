@@ -12,6 +12,9 @@ from typing import Any
 import jsonrecords
 import pytest
 
+from rtkit.cli.profiles import generated_project
+from rtkit.errors import InvalidDocument
+
 IDL = Path(__file__).parents[2] / "idl"
 PROFILE = """<?xml version="1.0" encoding="UTF-8"?>
 <rtc:RtcProfile rtc:id="RTC:me:test:Echo:1.0" rtc:version="0.3"
@@ -467,3 +470,17 @@ def test_a_machine_drawn_beside_the_profile_is_taken(place: Path, run: Run) -> N
     )
     assert run("rtbuild echo.xml -o out").status == 0
     assert '"A": {"go": "B"},' in (place / "out" / "Echo.py").read_text()
+
+
+def test_types_of_an_idl_file_are_made_anew_where_they_were_made(place: Path) -> None:
+    idl = place / "Robot.idl"
+    idl.write_text("struct Wheel { double speed; };")
+    assert generated_project.renew_types(str(idl)) == []  # nobody has made any
+    project = generated_project.read(str(idl), None, [])
+    generated_project.write(generated_project.compare(project), is_forced=False)
+    idl.write_text("struct Wheel { double speed; long ticks; };")
+    assert generated_project.renew_types(str(idl)) == [str(place / "Robot_idl.py")]
+    assert "ticks: rt.Long" in (place / "Robot_idl.py").read_text()
+    idl.write_text("struct Wheel {\n  double\n};")
+    with pytest.raises(InvalidDocument, match=r"Robot\.idl:3"):
+        generated_project.renew_types(str(idl))

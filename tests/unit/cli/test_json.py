@@ -77,8 +77,8 @@ ELSEWHERE = {
 """Kinds that other tests hold against their schemas."""
 
 WITHOUT = {
-    "rtact", "rtapply", "rtcomp", "rtcon", "rtdeact", "rtdel", "rtdis", "rtexit", "rtinject",
-    "rtproxy", "rtreset", "rtresurrect", "rtserve", "rtset", "rtstart", "rtstop",
+    "rtact", "rtapply", "rtcomp", "rtcon", "rtdeact", "rtdel", "rtdev", "rtdis", "rtexit",
+    "rtinject", "rtproxy", "rtreset", "rtresurrect", "rtserve", "rtset", "rtstart", "rtstop",
     "rtteardown",  # change, and tell nothing
     "rtcwd",  # prints what a shell is to evaluate
     "rtprofile",  # its words have it

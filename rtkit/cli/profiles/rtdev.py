@@ -1,0 +1,248 @@
+"""``rtdev``: keep a live system as its sources say, while they are written."""
+
+from __future__ import annotations
+
+import os
+import time
+from collections.abc import Callable, Sequence
+from contextlib import suppress
+from typing import TYPE_CHECKING
+
+from rtkit.api.planning import GoalOptions
+from rtkit.cli.shared import terminal
+from rtkit.cli.shared.app import App
+from rtkit.cli.shared.command import command
+from rtkit.cli.shared.options import flag, together
+from rtkit.cli.system import shared
+from rtkit.cli.system.document import read_document
+from rtkit.cli.system.planning import AIM
+from rtkit.errors import InvalidDocument, Malformed, NotFound, Refused, RtkitError
+
+if TYPE_CHECKING:
+    from rtkit.api.document import SystemDocument
+    from rtkit.api.planning import Prepared
+    from rtkit.deployment.facts import Snapshot
+    from rtkit.deployment.system import WantedSystem
+
+
+@command(
+    "rtdev",
+    examples=(
+        ("rtdev robot.xml", "Apply a profile, and again what is saved, until Ctrl-C."),
+        ("rtdev -s inactive robot.xml", "Activate nothing."),
+    ),
+)
+def main(
+    app: App,
+    is_down: bool = flag("--down", "End the components of the profile at the end."),
+    wait_s: float = shared.WAIT,
+    aim: GoalOptions = AIM,
+    asked: shared.DocumentOptions = together(shared.DocumentOptions),
+) -> int:
+    """Apply an RTS profile, and again what is saved, until Ctrl-C.
+
+    Watched are FILE, the modules of its components, what these import from beside them, and IDL
+    files there. What was saved becomes the smallest plan, which is shown and carried out as by
+    rtapply: of a changed parameter only that is set. Of a changed module only its components are
+    made again, with all that shares a slave with them, and get their connections, values and states
+    back. What is no more in FILE ends. Types that rtbuild made of an IDL file are made anew.
+
+    A file with a syntax error, or a module that does not import, is told with its line, and the
+    system stays as it was.
+
+    At Ctrl-C or SIGTERM the system runs on, unless --down is given; the exit status is 0 then. A
+    component in the manager's own process gets new code only from rtmgr restart, one that is run by
+    hand when it is started again.
+    """
+    from rtkit.cli.shared.signals import ended_by_sigterm
+
+    if len(asked.files) != 1 or asked.files == ("-",):
+        raise Malformed("One system profile has to be given, as a file.")
+    development = _Development(app, asked, aim, wait_s)
+    try:
+        with ended_by_sigterm() as ended:
+            development.run(ended.is_set)
+    except KeyboardInterrupt as interrupt:
+        if str(interrupt):
+            app.fail(str(interrupt))
+    app.close()
+    if is_down:
+        from rtkit.api.starting import teardown
+
+        document = read_document(app, asked.files)
+        teardown(app, document, asked.mapped, ends_components=True, is_dry=False)
+    else:
+        app.report(f"the system runs on; rtteardown --exit {asked.files[0]} ends it")
+    return 0
+
+
+class _Development:
+    """Applies a profile again and again."""
+
+    def __init__(
+        self, app: App, asked: shared.DocumentOptions, aim: GoalOptions, wait_s: float
+    ) -> None:
+        from rtkit.api.source_files import SourceFiles
+
+        self._app = app
+        self._asked = asked
+        self._aim = aim._replace(way=aim.way._replace(replaces=True))
+        self._wait_s = wait_s
+        self._sources = SourceFiles()
+        self._before: WantedSystem | None = None
+        self._files: Sequence[str] = asked.files
+        self._is_changing = False
+
+    def run(self, is_ended: Callable[[], bool]) -> None:
+        """Go on until it is ended.
+
+        Raises:
+            NotFound: There is no profile.
+        """
+        from rtkit.api.source_files import PERIOD_S
+
+        if not os.path.isfile(self._asked.files[0]):
+            raise NotFound(f"no such file: {self._asked.files[0]}")
+        self._sources.follow(self._files)
+        self._try([])
+        self._print(f"watching {len(self._files)} files; Ctrl-C ends that")
+        while not is_ended():
+            self._app.wait_for([], time.monotonic() + PERIOD_S)
+            saved = self._sources.saved()
+            if saved:
+                from rtkit.api.source_checks import shown
+
+                self._print(f"saved: {', '.join(map(shown, saved))}")
+                self._try(saved)
+
+    def _try(self, saved: Sequence[str]) -> None:
+        """Apply what was saved; tell why not, and whether that has changed the system."""
+        self._is_changing = False
+        try:
+            self._check(saved)
+            self._apply()
+        except RtkitError as error:
+            self._app.fail(str(error))
+            if not self._is_changing:
+                self._print("the system stays as it was")
+        finally:
+            self._app.close()  # the next manager of that name may be another one
+
+    def _check(self, saved: Sequence[str]) -> None:
+        """Check sources of code, and make types of IDL files anew.
+
+        Raises:
+            RtkitError: One is wrong; tells file and line.
+        """
+        from rtkit.api.source_checks import syntax_errors
+
+        present = [file for file in saved if os.path.isfile(file)]
+        found = list(syntax_errors(file for file in present if file.endswith(".py")))
+        for text in found[:-1]:
+            self._app.fail(text)
+        if found:
+            raise InvalidDocument(found[-1])
+        for file in present:
+            if file.endswith(".idl"):
+                from rtkit.cli.profiles.generated_project import renew_types
+
+                for path in renew_types(file):
+                    self._print(f"written: {os.path.relpath(path)}")
+
+    def _apply(self) -> None:
+        from rtkit.api import planning
+        from rtkit.api.applying import carry_out
+        from rtkit.deployment.planning.rendering import lines
+        from rtkit.tree.plan_locks import PlanLocks
+
+        app, asked = self._app, self._asked
+        document = read_document(app, asked.files)
+        with PlanLocks(" ".join([app.name, *asked.files]), self._wait_s, app.report) as lock:
+            prepared = planning.prepare(
+                app, document, asked.mapped, self._aim, is_dry=False, lock=lock
+            )
+            system = prepared.goal.system
+            self._follow(document, system, prepared.snapshot)
+            prepared = _without_dropped(prepared, self._before)
+            if not prepared.plan.moves:
+                self._before = system
+                self._print("nothing to do: everything is as wanted")
+                return
+            _check_imports(prepared)
+            terminal.write_now(map(terminal.printable, lines(prepared.plan, prepared.goal.costs)))
+            began = time.monotonic()
+            self._is_changing, self._before = True, system
+            is_reached = carry_out(app, prepared)
+            self._follow(document, system, app.tree.snapshot())
+        done = "done" if is_reached else "done, but for what is told above"
+        self._print(f"{done} in {time.monotonic() - began:.2f} s")
+
+    def _follow(self, document: SystemDocument, system: WantedSystem, snapshot: Snapshot) -> None:
+        """Watch the profile, and what its components come from or will come from."""
+        from rtkit.api.source_checks import files_of
+
+        names = {component.instance for component in system.components}
+        live = [each for each in snapshot.components if each.instance in names]
+        wanted = _module_files(system, snapshot)
+        self._files = list(dict.fromkeys([*self._asked.files, *files_of(live), *wanted]))
+        self._sources.follow(self._files)
+
+    def _print(self, text: str) -> None:
+        terminal.write_now([terminal.printable(f"[{terminal.clock(time.time())}] {text}")])
+
+
+def _module_files(system: WantedSystem, snapshot: Snapshot) -> list[str]:
+    """Return the files of modules that components will be made from, as far as they are found."""
+    from rtkit.modules.search import Search
+    from rtkit.rtc.create import readable_create
+    from rtkit.rtc.profiles import split_module
+
+    search = Search(snapshot.properties.get("manager.modules.load_path", "").split(","))
+    found = []
+    for component in system.components:
+        path = split_module(component.module)[0]
+        type_name = readable_create(component.create).implementation_id
+        with suppress(NotFound, Refused):
+            found.append(search.read(path or type_name).file)
+    return found
+
+
+def _check_imports(prepared: Prepared) -> None:
+    """Import the modules that have changed, before components of them end.
+
+    Raises:
+        Refused: One does not import; says where.
+    """
+    from rtkit.api.source_checks import check_imports, files_of
+    from rtkit.deployment.drift import changed_code
+    from rtkit.rtc.profiles import split_module
+
+    _, goal, snapshot, *_ = prepared
+    modules = {each.instance: split_module(each.module)[1] for each in goal.system.components}
+    check_imports(
+        (files_of([facts])[0], modules[facts.instance])
+        for facts in snapshot.components
+        if facts.instance in modules and changed_code(facts, goal.feasibility.code)
+    )
+
+
+def _without_dropped(prepared: Prepared, before: WantedSystem | None) -> Prepared:
+    """Return a plan that also ends what was in the profile when it was applied last."""
+    from rtkit.deployment.planning.deployment_plan import make_plan
+    from rtkit.fast_dataclass import replace
+
+    goal = prepared.goal
+    names = {each.instance for each in goal.system.components}
+    ids = {each.profile.connector_id for each in goal.system.connectors}
+    components = (
+        [each for each in before.components if each.instance not in names] if before else []
+    )
+    dropped = {each.profile.connector_id for each in before.connectors} - ids if before else set()
+    if not (components or dropped):
+        return prepared
+    system = replace(goal.system, components=(*goal.system.components, *components))
+    absent = frozenset(each.instance for each in components)
+    goal = replace(goal, system=system, absent=absent, dropped=frozenset(dropped))
+    survey = goal.survey(prepared.snapshot)
+    plan = make_plan(survey.model, goal.ranks)
+    return prepared._replace(goal=goal, plan=plan, survey=survey)
