@@ -30,7 +30,6 @@ from rtkit.deployment.metrics import METRICS
 from rtkit.errors import RtkitError
 from rtkit.fast_dataclass import replace
 from rtkit.link import places, zenoh_keys
-from rtkit.link.segments import remove_orphans
 from rtkit.link.transport import Link
 from rtkit.logs.outputs import cut
 from rtkit.manager.core import events as ev
@@ -398,7 +397,6 @@ class Loop:
                 self._watchdog.forget(key)
                 if self._limiter is not None:
                     self._limiter.forget(key)
-                remove_orphans()
 
     def _with_exit_diagnostics(self, event: ev.SlaveEnded) -> ev.SlaveEnded:
         """Find out why a slave ended that was to live, and log it."""

@@ -241,6 +241,20 @@ def test_who_only_reads_imports_nothing_heavy(line: str, tmp_path: Path) -> None
     assert done.stderr == "0 []\n"
 
 
+def test_who_only_stops_a_manager_imports_nothing_that_starts_or_commands_one() -> None:
+    script = (
+        "import sys\n"
+        "from rtkit.cli.managers.rtmgr import main\n"
+        "assert main(['stop', 'no-such-manager']) == 1\n"
+        "names = ('rtkit.settings.properties', 'rtkit.cli.managers.steps', 'rtkit.rtc.profiles')\n"
+        "print([name for name in names if name in sys.modules], file=sys.stderr)\n"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", script], capture_output=True, text=True, check=False
+    )
+    assert done.stderr.splitlines()[-1] == "[]"
+
+
 def test_the_verdict_on_a_valid_profile_imports_nothing_heavy() -> None:
     needed = {"lxml", "rtkit.profile", "concurrent.futures", "yaml"}
     script = (

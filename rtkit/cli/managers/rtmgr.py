@@ -147,23 +147,21 @@ def main(
     place of TYPE the file of an RTC profile makes a stand-in. Paths of modules that begin with
     ./ or ../ are meant from here, others are looked for by the manager.
     """
-    from rtkit.cli.managers.steps import read_step
-
     asked = click.get_current_context().meta[_ORDER]
     faults = [f"{fault.ALLOW_KEY}:YES"] if allow_faults else []
     overrides = (*given, *_endpoint(port, no_door), *faults)
     is_configured = bool(file or overrides or lenient)
     if words and words[0] in WORDS:
         _check_word(words, bool(asked), is_configured, options)
-        from rtkit.settings.properties import STRICT
-
-        properties = (*overrides, f"{STRICT}:YES") if app.is_strict else overrides
+        properties = (*overrides, *_strict_properties(app.is_strict))
         shows = "json" * is_json or "text" * is_printing
         return _word(app, words, options, (file, properties, lenient), shows)
     if is_configured:
         raise UsageProblem(f"{_FOR_START} are for rtmgr {_OF_START}")
     options.check("")
     check_at_most_one(words, "manager")
+    from rtkit.cli.managers.steps import read_step
+
     steps = [read_step(name, str(value)) for name, value in asked]
     if not words:
         raise Malformed("No manager specified.")
@@ -172,6 +170,14 @@ def main(
         raise Malformed("No commands specified.")
     _command(app, words[0], steps, is_printing, is_json)
     return 0
+
+
+def _strict_properties(is_strict: bool) -> list[str]:
+    if not is_strict:
+        return []
+    from rtkit.settings.properties import STRICT
+
+    return [f"{STRICT}:YES"]
 
 
 def _check_no_word(typed: str) -> None:

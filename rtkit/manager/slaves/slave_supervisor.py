@@ -26,6 +26,7 @@ from rtkit.container.orphans import (
     reap_orphans,
 )
 from rtkit.container.slave_checkpoint import SlaveCheckpoint, checkpoint_path
+from rtkit.link.segments import remove_orphans
 from rtkit.link.streams import remove_socket
 from rtkit.manager.child_process import ENDS, STOPS, exit_reason
 from rtkit.manager.core import events as ev
@@ -315,9 +316,17 @@ class SlaveSupervisor:
         self._sweep_soon()
 
     def sweep(self) -> None:
-        """End what the slaves that ended lately have left behind."""
+        """End what slaves that ended lately have left behind, and remove their shared memory.
+
+        Once for many of them: each looks at all processes, and at the segments of all.
+        """
+        self.sweep_at = None
+        self._end_families()
+        remove_orphans()
+
+    def _end_families(self) -> None:
         if self._over:
-            over, self._over, self.sweep_at = self._over, set(), None
+            over, self._over = self._over, set()
             is_all_ours, self._is_all_ours = self._is_all_ours, True
             for pid in over:
                 end_family(self._families.pop(pid, {}))
@@ -325,7 +334,7 @@ class SlaveSupervisor:
 
     def close(self) -> None:
         """End the zygotes, and whatever components started and left behind."""
-        self.sweep()
+        self._end_families()
         self._server.channel.close()
         self.former_zygotes.close()
         end_children()
@@ -390,10 +399,9 @@ class SlaveSupervisor:
         return ev.SlaveEnded(key, why)
 
     def _sweep_soon(self) -> None:
-        if self._over:
-            now = time.monotonic()
-            self._over_since = now if self.sweep_at is None else self._over_since
-            self.sweep_at = min(now + _SWEEP_S, self._over_since + _SWEEP_WITHIN_S)
+        now = time.monotonic()
+        self._over_since = now if self.sweep_at is None else self._over_since
+        self.sweep_at = min(now + _SWEEP_S, self._over_since + _SWEEP_WITHIN_S)
 
     def _remove_files(self, pid: int) -> None:
         """Remove what a process that was killed could not remove itself."""

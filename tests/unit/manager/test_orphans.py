@@ -145,3 +145,17 @@ def test_adopted_ones_are_reaped_once_nobody_else_has_done_so() -> None:
     assert all(os.path.exists(f"/proc/{each}") for each in left)
     adopted.look()
     assert not any(os.path.exists(f"/proc/{each}") for each in left)
+
+
+def test_who_has_no_children_is_not_looked_through() -> None:
+    """Each slave ends so; ten of them read nothing of /proc."""
+    script = (
+        "from rtkit.container import orphans\n"
+        "orphans._children = None\n"
+        "orphans.end_children()\n"
+        "print('none')\n"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", script], capture_output=True, text=True, check=False
+    )
+    assert (done.stdout, done.stderr) == ("none\n", "")
