@@ -8,6 +8,7 @@ import re
 import time
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import AbstractContextManager, ExitStack, contextmanager, nullcontext
+from dataclasses import is_dataclass
 from typing import Any, Generic, TypeVar
 
 from rtkit.closing import Closing
@@ -19,6 +20,7 @@ from rtkit.component.kinds import kind_of
 from rtkit.component.literal import zero_value
 from rtkit.component.port import InPort, OutPort, Port
 from rtkit.component.service import ServicePort
+from rtkit.component.typenames import type_name
 from rtkit.component.types import Time
 from rtkit.errors import Malformed, NotFound, Refused
 from rtkit.rtc.enums import LifeCycleState, ReturnCode
@@ -44,7 +46,8 @@ class Trial(Closing, Generic[C]):
     ``time.sleep`` by as much as their argument. Code that asks the module ``time`` sees it, as long
     as one of the methods here runs it. `run` has the component do its cycles for a while.
 
-    A test that fails in the ``with`` block while the component is in Error is told why it is.
+    A test that fails in the ``with`` block is told the state of the component if it is not Active,
+    and of one in Error the reason.
 
     Attributes:
         component: The component, initialised.
@@ -63,7 +66,13 @@ class Trial(Closing, Generic[C]):
             component_class: Its class.
             options: As a create string has them.
             clock: When its own time begins [s since 1970]; None for the time of the machine.
+
+        Raises:
+            Refused: on_initialize failed; the message has the exception and the line.
+            Malformed: An option has a value that it cannot have.
         """
+        if not (isinstance(component_class, type) and issubclass(component_class, Component)):
+            raise TypeError(f"a trial is of a class of components, not of {component_class!r}")
         self._clock = _Clock(clock) if clock is not None else None
         name = f"{component_class.type_profile().type_name}0"
         context = {"execution_contexts": _EXECUTION_CONTEXT}
@@ -88,7 +97,7 @@ class Trial(Closing, Generic[C]):
         """Make the component active.
 
         Raises:
-            Refused: on_activated failed, or the component is not Inactive.
+            Refused: on_activated failed, or the component is in Error.
         """
         with self._time():
             self._change(self._context.activate_component(self.component))
@@ -97,7 +106,7 @@ class Trial(Closing, Generic[C]):
         """Make the component inactive.
 
         Raises:
-            Refused: It is not active.
+            Refused: It is in Error.
         """
         with self._time():
             self._change(self._context.deactivate_component(self.component))
@@ -106,7 +115,7 @@ class Trial(Closing, Generic[C]):
         """Bring the component from Error to Inactive.
 
         Raises:
-            Refused: It is not in Error, or on_reset failed.
+            Refused: on_reset failed.
         """
         with self._time():
             self._change(self._context.reset_component(self.component))
@@ -127,8 +136,9 @@ class Trial(Closing, Generic[C]):
 
         Raises:
             Refused: The trial has no clock of its own.
+            Malformed: Time does not go back.
         """
-        self.wait(0.0)
+        self.wait(min(duration_s, 0.0))
         self.tick(round(duration_s * self._context.rate))
 
     def wait(self, duration_s: float) -> None:
@@ -136,9 +146,12 @@ class Trial(Closing, Generic[C]):
 
         Raises:
             Refused: The trial has no clock of its own.
+            Malformed: Time does not go back.
         """
         if self._clock is None:
             raise Refused("this trial has no clock of its own: give it one, clock=0")
+        if duration_s < 0:
+            raise Malformed(f"time does not go back: {duration_s:g} s")
         self._clock.move(duration_s)
 
     def configure(self, values: Mapping[str, Any], set_id: str = "") -> None:
@@ -153,7 +166,13 @@ class Trial(Closing, Generic[C]):
         configuration = self.component.configuration
         set_id = set_id or configuration.active_set
         texts = {name: _text(value) for name, value in values.items()}
-        configuration.set(set_id, texts)
+        try:
+            configuration.set(set_id, texts)
+        except NotFound as error:
+            known = configuration.sets.get(set_id, {})
+            missing = next((name for name in texts if name not in known), "") if known else set_id
+            hint = did_you_mean(missing, known or configuration.sets)
+            raise NotFound(f"{self.component.instance}: {error}{hint}") from None
         configuration.activate(set_id)
         configuration.update()
 
@@ -210,6 +229,8 @@ class Trial(Closing, Generic[C]):
             with self._time():
                 value = zero_value(kind, Time.now())
         try:
+            if is_dataclass(kind) and not _is_like(value, kind):
+                raise Malformed(f"{kind.__name__} is wanted, not {type(value).__name__}: {value!r}")
             sent = carried(kind, value)
         except Malformed as error:
             where = declared_at(self.component, found)
@@ -240,8 +261,8 @@ class Trial(Closing, Generic[C]):
             self.component.finalize()
 
     def __exit__(self, *raised: object) -> None:
-        if isinstance(raised[1], Exception) and self.trouble not in ("", *_notes(raised[1])):
-            raised[1].add_note(self.trouble)
+        if isinstance(raised[1], Exception) and self.state is not LifeCycleState.ACTIVE:
+            raised[1].add_note(self.trouble or f"{self.component.instance} is {self.state}")
         self.close()
 
     def _no_port(self, kind: str, port: str, known: Iterable[str], more: str = "") -> NotFound:
@@ -303,8 +324,10 @@ def _line_of(cls: type, pattern: str) -> str:
     return f"{os.path.basename(inspect.getfile(cls))}:{next(numbers, first)}"
 
 
-def _notes(error: BaseException) -> list[str]:
-    return getattr(error, "__notes__", [])
+def _is_like(value: object, kind: type) -> bool:
+    """Return whether a value is of a data type, perhaps of another import of its module."""
+    cls = type(value)
+    return isinstance(value, kind) or (is_dataclass(cls) and type_name(cls) == type_name(kind))
 
 
 def _text(value: Any) -> str:

@@ -21,6 +21,7 @@ from rtkit.component import (
     ServicePort,
     Time,
     TimedLong,
+    TimedShort,
 )
 from rtkit.errors import Malformed, NotFound, Refused
 from rtkit.testing import Trial, own_manager
@@ -298,8 +299,12 @@ def test_a_test_that_fails_is_told_of_the_error_of_its_component():
     where = f"test_testing.py:{begin + 1} in work, called by on_execute"
     assert note == f"Nested0 is in Error: RuntimeError: no ({where})"
     with pytest.raises(AssertionError) as caught, Trial(Scale) as trial:  # noqa: PT012
-        assert trial.trouble == ""
-        assert trial.state == "Active"
+        trial.tick()
+        assert trial.received("out") == [1]
+    assert caught.value.__notes__ == ["Scale0 is Inactive"]
+    with pytest.raises(AssertionError) as caught, Trial(Scale) as trial:  # noqa: PT012
+        trial.activate()
+        assert trial.received("out") == [1]
     assert not hasattr(caught.value, "__notes__")
 
 
@@ -309,6 +314,27 @@ def test_a_port_that_is_not_there_is_told_with_those_that_are():
             trial.send("inot")
         with pytest.raises(NotFound, match="no port out that needs a service, but none"):
             trial.provide("out", 3)
+
+
+def test_what_is_misspelt_is_told_with_what_is_meant():
+    with Trial(Scale, {"conf.fast.factor": "9"}) as trial:
+        with pytest.raises(NotFound, match=r"Scale0: .* fator \(did you mean factor\?\)"):
+            trial.configure({"fator": 2})
+        with pytest.raises(NotFound, match=r"Scale0: .* fats \(did you mean fast\?\)"):
+            trial.configure({"factor": 2}, "fats")
+        trial.configure({"factor": 3}, "fast")
+        assert trial.component.factor == 3
+
+
+def test_time_goes_on_only():
+    for method in (Trial.wait, Trial.run):
+        with Trial(Scale, clock=0.0) as trial, pytest.raises(Malformed, match="back: -1 s"):
+            method(trial, -1.0)
+
+
+def test_a_trial_is_of_a_class():
+    with pytest.raises(TypeError, match="a class of components, not of 3"):
+        Trial(3)
 
 
 class Late(Component):
@@ -331,7 +357,7 @@ def test_a_wrong_value_names_the_line_of_the_port():
     )
 
 
-@pytest.mark.parametrize("value", ["abc", 5, TimedLong(data=2**40), Time(1, 2)])
+@pytest.mark.parametrize("value", ["abc", 5, TimedLong(data=2**40), Time(1, 2), TimedShort(data=2)])
 def test_what_is_sent_has_to_be_of_the_type_of_the_port(value):
     with Trial(Scale) as trial, pytest.raises(Malformed, match="Scale0:into: TimedLong"):
         trial.send("into", value)
