@@ -25,6 +25,7 @@ TOPICS: dict[str, dict[str, str]] = {
         "rtmgr": "Start, stop, install and command managers.",
     },
     "observing": {
+        "rtstatus": "Tell on one page how a component is, and what happened to it.",
         "rttop": "Show what components do, live.",
         "rtvlog": "Print what components log.",
         "rtwait": "Wait for components, their states, and data of ports.",

@@ -32,6 +32,7 @@ from rtkit.container.port_wiring import PortWiring
 from rtkit.container.user_requests import UserRequests
 from rtkit.deployment.message import NEW, Message
 from rtkit.errors import Malformed, NotFound, Refused, RtkitError, Unreachable
+from rtkit.fast_dataclass import replace
 from rtkit.guard import guarded, kind_and_text
 from rtkit.link.threads import start_thread
 from rtkit.logs.late import late
@@ -45,6 +46,7 @@ if TYPE_CHECKING:
     from rtkit.container.component_factory import ComponentFactory
     from rtkit.container.heartbeats import Heartbeats, HeartbeatSlot
     from rtkit.container.slave_checkpoint import CheckpointWriter
+    from rtkit.deployment.facts import ComponentFacts
 
 _log = late(__name__)
 _CLOSE = object()
@@ -83,6 +85,7 @@ class ComponentContainer:
         self._components: dict[str, Component] = {}
         self._pacers: dict[tuple[str, str], Pacer] = {}
         self._memory: dict[str, Mapping[str, Any]] = {}
+        self._since: dict[str, tuple[str, float]] = {}
         self._asked = UserRequests()
         self._takeovers: dict[str, list[Message]] = {}
         self._deletions: dict[str, list[Message]] = {}
@@ -312,11 +315,20 @@ class ComponentContainer:
         held = self._components.get(component.instance)
         held = held if held is component else None
         if held is not None:
-            facts = encode(facts_of(held))
+            facts = encode(self._facts(held))
             self._keep(held.instance, facts)
             self._send({"facts": facts})
         if not component.configuration.is_pending:
             self._taken_over(held, self._takeovers.pop(component.instance, []))
+
+    def _facts(self, component: Component) -> ComponentFacts:
+        """Return the facts of a component, with when its state changed."""
+        facts = facts_of(component)
+        state, since = self._since.get(facts.instance, ("", 0.0))
+        if facts.state != state:
+            since = time.time()
+            self._since[facts.instance] = facts.state, since
+        return replace(facts, since=since)
 
     def _keep(self, instance: str, facts: Mapping[str, Any]) -> None:
         if self._checkpoint_writer is not None:
@@ -385,6 +397,7 @@ class ComponentContainer:
     def _end(self, instance: str) -> None:
         component = self._components.pop(instance)
         self._memory.pop(instance, None)
+        self._since.pop(instance, None)
         self._asked.forget(instance)
         self._connectors.part(component)
         for key in [key for key in self._pacers if key[0] == instance]:
@@ -403,7 +416,7 @@ class ComponentContainer:
         instance = message["instance"]
         if instance in self._components:
             self._memory[instance] = message["kept"]
-            self._keep(instance, encode(facts_of(self._components[instance])))
+            self._keep(instance, encode(self._facts(self._components[instance])))
 
     def _send_metrics(self, _message: Message) -> object:
         from rtkit.container.metrics import metrics_of
@@ -417,7 +430,7 @@ class ComponentContainer:
 
     def _holding(self) -> Message:
         components = [
-            {**encode(facts_of(component)), **self._memory.get(instance, {})}
+            {**encode(self._facts(component)), **self._memory.get(instance, {})}
             for instance, component in self._components.items()
         ]
         return {

@@ -22,8 +22,13 @@ from rtkit.logs.records import JsonLines, printable
 _OUTPUT_BYTES = 256 * 1024
 _LOG_BYTES = 16 * 1024
 _LINES = 3
+_OUTPUT_LINES = 10
+_TICK_S = 0.01
+"""By how much the kernel may date a file too early [s]: a crash comes after what was printed."""
 _MAX_TEXT = 300
-_CRASH = re.compile(r"^Fatal Python error: ", re.MULTILINE)
+CRASH_HEAD = "Fatal Python error: "
+"""Beginning of the interpreter's report of a crash, and of the record that is made of it."""
+_CRASH = re.compile(f"^{CRASH_HEAD}", re.MULTILINE)
 _CULPRIT = re.compile(r"^Current thread 0x([0-9a-f]+)", re.MULTILINE)
 _LEVELS = ("WARN", "ERROR", "FATAL")
 _PRINTED = ("stdout", "stderr")
@@ -37,12 +42,16 @@ class ExitDiagnostics(NamedTuple):
         text: The last lines that it printed, or that it logged as worth a warning; one line.
         thread: Identity of the thread that crashed; 0 when that is not known.
         stacks: Report of the interpreter about a crash, as it wrote it; empty when there was none.
+        output: The last lines that it wrote past its log before that.
+        time_s: When it wrote last past its log [s since 1970]; 0 when that is not known.
     """
 
     place: str = ""
     text: str = ""
     thread: int = 0
     stacks: str = ""
+    output: tuple[str, ...] = ()
+    time_s: float = 0.0
 
     def reason(self, end: str) -> str:
         """Return how it ended, ``signal 11``, with the place."""
@@ -51,7 +60,8 @@ class ExitDiagnostics(NamedTuple):
 
 def exit_diagnostics(manager: str, slave: str, pid: int) -> ExitDiagnostics:
     """Return the exit diagnostics of a slave; nothing if they cannot be known."""
-    output = _end(places.output_file(manager, slave), _OUTPUT_BYTES, keeps_head=True)
+    path = places.output_file(manager, slave)
+    output = _end(path, _OUTPUT_BYTES, keeps_head=True)
     if not is_of(output, pid):
         return ExitDiagnostics()
     crash = _CRASH.search(output)
@@ -60,9 +70,17 @@ def exit_diagnostics(manager: str, slave: str, pid: int) -> ExitDiagnostics:
     thread = int(culprit[1], 16) if culprit else 0
     place = place_of(after, thread, must_be_own=True) if culprit else ""
     lines = before.splitlines()[1:]
-    if not any(map(str.strip, lines)) and not place:
+    own = tuple(printable(line) for line in lines if line.strip())[-_OUTPUT_LINES:]
+    if not own and not place:
         lines = _logged(places.log_file(manager, slave), pid)
-    return ExitDiagnostics(place, _short(lines), thread, after.strip())
+    return ExitDiagnostics(place, _short(lines), thread, after.strip(), own, _written_s(path))
+
+
+def _written_s(path: str) -> float:
+    try:
+        return os.stat(path).st_mtime + _TICK_S
+    except OSError:
+        return 0.0
 
 
 def culprits(words: ExitDiagnostics, on_thread: str, codes: Mapping[str, str]) -> tuple[str, ...]:

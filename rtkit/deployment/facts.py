@@ -131,6 +131,7 @@ class ComponentFacts:
         fsm_events: Data type of each event that its event port takes.
         trouble: Why it does not answer though it lives (``stopped``); empty when it answers.
         restart_status: What has been done about its ends and its health.
+        since: When its state last changed, or it died [s since 1970]; 0 where that is not known.
         code: CRC-32 of the file of its module when that was loaded, eight hexadecimal digits, and
             where that file is; a line for each file beside it that it imports, too. Empty for one
             that comes from no module.
@@ -159,6 +160,7 @@ class ComponentFacts:
     fsm_events: Mapping[str, str] = field(default_factory=dict)
     restart_status: RestartStatus = field(default_factory=RestartStatus)
     code: str = ""
+    since: float = 0.0
 
     @property
     def state(self) -> str:

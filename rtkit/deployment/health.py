@@ -18,6 +18,7 @@ from typing import NamedTuple
 
 from rtkit.deployment.extension import HEALTH
 from rtkit.deployment.metrics import ComponentMetrics
+from rtkit.deployment.supervision import RestartPolicy, RestartRule, read_policy, restart_of
 from rtkit.errors import Malformed
 from rtkit.fast_dataclass import dataclass
 from rtkit.rtc.connector_properties import finite
@@ -188,3 +189,31 @@ _JUDGES: Mapping[str, Callable[[HealthRule, Sample | None, Sample], str]] = {
     "rate": _rate,
     "value": _value,
 }
+
+
+DEFAULT = "manager.restart"
+"""Property of the manager; with the name of a slave added, of what that holds."""
+
+
+def policy_in(
+    options: Mapping[str, str], process: str, setting: Callable[[str], str]
+) -> RestartPolicy:
+    """Return the policy that a component states, else that of its process, else of its manager.
+
+    Args:
+        options: Of its create string.
+        process: Name of the slave, or manager, that holds it.
+        setting: Returns a property of the manager, "" for none.
+
+    Raises:
+        Malformed: It makes no sense.
+    """
+    rules = read_rules(options)
+    default = restart_of(DEFAULT, setting(DEFAULT))
+    of_process = f"{DEFAULT}.{process}"
+    default = restart_of(of_process, setting(of_process), default)
+    # A rule that says restart is the component's own word, which counts more than that of its slave
+    # or manager; without it the rule could do nothing. Its own ``rtkit.restart`` counts most.
+    if any(rule.reaction is Reaction.RESTART for rule in rules) and default is RestartRule.NEVER:
+        default = RestartRule.ON_FAILURE
+    return read_policy(options, default)

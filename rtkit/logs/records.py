@@ -44,7 +44,7 @@ class JsonLines(logging.Formatter):
     Keys: ``time`` (UTC, ISO 8601), ``level``, ``process``, ``pid``, ``component`` for what an
     instance logs, ``logger`` for what any other logger does, ``message``, and ``exception`` if
     there is one. What another logger does while code of a component runs has both: so do lines
-    that it prints.
+    that it prints, and what a manager logs about a component (`extra={"about": instance}`).
 
     Args:
         process: Name of the manager or slave.
@@ -61,7 +61,7 @@ class JsonLines(logging.Formatter):
         whole, part = divmod(record.created, 1)
         moment = time.strftime("%Y-%m-%dT%H:%M:%S", time.gmtime(whole))
         is_component = record.name in self._components
-        instance = record.name if is_component else current.get()
+        instance = record.name if is_component else getattr(record, "about", "") or current.get()
         fields = {
             "time": f"{moment}.{int(part * 1e6):06}Z",
             "level": level_word(record.levelno),

@@ -35,6 +35,7 @@ from rtkit.logs.outputs import cut
 from rtkit.manager.core import events as ev
 from rtkit.manager.core.core import Core
 from rtkit.manager.core.event_ring import CORE, EventRing
+from rtkit.manager.core.history import history, to_text
 from rtkit.manager.core.requests import NOBODY, PendingRequests
 from rtkit.manager.core.state import Process
 from rtkit.manager.fault_guard import FaultGuard, header, select_but, text_of
@@ -123,6 +124,7 @@ class Loop:
         self.following = Following(self.post, core.state, self.requests, self.note_fault)
         self.query_server.follow = self.following.ask
         self.query_server.dump = self._dump
+        self.query_server.events = self._events
         self.has_failed = False
         self.notifier = ServiceNotifier(core.state, {})
         self._container = container
@@ -330,6 +332,10 @@ class Loop:
         recording = self._ring.capture()
         return lambda: text_of(header(self._core.state, "rtmgr dump"), recording)
 
+    def _events(self, instance: str) -> Callable[[], str]:
+        items, now, time_s = self._ring.about(instance), time.monotonic(), time.time()
+        return lambda: to_text(history(items(), instance), now, time_s)
+
     def _serve(self, request: Request) -> None:
         try:
             fault.point("duty.request")
@@ -348,7 +354,7 @@ class Loop:
             event = self._with_exit_diagnostics(event)
         elif isinstance(event, ev.SlaveExitedUnseen):
             words = exit_diagnostics(self._core.state.name, event.name, event.pid)
-            event = replace(event, reason=words.reason(event.reason))
+            event = replace(event, reason=words.reason(event.reason), time=words.time_s)
             _log.warning("slave %s ended while no manager ran: %s", event.name, event.reason)
         for instruction in self._decide(event):
             try:
@@ -412,9 +418,12 @@ class Loop:
         reason = words.reason(event.reason)
         if self._limiter is not None:
             reason = self._limiter.reason(event.key, reason, words.text)
-        known = replace(event, reason=reason, last=words.text)
+        known = replace(event, reason=reason, last=words.text, time=time.time())
         last_words = f"; its last words: {known.last}" if known.last else ""
         _log.warning("slave %s ended: %s%s", process.name, known.reason, last_words)
+        for instance in self._core.state.held_by(event.key):
+            about = {"about": instance}
+            _log.warning("%s was lost: %s", instance, known.reason, extra=about)
         return known
 
     def _log_crash(self, key: int, process: Process, words: ExitDiagnostics) -> None:

@@ -52,6 +52,7 @@ class ManagerQueryServer:
         plan_lock: Who carries a plan out.
         follow: Receives requests to follow a system, or not to.
         dump: Captures the last events, and returns what makes the text of them, on any thread.
+        events: Does so for the events about one component.
     """
 
     def __init__(self, state: ManagerState, requests: PendingRequests) -> None:
@@ -59,6 +60,7 @@ class ManagerQueryServer:
         self.plan_lock = PlanLock(ProcessWatch)
         self.follow: Callable[[Request], object] = lambda _request: None
         self.dump: Callable[[], Callable[[], str]] = lambda: lambda: ""
+        self.events: Callable[[str], Callable[[], str]] = lambda _instance: lambda: "[]"
         self._state = state
         self._requests = requests
         self._views: dict[str, str] = {}
@@ -110,6 +112,8 @@ class ManagerQueryServer:
             self._find(request)
         elif name == "dump":
             _aside(request, self.dump())
+        elif name.startswith("events/"):
+            _aside(request, self.events(zenoh_keys.unescape(name.removeprefix("events/"))))
         else:
             request.answer(Reply(self._view(name)))
 

@@ -153,6 +153,26 @@ class Tree(ByPath, Closing):
         """
         return self._ask(zenoh_keys.extension_key(self._service, "dump"))
 
+    def events(self, instance: str) -> list[tuple[float, str, str, str]]:
+        """Return the last events about a component: time [s since 1970], event, subject, detail.
+
+        Raises:
+            Unreachable: The manager does not answer in time.
+            NotFound: It is of a version that cannot report them.
+        """
+        import json
+
+        text = self._ask(
+            zenoh_keys.extension_key(self._service, f"events/{zenoh_keys.escape(instance)}")
+        )
+        try:
+            rows = json.loads(text)
+            return [
+                (float(at), str(event), str(about), str(more)) for at, event, about, more in rows
+            ]
+        except (TypeError, ValueError) as error:
+            raise Malformed(f"the manager's answer cannot be read: {error}") from error
+
     def lacking(self, makings: Sequence[tuple[str, str]]) -> list[str]:
         """Return for each pair of a module and a create string why nothing can be made of it.
 

@@ -10,7 +10,7 @@ from __future__ import annotations
 import json
 import os
 import re
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Container, Iterable, Iterator
 from operator import attrgetter
 from typing import Any, NamedTuple
 
@@ -102,14 +102,17 @@ class Logbook:
         unreadable: How many lines were no records.
     """
 
-    def __init__(self, folder: str, wanted: Wanted) -> None:
+    def __init__(self, folder: str, wanted: Wanted, files: Container[str] | None = None) -> None:
         """Begin to listen, so that nothing is missed between what is there and what comes.
+
+        With `files`, names of logs, no other one is read at the beginning.
 
         Raises:
             Refused: The folder is not there.
         """
         self._folder = folder
         self._wanted = wanted
+        self._wanted_files = files
         self._subscription = FolderWatch(folder)
         self._files: dict[str, _File] = {}
         self.unreadable = 0
@@ -159,7 +162,11 @@ class Logbook:
     def _names(self) -> list[tuple[str, int]]:
         """Return the files there are, the present ones of all logs first."""
         found = [(name, _FILE.fullmatch(name)) for name in os.listdir(self._folder)]
-        named = [(name, int(match[2] or 0)) for name, match in found if match is not None]
+        named = [
+            (name, int(match[2] or 0))
+            for name, match in found
+            if match is not None and (self._wanted_files is None or match[1] in self._wanted_files)
+        ]
         return sorted(named, key=lambda each: (each[1], each[0]))
 
     def _entries(self, file: _File) -> Iterator[LogEntry]:

@@ -19,7 +19,7 @@ def unseen_entries(manager: str) -> Iterator[LogEntry]:
         return
     dead = checkpoints_of_the_dead(manager, living_slaves(manager))
     for crash in unseen_crashes(manager, dead):
-        time = f"{time_text(int(crash.time_s * 1e9))[:-4]}Z"
+        time = f"{time_text(int(crash.words.time_s * 1e9))[:-4]}Z"
         file = f"{manager}.{crash.slave}" if crash.slave else manager
         for instance in crash.instances or ("",):
             yield LogEntry(

@@ -9,7 +9,7 @@ from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING, Any
 
 from rtkit.cli.shared import terminal
-from rtkit.rtc.names import COMPONENT_SUFFIX, MANAGER_SUFFIX
+from rtkit.cli.shared.component_paths import port_path
 from rtkit.rtc.profiles import DEFINITION
 
 if TYPE_CHECKING:
@@ -170,21 +170,6 @@ def _connection_lines(connector: ConnectorProfile, paths: list[str], level: int)
     return lines + terminal.pairs(
         [("Name", connector.name), ("ID", connector.connector_id), *_sorted(shown)]
     )
-
-
-def component_path(snapshot: Snapshot, facts: ComponentFacts) -> str:
-    """Return where a component is found: its first name, else the place below its manager."""
-    if facts.names:
-        return "/" + facts.names[0]
-    usual = f"localhost/{snapshot.manager}{MANAGER_SUFFIX}"
-    manager = snapshot.names[0] if snapshot.names else usual
-    return f"/{manager}/{facts.instance}{COMPONENT_SUFFIX}"
-
-
-def port_path(snapshot: Snapshot, instance: str, port: str) -> str:
-    """Return the path of a port; empty when nobody knows its component."""
-    facts = snapshot.component(instance)
-    return "" if facts is None else f"{component_path(snapshot, facts)}:{port}"
 
 
 def _bold(text: str) -> str:

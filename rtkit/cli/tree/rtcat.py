@@ -119,6 +119,7 @@ def _component_record(snapshot: Snapshot, facts: ComponentFacts) -> dict[str, An
     return {
         "state": facts.state,
         **encode(facts),
+        **({"since": json_records.time_text(int(facts.since * 1e9))} if facts.since else {}),
         "connectors": [encode(connector) for connector in connectors],
     }
 

@@ -277,8 +277,10 @@ class Core:
         process = self._tasks.new_process(name, event.pid)
         process.state, process.reason = "lost", event.reason
         adoption.take_missed(self.state, process, holding)
+        held = self.state.held_by(process.key)
+        for instance in held:
+            self.state.update(instance, since=event.time)
         if event.is_seen:
-            held = self.state.held_by(process.key)
             for instance in held:
                 self.state.kept.lost(self.state.components[instance])
             self._supervisor.lost(held, event.reason, self._now)
@@ -297,18 +299,18 @@ class Core:
         process.last = event.last if isinstance(event, ev.SlaveEnded) else ""
         process.silence = ""
         self.state.drop_loose(process.key)
-        self._release_slave(process)
+        self._release_slave(process, getattr(event, "time", 0.0))
         self.state.drop_if_empty(process.key)
         self._tasks.process_ended(process)
 
-    def _release_slave(self, process: Process) -> None:
+    def _release_slave(self, process: Process, time: float) -> None:
         lost = []
         for instance in self.state.held_by(process.key):
             for connector in self.state.connectors_of(instance):
                 self._cut(connector)
             if (process.is_wanted or process.verdict) and not process.is_guest:
                 self.state.drop_connectors(instance)
-                self.state.update(instance, zombie=process.reason, trouble="")
+                self.state.update(instance, zombie=process.reason, trouble="", since=time)
                 self._tasks.begin(note_loss(self.state, instance), RESTORE_S)
                 lost.append(instance)
             else:

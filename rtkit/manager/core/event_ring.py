@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import marshal
 from collections import deque
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any, NamedTuple
 
 from rtkit.deployment.limits import Capacity
@@ -131,6 +131,21 @@ class EventRing:
             copied(self._core.state),
             self._lost + skipped,
         )
+
+    def about(self, instance: str) -> Callable[[], Iterator[tuple[float, Item]]]:
+        """Return what yields the events that may be about an instance, safe on any thread."""
+        halves = [half for half in (self._older, self._newer) if half is not None]
+        items = [(now, item) for half in halves for now, item, _ in half.items]
+        name = instance.encode()
+
+        def unpacked() -> Iterator[tuple[float, Item]]:
+            for now, item in items:
+                if not isinstance(item, _Packed):
+                    yield now, item
+                elif name in item.message:
+                    yield now, _unpacked(item)
+
+        return unpacked
 
     def _add(self, item: Item) -> None:
         packed, size = _packed(item)

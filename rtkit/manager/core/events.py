@@ -172,7 +172,8 @@ class SlaveFound(Event):
 class SlaveExitedUnseen(Event):
     """A slave ended while no manager ran; its components are known from its checkpoint.
 
-    If nobody has seen how, all that ran with it was ended at once.
+    If nobody has seen how, all that ran with it was ended at once. `time` is when it wrote last
+    [s since 1970], 0 where that is not known.
     """
 
     pid: int
@@ -180,14 +181,19 @@ class SlaveExitedUnseen(Event):
     components: object
     reason: str
     is_seen: bool = True
+    time: float = 0.0
 
 
 class SlaveEnded(Event):
-    """The kernel reported the end of a slave; `last` is its exit diagnostics, in one line."""
+    """The kernel reported the end of a slave; `last` is its exit diagnostics, in one line.
+
+    `time` is when that was [s since 1970], 0 where it is not known.
+    """
 
     key: int
     reason: str
     last: str = ""
+    time: float = 0.0
 
 
 class SlaveStopped(Event):

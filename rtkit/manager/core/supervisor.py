@@ -200,7 +200,7 @@ class Supervisor:
         state = self._state
         text = f"given up after {policy.limit} restarts within {WINDOW_S:g} s"
         text = state.watched(instance).given_up or text
-        _log.error("%s is %s: %s", instance, text, why)
+        _log.error("%s is %s: %s", instance, text, why, extra={"about": instance})
         state.watch(instance, given_up=text)
         if instance in state.components and not lives(state, instance):
             state.update(instance, zombie=f"{why}; {text}")
@@ -278,7 +278,8 @@ class Supervisor:
         ended = max(watched.ledger.times, default=now) - watched.ledger.wait_s
         self._state.watch(instance, pending="", took_s=round(now - ended, 6))
         count, why = watched.restarts, watched.pending
-        _log.warning("%s was made again (%d.): %s", instance, count, why)
+        about = {"about": instance}
+        _log.warning("%s was made again (%d.): %s", instance, count, why, extra=about)
 
 
 def _spread(instance: str, count: int) -> float:

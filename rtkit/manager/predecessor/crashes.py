@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import re
 from collections.abc import Iterator, Mapping
 from contextlib import closing, suppress
@@ -20,8 +19,6 @@ from rtkit.link import places, running
 from rtkit.logs.logfile import FILES
 
 _HEAD = re.compile(r"== .*, pid (\d+), [^,\n]*\n")
-_TICK_S = 0.01
-"""By how much the kernel may date a file too early [s]: a crash comes after what was printed."""
 
 
 class UnseenCrash(NamedTuple):
@@ -29,19 +26,17 @@ class UnseenCrash(NamedTuple):
 
     Attributes:
         slave: Name of the slave; empty for the manager.
-        time_s: When it wrote last [s since 1970].
         instances: The components whose code may have crashed.
     """
 
     slave: str
     pid: int
-    time_s: float
     words: ExitDiagnostics
     instances: tuple[str, ...]
 
     def log(self, manager: str) -> None:
         """Add it to the log of its process."""
-        log_crash(manager, self.slave, self.pid, self.words, self.instances, self.time_s)
+        log_crash(manager, self.slave, self.pid, self.words, self.instances, self.words.time_s)
 
 
 def unseen_crashes(manager: str, dead: Mapping[int, SlaveCheckpoint]) -> list[UnseenCrash]:
@@ -54,8 +49,7 @@ def unseen_crashes(manager: str, dead: Mapping[int, SlaveCheckpoint]) -> list[Un
         words = exit_diagnostics(manager, slave, pid)
         if words.stacks and not _is_logged(places.log_file(manager, slave), pid):
             instances = culprits(words, _instance_on(manager, pid, words.thread), codes)
-            time_s = os.stat(places.output_file(manager, slave)).st_mtime + _TICK_S
-            found.append(UnseenCrash(slave, pid, time_s, words, instances))
+            found.append(UnseenCrash(slave, pid, words, instances))
     return found
 
 

@@ -37,10 +37,11 @@ def living_slaves(manager: str) -> set[int]:
 def checkpoints_of_the_dead(manager: str, living: Collection[int]) -> dict[int, SlaveCheckpoint]:
     """Return what the other slaves held, by pid; before anybody clears it away."""
     dead = (pid for pid in running.traces(manager, "held") if pid not in living)
-    return {pid: held for pid in dead if (held := _checkpoint(manager, pid)) is not None}
+    return {pid: held for pid in dead if (held := checkpoint_of(manager, pid)) is not None}
 
 
-def _checkpoint(manager: str, pid: int) -> SlaveCheckpoint | None:
+def checkpoint_of(manager: str, pid: int) -> SlaveCheckpoint | None:
+    """Return what a slave holds, or held; None if nothing is known of it."""
     return read_checkpoint(os.path.join(places.runtime_dir(), f"{manager}.{pid}{SUFFIX}"))
 
 
@@ -68,7 +69,7 @@ class UnreportedSlaves:
         if self._is_settled:
             return
         if pid not in self._dead:
-            checkpoint = _checkpoint(self._manager, pid)
+            checkpoint = checkpoint_of(self._manager, pid)
             if checkpoint is None:
                 return
             self._dead[pid] = checkpoint
@@ -84,7 +85,7 @@ class UnreportedSlaves:
     ) -> Iterator[SlaveFound | SlaveExitedUnseen]:
         """Yield who did not come back, living and dead, once; `children` have names, or "" ."""
         for pid in sorted((self._left | set(children)) - set(known)):
-            checkpoint = _checkpoint(self._manager, pid)
+            checkpoint = checkpoint_of(self._manager, pid)
             if pid not in children and not is_slave(self._manager, pid):
                 self.ended(pid, UNKNOWN)
                 continue

@@ -19,7 +19,7 @@ import sqlite3
 import struct
 import tempfile
 from collections.abc import Iterable
-from contextlib import suppress
+from contextlib import closing, suppress
 from typing import NamedTuple
 
 from rtkit import fault
@@ -283,19 +283,28 @@ class Store:
     def _find_in_copy(self, why: sqlite3.Error) -> StoredRows:
         """Read what cannot be written, or not where it is."""
         finding = f"the state store cannot be written: {self._failure(why)}"
-        with tempfile.TemporaryDirectory(dir=places.runtime_dir()) as folder:
-            copy = os.path.join(folder, "copy")
-            try:
-                for suffix in ("", "-wal"):
-                    if not suffix or os.path.exists(self._path + suffix):
-                        shutil.copyfile(self._path + suffix, copy + suffix)
-                db = sqlite3.connect(copy, isolation_level=None)
-                try:
-                    return StoredRows(_read(db, self._path)[0], finding)
-                finally:
-                    db.close()
-            except (OSError, sqlite3.Error, _Damaged) as error:
-                return StoredRows([], f"{finding}, nor read: {error}")
+        try:
+            return StoredRows(_read_copy(self._path), finding)
+        except (OSError, sqlite3.Error, _Damaged) as error:
+            return StoredRows([], f"{finding}, nor read: {error}")
+
+
+def rows_of_copy(path: str) -> list[Row]:
+    """Return the rows of a store that nobody uses, and leave it as it is; none if it is damaged."""
+    try:
+        return _read_copy(path)
+    except (OSError, sqlite3.Error, _Damaged, Refused):
+        return []
+
+
+def _read_copy(path: str) -> list[Row]:
+    with tempfile.TemporaryDirectory(dir=places.runtime_dir()) as folder:
+        copy = os.path.join(folder, "copy")
+        for suffix in ("", "-wal"):
+            if not suffix or os.path.exists(path + suffix):
+                shutil.copyfile(path + suffix, copy + suffix)
+        with closing(sqlite3.connect(copy, isolation_level=None)) as db:
+            return _read(db, path)[0]
 
 
 class Noted:

@@ -69,6 +69,7 @@ ELSEWHERE = {
     "schema-file": "unit/cli/test_profile_schema.py",
     "setting": "unit/cli/test_rtconfig.py",
     "settings-file": "unit/cli/test_rtconfig.py",
+    "status": "system/test_status.py",
     "system-state": "unit/cli/test_system_states.py",
     "transition": "unit/cli/test_system_states.py",
     "property": "system/test_live_properties.py",
