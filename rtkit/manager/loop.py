@@ -18,7 +18,6 @@ from typing import TYPE_CHECKING, NamedTuple
 from rtkit import fault
 from rtkit.container.container import ComponentContainer
 from rtkit.container.exit_diagnostics import (
-    ExitDiagnostics,
     culprits,
     exit_diagnostics,
     log_crash,
@@ -37,7 +36,6 @@ from rtkit.manager.core.core import Core
 from rtkit.manager.core.event_ring import CORE, EventRing
 from rtkit.manager.core.history import history, to_text
 from rtkit.manager.core.requests import NOBODY, PendingRequests
-from rtkit.manager.core.state import Process
 from rtkit.manager.fault_guard import FaultGuard, header, select_but, text_of
 from rtkit.manager.following.following import Following
 from rtkit.manager.limits.usage import usage
@@ -412,26 +410,22 @@ class Loop:
         if process.is_guest:
             _log.info("guest %s left", process.name)
             return event
-        words = exit_diagnostics(self._core.state.name, process.name, process.pid)
+        state = self._core.state
+        words = exit_diagnostics(state.name, process.name, process.pid)
+        held = {each: state.components[each].code for each in state.held_by(event.key)}
         if words.stacks:
-            self._log_crash(event.key, process, words)
+            running = self._watchdog.instance_on(event.key, words.thread)
+            instances = culprits(words, running, held)
+            log_crash(state.name, process.name, process.pid, words, instances)
         reason = words.reason(event.reason)
         if self._limiter is not None:
             reason = self._limiter.reason(event.key, reason, words.text)
         known = replace(event, reason=reason, last=words.text, time=time.time())
         last_words = f"; its last words: {known.last}" if known.last else ""
         _log.warning("slave %s ended: %s%s", process.name, known.reason, last_words)
-        for instance in self._core.state.held_by(event.key):
-            about = {"about": instance}
-            _log.warning("%s was lost: %s", instance, known.reason, extra=about)
+        for each in held:
+            _log.warning("%s was lost: %s", each, known.reason, extra={"about": each})
         return known
-
-    def _log_crash(self, key: int, process: Process, words: ExitDiagnostics) -> None:
-        """Log a crash for the component whose code ran, or those that can have been it."""
-        state = self._core.state
-        codes = {each: state.components[each].code for each in state.held_by(key)}
-        instances = culprits(words, self._watchdog.instance_on(key, words.thread), codes)
-        log_crash(state.name, process.name, process.pid, words, instances)
 
     def _tidy(self) -> None:
         """See who is stopped, and keep short what is written past logs."""

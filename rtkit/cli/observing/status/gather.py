@@ -27,7 +27,7 @@ _SLOW = 0.9
 
 
 class Known(NamedTuple):
-    """What is known of a manager, and the entry of its tree that is asked about."""
+    """Facts about a manager, living or not, and the entry of its tree that is asked about."""
 
     snapshot: Snapshot
     node: TreeNode

@@ -53,10 +53,12 @@ def past_of(
         file = f"{manager}.{process.name}"
     entries = _entries(manager, file, facts.instance if facts is not None else "")
     crashes = [each for each in entries if _is_crash(each)]
-    told = [each for each in entries if facts is not None and each.source.startswith(_MANAGER)]
-    log = [each for each in entries if not _is_crash(each) and each not in told]
+    by_manager = [
+        each for each in entries if facts is not None and each.source.startswith(_MANAGER)
+    ]
+    log = [each for each in entries if not _is_crash(each) and each not in by_manager]
     crash = _crash(crashes[-1], log) if crashes else None
-    events = _events(tree, facts, told)
+    events = _events(tree, facts, by_manager)
     is_over = process is not None and bool(facts.zombie if facts else process.state == "lost")
     output: Sequence[str] = ()
     if is_over and process is not None:
@@ -100,7 +102,7 @@ def _crash(entry: LogEntry, log: Sequence[LogEntry]) -> Record:
 
 
 def _events(
-    tree: Tree | None, facts: ComponentFacts | None, told: Sequence[LogEntry]
+    tree: Tree | None, facts: ComponentFacts | None, by_manager: Sequence[LogEntry]
 ) -> list[Record]:
     """Return the last events: those that the manager has, before them what its log has."""
     found: list[Record] = []
@@ -120,7 +122,7 @@ def _events(
     begin = found[0]["time"] if found else "9"
     logged = [
         {"time": _time(each), "event": "LOGGED", "subject": "", "detail": each.message}
-        for each in told
+        for each in by_manager
         if _time(each) < begin
     ]
     return [*logged, *found][-_MOST_EVENTS:]
