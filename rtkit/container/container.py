@@ -24,7 +24,7 @@ from rtkit.component.participant import DrivenComponent
 from rtkit.container.composites import Composites
 from rtkit.container.connectors import Connectors
 from rtkit.container.execution_contexts import ExecutionContexts, StateMachines, release
-from rtkit.container.facts import facts_of
+from rtkit.container.facts import DatedFacts
 from rtkit.container.neighbours import Neighbours
 from rtkit.container.operations import LATER, Operations, in_time
 from rtkit.container.pacer import Pacer, StartDriver, Work
@@ -32,7 +32,6 @@ from rtkit.container.port_wiring import PortWiring
 from rtkit.container.user_requests import UserRequests
 from rtkit.deployment.message import NEW, Message
 from rtkit.errors import Malformed, NotFound, Refused, RtkitError, Unreachable
-from rtkit.fast_dataclass import replace
 from rtkit.guard import guarded, kind_and_text
 from rtkit.link.threads import start_thread
 from rtkit.logs.late import late
@@ -46,7 +45,6 @@ if TYPE_CHECKING:
     from rtkit.container.component_factory import ComponentFactory
     from rtkit.container.heartbeats import Heartbeats, HeartbeatSlot
     from rtkit.container.slave_checkpoint import CheckpointWriter
-    from rtkit.deployment.facts import ComponentFacts
 
 _log = late(__name__)
 _CLOSE = object()
@@ -85,7 +83,7 @@ class ComponentContainer:
         self._components: dict[str, Component] = {}
         self._pacers: dict[tuple[str, str], Pacer] = {}
         self._memory: dict[str, Mapping[str, Any]] = {}
-        self._since: dict[str, tuple[str, float]] = {}
+        self._facts = DatedFacts()
         self._asked = UserRequests()
         self._takeovers: dict[str, list[Message]] = {}
         self._deletions: dict[str, list[Message]] = {}
@@ -315,20 +313,11 @@ class ComponentContainer:
         held = self._components.get(component.instance)
         held = held if held is component else None
         if held is not None:
-            facts = encode(self._facts(held))
+            facts = encode(self._facts.of(held))
             self._keep(held.instance, facts)
             self._send({"facts": facts})
         if not component.configuration.is_pending:
             self._taken_over(held, self._takeovers.pop(component.instance, []))
-
-    def _facts(self, component: Component) -> ComponentFacts:
-        """Return the facts of a component, with when its state changed."""
-        facts = facts_of(component)
-        state, since = self._since.get(facts.instance, ("", 0.0))
-        if facts.state != state:
-            since = time.time()
-            self._since[facts.instance] = facts.state, since
-        return replace(facts, since=since)
 
     def _keep(self, instance: str, facts: Mapping[str, Any]) -> None:
         if self._checkpoint_writer is not None:
@@ -397,7 +386,7 @@ class ComponentContainer:
     def _end(self, instance: str) -> None:
         component = self._components.pop(instance)
         self._memory.pop(instance, None)
-        self._since.pop(instance, None)
+        self._facts.forget(instance)
         self._asked.forget(instance)
         self._connectors.part(component)
         for key in [key for key in self._pacers if key[0] == instance]:
@@ -416,7 +405,7 @@ class ComponentContainer:
         instance = message["instance"]
         if instance in self._components:
             self._memory[instance] = message["kept"]
-            self._keep(instance, encode(self._facts(self._components[instance])))
+            self._keep(instance, encode(self._facts.of(self._components[instance])))
 
     def _send_metrics(self, _message: Message) -> object:
         from rtkit.container.metrics import metrics_of
@@ -430,7 +419,7 @@ class ComponentContainer:
 
     def _holding(self) -> Message:
         components = [
-            {**encode(self._facts(component)), **self._memory.get(instance, {})}
+            {**encode(self._facts.of(component)), **self._memory.get(instance, {})}
             for instance, component in self._components.items()
         ]
         return {

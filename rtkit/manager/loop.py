@@ -34,7 +34,6 @@ from rtkit.logs.outputs import cut
 from rtkit.manager.core import events as ev
 from rtkit.manager.core.core import Core
 from rtkit.manager.core.event_ring import CORE, EventRing
-from rtkit.manager.core.history import history, to_text
 from rtkit.manager.core.requests import NOBODY, PendingRequests
 from rtkit.manager.fault_guard import FaultGuard, header, select_but, text_of
 from rtkit.manager.following.following import Following
@@ -122,7 +121,7 @@ class Loop:
         self.following = Following(self.post, core.state, self.requests, self.note_fault)
         self.query_server.follow = self.following.ask
         self.query_server.dump = self._dump
-        self.query_server.events = self._events
+        self.query_server.events = self._ring.about
         self.has_failed = False
         self.notifier = ServiceNotifier(core.state, {})
         self._container = container
@@ -329,10 +328,6 @@ class Loop:
     def _dump(self) -> Callable[[], str]:
         recording = self._ring.capture()
         return lambda: text_of(header(self._core.state, "rtmgr dump"), recording)
-
-    def _events(self, instance: str) -> Callable[[], str]:
-        items, now, time_s = self._ring.about(instance), time.monotonic(), time.time()
-        return lambda: to_text(history(items(), instance), now, time_s)
 
     def _serve(self, request: Request) -> None:
         try:

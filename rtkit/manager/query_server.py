@@ -7,8 +7,8 @@ from __future__ import annotations
 
 import itertools
 import json
-from collections.abc import Callable, Iterator, Sequence
-from time import monotonic
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from time import monotonic, time
 from typing import Any, NamedTuple
 
 from rtkit.deployment.actions import Create
@@ -25,6 +25,7 @@ from rtkit.link.processes import ProcessWatch
 from rtkit.link.running import managers
 from rtkit.manager.core import events as ev
 from rtkit.manager.core import manager_properties, operations
+from rtkit.manager.core.history import TimedItem, history, to_text
 from rtkit.manager.core.operations import record
 from rtkit.manager.core.requests import PendingRequests
 from rtkit.manager.core.state import ManagerState
@@ -52,7 +53,7 @@ class ManagerQueryServer:
         plan_lock: Who carries a plan out.
         follow: Receives requests to follow a system, or not to.
         dump: Captures the last events, and returns what makes the text of them, on any thread.
-        events: Does so for the events about one component.
+        events: Captures the last events that may be about one component.
     """
 
     def __init__(self, state: ManagerState, requests: PendingRequests) -> None:
@@ -60,7 +61,7 @@ class ManagerQueryServer:
         self.plan_lock = PlanLock(ProcessWatch)
         self.follow: Callable[[Request], object] = lambda _request: None
         self.dump: Callable[[], Callable[[], str]] = lambda: lambda: ""
-        self.events: Callable[[str], Callable[[], str]] = lambda _instance: lambda: "[]"
+        self.events: Callable[[str], Callable[[], Iterable[TimedItem]]] = lambda _name: tuple
         self._state = state
         self._requests = requests
         self._views: dict[str, str] = {}
@@ -113,9 +114,14 @@ class ManagerQueryServer:
         elif name == "dump":
             _aside(request, self.dump())
         elif name.startswith("events/"):
-            _aside(request, self.events(zenoh_keys.unescape(name.removeprefix("events/"))))
+            self._read_events(request, zenoh_keys.unescape(name.removeprefix("events/")))
         else:
             request.answer(Reply(self._view(name)))
+
+    def _read_events(self, request: Request, instance: str) -> None:
+        """Answer the last events about a component."""
+        items, now, time_s = self.events(instance), monotonic(), time()
+        _aside(request, lambda: to_text(history(items(), instance), now, time_s))
 
     def _find(self, request: Request) -> None:
         """Answer what keeps components from being made."""

@@ -29,7 +29,7 @@ GUARDS = (
     Guard(
         "system/test_faults.py::test_a_slave_that_a_component_ends",
         "rtkit/manager/core/core.py",
-        """                self.state.update(instance, zombie=process.reason, trouble="", since=time)
+        """                self.state.update(instance, zombie=process.reason, trouble="", since=at)
 """,
         "",
     ),

@@ -303,14 +303,14 @@ class Core:
         self.state.drop_if_empty(process.key)
         self._tasks.process_ended(process)
 
-    def _release_slave(self, process: Process, time: float) -> None:
+    def _release_slave(self, process: Process, at: float) -> None:
         lost = []
         for instance in self.state.held_by(process.key):
             for connector in self.state.connectors_of(instance):
                 self._cut(connector)
             if (process.is_wanted or process.verdict) and not process.is_guest:
                 self.state.drop_connectors(instance)
-                self.state.update(instance, zombie=process.reason, trouble="", since=time)
+                self.state.update(instance, zombie=process.reason, trouble="", since=at)
                 self._tasks.begin(note_loss(self.state, instance), RESTORE_S)
                 lost.append(instance)
             else:

@@ -16,6 +16,8 @@ from rtkit.manager.core.event_ring import Item
 from rtkit.rtc.serde import decode
 
 _MOST_TEXT = 200
+TimedItem = tuple[float, Item]
+"""An item of the ring, with its monotonic time [s]."""
 
 
 class PastEvent(NamedTuple):
@@ -40,7 +42,7 @@ def to_text(history: Iterable[PastEvent], now: float, time_s: float) -> str:
     return json.dumps([*rows], separators=(",", ":"))
 
 
-def history(items: Iterable[tuple[float, Item]], instance: str) -> Iterator[PastEvent]:
+def history(items: Iterable[TimedItem], instance: str) -> Iterator[PastEvent]:
     """Yield the events about an instance, in order; what happened earlier is not known."""
     facts: ComponentFacts | None = None
     key: int | None = None
