@@ -153,7 +153,7 @@ class Tree(ByPath, Closing):
         """
         return self._ask(zenoh_keys.extension_key(self._service, "dump"))
 
-    def events(self, instance: str) -> list[tuple[float, str, str, str]]:
+    def past_events(self, instance: str) -> list[tuple[float, str, str, str]]:
         """Return the last events about a component: time [s since 1970], event, subject, detail.
 
         Raises:

@@ -115,7 +115,7 @@ def _events(
                     "subject": subject,
                     "detail": detail,
                 }
-                for at, event, subject, detail in tree.events(facts.instance)
+                for at, event, subject, detail in tree.past_events(facts.instance)
             ]
         except NotFound:
             found = []  # a manager of a version that tells none
