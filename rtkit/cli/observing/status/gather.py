@@ -13,7 +13,7 @@ from rtkit.cli.shared.json_records import time_text
 from rtkit.errors import NotFound, Refused, Unreachable
 
 if TYPE_CHECKING:
-    from rtkit.cli.observing.top.rates import RateRow
+    from rtkit.api.rates import RateRow
     from rtkit.cli.shared.app import App
     from rtkit.deployment.facts import ComponentFacts, ProcessFacts, Snapshot
     from rtkit.rtc.names import Path
@@ -242,7 +242,7 @@ def _held(snapshot: Snapshot, node: TreeNode) -> list[Record]:
 
 def _rates(app: App, facts: ComponentFacts) -> RateRow | None:
     """Return the rates of a component, measured for a second; None where none are told."""
-    from rtkit.cli.observing.top.rates import Rater
+    from rtkit.api.rates import Rater
     from rtkit.deployment.delta import TREE
     from rtkit.deployment.metrics import METRICS, Metrics
     from rtkit.tree.subscription import ManagerSubscription
