@@ -23,11 +23,12 @@ from rtkit.profile.tree_form import (
     DATE_PARTS,
     FOREIGN_ATTRIBUTES,
     FOREIGN_ELEMENTS,
+    OWN_KEYS,
     ROOTS,
     WAITS,
     key_of,
 )
-from rtkit.profile.xmlnames import NAMESPACES, clark, split
+from rtkit.profile.xmlnames import NAMESPACES, RTKIT, clark, split
 
 SCHEMAS = Path(__file__).resolve().parent.parent / "schemas"
 KINDS = {"rtc": RTC_PROFILE, "rts": RTS_PROFILE}
@@ -36,6 +37,10 @@ Tree = dict[str, Any]
 _XS = "{http://www.w3.org/2001/XMLSchema}"
 _LARGEST = 10**18 - 1
 _TEXT = "^[^\\u0000-\\u0008\\u000b\\u000c\\u000e-\\u001f\\ufffe\\uffff]*$"
+_TEXTS = {
+    "description": "rtkit::if, rtkit::unless, or rtkit's own value of another attribute.",
+    "$ref": "#/$defs/text",
+}
 _DATE_TEXT = (
     "^(?!0000)[0-9]{4}-[0-9]{2}-[0-9]{2}T([01][0-9]|2[0-3]):[0-5][0-9]:[0-5][0-9]"
     "(\\.[0-9]{1,12})?(Z|[+-]((0[0-9]|1[0-3]):[0-5][0-9]|14:00))?$"
@@ -192,10 +197,12 @@ class _Maker:
             rules["required"].append(CONDITION)
         properties[FOREIGN_ATTRIBUTES] = {"$ref": "#/$defs/foreign.attributes"}
         properties[FOREIGN_ELEMENTS] = {"$ref": "#/$defs/foreign.elements"}
+        own = "^(if|unless)$" if split(tag)[0] == RTKIT else f"^{OWN_KEYS}(?!variable$|include$)"
         return {
             "description": self._texts.about(type_),
             "type": "object",
             "properties": properties,
+            **({"patternProperties": {own: _TEXTS}} if self._kind == "rts" else {}),
             **{key: rule for key, rule in rules.items() if rule},
             "additionalProperties": False,
         }

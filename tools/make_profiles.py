@@ -19,7 +19,10 @@ from rtkit.deployment import actions as act
 from rtkit.deployment.capture import SystemHeading, capture
 from rtkit.deployment.extension import MODULE
 from rtkit.modules.loader import Loader
+from rtkit.profile import rts_model as rts
+from rtkit.profile.common import Foreign
 from rtkit.profile.write import write_rtc, write_rts
+from rtkit.profile.xmlnames import clark
 from rtkit.rtc.create import parse_create
 from rtkit.rtc.enums import ExecutionKind
 from rtkit.rtc.pattern import ComponentPattern, ContextPattern
@@ -118,6 +121,31 @@ def write(folder: Path) -> None:
     patterns = [pattern(component) for component in samples.values()]
     for system in systems():
         (folder / "systems" / f"{system[0]}.xml").write_bytes(rts_document(system, patterns))
+    (folder / "systems" / "two-robots.xml").write_bytes(write_rts(two_robots()))
+
+
+def two_robots() -> rts.RtsProfile:
+    """Return a system that includes another one twice, with values of its own for each."""
+    file = "sensor-controller-motor.xml"
+    right = {"Sensor0.wall": "8.0", "Controller0.max_speed": "0.25"}
+    condition = Foreign(((clark("rtkit:if"), "${right}"),))
+    return rts.RtsProfile(
+        SystemHeading("", "two-robots", "1.0", "rtkit").id,
+        rts.RTS_VERSION,
+        DATE,
+        DATE,
+        "The robot of sensor-controller-motor.xml twice, each in front of a wall of its own.",
+        variables=(
+            rts.SystemVariable("wall", "5.0", "Where the wall of the left robot is [m]"),
+            rts.SystemVariable("right", "true", "Whether there is a right robot"),
+        ),
+        includes=(
+            rts.IncludedSystem(file, "left.", (rts.IncludedValue("Sensor0.wall", "${wall}"),)),
+            rts.IncludedSystem(
+                file, "right.", tuple(map(rts.IncludedValue, right, right.values())), condition
+            ),
+        ),
+    )
 
 
 def sample(name: str) -> Component:

@@ -11,13 +11,13 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 from rtkit.errors import Malformed
+from rtkit.rtc import naming_properties as naming
 from rtkit.rtc.create import parse_create, readable_create
 
 if TYPE_CHECKING:
     from rtkit.deployment.facts import ComponentFacts
 
-CREATE = "rtkit.create"
-"""Property: the create string of a component."""
+CREATE = naming.CREATE
 MODULE = "rtkit.module"
 """Property: ``PATH:INIT`` of the module that it needs."""
 HOT = "rtkit.hot"
@@ -30,10 +30,8 @@ TRANSITIONS = "rtkit.transitions"
 """Property of a system: what leads from state to state, ``A -EVENT-> B``, semicolon separated."""
 STATE_CHART = "rtkit.state-chart"
 """Property of a system: the same as SCXML, the text or a file; instead of those two."""
-STATE = "rtkit.state."
-"""Property of a system, with a state's name: what is wished in it, ``NAME=VALUE; …``."""
-EVENT = "rtkit.event."
-"""Property of a system, with an event's name: when it happens: ``lost Motor0``."""
+STATE = naming.STATE
+EVENT = naming.EVENT
 FOLLOW = "rtkit.follow"
 """Property of a system: ``true`` to have its manager follow its events once it is brought up; and
 of a manager: the systems that it follows."""
@@ -55,8 +53,7 @@ RESTART_DELAY = f"{RESTART}.delay"
 """Property of a component: how long the first restart waits [s]."""
 RESTART_LIMIT = f"{RESTART}.limit"
 """Property of a component: how many restarts within 60 s are made."""
-SLAVE_RESTART = f"{RESTART}.slave."
-"""Property of a system, with a slave's name: the same for what it holds and says nothing."""
+SLAVE_RESTART = naming.SLAVE_RESTART
 CRITICAL = "rtkit.critical"
 """Property of a component: ``yes`` if its loss stops the system."""
 HEALTH = "rtkit.health."

@@ -12,11 +12,8 @@ from rtkit.profile.rts_model import (
     RtsProfile,
     ServicePortConnector,
 )
-from rtkit.profile.words import property_value
+from rtkit.profile.words import PATH_ID, property_value
 from rtkit.rtc.names import COMPONENT_SUFFIX, LOCAL, MANAGER_SUFFIX, is_local_host
-
-PATH_ID = "COMPONENT_PATH_ID"
-"""Property of a connector's end: the path of its component."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -100,10 +100,12 @@ class InvalidProfile(InvalidDocument):
     """A profile that cannot be accepted.
 
     Attributes:
+        source: The document, as messages name it.
         problems: All that was found wrong, by line.
     """
 
     def __init__(self, source: str, problems: Iterable[Note]) -> None:
+        self.source = source
         self.problems = tuple(dict.fromkeys(sorted(problems)))
         distinct = dict.fromkeys((note.line, note.text) for note in self.problems)
         shown = [f"{source}:{line}: {text}" for line, text in list(distinct)[:_SHOWN]]

@@ -6,15 +6,19 @@ One walk along the tables of `rtkit.profile.spec`; nothing here knows RTC from R
 from __future__ import annotations
 
 import re
+from collections.abc import Collection
 from typing import Any
 
 from rtkit.profile.findings import Findings
 from rtkit.profile.parse import MAX_ATTRIBUTES, MAX_DEPTH
 from rtkit.profile.spec import DATE, FLAG, WHOLE, WORD, Attr, Child, ElementSpec, is_date
-from rtkit.profile.xmlnames import NAMESPACES, XML, XSI, XSI_TYPE, clark, short, split
+from rtkit.profile.xmlnames import NAMESPACES, RTKIT, XML, XSI, XSI_TYPE, clark, short, split
 
 _LANGUAGE = r"[a-zA-Z]{1,8}(-[a-zA-Z0-9]{1,8})*"
-_OUR_NAMESPACES = frozenset(NAMESPACES.values()) | {""}
+_OUR_NAMESPACES = (frozenset(NAMESPACES.values()) | {""}) - {RTKIT}
+_CONDITIONS = ("if", "unless")
+"""Attributes of rtkit that any element may have."""
+
 _CLOSED = frozenset(("", NAMESPACES["rtc"], NAMESPACES["rts"]))
 """Here all names are known; the extension namespaces grow, so unknown ones there are kept."""
 _HINTS = ("schemaLocation", "noNamespaceSchemaLocation")
@@ -88,6 +92,9 @@ def _respell(element: Any, attribute: Attr, value: str, found: Findings) -> bool
     if attribute.check is not None and not attribute.check(better):
         name = short(attribute.name)
         message = f"{name} is {value!r}; allowed: {attribute.allowed}"
+        if "${" in value:
+            # Other tools read this document, too: what they see must be a value.
+            message += f", and beside it rtkit:{split(attribute.name)[1]}={value!r}"
         found.wrong(element, "bad-value", message, **details)
     return True
 
@@ -104,6 +111,15 @@ def _odd_attribute(element: Any, spec: ElementSpec, name: str, value: str, found
     if _is_wrong_xml(namespace, local, value):
         del element.attrib[name]
         found.repaired(element, "xml-attribute", f"{short(name)} {value!r} dropped", **details)
+        return 0
+    if namespace == RTKIT:
+        _check_own(element, "attribute", local, (*_CONDITIONS, *spec.attribute_by_local), found)
+        return 0
+    if not namespace and local in _CONDITIONS:
+        del element.attrib[name]
+        element.set(clark(f"rtkit:{local}"), value)
+        text = f"{local} taken as rtkit:{local}"
+        found.repaired(element, "attribute-name", text, **details, allowed=f"rtkit:{local}")
         return 0
     if namespace in _OUR_NAMESPACES:
         meant = spec.attribute_by_local.get(local)
@@ -126,6 +142,19 @@ def _odd_attribute(element: Any, spec: ElementSpec, name: str, value: str, found
             return 0
     found.remark(element, "foreign-kept", f"foreign attribute {short(name)} kept", **details)
     return 0
+
+
+def _check_own(
+    element: Any, what: str, local: str, known: Collection[str], found: Findings
+) -> None:
+    """Refuse a name of rtkit's namespace that is none of those known."""
+    if local in known:
+        return
+    from rtkit.rtc.nearest import did_you_mean
+
+    there = f"; there are {', '.join(known)}" if known else " here"
+    text = f"no such {what}: rtkit:{local}{did_you_mean(local, known) or there}"
+    found.wrong(element, "rtkit-part", text, seen=local, allowed=", ".join(known))
 
 
 def _is_wrong_xml(namespace: str, local: str, value: str) -> bool:
@@ -282,6 +311,10 @@ def _odd_child(
             found.repaired(item, "unknown-element", text, seen=short(item.tag), allowed=allowed)
             element.remove(item)
             return None
+    if namespace == RTKIT:
+        known = [split(name)[1] for name in spec.index if split(name)[0] == RTKIT]
+        _check_own(item, "element", local, known, found)
+        return None
     seen = short(item.tag)
     found.remark(item, "foreign-kept", f"foreign element {seen} kept", seen=seen)
     _clean_foreign(item, found, depth + 1)

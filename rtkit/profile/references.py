@@ -30,8 +30,10 @@ _NAMING = tuple(
 def check_references(root: Any, found: Findings) -> None:
     """Check ids and references, repairing what may be repaired."""
     components = _components(root, found)
-    _connectors(root, components, found)
-    _others(root, components, found)
+    # Names in included profiles are known when they are read: `resolve` looks at all of them.
+    is_whole = root.find(clark("rtkit:Include")) is None
+    _connectors(root, components, found, is_whole)
+    _others(root, components, found, is_whole)
 
 
 def _components(root: Any, found: Findings) -> dict[tuple[str, str], Any]:
@@ -60,7 +62,9 @@ def _components(root: Any, found: Findings) -> dict[tuple[str, str], Any]:
     return components
 
 
-def _connectors(root: Any, components: dict[tuple[str, str], Any], found: Findings) -> None:
+def _connectors(
+    root: Any, components: dict[tuple[str, str], Any], found: Findings, is_whole: bool
+) -> None:
     ports = _Ports()
     connectors = [item for item in root.iterchildren() if item.tag in _KINDS]
     taken = {item.get(_CONNECTOR_ID) for item in connectors}
@@ -73,7 +77,9 @@ def _connectors(root: Any, components: dict[tuple[str, str], Any], found: Findin
         seen.add(connector_id)
         for end in connector.iterchildren():
             local = split(end.tag)[1]
-            if local.startswith(("source", "target")) and local.endswith("Port"):
+            if not (local.startswith(("source", "target")) and local.endswith("Port")):
+                continue
+            if is_whole or (end.get(_COMPONENT_ID), end.get(_INSTANCE)) in components:
                 _end(end, connector, components, ports, found)
 
 
@@ -171,7 +177,9 @@ def _add_port(component: Any, tag: str, end: Any, connector: Any, found: Finding
     return made
 
 
-def _others(root: Any, components: dict[tuple[str, str], Any], found: Findings) -> None:
+def _others(
+    root: Any, components: dict[tuple[str, str], Any], found: Findings, is_whole: bool
+) -> None:
     by_instance: dict[str, list[str]] = {}
     for component_id, instance in components:
         by_instance.setdefault(instance, []).append(component_id)
@@ -185,7 +193,7 @@ def _others(root: Any, components: dict[tuple[str, str], Any], found: Findings) 
             text = f"rts:componentId {component_id!r} taken as {known[0]!r}"
             details = {"at": _COMPONENT_ID, "seen": component_id, "allowed": known[0]}
             found.repaired(item, "component-id", text, **details)
-        else:
+        elif is_whole:
             tag = short(item.tag)
             text = f"{tag} names component {instance} ({component_id}), which is not listed"
             found.wrong(item, "unknown-component", text, seen=instance, allowed=_names(components))

@@ -236,6 +236,44 @@ class NestedSystem:
 
 
 @dataclass(frozen=True, slots=True)
+class SystemVariable:
+    """A variable of a system profile, ``${name}`` in its texts.
+
+    Attributes:
+        default: Its value where none is given; None where one must be.
+    """
+
+    name: str
+    default: str | None = None
+    description: str | None = None
+    foreign: Foreign = NO_FOREIGN
+
+
+@dataclass(frozen=True, slots=True)
+class IncludedValue:
+    """A value for an included system: of a variable, or ``INSTANCE.PARAMETER``."""
+
+    name: str
+    value: str
+    foreign: Foreign = NO_FOREIGN
+
+
+@dataclass(frozen=True, slots=True)
+class IncludedSystem:
+    """A system profile that is part of this one, all its names behind a prefix.
+
+    Attributes:
+        file: Its path from the folder of this profile, or from one of the profile path.
+        prefix: Taken literally: ``left.`` or ``left_``; None for names as they are.
+    """
+
+    file: str
+    prefix: str | None = None
+    values: tuple[IncludedValue, ...] = ()
+    foreign: Foreign = NO_FOREIGN
+
+
+@dataclass(frozen=True, slots=True)
 class RtsProfile:
     """A system profile."""
 
@@ -259,4 +297,6 @@ class RtsProfile:
     version_up_logs: tuple[str, ...] = ()
     properties: tuple[ExtensionProperty, ...] = ()
     systems: tuple[NestedSystem, ...] = ()
+    variables: tuple[SystemVariable, ...] = ()
+    includes: tuple[IncludedSystem, ...] = ()
     foreign: Foreign = NO_FOREIGN

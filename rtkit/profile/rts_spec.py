@@ -175,6 +175,16 @@ _CONDITION = ElementSpec(
     rule=rules.precondition,
 )
 _ORDER = ElementSpec(m.Order, children=[child("rts:targets", _CONDITION, many=True)])
+_VARIABLE = ElementSpec(
+    m.SystemVariable,
+    [attribute("rtkit:name", required=True), "rtkit:default", "rtkit:description"],
+)
+_VALUE = ElementSpec(m.IncludedValue, required("rtkit:name", "rtkit:value"))
+_INCLUDE = ElementSpec(
+    m.IncludedSystem,
+    [attribute("rtkit:file", required=True), "rtkit:prefix"],
+    [child("rtkit:Value", _VALUE, field="values", many=True)],
+)
 RTS_PROFILE = ElementSpec(
     m.RtsProfile,
     [
@@ -198,6 +208,8 @@ RTS_PROFILE = ElementSpec(
             ElementSpec(m.NestedSystem, [attribute("rtsExt:path", required=True)]),
             many=True,
         ),
+        child("rtkit:Variable", _VARIABLE, field="variables", many=True),
+        child("rtkit:Include", _INCLUDE, field="includes", many=True),
     ],
     extended_type="rtsExt:rts_profile_ext",
     rule=rules.version_0_1,

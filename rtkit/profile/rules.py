@@ -27,6 +27,8 @@ RULES: dict[str, str] = {
     "repeated-element": "An element is there more often than it may be",
     "repeated-key": "A key is there twice in one table",
     "respelled-value": "A value in an old or wrong spelling is taken as the one meant",
+    "parameter": "A variable, condition or include of a system cannot be resolved",
+    "rtkit-part": "An element or attribute of rtkit's namespace is none that there is",
     "schema": "The schema objects",
     "shared-name": "A name is used for several things",
     "tag-or-alias": "A tag that is not of plain data, or an alias of a table or list",

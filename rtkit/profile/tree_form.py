@@ -18,6 +18,9 @@ SCHEMA_KEY = "$schema"
 """A key beside the root's that editors look for; readers do not."""
 
 FOREIGN_ATTRIBUTES, FOREIGN_ELEMENTS = "foreign::attributes", "foreign::elements"
+OWN_KEYS = "rtkit::"
+"""Keys that begin so are attributes of rtkit's own namespace, which the tables do not have."""
+
 FOREIGN_PARTS = ("name", "attributes", "text", "tail", "children")
 CONDITION, WAITS = "condition", ("wait_time", "preceding")
 DATE_PARTS = (

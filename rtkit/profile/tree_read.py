@@ -136,6 +136,9 @@ class _Filler:
         for key, value in _parts(body, spec):
             local = _local(key)
             attribute = spec.known.get(spec.attribute_by_local.get(local, ""))
+            if key.text.startswith(form.OWN_KEYS) and isinstance(value, ScalarNode):
+                others.append((key, value))
+                continue
             if attribute is not None and isinstance(value, ScalarNode):
                 self._look_at(key, attribute.name, element.tag)
                 self._set(element, attribute, value)

@@ -10,6 +10,9 @@ from rtkit.profile.common import ExtensionProperty
 OWN_PREFIX = "rtkit."
 """Names of rtkit's own extension properties begin with this."""
 
+PATH_ID = "COMPONENT_PATH_ID"
+"""Property of a connector's end: the path of its component."""
+
 _IDL_FORM = r"\s*IDL:(.*?):([0-9.]+)\s*"
 
 

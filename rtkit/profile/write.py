@@ -19,7 +19,7 @@ from rtkit.profile.tree_form import (
     date_table,
     key_of,
 )
-from rtkit.profile.xmlnames import NAMESPACES, XML, clark, short, split
+from rtkit.profile.xmlnames import NAMESPACES, RTKIT, XML, clark, short, split
 from rtkit.xmltext import TEXT_ESCAPES, VALUE_ESCAPES, bad_character
 
 if TYPE_CHECKING:
@@ -176,7 +176,8 @@ class XmlWriter:
             return local
         if namespace == XML:
             return f"xml:{local}"
-        prefix = self._prefixes.setdefault(namespace, f"ns{len(self._prefixes)}")
+        usual = "rtkit" if namespace == RTKIT else f"ns{len(self._prefixes)}"
+        prefix = self._prefixes.setdefault(namespace, usual)
         return f"{prefix}:{local}"
 
 
@@ -199,7 +200,9 @@ def write_rts(profile: RtsProfile) -> bytes:
     """
     from rtkit.profile.rts_spec import RTS_PROFILE
 
-    return XmlWriter(("rts", "rtsExt", "xsi")).document(profile, RTS_PROFILE, "rts:RtsProfile")
+    own = ("rtkit",) if profile.variables or profile.includes else ()
+    writer = XmlWriter(("rts", "rtsExt", "xsi", *own))
+    return writer.document(profile, RTS_PROFILE, "rts:RtsProfile")
 
 
 def write_rtc(profile: RtcProfile) -> bytes:
@@ -274,7 +277,7 @@ def plain(value: Any, spec: ElementSpec, tag: str) -> dict[str, Any]:
             made[CONDITION] = {key: written}
         else:
             made[key] = written
-    return made | _foreign(getattr(value, spec.foreign_field))
+    return made | _foreign(getattr(value, spec.foreign_field), tag)
 
 
 def _child(part: Child, value: Any) -> Any:
@@ -293,10 +296,12 @@ def _scalar(attribute: Attr, value: Any) -> Any:
     return text if date is None else date
 
 
-def _foreign(foreign: Foreign) -> dict[str, Any]:
-    made: dict[str, Any] = {}
-    if foreign.attributes:
-        made[FOREIGN_ATTRIBUTES] = _named(foreign.attributes)
+def _foreign(foreign: Foreign, tag: str) -> dict[str, Any]:
+    own = {name: text for name, text in foreign.attributes if split(name)[0] == RTKIT}
+    made: dict[str, Any] = {key_of(name, tag): check_text(text) for name, text in own.items()}
+    if len(own) < len(foreign.attributes):
+        others = tuple(each for each in foreign.attributes if each[0] not in own)
+        made[FOREIGN_ATTRIBUTES] = _named(others)
     if foreign.elements:
         made[FOREIGN_ELEMENTS] = [_foreign_element(each) for each in foreign.elements]
     return made

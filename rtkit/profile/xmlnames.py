@@ -7,12 +7,16 @@ from functools import cache
 _BASE = "http://www.openrtp.org/namespaces/"
 XSI = "http://www.w3.org/2001/XMLSchema-instance"
 XML = "http://www.w3.org/XML/1998/namespace"
+RTKIT = "urn:rtkit:profile"
+"""Namespace of rtkit's own elements and attributes in system profiles."""
+
 NAMESPACES = {
     "rtc": f"{_BASE}rtc",
     "rtcDoc": f"{_BASE}rtc_doc",
     "rtcExt": f"{_BASE}rtc_ext",
     "rts": f"{_BASE}rts",
     "rtsExt": f"{_BASE}rts_ext",
+    "rtkit": RTKIT,
     "xsi": XSI,
 }
 _PREFIXES = {uri: prefix for prefix, uri in NAMESPACES.items()} | {XML: "xml"}

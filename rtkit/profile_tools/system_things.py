@@ -20,6 +20,8 @@ _PARTS = (
     "data_port_connectors",
     "service_port_connectors",
     "systems",
+    "variables",
+    "includes",
     *(field for field, _ in ORDERS),
 )
 _OF_COMPONENT = (
@@ -72,6 +74,13 @@ def system_things(profile: rts.RtsProfile, takes_all: bool, shared: Container[st
         found.add((8, "group", group.group_id), group, as_fields(members=", ".join(members)))
     for system in profile.systems:
         found.add((9, "system", system.path), system, {})
+    for variable in profile.variables:
+        meaning = as_fields(default=variable.default)
+        found.add((9, "variable", variable.name), variable, meaning)
+    for include in profile.includes:
+        values = {each.name: each.value for each in include.values}
+        name = f"{include.prefix or ''} {include.file}".strip()
+        found.add((9, "include", name), include, values, ("values",))
     return found.things
 
 

@@ -9,6 +9,7 @@ from rtkit.deployment.described import type_of
 from rtkit.deployment.limits import Capacity
 from rtkit.profile.common import Note
 from rtkit.profile.examine import Positions, examine
+from rtkit.profile.parameters.reading import SourcePosition, SystemReading
 from rtkit.profile.rts_model import RtsProfile
 from rtkit.report.finding import ERROR, WARNING, Checked, Finding, counted
 from rtkit.static_check.catalogue import Catalogue
@@ -54,7 +55,7 @@ class Opened(NamedTuple):
 
     file: str
     profile: RtsProfile | None
-    positions: Positions | None
+    positions: Positions | SystemReading | None
     errors: tuple[Note, ...] = ()
 
     @property
@@ -97,8 +98,10 @@ def verdict(system: Opened, catalogue: Catalogue, options: Options = USUAL) -> C
     return Checked(system.file, _what(system.profile, catalogue), options.chosen(found))
 
 
-def _finding(each: StaticFinding, file: str, positions: Positions) -> Finding:
-    line, path = positions.position(each.place.steps, each.place.field)
+def _finding(each: StaticFinding, file: str, positions: Positions | SystemReading) -> Finding:
+    at = positions.position(each.place.steps, each.place.field)
+    file = at.file if isinstance(at, SourcePosition) else file  # perhaps that of an include
+    line, path = at.line, at.path
     return Finding(each.severity, each.rule, each.text, file, line, path, each.found, each.allowed)
 
 

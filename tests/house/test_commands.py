@@ -152,6 +152,7 @@ HEAVY_WHEN_LOADED = {
     "rtapply": {"dataclasses"},
     "rtplan": {"dataclasses"},
     "rtprofile convert": {"rtkit.profile"},
+    "rtprofile resolve": {"rtkit.profile"},
     "rtprofile from": {"rtkit.profile"},
     "rtstate": {"dataclasses"},
     "rttop": FACTS,

@@ -18,6 +18,8 @@ from rtkit.deployment.live_index import LiveIndex
 from rtkit.deployment.running import start_plan, stop_plan, teardown_plan
 from rtkit.deployment.wanted import wanted
 from rtkit.deployment.wiring import wiring_plan
+from rtkit.profile.parameters import GivenValue
+from rtkit.profile.parameters.resolve import SourceProfile, resolve
 from rtkit.profile.read import read_rts
 from rtkit.profile.rts_model import RtsProfile
 from rtkit.profile.write import write_rts
@@ -99,3 +101,43 @@ def test_what_was_saved_resurrects_by_itself(name):
     assert reading.notes == ()
     bring_up(again, reading.profile)
     assert capture(again.snapshot(), HEADING, takes_all=True) == saved
+
+
+@needs_corpus
+@pytest.mark.parametrize("name", FILES or ["none"])
+def test_a_system_lives_twice_with_values_of_its_own(name):
+    """Two prefixes in one manager: each is as wanted, saved as it was, and taken down alone."""
+    world, plain = FakeManager(), read(name)
+    ones = [each.instance_name for each in plain.components[:1]]  # one profile is empty
+    profiles = {
+        prefix: resolve(
+            SourceProfile(name, name, plain),
+            [GivenValue(f"{one}.added", prefix, "") for one in ones],
+            prefix,
+        ).profile
+        for prefix in ("a.", "b.")
+    }
+    for profile in profiles.values():
+        bring_up(world, profile, stand_in=True)
+    saved = stated(capture(world.snapshot(), HEADING, takes_all=True))
+    for prefix, profile in profiles.items():
+        system = wanted(profile, world.host, stand_in=True)
+        assert (
+            list(deviations(system, LiveIndex(world.snapshot(), system), LifeCycleState.INACTIVE))
+            == []
+        )
+        first = stated(profile)
+        assert first.connectors.items() <= saved.connectors.items()
+        sets = {each: saved.components[each].parameters for each in first.components}
+        assert sets == {each: told.parameters for each, told in first.components.items()}
+        for one in ones:
+            assert prefix in str(sets[prefix + one])
+    for profile in profiles.values():
+        system = wanted(profile, world.host, stand_in=True)
+        plan = teardown_plan(system, LiveIndex(world.snapshot(), system), ends_components=True)
+        for action, _ in merged(plan.steps):
+            assert world.perform(action).ok, action
+        left = {each.instance_name for each in profiles["b."].components}
+        gone = profile is profiles["b."]
+        assert {c.instance for c in world.snapshot().components} == (set() if gone else left)
+    assert world.snapshot() == FakeManager().snapshot()

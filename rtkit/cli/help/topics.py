@@ -9,6 +9,7 @@ TOPICS: dict[str, str] = {
     "authors": "What a component consists of, for its author.",
     "connectors": "How values travel between two ports.",
     "limits": "The most that slaves may use of memory, processes, files, processors.",
+    "parameters": "One system profile with other values, and several times.",
     "paths": "How components, managers, directories and ports are named.",
     "plans": "In which order rtstart and rtstop tell components.",
     "profiles": "Documents that describe components and systems.",

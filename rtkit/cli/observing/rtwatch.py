@@ -21,6 +21,7 @@ from rtkit.cli.shared.options import (
     option,
     several,
 )
+from rtkit.cli.shared.system_values import PARAMETERS
 from rtkit.cli.shared.terminal import clock
 from rtkit.deployment.user_events import KINDS, SYSTEM_STATE
 
@@ -58,6 +59,7 @@ def main(
         "-S --system FILE",
         "Tell also to which of its states the system of this profile comes (rtstate).",
     ),
+    parameters: None = PARAMETERS,
     is_json: bool = json_flag(),
     paths: tuple[str, ...] = arguments("PATH..."),
 ) -> int:

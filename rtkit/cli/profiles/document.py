@@ -34,6 +34,32 @@ class ReadDocument(NamedTuple):
     notes: tuple[Note, ...]
 
 
+def read_resolved_document(app: App, file: str | None = None) -> ReadDocument:
+    """Read a profile as `read_document` does, a system with the values that are given.
+
+    Raises:
+        NotFound: The file cannot be read.
+        InvalidDocument: It is no profile, or its parameters make no sense.
+        UsageProblem: Values are given, and it is no system or has no such parameter.
+        WrongArguments: No file is named, and stdin is a terminal.
+    """
+    from rtkit.api.document import read_parametrised
+    from rtkit.cli.shared.system_values import parameters
+    from rtkit.profile.forms import may_be_component
+    from rtkit.profile.parameters import has_parameters
+
+    name, data = read_bytes_of(file)
+    given = parameters(app)
+    if given is None and not has_parameters(data):
+        return _document(app, name, data, None)
+    if may_be_component(data[:8192]):
+        if given is not None:
+            raise UsageProblem(f"{name} is a component profile: values are for systems")
+        return _document(app, name, data, None)
+    found = read_parametrised(app, name, data, None, given)
+    return ReadDocument(name, found.data, found.profile, tuple(note for _, note in found.notes))
+
+
 def read_document(app: App, file: str | None = None, *, kind: str | None = None) -> ReadDocument:
     """Read the profile in a file, or on stdin for ``-`` and for no file; notes are for -v.
 
@@ -42,9 +68,12 @@ def read_document(app: App, file: str | None = None, *, kind: str | None = None)
         InvalidDocument: It is no profile of this kind, or of any.
         WrongArguments: No file is named, and stdin is a terminal.
     """
+    return _document(app, *read_bytes_of(file), kind)
+
+
+def _document(app: App, name: str, data: bytes, kind: str | None) -> ReadDocument:
     from rtkit.profile.read import read_profile
 
-    name, data = read_bytes_of(file)
     reading = read_profile(data, name, kind=kind)
     for note in reading.notes:
         app.verbose(f"{name}:{note.line}: {note.text}")

@@ -17,6 +17,7 @@ main = group(
         "validate",
         "check",
         "show",
+        "resolve",
         "diff",
         "convert",
         "normalise",

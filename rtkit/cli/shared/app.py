@@ -40,6 +40,9 @@ class App:
         is_verbose: Report progress on stderr, and tracebacks.
         is_strict: Take warnings for errors.
         form: ``xml``, ``yaml`` or ``json`` where an option says what the profile is.
+        sets: ``KEY=VALUE`` for a system profile, as typed.
+        values: Files of such values.
+        prefix: Text before all names of a system profile.
         command: The subcommand that is run, once that is known.
         layers: Files of settings; None in a function, for which only its arguments count.
         given: Settings of those files that count, by key.
@@ -55,6 +58,9 @@ class App:
         self.has_exit_detail = _is_set("RTKIT_EXIT_DETAIL")
         self.layers: Layers | None = None
         self.given: Mapping[str, SettingsFile] = {}
+        self.sets: tuple[str, ...] = ()
+        self.values: tuple[str, ...] = ()
+        self.prefix = ""
         self.command: click.Command | None = None
         self.write_error: Callable[[str], object] = _to_stderr
         self._tree = tree

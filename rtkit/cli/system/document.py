@@ -5,6 +5,7 @@ from __future__ import annotations
 from rtkit.api.document import SystemDocument, parse_document
 from rtkit.cli.shared.app import App, check_at_most_one
 from rtkit.cli.shared.profile_files import read_input
+from rtkit.cli.shared.system_values import parameters
 
 
 def read_document(app: App, files: tuple[str, ...]) -> SystemDocument:
@@ -14,7 +15,7 @@ def read_document(app: App, files: tuple[str, ...]) -> SystemDocument:
         NotFound: The file cannot be read.
         InvalidDocument: It is no system profile.
     """
-    return parse_document(app, *read_data(files), app.form)
+    return parse_document(app, *read_data(files), app.form, parameters(app))
 
 
 def read_data(files: tuple[str, ...]) -> tuple[str, bytes]:

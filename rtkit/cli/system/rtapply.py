@@ -12,6 +12,7 @@ from rtkit.cli.shared import terminal
 from rtkit.cli.shared.app import App
 from rtkit.cli.shared.command import command
 from rtkit.cli.shared.options import COUNT, flag, option, together
+from rtkit.cli.shared.system_values import parameters
 from rtkit.cli.system import shared
 from rtkit.cli.system.document import read_data
 from rtkit.cli.system.planning import AIM
@@ -80,7 +81,7 @@ def main(
         _check_nothing_else(app, inputs.options)
         prepared = saving.prepare(app, inputs, is_dry=dry_run, parallel=parallel or 0, lock=lock)
     else:
-        document = parse_document(app, source, data, app.form)
+        document = parse_document(app, source, data, app.form, parameters(app))
         prepared = planning.prepare(
             app, document, asked.mapped, aim, is_dry=dry_run, parallel=parallel or 0, lock=lock
         )
@@ -97,7 +98,7 @@ def _check_nothing_else(app: App, options: dict[str, Any]) -> None:
     given = [
         parameter.opts[-1]
         for parameter in context.command.params
-        if parameter.name in options
+        if parameter.name in (*options, "sets", "values", "prefix")
         and context.get_parameter_source(parameter.name) is ParameterSource.COMMANDLINE
     ]
     given += [f"--{app.form}"] if app.form is not None else []

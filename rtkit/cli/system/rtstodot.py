@@ -8,6 +8,7 @@ from rtkit.cli.shared import terminal
 from rtkit.cli.shared.app import App, WrongArguments
 from rtkit.cli.shared.command import command
 from rtkit.cli.shared.options import arguments, flag
+from rtkit.cli.shared.system_values import PARAMETERS
 from rtkit.cli.system import shared
 from rtkit.errors import UsageProblem
 
@@ -26,6 +27,7 @@ def main(
     app: App,
     forms: None = shared.READ_FORMS,
     live: bool = flag("--live", "Draw what lives, with colours for states."),
+    parameters: None = PARAMETERS,
     files: tuple[str, ...] = arguments("[FILE]"),
 ) -> int:
     """Write the system of an RTS profile as a graph for Graphviz.

@@ -16,6 +16,7 @@ from rtkit.cli.shared.options import (
     strict_option,
     together,
 )
+from rtkit.cli.shared.system_values import PARAMETERS
 
 if TYPE_CHECKING:
     from rtkit.deployment.layered_plan import LayeredPlan
@@ -56,12 +57,14 @@ class DocumentOptions(NamedTuple):
     Attributes:
         forms: Nothing: the run knows the form that was asked for.
         strict: Nothing: the run knows.
+        parameters: Nothing: the run knows the values and the prefix.
         mapped: ``HOST=HOST``: a host of the profile stands for another.
         files: The profile; none for stdin.
     """
 
     forms: None = READ_FORMS
     strict: None = strict_option("Refuse a profile that needs repair, or has warnings.")
+    parameters: None = PARAMETERS
     mapped: tuple[str, ...] = several(
         "--map HOST=HOST",
         "A host of the profile stands for another, e.g. 10.0.0.7=localhost; repeatable.",

@@ -11,13 +11,14 @@ import click
 
 from rtkit.cli.shared.app import App
 from rtkit.cli.shared.options import option, several
+from rtkit.cli.shared.system_values import parameters
 from rtkit.cli.shared.terminal import finding_style
 from rtkit.errors import InvalidDocument, NotFound, Refused, UsageProblem
 
 if TYPE_CHECKING:
     from rtkit.deployment.limits import Capacity
     from rtkit.report.finding import Checked
-    from rtkit.static_check.verdict import Options
+    from rtkit.static_check.verdict import Opened, Options
 
 TEXT = "text"
 _FORMS = (TEXT, "json", "sarif", "junit", "github")
@@ -86,7 +87,7 @@ def _checked(
     from rtkit.profile.forms import may_be_component
     from rtkit.profile_tools.validation import unreadable
     from rtkit.static_check.stock import CandidateDocument, stocked
-    from rtkit.static_check.verdict import Opened, opened, verdict
+    from rtkit.static_check.verdict import Opened, verdict
 
     named = list(sources(paths))
     others = [each for each in named if each.data and may_be_component(each.data[:8192])]
@@ -98,7 +99,7 @@ def _checked(
         if source.data is None:
             systems.append(unreadable(source.name, source.problem))
         else:
-            systems.append(opened(source.data, source.name, form=app.form, strict=options.strict))
+            systems.append(_opened(app, source.data, source.name, options))
     types = {name for each in systems if isinstance(each, Opened) for name in each.types}
     components = [*components, *(each.name for each in others)]
     files = [source.name for source in named if source.data is not None and source.name in paths]
@@ -109,6 +110,23 @@ def _checked(
     for each in systems:
         yield verdict(each, catalogue, options) if isinstance(each, Opened) else each
     yield from troubles
+
+
+def _opened(app: App, data: bytes, name: str, options: Options) -> Opened:
+    """Look into a system, with the values that the command line gives."""
+    from rtkit.api.document import read_parametrised
+    from rtkit.profile.findings import InvalidProfile
+    from rtkit.profile.parameters import has_parameters
+    from rtkit.static_check.verdict import Opened, opened
+
+    given = parameters(app)
+    if given is None and not has_parameters(data):
+        return opened(data, name, form=app.form, strict=options.strict)
+    try:
+        found = read_parametrised(app, name, data, app.form, given)
+    except InvalidProfile as error:
+        return Opened(error.source, None, None, error.problems)  # perhaps of an included file
+    return Opened(name, found.profile, found)
 
 
 def _lacks_profiles(checked: Sequence[Checked]) -> bool:

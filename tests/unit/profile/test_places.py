@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os.path
 import re
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -147,10 +148,9 @@ def test_the_first_of_too_many_errors_are_kept() -> None:
 
 
 def test_every_rule_that_is_told_is_in_the_table() -> None:
-    folder = os.path.join(ROOT, "rtkit", "profile")
     told: set[str] = set()
-    for name in os.listdir(folder):
-        if name.endswith(".py") and name != "rules.py":
-            with open(os.path.join(folder, name), encoding="utf-8") as file:
-                told |= set(re.findall(r'"([a-z]+(?:-[a-z]+)+|[a-z]+)"', file.read()))
+    for file in (Path(ROOT) / "rtkit" / "profile").rglob("*.py"):
+        if file.name != "rules.py":
+            text = file.read_text(encoding="utf-8")
+            told |= set(re.findall(r'"([a-z]+(?:-[a-z]+)+|[a-z]+)"', text))
     assert set(RULES) <= told

@@ -23,6 +23,7 @@ FILES = (
     "RtcProfileExt.xsd",
     "RtsProfile.xsd",
     "RtsProfileExt.xsd",
+    "RtsProfileRtkit.xsd",
     "XmlAttributes.xsd",
 )
 

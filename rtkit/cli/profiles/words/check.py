@@ -5,6 +5,7 @@ from __future__ import annotations
 from rtkit.cli.shared.app import App
 from rtkit.cli.shared.command import command
 from rtkit.cli.shared.options import arguments, flag, json_flag, strict_option
+from rtkit.cli.shared.system_values import PARAMETERS
 from rtkit.cli.system import shared, static_checks
 
 TOOL = "rtprofile check"
@@ -28,6 +29,7 @@ def main(
     is_json: bool = json_flag("The same as --format json."),
     forms: None = shared.READ_FORMS,
     quiet: bool = flag("-q --quiet", "Tell errors only."),
+    parameters: None = PARAMETERS,
     paths: tuple[str, ...] = arguments("[SYSTEM|FOLDER|-]..."),
 ) -> int:
     """Check systems against the RTC profiles of their components; nothing is run.

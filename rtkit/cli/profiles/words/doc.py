@@ -10,6 +10,7 @@ import click
 from rtkit.cli.shared.app import App, check_at_most_one
 from rtkit.cli.shared.command import command
 from rtkit.cli.shared.options import arguments, flag, option
+from rtkit.cli.shared.system_values import PARAMETERS
 
 if TYPE_CHECKING:
     from rtkit.profile.rtc_model import RtcProfile
@@ -37,6 +38,7 @@ def main(
     ),
     output: str = option("-o --output FILE", "Where to write it.", default="-"),
     no_picture: bool = flag("--no-picture", "Without the picture."),
+    parameters: None = PARAMETERS,
     files: tuple[str, ...] = arguments("[FILE]"),
 ) -> None:
     """Write a page about a component, or a system, from what its profile documents.
@@ -44,11 +46,11 @@ def main(
     An HTML page is one file, with the picture in it, without scripts, and loads nothing. Markdown
     that is written to a file has its picture in an SVG file beside it.
     """
-    from rtkit.cli.profiles.document import read_document, write_page
+    from rtkit.cli.profiles.document import read_resolved_document, write_page
 
     check_at_most_one(files, "file")
     form = form or _ENDINGS.get(os.path.splitext(output)[1].lower(), HTML)
-    page = _page(read_document(app, *files).profile)
+    page = _page(read_resolved_document(app, *files).profile)
     write_page(page._replace(picture="") if no_picture else page, form, output)
 
 

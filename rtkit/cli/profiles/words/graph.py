@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 from rtkit.cli.shared.app import App, check_at_most_one
 from rtkit.cli.shared.command import command
 from rtkit.cli.shared.options import arguments, either, flag, option
+from rtkit.cli.shared.system_values import PARAMETERS
 from rtkit.errors import Refused, UsageProblem
 
 if TYPE_CHECKING:
@@ -34,6 +35,7 @@ def main(
     title: str | None = option("--title TEXT", "What stands above it (default: the id)."),
     live: bool = flag("--live", "Draw what lives, with states, processes and rates."),
     without_rates: bool = flag("--no-rates", "Do not measure rates, which takes a second."),
+    parameters: None = PARAMETERS,
     files: tuple[str, ...] = arguments("[FILE]"),
 ) -> int:
     """Draw a system, or a component type, without running it.
@@ -57,10 +59,10 @@ def main(
         scene = live_scene(app, heading, has_rates=not without_rates)
         write_output(exported(scene, chosen, heading).encode(), output)
         return app.report_silent_servers("not drawn")
-    from rtkit.cli.profiles.document import read_document
+    from rtkit.cli.profiles.document import read_resolved_document
 
     check_at_most_one(files, "file")
-    profile = read_document(app, *files).profile
+    profile = read_resolved_document(app, *files).profile
     write_output(_drawn(profile, title, chosen).encode(), output)
     return 0
 

@@ -10,6 +10,7 @@ from rtkit.cli.shared import terminal
 from rtkit.cli.shared.app import App, check_at_most_one
 from rtkit.cli.shared.command import command
 from rtkit.cli.shared.options import arguments, json_flag
+from rtkit.cli.shared.system_values import PARAMETERS
 
 if TYPE_CHECKING:
     from rich.tree import Tree
@@ -28,6 +29,7 @@ if TYPE_CHECKING:
 def main(
     app: App,
     is_json: bool = json_flag("All that the profile holds, as one object."),
+    parameters: None = PARAMETERS,
     files: tuple[str, ...] = arguments("[FILE]"),
 ) -> None:
     """Show what a profile says.
@@ -36,10 +38,10 @@ def main(
     tree on a terminal, indented lines elsewhere. Hidden configuration sets (__widget__ and the
     like) are left out, and what only editors need.
     """
-    from rtkit.cli.profiles.document import read_document
+    from rtkit.cli.profiles.document import read_resolved_document
 
     check_at_most_one(files, "file")
-    profile = read_document(app, *files).profile
+    profile = read_resolved_document(app, *files).profile
     if is_json:
         import json
 

@@ -1,0 +1,10 @@
+"""Names properties of system profiles in which components or slaves are named."""
+
+CREATE = "rtkit.create"
+"""Property: the create string of a component."""
+STATE = "rtkit.state."
+"""Property of a system, with a state's name: what is wished in it, ``NAME=VALUE; …``."""
+EVENT = "rtkit.event."
+"""Property of a system, with an event's name: when it happens: ``lost Motor0``."""
+SLAVE_RESTART = "rtkit.restart.slave."
+"""Property of a system, with a slave's name: restarts of what it holds and says nothing."""
