@@ -100,8 +100,10 @@ def _headline(subject: GeneratedComponent) -> str:
 
 
 def _imports(subject: GeneratedComponent) -> Iterator[str]:
-    if subject.machine:
-        yield "from typing import Any, ClassVar"
+    typing = ["TYPE_CHECKING"] if subject.has_types else []
+    typing += ["Any", "ClassVar"] if subject.machine else []
+    if typing:
+        yield f"from typing import {', '.join(typing)}"
         yield ""
     yield "from rtkit import component as rt"
     kinds = [each.type for each in subject.ports]
@@ -110,10 +112,10 @@ def _imports(subject: GeneratedComponent) -> Iterator[str]:
         yield standard_types.IMAGES
     if subject.has_types:
         yield ""
-        yield "if __package__:  # installed, where other packages have modules of this name"
-        yield f"{INDENT}from . import {subject.types_module} as idl"
-        yield "else:"
+        yield "if TYPE_CHECKING or not __package__:"
         yield f"{INDENT}import {subject.types_module} as idl"
+        yield "else:  # installed, where other packages may have a module of this name"
+        yield f"{INDENT}from . import {subject.types_module} as idl"
 
 
 def _class(subject: GeneratedComponent, types: TypesCode) -> list[str]:

@@ -49,7 +49,7 @@ EVENT_PORT = "EventPort"
 _KINDS = {"DataInPort": "InPort", "DataOutPort": "OutPort", EVENT_PORT: EVENT_PORT}
 _HELP = "-I DIR tells where IDL files are"
 _WIDEST_METHOD = 28
-_IN_CLASS = ("ClassVar", "I", "O", "idl", "images", "l", "rt", "super")
+_IN_CLASS = ("ClassVar", "TYPE_CHECKING", "I", "O", "idl", "images", "l", "rt", "super")
 
 
 @dataclass(slots=True)

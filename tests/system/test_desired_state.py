@@ -55,7 +55,7 @@ def kill(processes: list[int], number: int = signal.SIGKILL) -> None:
 
 def shown(shell: Any) -> tuple[str, str, str]:
     """Return all that is to be the same again."""
-    gains = shell.ok("rtconf /localhost/C.rtc get gain")
+    gains = shell.ok("rtconf -l /localhost/C.rtc")
     return shell.ok("rtls -lR /localhost"), gains, shell.ok("rtcat -l /localhost/S.rtc:distance")
 
 
@@ -68,6 +68,10 @@ def robot(manager: Any) -> Any:
     )
     manager.ok("rtcon /localhost/S.rtc:distance /localhost/C.rtc:distance -i wire")
     manager.ok("rtconf /localhost/C.rtc set gain 2.5")
+    for words in ("copy default race gain=3", "copy race other", "remove other"):
+        manager.ok(f"rtconf /localhost/C.rtc {words}")
+    manager.ok("rtconf -s race /localhost/C.rtc act")
+    assert set(manager.ok("rtconf /localhost/C.rtc").split()) == {"+default", "+race*"}
     manager.ok("rtact /localhost/S.rtc /localhost/C.rtc")
     return manager
 

@@ -127,7 +127,7 @@ def test_changes_to_generated_code_stop_everything(place: Path, run: Run) -> Non
     edit(place / "echo.xml", 'rtc:name="in"', 'rtc:name="into"')
     before = contents(place / "out")
     told = (
-        "rtbuild: out/Echo.py:22: the generated part was changed\n"
+        "rtbuild: out/Echo.py:24: the generated part was changed\n"
         "rtbuild: out/Echo_idl.py:27: the generated part was changed\n"
         "rtbuild: nothing was written; --force writes, and keeps these as NAME.bak\n"
     )
