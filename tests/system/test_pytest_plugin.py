@@ -73,9 +73,10 @@ def run(project: Shell, tests: str, *arguments: str) -> str:
 
 
 def test_a_failure_is_reported_with_what_lived_and_was_logged(project: Shell) -> None:
+    project.environment["RTKIT_CWD"] = "/localhost/elsewhere"
     out = run(
         project,
-        "import pytest\n"
+        "import os, pytest, signal, subprocess, sys\n"
         "from rtkit.testing import Trial\n"
         "from Scale import Scale\n"
         "def test_live(rtmanager):\n"
@@ -92,7 +93,16 @@ def test_a_failure_is_reported_with_what_lived_and_was_logged(project: Shell) ->
         "        yield trial\n"
         "def test_trial(trial):\n    trial.activate()\n"
         "def test_nothing():\n    assert 0\n"
-        "def test_good(rtmanager):\n    pass\n",
+        "def test_killed(rtmanager):\n"
+        f"    {CREATE}\n"
+        "    manager = os.pidfd_open(rtmanager.snapshot().pid)\n"
+        "    signal.pidfd_send_signal(manager, signal.SIGKILL)\n"
+        "    assert rtmanager.snapshot() is None\n"
+        "LS = [sys.executable, '-c', 'from rtkit.cli.tree.rtls import main; main()']\n"
+        "def test_commands(rtmanager):\n"
+        f"    {CREATE}\n"
+        "    subprocess.Popen(['sleep', '1000'])\n"
+        "    assert b'Scale0.rtc' in subprocess.run([*LS, '/localhost'], stdout=-1).stdout\n",
     )
     where = r"ValueError: negative \(Scale.py:\d+ in check, called by on_activated\)"
     status = r"- rtkit: status -+\nmanager manager, pid \d+: 1 components\n  "
@@ -101,8 +111,9 @@ def test_a_failure_is_reported_with_what_lived_and_was_logged(project: Shell) ->
     assert re.search(rf"\[Scale0 \S+\] ERROR: on_activated failed: {where}\nTraceback", out)
     assert re.search(r"manager manager, pid \d+: 0 components\n", out), "of the fixture"
     assert re.search(rf"- rtkit: trial -+\nScale0 is in Error: {where}\n", out)
-    assert out.count("- rtkit: ") == 2 + 2 + 1
-    assert "3 failed, 1 passed, 1 error" in out
+    assert "no manager runs any more\n" in out
+    assert out.count("- rtkit: ") == 2 + 2 + 1 + 2
+    assert "4 failed, 1 passed, 1 error" in out, "of the one that is killed no error of its end"
 
 
 def test_a_system_is_brought_up_and_described_at_a_failure(project: Shell) -> None:
@@ -206,35 +217,6 @@ def test_nothing_outlives_a_pytest_that_is_ended(project: Shell, number: signal.
         assert len(processes) >= 4, "pytest, manager, zygote, slave"
         tests.send_signal(number)
         assert wait_for_end(processes, 20.0) == []
-
-
-def test_nothing_outlives_a_manager_that_is_killed(project: Shell) -> None:
-    out = run(
-        project,
-        "import os, signal\n"
-        "def test_it(rtmanager):\n"
-        f"    {CREATE}\n"
-        "    manager = os.pidfd_open(rtmanager.snapshot().pid)\n"
-        "    signal.pidfd_send_signal(manager, signal.SIGKILL)\n"
-        "    assert rtmanager.snapshot() is None\n",
-    )
-    assert "no manager runs any more" in out
-    assert "1 failed" in out
-    assert "error" not in out.splitlines()[-1], "at the end of the fixture"
-
-
-def test_commands_in_a_test_ask_its_manager(project: Shell) -> None:
-    project.environment["RTKIT_CWD"] = "/localhost/elsewhere"
-    out = run(
-        project,
-        "import subprocess, sys\n"
-        "LS = [sys.executable, '-c', 'from rtkit.cli.tree.rtls import main; main()']\n"
-        "def test_it(rtmanager):\n"
-        f"    {CREATE}\n"
-        "    subprocess.Popen(['sleep', '1000'])\n"
-        "    assert b'Scale0.rtc' in subprocess.run([*LS, '/localhost'], stdout=-1).stdout\n",
-    )
-    assert "1 passed" in out
 
 
 def test_what_is_not_used_is_not_imported(project: Shell) -> None:
