@@ -71,7 +71,7 @@ lint: $(READY)
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
-	$(BIN)/mypy bench campaign examples/demo.py tools/make_commands.py tools/first_value.py
+	$(BIN)/mypy bench campaign examples/demo.py examples/ci/acceptance.py tools/make_commands.py tools/first_value.py
 	$(BIN)/lint-imports
 
 bench: $(READY)

@@ -10,6 +10,7 @@ import time
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import rtkit
 from bench.harness import command, folders
@@ -18,9 +19,10 @@ from campaign.counts import Counts
 from campaign.layout import CONNECTORS, NAMES, activations, creations, settings
 from rtkit.deployment.actions import Action, SetParameters
 from rtkit.deployment.facts import Snapshot
-from rtkit.errors import Unreachable
-from rtkit.tree.client import Tree
-from rtkit.tree.subscription import ManagerSubscription
+from rtkit.errors import RtkitError, Unreachable
+
+if TYPE_CHECKING:
+    from rtkit.tree.subscription import ManagerSubscription
 
 TICK_S = 0.01
 """How long to wait for news before looking at what tells no news [s]."""
@@ -46,7 +48,7 @@ class Arena:
         self._counts = Counts(str(self._orders.parent / "counts"), is_new=True)
         self.cells = [self._counts.cell(number) for number in range(len(NAMES))]
         self._subscription: ManagerSubscription | None = None
-        self._tree: Tree | None = None
+        self._tree: rtkit.Tree | None = None
 
     # processes
 
@@ -88,15 +90,15 @@ class Arena:
         assert self._subscription is not None
         return self._subscription.facts
 
-    def listen(self) -> None:
-        """Listen to the manager that runs now.
+    def listen(self, *, start: bool = False) -> None:
+        """Listen to the manager that runs now, or that is to `start`.
 
         Raises:
             Unreachable: None answers.
         """
         self.deafen()
-        self._tree = rtkit.connect(timeout_s=_PATIENCE_S)
-        self._subscription = ManagerSubscription(self._tree)
+        self._tree = rtkit.connect(timeout_s=_PATIENCE_S, start=start)
+        self._subscription = self._tree.live()
 
     def deafen(self) -> None:
         """Listen no more."""
@@ -143,9 +145,13 @@ class Arena:
         return f"{missing[0]} is not connected" if missing else ""
 
     def differs(self) -> str:
-        """Return what `rtplan` would still do to reach the desired state; empty for nothing."""
-        done = run("rtplan", "--detailed-exitcode", str(self.profile))
-        return "" if done.returncode == 0 else f"rtplan: {done.stdout}{done.stderr}"
+        """Return what a plan would still do to reach the desired state; empty for nothing."""
+        assert self._tree is not None
+        try:
+            plan = self._tree.plan(self.profile)
+        except RtkitError as error:
+            return f"no plan: {error}"
+        return f"still to be done: {plan}" if plan else ""
 
     # what is done
 
@@ -160,11 +166,8 @@ class Arena:
         draft.rename(self._orders / f"{NAMES[cell]}.{when}")
 
     def start_manager(self) -> None:
-        """Start a manager by its command, as an operator would, and listen to it."""
-        done = run("rtmgr", "start")
-        if done.returncode:
-            raise Unreachable(f"rtmgr start: {done.stderr}")
-        self.listen()
+        """Start a manager and listen to it."""
+        self.listen(start=True)
 
     @contextmanager
     def starting(self) -> Iterator[subprocess.Popen[str]]:
@@ -183,6 +186,11 @@ class Arena:
         answer = self._tree.begin([SetParameters(NAMES[cell], "default", {"gain": value})])
         return lambda: all(result.ok for result in answer())
 
+    def set_gain(self, cell: int, value: str) -> None:
+        """Set the gain of a cell."""
+        assert self._tree is not None
+        self._tree.configure(f"/localhost/{NAMES[cell]}.rtc", gain=value)
+
     def gain(self, cell: int) -> str:
         """Return the gain of a cell."""
         (its,) = [each for each in self.facts.components if each.instance == NAMES[cell]]
@@ -190,16 +198,23 @@ class Arena:
 
     def misuse(self, how: str) -> str:
         """Have user code of the served object go wrong; return what it should not have led to."""
-        run("rtset", "odd.misdeed", f'"{how}"').check_returncode()
-        requests = [("rtget", "odd.mood"), ("rtset", "odd.mood", "x")]
-        for line in [("rtget", "odd.stuck")] if how == "hang" else requests:
-            done = run(*line, "--timeout", "1")
-            if (done.returncode == 0) != (how in ANSWERED):
-                return f"{' '.join(line)} while it does {how!r}: {done.stdout}{done.stderr}"
+        assert self._tree is not None
+        odd = self._tree.properties
+        odd.set("odd.misdeed", f'"{how}"')
+        requests: list[tuple[str, Callable[[], object]]] = [
+            ("getting", lambda: odd.get("odd.mood?timeout=1")),
+            ("setting", lambda: odd.set("odd.mood?timeout=1", "x")),
+        ]
+        if how == "hang":
+            requests = [("getting", lambda: odd.get("odd.stuck?timeout=1"))]
+        for what, ask in requests:
+            outcome = _outcome(ask)
+            if (outcome == "") != (how in ANSWERED):
+                return f"{what} while it does {how!r}: {outcome or 'answered'}"
         if how != "hang":
-            run("rtset", "odd.act", "()")  # begun; its end is told later
-        done = run("rtget", "odd.well", "--timeout", "5")
-        return "" if done.stdout == '"well"\n' else f"odd.well: {done.stdout}{done.stderr}"
+            _outcome(lambda: odd.set("odd.act", "()"))  # begun; its end is told later
+        well = _outcome(lambda: odd.get("odd.well?timeout=5"))
+        return f"odd.well: {well}" if well else ""
 
     @contextmanager
     def serving(self) -> Iterator[None]:
@@ -208,10 +223,14 @@ class Arena:
         nowhere = subprocess.DEVNULL
         with subprocess.Popen(line, stdout=nowhere, stderr=nowhere) as served:
             try:
-                self.until(lambda: run("rtget", "odd.well").returncode == 0)
+                self.until(self._is_served)
                 yield
             finally:
                 served.terminate()
+
+    def _is_served(self) -> bool:
+        assert self._tree is not None
+        return not _outcome(lambda: self._tree and self._tree.properties.get("odd.well?timeout=1"))
 
     def bring_up(self) -> None:
         """Make the system, and keep what it is like as the desired state."""
@@ -220,9 +239,13 @@ class Arena:
         for actions in (creations(), settings(), activations()):
             _apply(self._tree, actions)
         self.until(lambda: not self.lacks())
-        done = run("rtcryo", "-o", str(self.profile))
-        if done.returncode:
-            raise Unreachable(f"rtcryo: {done.stderr}")
+        self._tree.save("Campaign").write(self.profile)
+
+    def end(self) -> None:
+        """End the manager if one runs."""
+        self.deafen()
+        with suppress(Unreachable), rtkit.connect(timeout_s=_PATIENCE_S) as tree:
+            tree.stop_manager()
 
     def log(self) -> str:
         """Return the end of the manager's log."""
@@ -230,15 +253,18 @@ class Arena:
         return path.read_text()[-6000:] if path.exists() else ""
 
 
-def _apply(tree: Tree, actions: list[Action]) -> None:
+def _apply(tree: rtkit.Tree, actions: list[Action]) -> None:
     for result in tree.apply(actions, is_ordered=False, timeout_s=_PATIENCE_S):
         result.raise_for_error()
 
 
-def run(name: str, *arguments: str) -> subprocess.CompletedProcess[str]:
-    """Run an installed command to its end."""
-    line = [command(name), *arguments]
-    return subprocess.run(line, capture_output=True, text=True, timeout=_PATIENCE_S, check=False)
+def _outcome(ask: Callable[[], object]) -> str:
+    """Return how a request failed; empty if it did not."""
+    try:
+        ask()
+    except RtkitError as error:
+        return str(error)
+    return ""
 
 
 def kill(pids: Iterable[int], number: int = signal.SIGKILL) -> None:
@@ -273,5 +299,4 @@ def arena() -> Iterator[Arena]:
             with here.serving():
                 yield here
         finally:
-            here.deafen()
-            run("rtmgr", "stop")
+            here.end()

@@ -10,8 +10,8 @@ import time
 from collections.abc import Callable
 from typing import NamedTuple
 
+import rtkit
 from bench.harness import folders
-from campaign.arena import run
 
 _ROUNDS = 5
 _HELLO = "import os, time; os.write({}, b'x'); time.sleep(60)"
@@ -27,7 +27,7 @@ class Floor(NamedTuple):
 def floors() -> tuple[Floor, Floor]:
     """Return floors of an end of a process, and of an end of a manager."""
     process = "a bare Python process is killed, waited for, and another one starts"
-    manager = "`rtmgr start` of a manager that finds nothing, until it has answered"
+    manager = "a manager that finds nothing starts, until it has answered"
     return Floor(_median(_process_s), process), Floor(_median(_manager_s), manager)
 
 
@@ -69,9 +69,9 @@ def _manager_s() -> float:
     try:
         with folders():
             began = time.monotonic()
-            run("rtmgr", "start").check_returncode()
-            took_s = time.monotonic() - began
-            run("rtmgr", "stop").check_returncode()
+            with rtkit.connect(start=True) as tree:
+                took_s = time.monotonic() - began
+                tree.stop_manager()
             return took_s
     finally:
         os.environ.update(kept)

@@ -12,12 +12,11 @@ import time
 from collections.abc import Callable
 from contextlib import suppress
 
-from campaign.arena import Arena, end, run
+from campaign.arena import Arena, end
 from campaign.layout import NAMES, gain
 from campaign.schedule import Fault
 from rtkit.errors import Unreachable
 from rtkit.link import places
-from rtkit.rtc.names import LOCAL
 
 _PATIENCE_S = 30.0
 _MOST = 1000
@@ -109,10 +108,7 @@ def _lost_and_restored(arena: Arena, fault: Fault, found: str) -> float:
     arena.until(lambda: not arena.lacks(), _PATIENCE_S)
     took_s = time.monotonic() - began
     now = arena.gain(fault.cell)
-    path = f"/{LOCAL}/{NAMES[fault.cell]}.rtc"
-    back = run("rtconf", path, "set", "gain", gain(fault.cell))
+    arena.set_gain(fault.cell, gain(fault.cell))
     if now != found:
         raise PromiseBroken(f"{NAMES[fault.cell]}: gain was {found}, and is {now} when made again")
-    if back.returncode:
-        raise PromiseBroken(f"rtconf: {back.stderr}")
     return time.monotonic() - took_s

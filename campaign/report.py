@@ -113,7 +113,7 @@ column is the longest time that a component which the fault did not concern was 
 Floors, measured beside the same system at work: {floors}.
 
 Promises, looked at after each fault: it is over within the wait of the law of restarts and 10 s;
-then `rtplan --detailed-exitcode` has nothing to do; components were made again just once if the
+then a plan has nothing to do; components were made again just once if the
 fault ended them, else not (by two faults on top of each other, twice at most); a value that is set
 while the manager is killed, or its disk is full, is the same after everything was killed, and the
 new one if that was acknowledged; all others went on in their process; no value of a connection

@@ -28,7 +28,7 @@ class Outcome(NamedTuple):
         recovery_s: From the fault, or from the end of one that lasts, until all is as desired [s].
         pause_s: The longest that a cell which it did not concern was without a cycle [s].
         failures: What should not have been; empty when all went as promised.
-        is_back: Whether the system is as desired, by `rtplan`.
+        is_back: Whether the system is as desired, by a plan.
     """
 
     fault: Fault

@@ -178,7 +178,7 @@ class AsyncTree(_Awaited):
     """
 
     def __dir__(self) -> list[str]:
-        return dir(self._sync)
+        return [*waits(Tree), *ATTRIBUTES, "properties"]
 
     @property
     def properties(self) -> AsyncProperties:
@@ -195,7 +195,8 @@ class AsyncTree(_Awaited):
 def waits(cls: type) -> list[str]:
     """Return the public methods of a class that wait."""
     names = Tree.__dir__(None) if cls is Tree else dir(cls)  # type: ignore[arg-type]
-    return [each for each in names if each[0] != "_" and callable(getattr(cls, each, None))]
+    public = (each for each in names if each[0] != "_" and each != "live")  # events tell the same
+    return [each for each in public if callable(getattr(cls, each, None))]
 
 
 for _target, _source, _names in (

@@ -60,6 +60,7 @@ class AsyncTree:
         replace: bool = ...,
         costs: Mapping[str, float] = ...,
         stand_in: bool = ...,
+        transmit: bool = ...,
         hosts: Mapping[str, str] = ...,
         strict: bool = ...,
         rollback: bool = ...,
@@ -72,6 +73,7 @@ class AsyncTree:
         *,
         create: bool = ...,
         stand_in: bool = ...,
+        transmit: bool = ...,
         hosts: Mapping[str, str] = ...,
         wait_s: float = ...,
     ) -> None: ...
@@ -92,6 +94,7 @@ class AsyncTree:
         replace: bool = ...,
         costs: Mapping[str, float] = ...,
         stand_in: bool = ...,
+        transmit: bool = ...,
         hosts: Mapping[str, str] = ...,
         strict: bool = ...,
     ) -> AsyncPlan: ...
@@ -121,6 +124,7 @@ class AsyncTree:
         timeout_s: float | None = ...,
         hosts: Mapping[str, str] = ...,
     ) -> None: ...
+    async def stop_manager(self, *, keep: bool = ...) -> None: ...
     async def teardown(
         self, profile: Source, *, end: bool = ..., hosts: Mapping[str, str] = ...
     ) -> None: ...

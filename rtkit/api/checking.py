@@ -42,7 +42,7 @@ class SystemReport:
         return self.holds
 
     def __str__(self) -> str:
-        return "\n".join(each.text for each in self.found)
+        return "\n".join(each.text for each in self.found) or "everything is as the profile says"
 
     @property
     def holds(self) -> bool:

@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from rtkit.api.ports import PortValue
     from rtkit.link.transport import Link
     from rtkit.tree.logbook import LogEntry
+    from rtkit.tree.subscription import ManagerSubscription
 
 
 def silent(_text: str) -> None:
@@ -158,6 +159,18 @@ class DataTree(client.Tree):
         return call(self, operation, arguments, self.timeout_s if timeout_s is None else timeout_s)
 
     # Observing
+
+    def live(self) -> ManagerSubscription:
+        """Return the facts of the manager as they change: ``with tree.live() as live:``.
+
+        ``live.wait(timeout_s)`` waits for changes, ``live.facts`` is what is known then.
+
+        Raises:
+            Unreachable: The manager does not answer.
+        """
+        from rtkit.tree.subscription import ManagerSubscription
+
+        return ManagerSubscription(self)
 
     @property
     def properties(self) -> Properties:

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import os
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple, cast
 
 from rtkit.api.document import SystemDocument
 from rtkit.fast_dataclass import dataclass
 
 if TYPE_CHECKING:
+    from rtkit.api.session import Session
     from rtkit.profile.rts_model import RtsProfile
     from rtkit.report.finding import Checked
 
@@ -105,13 +106,23 @@ def load(source: Source, *, form: str | None = None, strict: bool = False) -> Sy
     """
     if isinstance(source, SystemProfile):
         return source
-    if isinstance(source, SystemDocument):
-        return SystemProfile(source.profile, source.data, source.source, source.form)
-    from rtkit.profile.read import read_bytes, read_rts
+    if not isinstance(source, SystemDocument):
+        from rtkit.api.document import parse_document
+        from rtkit.profile.read import read_bytes
 
-    name = os.fspath(source)
-    data = read_bytes(name)
-    return SystemProfile(read_rts(data, name, form=form, strict=strict).profile, data, name, form)
+        name = os.fspath(source)
+        reader = cast("Session", _Reader(strict))
+        source = parse_document(reader, name, read_bytes(name), form)
+    return SystemProfile(**{field: getattr(source, field) for field in SystemDocument.__slots__})
+
+
+class _Reader(NamedTuple):
+    """The part of a session that reading a profile needs."""
+
+    is_strict: bool
+
+    def verbose(self, text: str) -> None:
+        """See `Session.verbose`."""
 
 
 def made(profile: RtsProfile, source: str) -> SystemProfile:

@@ -13,7 +13,6 @@ from rtkit.api.script import ScriptSession
 if TYPE_CHECKING:
     from rtkit.api.checking import SystemReport
     from rtkit.api.plan import SystemPlan
-    from rtkit.api.planning import GoalOptions
 
 NO_MAP: Mapping[str, Any] = {}
 
@@ -27,8 +26,8 @@ class Tree(DataTree):
     those of `rtkit.errors`.
 
     Systems: `plan apply_profile bring_up start stop check save teardown`. Waiting: `wait`. Data:
-    `read values write call`. Observing: `logs events properties`. Components: `ls component create
-    delete activate deactivate reset connect disconnect configure load`.
+    `read values write call`. Observing: `logs events live properties`. Components: `ls component
+    create delete activate deactivate reset connect disconnect configure load`.
 
     Example::
 
@@ -61,6 +60,7 @@ class Tree(DataTree):
         replace: bool = False,
         costs: Mapping[str, float] = NO_MAP,
         stand_in: bool = False,
+        transmit: bool = False,
         hosts: Mapping[str, str] = NO_MAP,
         strict: bool = False,
     ) -> SystemPlan:
@@ -73,6 +73,7 @@ class Tree(DataTree):
             replace: End and replace what cannot be changed in place.
             costs: What kinds of steps cost, or interruptions of a component, by name.
             stand_in: Generate what is missing, without its modules.
+            transmit: Stand-ins write values while active.
             hosts: Hosts of the profile that stand for others: ``{"10.0.0.7": "localhost"}``.
             strict: Take warnings for errors.
 
@@ -83,7 +84,8 @@ class Tree(DataTree):
         from rtkit.api import planning
         from rtkit.api.plan import SystemPlan
 
-        aim = _aim(state, costs, prune=prune, replace=replace, stand_in=stand_in)
+        way = planning.WayOptions(_texts(costs), planning.MEASURED, stand_in, transmit, replace)
+        aim = planning.GoalOptions(_known(state), way, prune)
         document = load(profile, strict=strict)
         with self._session("plan", document, strict=strict) as session:
             prepared = planning.prepare(session, document, _mapped(hosts), aim, is_dry=True)
@@ -98,6 +100,7 @@ class Tree(DataTree):
         replace: bool = False,
         costs: Mapping[str, float] = NO_MAP,
         stand_in: bool = False,
+        transmit: bool = False,
         hosts: Mapping[str, str] = NO_MAP,
         strict: bool = False,
         rollback: bool = False,
@@ -115,6 +118,7 @@ class Tree(DataTree):
             replace: See `plan`.
             costs: See `plan`.
             stand_in: See `plan`.
+            transmit: See `plan`.
             hosts: See `plan`.
             strict: See `plan`.
             rollback: When a step fails, go back to what was before.
@@ -129,7 +133,8 @@ class Tree(DataTree):
         from rtkit.api.plan import SystemPlan, run
         from rtkit.tree.plan_locks import PlanLocks
 
-        aim = _aim(state, costs, prune=prune, replace=replace, stand_in=stand_in)
+        way = planning.WayOptions(_texts(costs), planning.MEASURED, stand_in, transmit, replace)
+        aim = planning.GoalOptions(_known(state), way, prune)
         document, mapped = load(profile, strict=strict), _mapped(hosts)
         with (
             self._session("apply", document, strict=strict) as session,
@@ -147,6 +152,7 @@ class Tree(DataTree):
         *,
         create: bool = True,
         stand_in: bool = False,
+        transmit: bool = False,
         hosts: Mapping[str, str] = NO_MAP,
         wait_s: float = 0.0,
     ) -> None:
@@ -158,6 +164,7 @@ class Tree(DataTree):
             profile: The profile.
             create: Whether missing components are created, or an error.
             stand_in: See `plan`.
+            transmit: See `plan`.
             hosts: See `plan`.
             wait_s: See `apply_profile`.
 
@@ -172,8 +179,15 @@ class Tree(DataTree):
             self._session("bring up", document) as session,
             PlanLocks(session.name, wait_s, self.notify) as lock,
         ):
-            mapped = _mapped(hosts)
-            bring_up(session, document, mapped, may_create=create, stand_in=stand_in, lock=lock)
+            bring_up(
+                session,
+                document,
+                _mapped(hosts),
+                may_create=create,
+                stand_in=stand_in,
+                transmit=transmit,
+                lock=lock,
+            )
 
     def start(
         self,
@@ -309,6 +323,19 @@ class Tree(DataTree):
         with self._session("tear down", document) as session:
             teardown(session, document, _mapped(hosts), ends_components=end)
 
+    def stop_manager(self, *, keep: bool = False) -> None:
+        """End the manager with all its slaves; return when its process has ended.
+
+        Args:
+            keep: Whether its next start makes again what it holds.
+
+        Raises:
+            Unreachable: It does not run, or did not end in time.
+        """
+        from rtkit.tree.managers import stop
+
+        stop(self.manager, self.timeout_s, is_kept=keep)
+
     @contextmanager
     def _session(
         self, what: str, document: SystemProfile, *, strict: bool = False
@@ -318,15 +345,16 @@ class Tree(DataTree):
             yield session
 
 
-def _aim(
-    state: str, costs: Mapping[str, float], *, prune: bool, replace: bool, stand_in: bool
-) -> GoalOptions:
-    from rtkit.api.planning import STATES, GoalOptions, WayOptions
+def _known(state: str) -> str:
+    from rtkit.api.planning import STATES
 
     if state not in STATES:
         raise ValueError(f"state is one of {', '.join(STATES)}, not {state!r}")
-    given = tuple(f"{name}={cost!r}" for name, cost in costs.items())
-    return GoalOptions(state, WayOptions(given, stand_in=stand_in, replaces=replace), prune)
+    return state
+
+
+def _texts(costs: Mapping[str, float]) -> tuple[str, ...]:
+    return tuple(f"{name}={cost!r}" for name, cost in costs.items())
 
 
 def _mapped(hosts: Mapping[str, str]) -> tuple[str, ...]:
@@ -334,7 +362,7 @@ def _mapped(hosts: Mapping[str, str]) -> tuple[str, ...]:
 
 
 _FIRST = """
-activate apply apply_profile bring_up call check close component configure connect create deactivate
-delete disconnect events get host listing load logs ls manager notify plan properties read reset
-save set snapshot start stop teardown timeout_s values wait write
+activate apply apply_profile bring_up call check close component configure connect create
+deactivate delete disconnect events get host listing live load logs ls manager notify plan
+properties read reset save set snapshot start stop stop_manager teardown timeout_s values wait write
 """

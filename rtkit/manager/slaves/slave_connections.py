@@ -67,7 +67,13 @@ class SlaveConnections:
         try:
             channel.send(message)
         except OSError as error:
-            _log.warning("cannot send to slave %d: %s", key, error)
+            is_guest = self._slave_supervisor.is_guest(key)  # it may leave at any time
+            _log.log(
+                logging.DEBUG if is_guest else logging.WARNING,
+                "cannot send to slave %d: %s",
+                key,
+                error,
+            )
             return
         if channel.has_backlog:
             self._selector.modify(channel, _READ | _WRITE, partial(self._exchange, key, channel))
