@@ -59,8 +59,9 @@ def follow(
 
     logbook = Logbook(state_dir(), wanted)
     try:
+        present = logbook.there(last)
         yield None
-        yield from logbook.there(last)
+        yield from present
         while not is_over and session.wait_for([logbook.fileno()], until):
             time.sleep(SETTLE_S)
             yield from logbook.delta()

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import time
 from collections.abc import Iterator
+from contextlib import closing
 from pathlib import Path
 
 import pytest
@@ -12,7 +13,7 @@ from shells import Shell
 
 import rtkit
 from rtkit.api.tree import Tree
-from rtkit.errors import Refused
+from rtkit.errors import NotFound, Refused, Unreachable
 
 KEEPS_MANAGER = True
 IN, OUT = "/localhost/SeqIn0.rtc", "/localhost/SeqOut0.rtc"
@@ -77,3 +78,49 @@ def test_a_system_goes_through_its_whole_cycle(tree: Tree, tmp_path: Path) -> No
     tree.start(file)
     tree.teardown(file, end=True)
     assert not tree.check(file)
+
+
+def test_a_script_calls_and_observes(tree: Tree) -> None:
+    source = tree.create("SeqOut?manager_name=s")
+    with tree.live() as live, closing(tree.events(source, kinds=["RTC_STATUS"])) as events:
+        tree.properties.set(f"{source}.state", "Active")
+        assert (next(events).event, tree.properties.get(f"{source}.state")) == ("ACTIVE", "Active")
+        while not any(each.state == "Active" for each in live.facts.components):
+            assert live.wait(10.0)
+    with closing(tree.properties.listen(f"{source}.state", timeout_s=10.0)) as changes:
+        assert next(changes).value == "Active"
+        tree.deactivate(source)
+        assert next(changes).value == "Inactive"
+    service = tree.create("MyServiceProvider?manager_name=s")
+    assert tree.call(f"{service}:myservice.echo", "hello") == "hello"
+    assert tree.call(f"{service}:myservice.set_value", 2.5) is None
+    assert tree.call(f"{service}:myservice.get_value") == 2.5
+    with pytest.raises(NotFound, match=r"no operation ech of .*did you mean echo"):
+        tree.call(f"{service}:myservice.ech")
+    began = [each.process for each in tree.logs(level="INFO", text="begins")]
+    assert began == ["manager", "s"]
+    with closing(tree.logs(level="DEBUG", last=0, follow=True, timeout_s=10.0)) as coming:
+        tree.create("SeqIn?manager_name=t")
+        assert next(each for each in coming if each.process == "t")
+
+
+def test_a_system_may_be_in_several_managers(tree: Tree, tmp_path: Path) -> None:
+    """The other one is started, connected to, and told what concerns it."""
+    file = tmp_path / "robot.xml"
+    for name in ("SeqOut", "SeqIn"):
+        tree.create(name)
+    tree.save("Robot", unconnected=True).write(file)
+    tree.teardown(file, end=True)
+    text = file.read_text()
+    file.write_text(text.replace("localhost/SeqIn0.rtc", "localhost/other.mgr/SeqIn0.rtc"))
+    plan = tree.plan(file)
+    assert plan.steps[0] == "start manager other"
+    plan.apply()
+    with rtkit.connect("other") as other:
+        assert [each.instance for each in other.snapshot().components] == ["SeqIn0"]
+        assert tree.check(file)
+        tree.teardown(file, end=True)
+        assert other.snapshot().components == ()
+        other.stop_manager()
+    with pytest.raises(Unreachable):
+        rtkit.connect("other")
