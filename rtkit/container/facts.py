@@ -3,34 +3,13 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Sequence
 
 from rtkit.component.base import Component
 from rtkit.component.describe import describe
 from rtkit.deployment.facts import ComponentFacts
-from rtkit.fast_dataclass import replace
-
-
-def facts_of(component: Component) -> ComponentFacts:
-    """Return the facts of a component; name, place and origin are the manager's to add."""
-    described = describe(component)
-    return ComponentFacts(
-        instance=component.instance,
-        type=component.type,
-        process="",
-        ports=described.ports,
-        sets=described.sets,
-        active_set=described.active_set,
-        contexts=described.contexts,
-        is_stand_in=component.is_stand_in,
-        cause=described.cause,
-        composite_type=described.composite_type,
-        members=described.members,
-        composite=described.composite,
-        fsm_state=described.fsm_state,
-        fsm_states=described.fsm_states,
-        fsm_events=described.fsm_events,
-        code=described.code,
-    )
+from rtkit.rtc.enums import merged_state
+from rtkit.rtc.profiles import ExecutionContextProfile
 
 
 class DatedFacts:
@@ -40,14 +19,36 @@ class DatedFacts:
         self._since: dict[str, tuple[str, float]] = {}
 
     def of(self, component: Component) -> ComponentFacts:
-        """Return the facts of a component; its state changed at the latest now."""
-        facts = facts_of(component)
-        state, since = self._since.get(facts.instance, ("", 0.0))
-        if facts.state != state:
-            since = time.time()
-            self._since[facts.instance] = facts.state, since
-        return replace(facts, since=since)
+        """Return the facts of a component; name, place and origin are the manager's to add."""
+        described = describe(component)
+        return ComponentFacts(
+            instance=component.instance,
+            type=component.type,
+            process="",
+            ports=described.ports,
+            sets=described.sets,
+            active_set=described.active_set,
+            contexts=described.contexts,
+            is_stand_in=component.is_stand_in,
+            cause=described.cause,
+            composite_type=described.composite_type,
+            members=described.members,
+            composite=described.composite,
+            fsm_state=described.fsm_state,
+            fsm_states=described.fsm_states,
+            fsm_events=described.fsm_events,
+            code=described.code,
+            since=self._date(component.instance, described.contexts),
+        )
 
     def forget(self, instance: str) -> None:
         """Forget a component that is no more."""
         self._since.pop(instance, None)
+
+    def _date(self, instance: str, contexts: Sequence[ExecutionContextProfile]) -> float:
+        """Return since when a component is in its state [s since 1970]: a new one, since now."""
+        state = merged_state([context.state for context in contexts])
+        known = self._since.get(instance)
+        if known is None or known[0] != state:
+            known = self._since[instance] = state, time.time()
+        return known[1]

@@ -20,7 +20,7 @@ from rtkit.errors import Refused, Unreachable
         ("rtstatus -q /localhost/Robot0.rtc", "Only the exit status: whether it is well."),
     ),
     json=("status",),
-    arguments=("component|slave",),
+    arguments=("anything",),
     statuses={"1": "It is a zombie, in Error or in trouble, or its manager does not run."},
 )
 def main(
