@@ -116,16 +116,19 @@ def _hidden(name: str) -> bool:
 def change(app: App, facts: ComponentFacts, wanted: Sets, active_set: str = "") -> None:
     """Write parameters of sets, and make a set the active one; all is checked before anything.
 
+    A set that is not there is added.
+
     Raises:
         NotFound: No such parameter.
         Malformed: A text that the parameter cannot have.
         RtkitError: The component refused.
     """
-    from rtkit.deployment.actions import ActivateSet, SetParameters
+    from rtkit.deployment.actions import MISSING, ActivateSet, SetParameters
 
     check(facts, wanted, app.verbose)
     actions: list[Action] = [
-        SetParameters(facts.instance, set_id, values) for set_id, values in wanted.items()
+        SetParameters(facts.instance, set_id, values, "" if set_id in facts.sets else MISSING)
+        for set_id, values in wanted.items()
     ]
     target = active_set or facts.active_set
     if target in wanted or target != facts.active_set:
@@ -414,10 +417,11 @@ def _import(app: App, facts: ComponentFacts, sets: Sets, asked: ConfRequest, sou
         wanted = {asked.set_id: wanted[asked.set_id]}
     active = "" if asked.set_id else saved.active
     for name in (*wanted, *([active] if active else [])):
-        if name not in sets:
+        if name not in sets and (_hidden(name) or not wanted.get(name)):
             raise no_set(name, sets)
+    now = {name: facts.sets.get(name, {}) for name in wanted}
     changed = {
-        name: {key: text for key, text in values.items() if facts.sets[name].get(key) != text}
+        name: {key: text for key, text in values.items() if now[name].get(key) != text}
         for name, values in wanted.items()
     }
     change(app, facts, {name: values for name, values in changed.items() if values}, active)

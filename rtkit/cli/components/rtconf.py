@@ -84,7 +84,7 @@ def main(
     remove SET         remove a set that was added and is not the active one
     diff SET|FILE      where it differs from another set, or from what was exported
     export [FILE]      write the sets as JSON
-    import [FILE]      take over what was exported
+    import [FILE]      take over what was exported; sets that are not there are added
 
     A change of the active set takes effect at once, and one that does not fit the parameter's
     type or constraint is refused. Of a manager, list, get and set mean its properties. A value

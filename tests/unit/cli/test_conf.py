@@ -249,3 +249,20 @@ def test_the_form_of_words_about_sets_is_told(hinted: FakeManager, run: Run, wor
 def test_a_manager_has_no_sets_to_add(run: Run) -> None:
     why = "rtconf: a manager has properties, but no configuration sets: /localhost/manager.mgr\n"
     assert run("rtconf /localhost/manager.mgr add race gain=1") == (1, "", why)
+
+
+def test_an_import_adds_the_sets_that_are_not_there(
+    hinted: FakeManager, run: Run, tmp_path: Path
+) -> None:
+    file = tmp_path / "sets.json"
+    file.write_text('{"sets": {"race": {"gain": "8"}}, "active": "race"}')
+    assert run(f"rtconf {STD} import {file}") == (0, "", "")
+    assert hinted.components["Std0"].sets["race"] == {"gain": "8"}
+    assert hinted.components["Std0"].active_set == "race"
+    file.write_text('{"sets": {"near": {"gian": "8"}}}')
+    assert run(f"rtconf {STD} import {file}").err == (
+        "rtconf: No such configuration parameter: gian (did you mean gain?)\n"
+    )
+    file.write_text('{"sets": {"near": {"gain": "80"}}}')
+    assert run(f"rtconf {STD} import {file}").status == 1
+    assert "near" not in hinted.components["Std0"].sets
