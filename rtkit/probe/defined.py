@@ -34,6 +34,8 @@ from rtkit.rtc.data_types import scoped_name
 
 _MOST_ITEMS = 1 << 20
 """How many items arrays may have: what rubbish asks for would take all the memory."""
+UNFIT = (TypeError, ValueError, RecursionError)
+"""Errors of classes that cannot be made, since rubbish defines them."""
 _HIDDEN = ("mro", "name", "value")
 """Names that members of a Python enumeration cannot have, or would hide."""
 
@@ -53,7 +55,7 @@ def _class_of(name: str, definition: str) -> type:
     try:
         made: type = class_in(definitions, name)
         layout_of(made)
-    except (TypeError, ValueError, RecursionError) as error:
+    except UNFIT as error:
         raise Malformed(f"{name} cannot be made of its definition: {error}") from error
     return made
 

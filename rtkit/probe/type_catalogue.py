@@ -29,7 +29,7 @@ from rtkit.component.typenames import is_standard, type_by_name, type_name
 from rtkit.errors import Malformed, NotFound, RtkitError
 from rtkit.idl.model import EnumDeclaration, InterfaceDeclaration, StructDeclaration
 from rtkit.idl.read import read_idl
-from rtkit.probe.defined import class_in
+from rtkit.probe.defined import UNFIT, class_in
 from rtkit.probe.value_text import plain
 from rtkit.rtc.data_types import is_same_type, scoped_name
 from rtkit.rtc.enums import PortType
@@ -143,7 +143,7 @@ class TypeCatalogue:
             if type(each) in _KINDS and each.place.file == path and not is_exception:
                 try:
                     cls = class_in(definitions, each.name) if type(each) in _DATA else None
-                except (RtkitError, TypeError, ValueError):
+                except (RtkitError, *UNFIT):
                     cls = None  # it is known by name, and cannot be carried
                 self._add(CataloguedType(each.name, _KINDS[type(each)], path, cls=cls))
 
@@ -215,7 +215,7 @@ def page_of(known: CataloguedType) -> TypePage:
     try:
         cls = _class_of(known)
         definition = idl_of(cls) if cls is not None else known.definition
-    except RtkitError:
+    except (RtkitError, *UNFIT):
         return TypePage(known, known.definition)  # no values of it can be made
     if cls is None:
         return TypePage(known, definition)

@@ -55,7 +55,7 @@ def record(
     is_patient = any(spec.is_pattern for spec in specs)
     streams = named_streams(app, specs, PortType.OUT, _name, is_patient=is_patient)
     if not streams:
-        app.fail(f"warning: no output port matches {' '.join(ports)} yet")
+        app.fail("warning: no such output port is there yet")
     types = {each.name: _type(app, each) for each in streams}
     properties = LOSSLESS if is_lossless else {}
     with (

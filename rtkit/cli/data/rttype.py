@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterator, Sequence
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 from rtkit.cli.data.arguments import MODULES
 from rtkit.cli.shared import json_records, terminal
@@ -20,12 +20,6 @@ if TYPE_CHECKING:
 _LIST, _SHOW, _PORTS = "list", "show", "find-ports"
 _WORDS = (_LIST, _SHOW, _PORTS)
 _IDL = ".idl"
-
-
-class _Sources(NamedTuple):
-    modules: tuple[str, ...]
-    folders: tuple[str, ...]
-    files: tuple[str, ...]
 
 
 @command(
@@ -72,7 +66,7 @@ def main(
     word, *typed = words
     if word != _LIST and not typed:
         raise WrongArguments("No type specified.")
-    catalogue, status = _catalogue(app, _Sources(modules, folders, files))
+    catalogue, status = _catalogue(app, modules, folders, files)
     if word == _LIST:
         _list(catalogue, typed, is_quiet, is_json)
     for each in typed if word != _LIST else ():
@@ -83,16 +77,18 @@ def main(
     return status
 
 
-def _catalogue(app: App, sources: _Sources) -> tuple[TypeCatalogue, int]:
+def _catalogue(
+    app: App, modules: Sequence[str], folders: Sequence[str], files: Sequence[str]
+) -> tuple[TypeCatalogue, int]:
     """Return what is known, and the exit status: 1 where somebody or a file could not be asked."""
     from rtkit.probe.known_types import import_modules
     from rtkit.probe.type_catalogue import TypeCatalogue
     from rtkit.recording.mcap_file import RecordingReader
 
     catalogue = TypeCatalogue()
-    import_modules(sources.modules, sources.folders)
-    catalogue.add_modules(sources.modules)
-    for file in sources.files:
+    import_modules(modules, folders)
+    catalogue.add_modules(modules)
+    for file in files:
         if file.lower().endswith(_IDL):
             _read_idl(catalogue, file)
         else:
@@ -101,10 +97,10 @@ def _catalogue(app: App, sources: _Sources) -> tuple[TypeCatalogue, int]:
     for error in _ask_managers(app, catalogue):
         app.fail(str(error))
         status = app.status(error)
-    for file in _idl_files(sources.folders):
+    for file in _idl_files(folders):
         try:
             _read_idl(catalogue, file)
-        except RtkitError as error:
+        except (RtkitError, OSError) as error:
             app.fail(f"warning: {error}")
     catalogue.add_standard()
     return catalogue, status

@@ -120,6 +120,20 @@ def test_a_port_whose_type_nobody_tells_is_listed_and_found(run: Run, world: Fak
     assert run("rttype show Off").out.endswith("// nothing here has its IDL\n")
 
 
+def test_a_definition_that_makes_no_class_is_shown_as_it_is(run: Run, world: FakeManager) -> None:
+    text = "module Far { struct T; struct T { sequence<T> x; }; };"
+    give_port(world, "Far/T", text)
+    assert run("rttype show Far::T").out.splitlines()[1:] == [text]
+
+
+def test_a_file_that_cannot_be_read_is_a_warning(run: Run, folder: Path) -> None:
+    (folder / "a.idl").mkdir()
+    (folder / "b.idl").symlink_to("/proc/self/mem")
+    done = run("rttype show -q Wheel")
+    assert (done.status, done.out) == (0, "Robot::Wheel\n")
+    assert done.err.startswith("rttype: warning: ")
+
+
 def test_a_short_name_of_two_types_is_refused(run: Run, folder: Path) -> None:
     (folder / "a.idl").write_text("module A { struct Bolt { long x; }; };")
     done = run("rttype show Bolt")
