@@ -95,6 +95,7 @@ def test_one_in_error(arms: Any) -> None:
     assert record["why"].startswith("ValueError: too far (Arm.py:")
     assert record["events"][-1]["event"] == "ERROR"
     assert f"rtreset {A} takes it out of Error" in record["warnings"]
+    assert arms.run(f"rtstatus {A}").out.splitlines()[1].startswith("  State      Error since ")
     quiet = arms.run(f"rtstatus -q {A}")
     assert (quiet.status, quiet.out, quiet.err) == (1, "", "")
 
@@ -131,6 +132,7 @@ def test_one_that_crashed_under_a_manager_that_was_killed_since(arms: Any, is_no
         pass
     left = status(arms, A, is_well=False)
     is_crash(left)
+    assert arms.run(f"rtstatus --exit-detail -q {A}") == (5, "", "")
     assert left["manager"]["is_running"] is False
     assert any("A was lost: signal 11" in each["detail"] for each in left["events"])
     other = status(arms, B, is_well=False)

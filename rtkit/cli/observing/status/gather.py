@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from rtkit.cli.observing.status.past import past_of
 from rtkit.cli.shared.json_records import time_text
 from rtkit.errors import NotFound, Refused, Unreachable
+from rtkit.link.places import owner
 
 if TYPE_CHECKING:
     from rtkit.api.rates import RateRow
@@ -82,10 +83,11 @@ def _find(app: App, path: Path) -> Known:
         from rtkit.deployment.listing import listing_of
         from rtkit.manager.predecessor.last_known import last_known
 
-        left = last_known(app.manager)
+        # One that runs and does not answer knows more than the disk does.
+        left = last_known(app.manager) if owner(app.manager) is None else None
         if left is None:
-            raise
-        app.fail(f"{error}; this is what it left")
+            hint = f"; rtvlog {path.typed} shows what was logged" if path.typed else ""
+            raise Unreachable(f"{error}{hint}") from None
         snapshot, is_live = left, False
         try:
             node = entry(build(listing_of(left)), path, left.host)
