@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, NamedTuple, cast
 
-from rtkit.api.document import SystemDocument
+from rtkit.api.document import SystemDocument, parse_document
 from rtkit.fast_dataclass import dataclass
 
 if TYPE_CHECKING:
     from rtkit.api.session import Session
+    from rtkit.profile.parameters import SystemParameters
     from rtkit.profile.rts_model import RtsProfile
     from rtkit.report.finding import Checked
 
@@ -92,27 +93,40 @@ class SystemProfile(SystemDocument):
         write_output(self.text(form or form_of_name(name) or "xml").encode(), name)
 
 
-def load(source: Source, *, form: str | None = None, strict: bool = False) -> SystemProfile:
-    """Load a system profile from a file: ``rtkit.load("robot.xml")``.
+def load(
+    source: Source,
+    *,
+    values: Mapping[str, object] | None = None,
+    prefix: str = "",
+    form: str | None = None,
+    strict: bool = False,
+) -> SystemProfile:
+    """Load a system profile from a file: ``rtkit.load("robot.xml", values={"wall": 3})``.
 
     Args:
         source: Path of the file.
+        values: Of its variables, and of parameters: ``{"Camera0.noise": 3}``.
+        prefix: Text before all names of the system, so that it lives beside others: ``"a."``.
         form: ``xml``, ``yaml`` or ``json``; None finds out.
         strict: Refuse a profile that needs repair.
 
     Raises:
         NotFound: The file cannot be read.
-        InvalidDocument: It is no system profile; names file and line.
+        InvalidDocument: It is no system profile, or its parameters make no sense; names file and
+            line.
+        Malformed: A value is for nothing that there is.
     """
-    if isinstance(source, SystemProfile):
+    if isinstance(source, SystemProfile) and not (values or prefix):
         return source
+    reader = cast("Session", _Reader(strict))
+    given = _parameters(values or {}, prefix)
     if not isinstance(source, SystemDocument):
-        from rtkit.api.document import parse_document
         from rtkit.profile.read import read_bytes
 
         name = os.fspath(source)
-        reader = cast("Session", _Reader(strict))
-        source = parse_document(reader, name, read_bytes(name), form)
+        source = parse_document(reader, name, read_bytes(name), form, given)
+    elif given is not None:
+        source = parse_document(reader, source.source, source.data, source.form, given)
     return SystemProfile(**{field: getattr(source, field) for field in SystemDocument.__slots__})
 
 
@@ -123,6 +137,15 @@ class _Reader(NamedTuple):
 
     def verbose(self, text: str) -> None:
         """See `Session.verbose`."""
+
+
+def _parameters(values: Mapping[str, object], prefix: str) -> SystemParameters | None:
+    if not (values or prefix):
+        return None
+    from rtkit.profile.parameters import GivenValue, SystemParameters
+
+    texts = {k: str(v).lower() if isinstance(v, bool) else str(v) for k, v in values.items()}
+    return SystemParameters(tuple(GivenValue(k, text, "") for k, text in texts.items()), prefix)
 
 
 def made(profile: RtsProfile, source: str) -> SystemProfile:

@@ -12,6 +12,7 @@ from stated import Stated, stated
 
 from rtkit.cli.shared.commands import load
 from rtkit.profile.read import read_rts
+from rtkit.profile.rts_model import RtsProfile
 from rtkit.tree.connect import connect
 
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
@@ -21,9 +22,13 @@ FILES = sorted(os.listdir(FOLDER)) if os.path.isdir(FOLDER) else []
 needs_corpus = pytest.mark.skipif(not FILES, reason="corpus absent")
 
 
-def facts(file: str) -> Stated:
+def read(file: str) -> RtsProfile:
     with open(file, "rb") as stream:
-        return stated(read_rts(stream.read(), file).profile)
+        return read_rts(stream.read(), file).profile
+
+
+def facts(file: str) -> Stated:
+    return stated(read(file))
 
 
 def as_stated(saved: Stated, original: Stated) -> Stated:
@@ -63,18 +68,35 @@ def test_every_profile_lives(manager: Any, typed: Any) -> None:
 
 
 def live_once(manager: Any, typed: Any, file: str) -> None:
-    assert typed("rtresurrect", "--stand-in", file) == (0, "", ""), file
-    status, out, err = typed("rtstart", file)
-    assert (status, out) == (0, ""), (file, err)
-    assert all(line.startswith("Executing {") for line in err.splitlines()), (file, err)
-    assert typed("rtcheck", file) == (0, "", ""), file
+    """Run a system twice in one manager, under prefixes and with values of their own."""
+    ones = [each.instance_name for each in read(file).components[:1]]  # one profile is empty
+    systems = [
+        (*(f"--set={one}.added={prefix}" for one in ones), "--prefix", prefix, file)
+        for prefix in ("a.", "b.")
+    ]
+    for system in systems:
+        assert typed("rtresurrect", "--stand-in", *system) == (0, "", ""), file
+        status, out, err = typed("rtstart", *system)
+        assert (status, out) == (0, ""), (file, err)
+        assert all(line.startswith("Executing {") for line in err.splitlines()), (file, err)
     assert typed("rtcryo", "--all", "-o", "saved.xml") == (0, "", ""), file
-    assert typed("rtstop", file)[0] == 0
-    assert typed("rtcheck", "-s", "Inactive", file) == (0, "", ""), file
-    assert typed("rtteardown", "--exit", file) == (0, "", ""), file
+    saved = facts(str(manager.folder / "saved.xml"))
+    for system in systems:
+        assert typed("rtcheck", *system) == (0, "", ""), file
+        assert typed("rtprofile", "resolve", *system, "resolved.xml") == (0, "", ""), file
+        original = facts(str(manager.folder / "resolved.xml"))
+        own = Stated(
+            {name: saved.components[name] for name in original.components},
+            {name: saved.connectors[name] for name in original.connectors},
+        )
+        assert as_stated(own, original) == original, file
+    for system, other in zip(systems, systems[::-1], strict=True):
+        assert typed("rtstop", *system)[0] == 0
+        assert typed("rtcheck", "-s", "Inactive", *system) == (0, "", ""), file
+        assert typed("rtteardown", "--exit", *system) == (0, "", ""), file
+        if other is systems[1]:
+            assert typed("rtcheck", *other) == (0, "", ""), file
     assert typed("rtls", "/localhost/manager.mgr") == (0, "", ""), file
-    saved, original = facts(str(manager.folder / "saved.xml")), facts(file)
-    assert as_stated(saved, original) == original, file
 
 
 @needs_corpus

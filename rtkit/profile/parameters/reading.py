@@ -72,7 +72,8 @@ def read_system(
 
     Raises:
         InvalidDocument: It, or what it includes, is no sound system profile.
-        UsageProblem: A value on the command line is for nothing.
+        UsageProblem: A value of the command line is for nothing.
+        Malformed: Another value is.
     """
     reader = _Reader(source, strict, folders)
     first = reader.read(source, data, form)
@@ -83,7 +84,9 @@ def read_system(
         at = reader.position(error.origin, error.name)
         raise InvalidProfile(at.file, [Note(at.line, str(error), at.path, "parameter")]) from error
     except UnknownValue as error:
-        kind = UsageProblem if str(error).startswith("--") else InvalidDocument
+        if not error.origin:
+            raise
+        kind = UsageProblem if error.origin.startswith("--") else InvalidDocument
         raise kind(str(error)) from error
     return reader.reading(resolved)
 

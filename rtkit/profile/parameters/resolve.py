@@ -80,7 +80,15 @@ class UnresolvedPart(Malformed):
 
 
 class UnknownValue(Malformed):
-    """A given value that nothing takes."""
+    """A given value that nothing takes.
+
+    Attributes:
+        origin: Where it was given.
+    """
+
+    def __init__(self, origin: str, message: str) -> None:
+        super().__init__(f"{origin}: {message}" if origin else message)
+        self.origin = origin
 
 
 Load = Callable[[str, SourceProfile], SourceProfile]
@@ -114,7 +122,7 @@ def resolve(
     system.resolve()
     for each in given:
         if each not in used:
-            raise UnknownValue(f"{each.origin}: {system.unknown(each.key)}")
+            raise UnknownValue(each.origin, system.unknown(each.key))
     return ResolvedProfile(prefixed(system.profile, prefix), system.origins)
 
 

@@ -18,6 +18,7 @@ GIVEN = "--prefix x. --set right=no --set left.Range0.limit=7"
 READERS = {
     "rtapply",
     "rtcheck",
+    "rtdev",
     "rtplan",
     "rtprofile check",
     "rtprofile doc",
