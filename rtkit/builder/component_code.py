@@ -373,4 +373,10 @@ def _init(subject: GeneratedComponent) -> list[str]:
         f"def {subject.init}(manager: rt.Manager) -> None:",
         f'{INDENT}"""Register the component type of this module."""',
         f"{INDENT}manager.register_factory({subject.class_name})",
+        "",
+        "",
+        'if __name__ == "__main__":',
+        f"{INDENT}import rtkit",
+        "",
+        f"{INDENT}rtkit.run({subject.class_name})",
     ]

@@ -35,6 +35,7 @@ TOPICS: dict[str, dict[str, str]] = {
         "rtbuild": "Generate components from their RTC profiles.",
         "rtdev": "Apply an RTS profile, and again what is saved, until Ctrl-C.",
         "rtdoc": "Write a page about a component.",
+        "rtnew": "Begin the project of a component, with a test and a system.",
         "rtprofile": "Check, show, compare and convert profiles.",
     },
     "profiles.words": {

@@ -64,21 +64,21 @@ def test_what_is_made_of_the_commands_is_up_to_date() -> None:
 def test_a_new_command_gets_its_rows_of_the_pages(monkeypatch: pytest.MonkeyPatch) -> None:
     known = make_commands.commands()
     module, main = known["rtpwd"]
-    new = main._replace(name="rtnew", json=("new-kind", "other-kind", "entry"))
-    monkeypatch.setattr(make_commands, "commands", lambda: {**known, "rtnew": (module, new)})
+    new = main._replace(name="rtfresh", json=("new-kind", "other-kind", "entry"))
+    monkeypatch.setattr(make_commands, "commands", lambda: {**known, "rtfresh": (module, new)})
     pages = {
-        make_commands.COMMANDS_PAGE: {"| `rtnew` | print the working directory in the tree |"},
+        make_commands.COMMANDS_PAGE: {"| `rtfresh` | print the working directory in the tree |"},
         make_commands.JSON_PAGE: {
-            "| `new-kind` | `rtnew` |",
-            "| `other-kind` | `rtnew` |",
-            "| `entry` | `rtnew`, `rtls`, `rtfind`: an entry of the tree |",
+            "| `new-kind` | `rtfresh` |",
+            "| `other-kind` | `rtfresh` |",
+            "| `entry` | `rtfresh`, `rtls`, `rtfind`: an entry of the tree |",
         },
     }
     texts = make_commands.written()
     for page, rows in pages.items():
         before = page.read_text(encoding="utf-8").splitlines()
         assert set(texts[page].splitlines()) - set(before) == rows
-        assert "|\n\n" in texts[page].partition("`rtnew`")[2], "within the table"
+        assert "|\n\n" in texts[page].partition("`rtfresh`")[2], "within the table"
 
 
 def test_the_page_of_commands_lists_each_once() -> None:

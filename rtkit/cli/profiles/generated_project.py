@@ -468,7 +468,7 @@ def renew_types(idl: str) -> list[str]:
     home = os.path.dirname(folder) if os.path.basename(folder) == "idl" else folder
     profile = os.path.join(home, PROFILE)
     read_idl(read_bytes(idl).decode("utf-8", "replace"), idl, _Idl([folder]).find, KNOWN)
-    project = read(profile if os.path.isfile(profile) else idl, home, [folder])
+    project = read([profile if os.path.isfile(profile) else idl], home, [folder])
     changes = [
         each
         for each in compare(project)

@@ -172,9 +172,9 @@ class _Development:
             terminal.write_now(map(terminal.printable, lines(prepared.plan, prepared.goal.costs)))
             began = time.monotonic()
             self._is_changing, self._before = True, system
-            is_reached = carry_out(app, prepared)
+            unmet = carry_out(app, prepared)
             self._follow(document, system, app.tree.snapshot())
-        done = "done" if is_reached else "done, but for what is told above"
+        done = "done, but for what is told above" if unmet else "done"
         self._print(f"{done} in {time.monotonic() - began:.2f} s")
 
     def _follow(self, document: SystemDocument, system: WantedSystem, snapshot: Snapshot) -> None:

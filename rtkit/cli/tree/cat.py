@@ -78,7 +78,7 @@ def _identity(facts: ComponentFacts) -> list[tuple[str, str]]:
     ]
     where = [("Stand-in", "yes")] if facts.is_stand_in else []
     where += [("Cause", facts.cause)] if facts.cause else []
-    where += _limits(facts)
+    where += [*_limits(facts), *_old_code(facts)]
     restart_status = facts.restart_status
     rows = (
         ("Trouble", facts.trouble or restart_status.trouble),
@@ -98,6 +98,16 @@ def _limits(facts: ComponentFacts) -> list[tuple[str, str]]:
 
     limits = limits_in(facts.create)
     return [("Limits", f"{limits.text} (slave {facts.process})")] if limits else []
+
+
+def _old_code(facts: ComponentFacts) -> list[tuple[str, str]]:
+    if not facts.code:
+        return []
+    from rtkit.api.present_code import present_code
+    from rtkit.deployment.drift import changed_code
+
+    file = changed_code(facts, present_code([facts]))
+    return [("Code", f"changed since it was loaded ({file})")] if file else []
 
 
 def _context_lines(context: ExecutionContextProfile, number: int, level: int) -> list[str]:

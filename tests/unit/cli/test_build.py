@@ -476,7 +476,7 @@ def test_types_of_an_idl_file_are_made_anew_where_they_were_made(place: Path) ->
     idl = place / "Robot.idl"
     idl.write_text("struct Wheel { double speed; };")
     assert generated_project.renew_types(str(idl)) == []  # nobody has made any
-    project = generated_project.read(str(idl), None, [])
+    project = generated_project.read([str(idl)], None, [])
     generated_project.write(generated_project.compare(project), is_forced=False)
     idl.write_text("struct Wheel { double speed; long ticks; };")
     assert generated_project.renew_types(str(idl)) == [str(place / "Robot_idl.py")]

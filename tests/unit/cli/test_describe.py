@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Callable
 from dataclasses import replace
+from pathlib import Path
 from textwrap import dedent
 from typing import Any
 
@@ -19,6 +20,17 @@ Run = Callable[[str], Any]
 def wire(world: FakeManager, connector_id: str, *ends: tuple[str, str], **properties: str) -> None:
     ports = tuple(PortRef(*end) for end in ends)
     world.connectors[connector_id] = ConnectorProfile(connector_id, "in_out", ports, properties)
+
+
+def test_old_code_is_told(world: FakeManager, run: Run, tmp_path: Path) -> None:
+    file = tmp_path / "Motor.py"
+    file.write_text("edited since")
+    path = next(iter(world.shell.state.components.values())).names[0]
+    assert "Code" not in run(f"rtcat /{path}").out
+    world.update(path.rpartition("/")[2].removesuffix(".rtc"), code=f"00000000 {file}")
+    assert f"changed since it was loaded ({file})" in run(f"rtcat /{path}").out
+    file.unlink()  # whether it has changed is not known
+    assert "changed since" not in run(f"rtcat /{path}").out
 
 
 def test_connections_are_folded_at_level_one(world: FakeManager, run: Run) -> None:

@@ -22,9 +22,11 @@ from rtkit.cli.managers.doctor import (
     live,
 )
 from rtkit.cli.managers.rtdoctor import main
-from rtkit.deployment.facts import ProcessFacts, Snapshot
+from rtkit.deployment.facts import ComponentFacts, ProcessFacts, Snapshot
 from rtkit.deployment.listing import Listing, ListingRow
 from rtkit.errors import Unreachable
+from rtkit.fast_dataclass import replace
+from rtkit.rtc.profiles import TypeProfile
 from rtkit.version import __version__
 
 
@@ -188,6 +190,9 @@ def test_dumps_of_faults_are_named_with_what_shows_them(place: Path) -> None:
     ]
 
 
+FACTS = Snapshot("box", "m", 1, __version__)
+
+
 def listing(*rows: ListingRow, slaves: tuple[tuple[str, str, str], ...] = ()) -> Listing:
     return Listing("box", "m", 1, slaves, rows)
 
@@ -213,6 +218,28 @@ def test_what_a_manager_says() -> None:
         (WARNING, "rtexit --force /localhost/C.rtc if it does not come back"),
     ]
     assert bad(list(live.judge("m", listing(row("A")), facts))) == []
+
+
+def test_one_in_a_debugger_is_no_reason_to_end_it() -> None:
+    found = list(live.judge("m", listing(row("A", trouble="in a debugger since 12:00")), FACTS))
+    assert [(each.severity, each.cure) for each in found[1:]] == [(NOTE, "")]
+
+
+def test_old_code_is_told(tmp_path: Path) -> None:
+    file = tmp_path / "A.py"
+    file.write_text("edited since")
+    process = ProcessFacts("A_7", False, 7, "up", "", True)
+    parts = [
+        ComponentFacts(name, TypeProfile("T"), place, code=f"00000000 {file}")
+        for name, place in (("A", "A_7"), ("B", "s"))
+    ]
+    facts = replace(FACTS, processes=(process,), components=tuple(parts))
+    assert [each.cure for each in live.old_code(facts)] == [
+        "start it again",
+        "rtapply --replace PROFILE makes it again with the present code",
+    ]
+    file.unlink()
+    assert list(live.old_code(facts)) == []
 
 
 def test_a_manager_of_another_version() -> None:

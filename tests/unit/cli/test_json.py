@@ -83,7 +83,7 @@ WITHOUT = {
     "rtteardown",  # change, and tell nothing
     "rtcwd",  # prints what a shell is to evaluate
     "rtprofile",  # its words have it
-    "rtdoc", "rtstodot",  # write documents of other forms
+    "rtdoc", "rtnew", "rtstodot",  # write documents of other forms
 }  # fmt: skip
 
 

@@ -95,12 +95,13 @@ def _look(name: str, timeout_s: float) -> list[Diagnosis]:
 
     try:
         with connect(name, timeout_s) as tree:
-            listing, facts = tree.listing(), tree.part([])
+            listing, facts = tree.listing(), tree.snapshot()
             address, started = tree.get("rtkit.address"), float(tree.get("manager.started"))
     except (RtkitError, ImportError) as error:
         return [_silent(name, timeout_s, str(error))]
     return [
         *judge(name, listing, facts),
+        *old_code(facts),
         *endpoint(name, address, facts.properties, os.environ.get("RTKIT_PORT", "")),
         *_clock(name, started),
     ]
@@ -130,6 +131,23 @@ def judge(name: str, listing: Listing, facts: Snapshot) -> Iterator[Diagnosis]:
     text = f"manager {name!r} answers: {components} components, {slaves} slaves"
     yield Diagnosis("managers", OK, text, "", name)
     yield from trouble
+
+
+def old_code(facts: Snapshot) -> Iterator[Diagnosis]:
+    """Name the components that run other code than their files have now."""
+    from rtkit.api.present_code import present_code
+    from rtkit.deployment.drift import changed_code
+
+    present = present_code(facts.components)
+    by_hand = {process.name for process in facts.processes if process.is_guest}
+    for component in facts.components:
+        file = changed_code(component, present)
+        if file:
+            path = f"/{component.names[0]}" if component.names else component.instance
+            cure = "rtapply --replace PROFILE makes it again with the present code"
+            cure = "start it again" if component.process in by_hand else cure
+            text = f"{path} runs code that has changed since it was loaded ({file})"
+            yield Diagnosis("components", WARNING, text, cure, path)
 
 
 def _processes(name: str, listing: Listing, facts: Snapshot) -> Iterator[Diagnosis]:
