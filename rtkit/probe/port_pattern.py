@@ -35,10 +35,11 @@ def is_tool(facts: ComponentFacts) -> bool:
 
 def expanded(
     snapshot: Snapshot, specs: Sequence[PortSpec], wanted: PortType, *, is_patient: bool = False
-) -> list[PortSpec]:
+) -> list[tuple[PortSpec, PortRef | None]]:
     """Return specifications with each pattern replaced by those of the ports that match it.
 
-    Each port is there once, as it was named first. A name that has * or ? in it is no pattern.
+    Each has its port behind it, None where that is not there; each port is there once, as it was
+    named first. A name that has * or ? in it is no pattern.
 
     Args:
         snapshot: What the manager knows.
@@ -51,13 +52,13 @@ def expanded(
     """
     root = build(listing_of(snapshot))
     own = OwnEnds.of(snapshot)
-    found: list[PortSpec] = []
+    found: list[tuple[PortSpec, PortRef | None]] = []
     taken: set[PortRef] = set()
     for spec in sorted(specs, key=lambda each: each.is_pattern):
         named = list(_named(snapshot, root, spec.path))
         is_there = find(root, spec.path, snapshot.host) is not None
         if not spec.is_pattern or named or (is_there and not is_glob(spec.path.port or "")):
-            found.append(spec)
+            found.append((spec, next(iter(named), None)))
             taken.update(map(own.end, named))
             continue
         matches = list(_matches(snapshot, root, spec, wanted))
@@ -65,7 +66,7 @@ def expanded(
             raise NotFound(f"No {WORDS[wanted]} port matches: {spec.path.typed}")
         for each, ref in matches:
             end = own.end(ref)
-            found += [each] * (end not in taken)
+            found += [(each, ref)] * (end not in taken)
             taken.add(end)
     return found
 

@@ -63,7 +63,8 @@ def named_streams(
     if any(spec.is_pattern for spec in specs):
         from rtkit.probe.port_pattern import expanded
 
-        specs = expanded(app.tree.snapshot(), specs, wanted, is_patient=is_patient)
+        found = expanded(app.tree.snapshot(), specs, wanted, is_patient=is_patient)
+        specs = [spec for spec, _ in found]
     streams = find_streams(app.tree, specs, wanted, unnamed)
     names = [scoped_name(each.data_type) for each in streams if not each.definition]
     if all(type_by_name(name) for name in names if name):

@@ -126,19 +126,21 @@ class LatePorts(Closing):
         known = _Known(facts, listing_of(facts))
         was_alive, self._alive = self._alive, set()
         found = []
-        for spec in expanded(facts, self._specs, PortType.OUT, is_patient=True):
-            try:
-                (stream,) = find_streams(known, [spec], PortType.OUT, self._name)
-            except RtkitError:
+        for spec, ref in expanded(facts, self._specs, PortType.OUT, is_patient=True):
+            if ref is None:
                 continue  # a port that was named, and has gone
-            ref = stream.ends[0].ref
             restarts = known.restarts(ref)
             if ref not in was_alive and self._is_restored_later(ref, restarts):
                 continue
             self._restarts[ref] = restarts
             self._alive.add(ref)
             if ref not in was_alive and not known.joins(ref, self._probe.component.instance):
-                found.append(self._with_name(stream))
+                try:
+                    (stream,) = find_streams(known, [spec], PortType.OUT, self._name)
+                except RtkitError as error:
+                    not_recorded(self._app)(str(error))  # it came back as another kind of port
+                else:
+                    found.append(self._with_name(stream))
         return found
 
     def _is_restored_later(self, ref: PortRef, restarts: int) -> bool:

@@ -38,7 +38,7 @@ def tree() -> Tree:
 
 def found(tree: Tree, *texts: str, cwd: str = "/", **more: bool) -> list[str]:
     specs = [parse_spec(text, cwd) for text in texts]
-    return [str(each.path) for each in expanded(tree.snapshot(), specs, PortType.OUT, **more)]
+    return [str(each.path) for each, _ in expanded(tree.snapshot(), specs, PortType.OUT, **more)]
 
 
 @pytest.mark.parametrize(
@@ -91,3 +91,11 @@ def test_streams_of_ports_without_names_of_their_own_are_apart(tree: Tree) -> No
 def test_what_is_named_exactly_is_no_pattern(tree: Tree) -> None:
     with pytest.raises(Refused, match="Port is not output: "):
         find_streams(tree, [parse_spec("/localhost/Sensor0.rtc:in")], PortType.OUT)
+
+
+def test_each_specification_has_its_port(tree: Tree) -> None:
+    specs = [
+        parse_spec(f"/localhost/{each}") for each in ("Gone.rtc:x", "Odd0.rtc:out.y", "S*:out")
+    ]
+    refs = [ref and str(ref) for _, ref in expanded(tree.snapshot(), specs, PortType.OUT)]
+    assert refs == [None, "Odd0.out", "Sensor0.out", "Sensor10.out"]
