@@ -6,7 +6,7 @@ the code that finds, loads and configures them is a third of what a container im
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from functools import partial
 from typing import Any
 
@@ -27,8 +27,9 @@ from rtkit.settings.options import CONF, unknown_options
 class ComponentFactory:
     """Makes the components of a process, from the modules that its loader finds."""
 
-    def __init__(self, loader: Loader) -> None:
+    def __init__(self, loader: Loader, load_path: Sequence[str] = ()) -> None:
         self._loader = loader
+        self.configured: Message = {"load_path": [*load_path]}
 
     def configure(self, message: Message) -> None:
         """Configure this process as its manager's message says.
@@ -37,6 +38,7 @@ class ComponentFactory:
             Refused: A processor is not there.
         """
         configure(message, self._loader)
+        self.configured = message
 
     def load(self, path: str, init: str) -> dict[str, Any]:
         """Load a module and return its profile and fingerprint.

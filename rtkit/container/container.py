@@ -422,10 +422,12 @@ class ComponentContainer:
             {**encode(self._facts.of(component)), **self._memory.get(instance, {})}
             for instance, component in self._components.items()
         ]
+        factory = self._component_factory
         return {
             "components": components,
             "wires": [encode(connector) for connector in self._connectors.held],
             "asked": self._asked.by_component(self._components),
+            "configured": factory.configured if factory is not None else None,
         }
 
     # configuration and state

@@ -48,9 +48,9 @@ class Slave:
         self._connection: ManagerConnection
         self._stacks: int
         wiring = PortWiring(settings["host"], Streams(settings["data"]))
-        self._container = ComponentContainer(
-            self._send, wiring, ComponentFactory(Loader(list(settings["load_path"])))
-        )
+        paths = list(settings["load_path"])
+        factory = ComponentFactory(Loader(paths), paths)
+        self._container = ComponentContainer(self._send, wiring, factory)
 
     def live(self, key: int, name: str) -> None:
         """Hold components until a TERM arrives; called once, after the fork.

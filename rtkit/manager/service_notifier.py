@@ -16,7 +16,6 @@ from collections.abc import Mapping, MutableMapping
 from rtkit.errors import RtkitError
 from rtkit.link import places, unix, zenoh_keys
 from rtkit.manager.core.state import ManagerState
-from rtkit.report.finding import counted
 
 SOCKET = "NOTIFY_SOCKET"
 _USEC = "WATCHDOG_USEC"
@@ -107,6 +106,8 @@ class ServiceNotifier:
 
 def status_text(state: ManagerState) -> str:
     """Return what a manager holds in one line: ``3 components (1 zombie), 2 slaves``."""
+    from rtkit.report.finding import counted
+
     facts = list(state.components.values())
     zombies = sum(bool(each.zombie) for each in facts)
     slaves = sum(each.is_slave and each.is_alive for each in list(state.processes.values()))

@@ -227,15 +227,13 @@ class Core:
             return
         process.state = "up"
         if not self._end_unwanted(process):
-            self._configure(process)
+            if manager_properties.is_needed(self.state):
+                self._configure(process)
             self._tasks.process_is_up(process)
 
-    def _configure(self, process: Process, *, is_found: bool = False) -> None:
-        """Send properties to a process; a new one has the defaults, one that was found any."""
-        if manager_properties.is_needed(self.state) or (is_found and process.is_slave):
-            self._out.append(
-                ev.SendToContainer(process.key, manager_properties.message(self.state))
-            )
+    def _configure(self, process: Process) -> None:
+        message = manager_properties.message(self.state)
+        self._out.append(ev.SendToContainer(process.key, message))
 
     def _found(self, event: ev.SlaveFound) -> None:
         """Believe a process about what it holds; what contradicts the living, it is to drop."""
@@ -254,7 +252,12 @@ class Core:
             adoption.take_unsaid(self.state, process, holding)
             self._end_unwanted(process)
             return
-        self._configure(process, is_found=True)
+        if process.is_slave:
+            is_needed = manager_properties.has_other(self.state, event.configured)
+        else:
+            is_needed = manager_properties.is_needed(self.state)
+        if is_needed:
+            self._configure(process)
         for message in adoption.take(self.state, process, holding):
             self._out.append(ev.SendToContainer(process.key, message))
         adoption.believe(self.state, process, holding)

@@ -157,7 +157,8 @@ class SlaveFound(Event):
     """A slave of an earlier manager, or an attached process, reported its components.
 
     With a `silence`, ``stopped`` or ``does not answer``, this is from its checkpoint.
-    What was `asked` of components since they were made, it alone may know.
+    What was `asked` of components since they were made, it alone may know, and how it is
+    `configured`.
     """
 
     pid: int
@@ -167,6 +168,7 @@ class SlaveFound(Event):
     is_guest: bool = False
     silence: str = ""
     asked: object = None
+    configured: object = None
 
 
 class SlaveExitedUnseen(Event):

@@ -57,6 +57,20 @@ def is_needed(state: ManagerState) -> bool:
     return bool(state.settings.below(*_OF_PROCESSES))
 
 
+def has_other(state: ManagerState, configured: object) -> bool:
+    """Return whether a slave has other properties than these, by its report of them.
+
+    One that was sent none reports the load path that it began with. To wake up each that an
+    earlier manager left costs more than all else that is done to find it.
+    """
+    if not isinstance(configured, dict):
+        return True
+    wanted = message(state)
+    if "op" not in configured:
+        return is_needed(state) or configured.get("load_path") != wanted["load_path"]
+    return any(configured.get(key) != value for key, value in wanted.items())
+
+
 def change(state: ManagerState, argument: str) -> Procedure:
     """Change the property of ``KEY: VALUE``, and notify the processes that it concerns.
 

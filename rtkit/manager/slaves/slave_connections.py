@@ -131,15 +131,16 @@ class SlaveConnections:
             self._handle(ev.SlaveForked(key, pid))
             self._handle(ev.SlaveReady(key))
             return int(key)
-        if not isinstance(first.get("found"), str) or unix.pid_of(channel.socket) != pid:
+        name: Any = first.get("found")
+        if not isinstance(name, str) or unix.pid_of(channel.socket) != pid:
             return None
         self._find_former_zygotes()
         self._found[pid] = channel
         components, connectors = first.get("components"), first.get("wires")
         is_guest = first.get("guest") is True
-        asked = first.get("asked")
+        asked, configured = first.get("asked"), first.get("configured")
         self._handle(
-            ev.SlaveFound(pid, first["found"], components, connectors, is_guest, asked=asked)
+            ev.SlaveFound(pid, name, components, connectors, is_guest, "", asked, configured)
         )
         is_refused = self._found.pop(pid, None) is not None
         return None if is_refused else next(k for k, c in self._channels.items() if c is channel)

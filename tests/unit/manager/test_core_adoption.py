@@ -10,6 +10,7 @@ from fake_shell import FakeShell, facts, wire
 from rtkit.deployment.actions import Connect, Create, Delete, Disconnect, EndSlave
 from rtkit.errors import Malformed
 from rtkit.manager.core import events as ev
+from rtkit.manager.core import manager_properties
 from rtkit.manager.core.adoption import SETTLE_S
 from rtkit.manager.core.modules import TRIAL
 
@@ -266,3 +267,35 @@ def test_what_ended_while_no_manager_ran_is_shown_unless_it_lives_again(shell: F
     assert len(shell.state.processes) == count
     assert shell.ask(Delete("A")).result.ok
     assert len(shell.state.processes) == count - 1
+
+
+@pytest.mark.parametrize(
+    ("change", "is_sent"),
+    [
+        ({}, False),
+        ({"call": 7}, False),
+        ({"log_level": "DEBUG"}, True),
+        ({"load_path": ["/elsewhere"]}, True),
+    ],
+)
+def test_a_found_slave_is_sent_properties_only_if_it_has_others(
+    change: dict[str, object], is_sent: bool, shell: FakeShell
+) -> None:
+    has = {**manager_properties.message(shell.state), **change}
+    shell.feed(ev.SlaveFound(300, "s", [facts("A")], [], configured=has))
+    key = shell.adopted[300]
+    ops = [message.get("op") for to, message in shell.told if to == key]
+    assert ("configure" in ops) is is_sent
+
+
+def test_a_found_slave_that_was_sent_none_has_the_defaults(shell: FakeShell) -> None:
+    paths = manager_properties.load_paths(shell.state)
+    cases = [({"load_path": paths}, False), ({"load_path": ["/b"]}, True), (None, True), (3, True)]
+    for pid, (has, is_sent) in enumerate(cases, 300):
+        shell.feed(ev.SlaveFound(pid, f"s{pid}", [facts(f"A{pid}")], [], configured=has))
+        ops = [message.get("op") for to, message in shell.told if to == shell.adopted[pid]]
+        assert ("configure" in ops) is is_sent, has
+    shell.state.settings.change("logger.log_level", "DEBUG")
+    shell.feed(ev.SlaveFound(400, "s", [facts("B")], [], configured={"load_path": paths}))
+    ops = [message.get("op") for to, message in shell.told if to == shell.adopted[400]]
+    assert "configure" in ops

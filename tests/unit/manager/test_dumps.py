@@ -52,7 +52,7 @@ EVENTS: tuple[ev.Event, ...] = (
     ev.SlaveFailed(1, "cannot fork"),
     ev.SpawnDisabled("full"),
     ev.SlaveReady(1),
-    ev.SlaveFound(900, "s", [facts("A")], [], True, "stopped", {"A": {}}),
+    ev.SlaveFound(900, "s", [facts("A")], [], True, "stopped", {"A": {}}, {"op": "configure"}),
     ev.SlaveExitedUnseen(900, "s", [facts("A")], "signal 9", False, 1.5),
     ev.SlaveEnded(1, "signal 9", "last words", 1.5),
     ev.SlaveStopped(1, True),
