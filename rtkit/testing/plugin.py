@@ -63,13 +63,16 @@ def rtsystem(rtmanager: Tree, request: pytest.FixtureRequest) -> Callable[..., T
     The file is looked for beside the test. All components are active then, unless `state` says
     otherwise. `stand_in` is True for stand-ins of all, a list of components, or a mapping of their
     names to values that their out ports transmit: ``{"Camera0": {"image": [{"width": 2}]}}``.
-    Other arguments are those of `rtkit.Tree.plan`.
+    `values` and `prefix` are those of `rtkit.load`, other arguments those of `rtkit.Tree.plan`.
     """
     notes: list[str] = []
     request.node.stash[_NOTES] = notes
 
-    def bring_up(profile: Any, *, stand_in: Any = False, **options: Any) -> Tree:
+    def bring_up(
+        profile: Any, *, stand_in: Any = False, values: Any = None, prefix: str = "", **more: Any
+    ) -> Tree:
         __tracebackhide__ = True
+        from rtkit.api.profiles import load
         from rtkit.errors import RtkitError
         from rtkit.testing.system import bring_up
 
@@ -77,7 +80,8 @@ def rtsystem(rtmanager: Tree, request: pytest.FixtureRequest) -> Callable[..., T
             beside = request.path.parent / profile
             profile = beside if beside.exists() else profile
         try:
-            bring_up(rtmanager, profile, stand_in, notes, options)
+            loaded = load(profile, values=values, prefix=prefix)
+            bring_up(rtmanager, loaded, stand_in, notes, **more)
         except RtkitError as error:  # its text says what is wrong; how it was found does not help
             raise error.with_traceback(None) from None
         return rtmanager

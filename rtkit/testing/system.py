@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from rtkit.api.profiles import Source, SystemProfile, load
+from rtkit.api.profiles import SystemProfile
 from rtkit.deployment.extension import STAND_IN
 from rtkit.fast_dataclass import replace
 from rtkit.profile_tools.stating import Statement, stated
@@ -21,15 +21,15 @@ _LOAD_PATH = "manager.modules.load_path"
 
 
 def bring_up(
-    tree: Tree, profile: Source, stand_in: StandIns, notes: list[str], options: Mapping[str, Any]
+    tree: Tree, system: SystemProfile, stand_in: StandIns, notes: list[str], **options: Any
 ) -> None:
     """Apply a profile; `notes` receives the plan, and what is reported while it is carried out.
 
     Raises:
-        NotFound: There is no such file, or no such component to be a stand-in.
+        NotFound: There is no such component to be a stand-in.
         RtkitError: As `Tree.plan` and `Plan.apply` say.
     """
-    system = replaced(load(profile), {} if isinstance(stand_in, bool) else stand_in)
+    system = replaced(system, {} if isinstance(stand_in, bool) else stand_in)
     folder = str(Path(system.source).resolve().parent)
     if folder not in (known := tree.get(_LOAD_PATH).split(",")):
         tree.set(_LOAD_PATH, ",".join([*known, folder]))
