@@ -458,7 +458,7 @@ def _backups(path: str) -> Iterator[str]:
 def renew_types(idl: str) -> list[str]:
     """Make anew the types that were made of an IDL file; return what was written.
 
-    They lie beside it, or above its folder ``idl``. If an RTC profile is there, they are its.
+    They lie beside it, or above its folder ``idl``. If RTC profiles are there, they are theirs.
 
     Raises:
         InvalidDocument: The file is no IDL; tells the line.
@@ -466,9 +466,8 @@ def renew_types(idl: str) -> list[str]:
     """
     folder = os.path.dirname(idl)
     home = os.path.dirname(folder) if os.path.basename(folder) == "idl" else folder
-    profile = os.path.join(home, PROFILE)
     read_idl(read_bytes(idl).decode("utf-8", "replace"), idl, _Idl([folder]).find, KNOWN)
-    project = read([profile if os.path.isfile(profile) else idl], home, [folder])
+    project = read([*_present(home).values()] or [idl], home, [folder])
     changes = [
         each
         for each in compare(project)

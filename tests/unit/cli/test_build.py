@@ -484,3 +484,14 @@ def test_types_of_an_idl_file_are_made_anew_where_they_were_made(place: Path) ->
     idl.write_text("struct Wheel {\n  double\n};")
     with pytest.raises(InvalidDocument, match=r"Robot\.idl:3"):
         generated_project.renew_types(str(idl))
+
+
+def test_types_of_all_components_of_a_project_are_made_anew(place: Path, run: Run) -> None:
+    shutil.copy(place / "echo.xml", place / "again.xml")
+    edit(place / "again.xml", 'rtc:name="Echo"', 'rtc:name="Again"')
+    assert run("rtbuild echo.xml again.xml -o out").status == 0
+    idl = place / "out" / "idl" / "MyService.idl"
+    edit(idl, "in string msg", "in long msg")
+    made = [str(place / "out" / f"{name}_idl.py") for name in ("Echo", "Again")]
+    assert generated_project.renew_types(str(idl)) == made
+    assert generated_project.renew_types(str(idl)) == []
