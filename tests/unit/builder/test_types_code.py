@@ -13,9 +13,11 @@ from rtkit.builder.standard_types import KNOWN
 from rtkit.builder.types_code import TypesCode
 from rtkit.component.codec import codec_for
 from rtkit.component.interface import Interface
+from rtkit.component.interface_definition import definition_of
 from rtkit.component.type_layout import layout_of
 from rtkit.component.typenames import type_by_name, type_name
 from rtkit.idl.read import read_idl
+from rtkit.rtc.profiles import operations_in
 
 
 @pytest.fixture
@@ -212,6 +214,19 @@ def test_long_results_have_a_name(load):
     method = Interface(module.I).methods["get"]
     answer = tuple(module.AnswerWithALongName(n) for n in range(4))
     assert method.decode_result(method.encode_result(answer)) == answer
+
+
+def test_out_parameters_are_told_again_by_a_port(load):
+    operations = [
+        "boolean measure(in long number, out double width, out string note)",
+        "void both(out long left, out long right)",
+        "void only(out string name)",
+        "long plain(in string text)",
+    ]
+    module = load(read(f"interface I {{ {''.join(f'{each};' for each in operations)} }};"))
+    assert '    @rt.returns("", "width", "note")\n    def measure(' in module.text
+    told = operations_in(definition_of([Interface(module.I)]))
+    assert [text for _, text in told] == operations
 
 
 @pytest.mark.parametrize(
