@@ -357,6 +357,27 @@ def _classes(asked: CursorMeaning, _live: CompletionSource) -> Found | Files:
     return those((f"{path}:{each}" for each in names if each[0] != "_"), asked.typed)
 
 
+def _profile_values(asked: CursorMeaning, _live: CompletionSource) -> Found:
+    """Return variables and parameters of the system profile before the cursor."""
+    from rtkit.errors import RtkitError
+    from rtkit.profile.parameters.reading import read_system
+    from rtkit.profile.read import read_bytes, read_rts
+
+    found: list[str] = []
+    for file in filter(os.path.isfile, asked.arguments):
+        try:
+            data = read_bytes(file)
+            plain = read_rts(data, file).profile
+            found += (f"{each.name}=" for each in plain.variables)
+            components = read_system(data, file).profile.components
+        except RtkitError:
+            continue  # the command itself tells what is wrong with it
+        for each in components:
+            sets = (s for s in each.configuration_sets if not s.id.startswith("__"))
+            found += (f"{each.instance_name}.{d.name}=" for s in sets for d in s.data)
+    return those(found, asked.typed)
+
+
 _PORT = WantedPath(with_row(lambda row: bool(row.ins + row.outs + row.services)), has_port=True)
 _MAKERS: dict[str, Maker] = {
     "active": _changeable("Active"),
@@ -398,6 +419,7 @@ _MAKERS: dict[str, Maker] = {
     "operation": _operation,
     "out-port": _out_port,
     "port": _all(_PORT),
+    "parameter": _profile_values,
     "profile": lambda _asked, _live: PROFILES,
     "property": _properties,
     "set": _sets,

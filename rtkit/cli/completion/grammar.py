@@ -26,6 +26,7 @@ _BY_METAVAR: dict[str, str] = {
     "ID": "connector",
     "IDL": "file",
     "MANAGER": "manager",
+    "NAME=VALUE": "parameter",
     "PATH": "anything:",
     "PORT": "port",
     "PROFILE": "profile",

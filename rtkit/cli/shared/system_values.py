@@ -18,16 +18,18 @@ PARAMETERS = together(
     {
         "sets": several(
             "--set NAME=VALUE",
-            "Value of a variable of the profile, or of a parameter: Camera0.noise=3; repeatable.",
+            "A variable of the profile, or a parameter, e.g. Camera0.noise=3; repeatable.",
             **setting("sets"),
         ),
         "values": several(
             "--values FILE",
-            "Such values from a YAML file; --set takes precedence; repeatable.",
+            "Such values from a YAML file; those of --set come after them; repeatable.",
             **setting("values"),
         ),
         "prefix": option(
-            "--prefix TEXT", "Text before all names of the system: a. ", **setting("prefix")
+            "--prefix TEXT",
+            "Text before all names of the system, e.g. a. for a.Camera0.",
+            **setting("prefix"),
         ),
     },
 )
@@ -56,7 +58,7 @@ def _given_values(app: App) -> Iterator[GivenValue]:
         yield from _of_file(file)
     for text in app.sets:
         name, equals, value = text.partition("=")
-        if not (name.strip() and equals):
+        if not (name.strip() and equals) or name.strip().endswith("."):
             raise UsageProblem(f"--set needs NAME=VALUE: {text}")
         yield GivenValue(name.strip(), value, f"--set {text}")
 

@@ -15,7 +15,7 @@ from rtkit.profile import rts_model as m
 from rtkit.profile.common import NO_FOREIGN, Foreign
 from rtkit.profile.parameters import GivenValue
 from rtkit.profile.parameters.naming import Reference, prefixed, with_references
-from rtkit.profile.parameters.texts import NAME, holds, substituted
+from rtkit.profile.parameters.texts import NAME, PREFIX, holds, substituted
 from rtkit.profile.rts_spec import ORDERS, RTS_PROFILE
 from rtkit.profile.spec import TEXT, Attr, ElementSpec
 from rtkit.profile.xmlnames import RTKIT, clark, short, split
@@ -115,8 +115,10 @@ def resolve(
     Raises:
         UnresolvedPart: A variable has no value or does not exist, a condition or reference makes
             no sense, or an include is a loop; names the part.
-        UnknownValue: A value is for nothing that there is.
+        UnknownValue: A value is for nothing that there is, or no name begins as the prefix.
     """
+    if not re.fullmatch(PREFIX, prefix):
+        raise UnknownValue("--prefix", f"{prefix!r} is no beginning of a name")
     used: set[GivenValue] = set()
     system = _System(source, (), [_Passed(each.key, each) for each in given], used, load, [0])
     system.resolve()
@@ -332,6 +334,9 @@ class _System:
     def _include(self, number: int, include: m.IncludedSystem) -> None:
         steps = (("includes", number),)
         prefix = include.prefix or ""
+        if not re.fullmatch(PREFIX, prefix):
+            text = f"{prefix!r} is no beginning of a name"
+            raise self._wrong(steps, "rtkit:prefix", text)
         source = self._read(include, steps)
         outer = [
             _Passed(each.key[len(prefix) :], each.value)

@@ -9,6 +9,9 @@ from rtkit.errors import Malformed
 from rtkit.rtc.nearest import did_you_mean
 
 NAME = r"[A-Za-z_][A-Za-z0-9_-]*"
+PREFIX = r"[\w.-]*"
+"""Texts that names may begin with: nothing that has a meaning in paths."""
+
 _REFERENCE = re.compile(r"\$\$|\$\{([^}]*)(\}?)")
 _COMPARISON = re.compile(r"(.*?)(==|!=)(.*)", re.DOTALL)
 _TRUE, _FALSE = ("true", "yes", "on", "1"), ("false", "no", "off", "0")

@@ -106,6 +106,8 @@ def test_each_argument_of_each_command_is_of_some_kind() -> None:
         ("rtprofile nonsense x", "", "x"),
         ("rtcheck --components d", "folder", "d"),
         ("rtls --watch 1", "anything", "1"),
+        ("rtplan r.xml --set C", "parameter", "C"),
+        ("rtplan --values v", "file", "v"),
     ],
 )
 def test_what_is_meant(line: str, kind: str, typed: str) -> None:
@@ -348,3 +350,14 @@ def test_nothing_heavy_is_imported(line: str, tmp_path: Path) -> None:
     )
     assert done.stderr == "[]\n"
     assert len(done.stdout.splitlines()) > 1
+
+
+def test_set_offers_variables_and_parameters_of_the_profile(
+    told: Callable[[str], list[str]],
+) -> None:
+    file = Path(__file__).parent / "files" / "systems" / "pairs.yaml"
+    line = f"rtplan {file} --set "
+    assert told(line) == ["limit=", "right=", "left.Range0.limit=", "right.Range0.limit="]
+    assert told(f"{line}left.") == ["left.Range0.limit="]
+    assert told("rtplan no-such.xml --set ") == []
+    assert told(f"rtplan {__file__} --set ") == []

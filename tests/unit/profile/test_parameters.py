@@ -443,3 +443,12 @@ rtsProfile:
     no = SystemParameters((GivenValue("second", "no", ""),))
     less = read_system(text.encode(), "r.yaml", no).profile
     assert less.components == ()
+
+
+@pytest.mark.parametrize("prefix", ["a/", "a b", "x:", "a\x01", "\n"])
+def test_a_prefix_is_the_beginning_of_a_name(folder: Path, prefix: str) -> None:
+    with pytest.raises(UsageProblem, match=r"^--prefix: .* is no beginning of a name"):
+        profile(camera("Camera0"), prefix=prefix)
+    put(folder / "arm.xml", camera("Camera0"))
+    with pytest.raises(InvalidDocument, match=r"^robot.xml:7: 'a/' is no beginning of a name"):
+        profile(include("arm.xml", "a/"))
