@@ -6,10 +6,12 @@ import os
 from collections.abc import Iterator
 from typing import NamedTuple
 
+import click
+
 from rtkit.cli.shared import json_records, terminal
 from rtkit.cli.shared.app import App, WrongArguments, no_such
 from rtkit.cli.shared.command import command
-from rtkit.cli.shared.defaults import of_command
+from rtkit.cli.shared.defaults import of_command, settable
 from rtkit.cli.shared.options import arguments, flag, json_flag
 from rtkit.errors import NotFound
 from rtkit.settings.layers import SETTINGS, Layers, candidates
@@ -72,6 +74,7 @@ def main(
 
 
 def _rows(app: App) -> Iterator[_Row]:
+    """Yield all settings, and those options of commands that have a default of the user's."""
     for setting in SETTINGS:
         layer = app.given.get(setting.key)
         value = os.environ.get(setting.variable)
@@ -81,22 +84,39 @@ def _rows(app: App) -> Iterator[_Row]:
             yield _Row(setting.key, value, "environment", setting.variable)
         else:
             yield _Row(setting.key, setting.default, "default", "")
+    for name, each_command in _commands():
+        for each in of_command(name, each_command, app.layers or Layers(), app.given):
+            if each.place != "RTKIT_TIMEOUT":
+                option = next(text[2:] for text in each.parameter.opts if text.startswith("--"))
+                yield _Row(_key(name, option), _text(each.value), each.origin, each.place)
+
+
+def _unset() -> Iterator[_Row]:
+    """Yield all options that may have a default, as if none had."""
+    for name, each_command in _commands():
+        for option, parameter in settable(each_command).items():
+            value = parameter.default is True if parameter.is_flag else parameter.default
+            yield _Row(_key(name, option), _text(value), "default", "")
+
+
+def _commands() -> Iterator[tuple[str, click.Command]]:
     from rtkit.cli.shared.commands import TABLE, load
 
-    for name in TABLE:
-        for each in of_command(name, load(name).command, app.layers or Layers(), app.given):
-            option = next(text[2:] for text in each.parameter.opts if text.startswith("--"))
-            if each.place != "RTKIT_TIMEOUT":
-                key = f"{name.replace(' ', '.')}.{option}"
-                yield _Row(key, _text(each.value), each.origin, each.place)
+    return ((name, load(name).command) for name in TABLE)
+
+
+def _key(name: str, option: str) -> str:
+    return f"{name.replace(' ', '.')}.{option}"
 
 
 def _text(value: object) -> str:
-    return str(value).lower() if isinstance(value, bool) else str(value)
+    if isinstance(value, str | int | float):
+        return str(value).lower() if isinstance(value, bool) else str(value)
+    return ""
 
 
 def _chosen(rows: list[_Row], keys: tuple[str, ...]) -> list[_Row]:
-    known = {row.key: row for row in rows}
+    known = {row.key: row for row in (*_unset(), *rows)} if keys else {}
     for key in keys:
         if key not in known:
             raise NotFound(no_such("setting", key, known))

@@ -149,6 +149,16 @@ def test_options_that_act_are_given_by_hand_alone() -> None:
     assert all("help" not in settable(load(name).command) for name in TABLE)
 
 
+def test_an_option_without_a_default_of_the_user_s_has_that_of_the_command(
+    shell: Any, shown: Any
+) -> None:
+    assert shown("rtls.json", "rtvlog.number") == {
+        "rtls.json": ("false", "default"),
+        "rtvlog.number": ("", "default"),
+    }
+    assert "did you mean rtls.json" in shell.run("rtconfig show rtls.jsn").err
+
+
 def test_scripts_heed_the_files_too(write: Write, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(write("project", 'manager = "of-the-project"').parent)
     monkeypatch.setenv("RTKIT_MANAGER", "")
