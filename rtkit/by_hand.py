@@ -2,6 +2,8 @@
 
 The process attaches to a manager, and its component is in the tree while it stays. The calling
 thread drives it, so what looks at that thread sees the component's code.
+
+See decision 57.
 """
 
 from __future__ import annotations

@@ -14,7 +14,7 @@ PERIOD_S = 0.2
 """How often to look [s]."""
 _ABSENCES = 5
 """Looks for which a file may be missing while an editor puts another one in its place."""
-_NEIGHBOURS = (".py", ".idl")
+_NEIGHBOURS = (".py", ".idl", ".xml", ".yaml")
 
 Stamp = tuple[int, int, int]
 

@@ -212,3 +212,37 @@ def test_another_version_than_the_profile_states_is_told_and_not_made_for_ever(
     development.save("Scale.py", MODULE)
     development.until("] done")
     assert [each.state for each in tree.snapshot().components] == ["Active"] * 2
+
+
+INCLUDING = """rtsProfile:
+  id: RTSystem:Me:Two:1
+  version: "0.2"
+  creationDate: 2026-01-01T00:00:00
+  updateDate: 2026-01-01T00:00:00
+  rtkit::include:
+  - {file: part.xml, prefix: left.}
+"""
+
+
+def test_what_an_included_profile_says_is_followed(manager: Any, tree: Tree) -> None:
+    folder = manager.modules
+    part = folder / "part.xml"
+    (folder / "helper.py").write_text("FACTOR = 1\n")
+    (folder / "Scale.py").write_text(MODULE)
+    part.write_text(PROFILE.format(components=COMPONENT.format(name="A", factor=2), connector=""))
+    (folder / "dev.yaml").write_text(INCLUDING)
+    process = manager.open(f"rtdev {folder}/dev.yaml")
+    development = Development.__new__(Development)
+    development.folder, development.process = folder, process
+    development.until("Ctrl-C ends that")
+    assert facts_of(tree, "left.A").sets["default"]["factor"] == "2"
+    part.write_text(PROFILE.format(components=COMPONENT.format(name="A", factor=6), connector=""))
+    assert "set left.A.factor=6" in development.next()
+    part.write_text("<x")
+    assert "part.xml:1" in development.next() + development.rest()
+    part.write_text(PROFILE.format(components=COMPONENT.format(name="A", factor=6), connector=""))
+    assert "nothing to do" in development.next()
+    development.end()
+    manager.ok(f"rtteardown --exit {folder}/dev.yaml")
+    for name in ("helper.py", "Scale.py", "dev.yaml", "part.xml"):
+        (folder / name).unlink()

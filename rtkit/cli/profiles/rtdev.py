@@ -41,11 +41,12 @@ def main(
 ) -> int:
     """Apply an RTS profile, and again what is saved, until Ctrl-C.
 
-    Watched are FILE, the modules of its components, what these import from beside them, and IDL
-    files there. What was saved becomes the smallest plan, which is shown and carried out as by
-    rtapply: of a changed parameter only that is set. Of a changed module only its components are
-    made again, with all that shares a slave with them, and get their connections, values and states
-    back. What is no more in FILE ends. Types that rtbuild made of an IDL file are made anew.
+    Watched are FILE, what it includes, files of --values, the modules of its components, what these
+    import from beside them, and other sources beside all these. What was saved becomes the smallest
+    plan, which is shown and carried out as by rtapply: of a changed parameter only that is set. Of
+    a changed module only its components are made again, with all that shares a slave with them, and
+    get their connections, values and states back. What is no more in FILE ends. Types that rtbuild
+    made of an IDL file are made anew.
 
     A file with a syntax error, or a module that does not import, is told with its line, and the
     system stays as it was.
@@ -184,7 +185,9 @@ class _Development:
         names = {component.instance for component in system.components}
         live = [each for each in snapshot.components if each.instance in names]
         wanted = _module_files(system, snapshot)
-        self._files = list(dict.fromkeys([*self._asked.files, *files_of(live), *wanted]))
+        profiles = document.resolved.files if document.resolved is not None else ()
+        named = [*self._asked.files, *self._app.values, *profiles]
+        self._files = list(dict.fromkeys(map(os.path.abspath, [*named, *files_of(live), *wanted])))
         self._sources.follow(self._files)
 
     def _print(self, text: str) -> None:

@@ -42,6 +42,7 @@ class SystemReading(NamedTuple):
         data: What it says, as a document without parameters in the form `form`.
         notes: Repairs and remarks of all files, each with the name of the file.
         position: Where a part stands, by the fields that lead to it and one of its own.
+        files: All that was read, without links, the first one first.
     """
 
     profile: RtsProfile
@@ -49,6 +50,7 @@ class SystemReading(NamedTuple):
     form: str
     notes: tuple[tuple[str, Note], ...]
     position: Callable[[Sequence[Step], str], SourcePosition]
+    files: tuple[str, ...] = ()
 
 
 def read_system(
@@ -168,4 +170,5 @@ class _Reader:
                 origin = known._replace(steps=(*known.steps, *below))
             return self.position(origin, "", field)
 
-        return SystemReading(profile, data, form, tuple(self._notes), position)
+        files = tuple(self._known)
+        return SystemReading(profile, data, form, tuple(self._notes), position, files)

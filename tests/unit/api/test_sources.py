@@ -70,10 +70,12 @@ def test_a_file_that_is_missing_for_a_moment_is_waited_for(
 def test_sources_beside_it_are_watched_too_and_hidden_ones_are_not(
     sources: SourceFiles, module: Path
 ) -> None:
-    for name in ("helper.py", "Robot.idl", ".#Scale.py", "notes.txt"):
+    for name in ("helper.py", "Robot.idl", "part.xml", ".#Scale.py", "notes.txt"):
         (module.parent / name).write_text("x")
     assert sources.saved() == []
-    assert sources.saved() == [str(module.parent / name) for name in ("Robot.idl", "helper.py")]
+    assert sources.saved() == [
+        str(module.parent / name) for name in ("Robot.idl", "helper.py", "part.xml")
+    ]
 
 
 def test_what_was_saved_before_it_is_followed_again_is_told(
