@@ -94,6 +94,10 @@ def test_one_in_error(arms: Any) -> None:
     assert record["state"] == "Error"
     assert record["why"].startswith("ValueError: too far (Arm.py:")
     assert record["events"][-1]["event"] == "ERROR"
+    assert not any("has changed" in each for each in record["warnings"])
+    (arms.modules / "Arm.py").write_text(f"{MODULE}# new\n")
+    [changed, _] = status(arms, A, is_well=False)["warnings"]
+    assert changed.startswith("its code has changed since it was loaded (")
     assert f"rtreset {A} takes it out of Error" in record["warnings"]
     assert arms.run(f"rtstatus {A}").out.splitlines()[1].startswith("  State      Error since ")
     quiet = arms.run(f"rtstatus -q {A}")

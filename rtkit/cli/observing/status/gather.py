@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import suppress
 from time import monotonic
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -266,6 +264,9 @@ def _rates(app: App, facts: ComponentFacts) -> RateRow | None:
 
 
 def _warnings(record: Mapping[str, Any], facts: ComponentFacts | None) -> Iterator[str]:
+    from rtkit.api.present_code import present_code
+    from rtkit.deployment.drift import changed_code
+
     for context in record["contexts"]:
         asked, reached = context["rate_hz"], context["reached_hz"]
         if asked and reached is not None and reached < _SLOW * asked:
@@ -277,19 +278,10 @@ def _warnings(record: Mapping[str, Any], facts: ComponentFacts | None) -> Iterat
         return
     if facts.restart_status.stops:
         yield facts.restart_status.stops
-    for line in facts.code.splitlines():
-        crc, _, file = line.partition(" ")
-        if not _is_unchanged(file, crc):
-            yield f"{file} is not what it was when it was loaded"
+    file = changed_code(facts, present_code([facts]))
+    if file:
+        yield f"its code has changed since it was loaded ({file})"
     if record["state"] == "Error":
         yield f"rtreset {record['path']} takes it out of Error"
     elif facts.zombie and not facts.restart_status.returning:
         yield f"rtdel -z {record['path']} takes the entry away"
-
-
-def _is_unchanged(file: str, crc: str) -> bool:
-    from zlib import crc32
-
-    with suppress(OSError), open(file, "rb") as opened:
-        return f"{crc32(opened.read()):08x}" == crc
-    return not os.path.exists(file)
