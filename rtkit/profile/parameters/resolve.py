@@ -16,12 +16,17 @@ from rtkit.profile.common import NO_FOREIGN, Foreign
 from rtkit.profile.parameters import GivenValue
 from rtkit.profile.parameters.naming import Reference, prefixed, with_references
 from rtkit.profile.parameters.texts import NAME, PREFIX, holds, substituted
+from rtkit.profile.parse import MAX_BYTES
 from rtkit.profile.rts_spec import ORDERS, RTS_PROFILE
 from rtkit.profile.spec import TEXT, Attr, ElementSpec
 from rtkit.profile.xmlnames import RTKIT, clark, short, split
 from rtkit.rtc.naming_properties import SLAVE_RESTART
 from rtkit.rtc.nearest import did_you_mean
 
+MOST_PARTS = 100_000
+"""A system of more components, connectors and the like is refused."""
+
+MOST_NESTED = 32
 MOST_INCLUDES = 1000
 """A system of more profiles than this is refused: two that include two each grow fast."""
 
@@ -120,7 +125,7 @@ def resolve(
     if not re.fullmatch(PREFIX, prefix):
         raise UnknownValue("--prefix", f"{prefix!r} is no beginning of a name")
     used: set[GivenValue] = set()
-    system = _System(source, (), [_Passed(each.key, each) for each in given], used, load, [0])
+    system = _System(source, (), [_Passed(each.key, each) for each in given], used, load, [0, 0])
     system.resolve()
     for each in given:
         if each not in used:
@@ -152,7 +157,7 @@ class _System:
         given: list[_Passed],
         used: set[GivenValue],
         load: Load,
-        count: list[int],
+        count: list[int],  # of includes so far, and of characters that variables added
     ) -> None:
         self.profile = source.profile
         self.origins: dict[str, list[ProfileOrigin]] = {}
@@ -210,9 +215,13 @@ class _System:
         if not self.profile.variables or "$" not in text:
             return text
         try:
-            return substituted(text, self._values)
+            made = substituted(text, self._values)
         except Malformed as error:
             raise self._wrong(steps, name, str(error)) from error
+        self._count[1] += max(0, len(made) - len(text))
+        if self._count[1] > MAX_BYTES:
+            raise self._wrong(steps, name, f"texts become longer than {MAX_BYTES} characters")
+        return made
 
     def _filled(self) -> list[tuple[int, m.IncludedSystem]]:
         """Fill the profile with the values of its variables; return what it includes."""
@@ -357,6 +366,8 @@ class _System:
                 text = f"{source.name} has {inner.unknown(each.key)}"
                 raise self._wrong((*steps, ("values", place)), "rtkit:name", text)
         self._merge(inner, prefix)
+        if sum(map(len, self.origins.values())) > MOST_PARTS:
+            raise self._wrong(steps, "rtkit:file", f"the system has more than {MOST_PARTS} parts")
 
     def _read(self, include: m.IncludedSystem, steps: tuple[Step, ...]) -> SourceProfile:
         self._count[0] += 1
@@ -370,6 +381,9 @@ class _System:
         except RtkitError as error:
             raise self._wrong(steps, "rtkit:file", str(error)) from error
         chain = [*self._above, self._source]
+        if len(chain) > MOST_NESTED:
+            text = f"profiles are included more than {MOST_NESTED} deep"
+            raise self._wrong(steps, "rtkit:file", text)
         paths = [each.path for each in chain]
         if source.path in paths:
             loop = [*(each.name for each in chain[paths.index(source.path) :]), source.name]

@@ -12,6 +12,9 @@ NAME = r"[A-Za-z_][A-Za-z0-9_-]*"
 PREFIX = r"[\w.-]*"
 """Texts that names may begin with: nothing that has a meaning in paths."""
 
+MOST_TEXT = 1 << 16
+"""Values that a text holds are not longer together: variables made of others grow fast."""
+
 _REFERENCE = re.compile(r"\$\$|\$\{([^}]*)(\}?)")
 _COMPARISON = re.compile(r"(.*?)(==|!=)(.*)", re.DOTALL)
 _TRUE, _FALSE = ("true", "yes", "on", "1"), ("false", "no", "off", "0")
@@ -24,10 +27,12 @@ def substituted(text: str, values: Mapping[str, str]) -> str:
     'left_arm costs $5'
 
     Raises:
-        Malformed: There is no such variable, or a brace is not closed.
+        Malformed: There is no such variable, a brace is not closed, or it becomes too long.
     """
+    room = MOST_TEXT
 
     def value(found: re.Match[str]) -> str:
+        nonlocal room
         if found[0] == "$$":
             return "$"
         name = found[1]
@@ -35,6 +40,9 @@ def substituted(text: str, values: Mapping[str, str]) -> str:
             raise Malformed(f"{found[0]} has no closing brace; $$ stands for a dollar")
         if name not in values:
             raise Malformed(_unknown(name, values))
+        room -= len(values[name])
+        if room < 0:
+            raise Malformed(f"becomes longer than {MOST_TEXT} characters")
         return values[name]
 
     return _REFERENCE.sub(value, text)

@@ -406,6 +406,7 @@ def test_a_prefix_is_before_every_name() -> None:
 def test_positions_lead_to_the_file_of_a_part(folder: Path) -> None:
     put(folder / "arm.xml", camera("Camera0"))
     found = read(camera("Own0"), include("arm.xml", "a."))
+    assert [Path(each).name for each in found.files] == ["robot.xml", "arm.xml"]
     assert found.position((("components", 0),), "")[:2] == ("robot.xml", 7)
     assert found.position((("components", 1),), "id")[:2] == ("arm.xml", 7)
 
@@ -452,3 +453,20 @@ def test_a_prefix_is_the_beginning_of_a_name(folder: Path, prefix: str) -> None:
     put(folder / "arm.xml", camera("Camera0"))
     with pytest.raises(InvalidDocument, match=r"^robot.xml:7: 'a/' is no beginning of a name"):
         profile(include("arm.xml", "a/"))
+
+
+def test_variables_that_grow_without_bound_are_refused() -> None:
+    grown = "".join(variable(f"v{n}", f"${{v{n - 1}}}" * 10) for n in range(1, 9))
+    with pytest.raises(InvalidDocument, match="becomes longer than 65536 characters"):
+        profile(camera("Camera0"), variable("v0", "x" * 10), grown)
+    many = "".join(camera(f"Camera{n}", "${v}") for n in range(250))
+    with pytest.raises(InvalidDocument, match="texts become longer than"):
+        profile(many, variable("v", "x" * 60_000))
+
+
+def test_includes_that_are_nested_without_bound_are_refused(folder: Path) -> None:
+    for number in range(100):
+        put(folder / f"{number}.xml", include(f"{number + 1}.xml", "a."))
+    put(folder / "100.xml", camera("Camera0"))
+    with pytest.raises(InvalidDocument, match="included more than 32 deep"):
+        profile(include("0.xml"))
