@@ -9,7 +9,7 @@ from itertools import islice
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from rtkit.closing import Closing
-from rtkit.errors import Refused
+from rtkit.errors import Malformed, Refused
 from rtkit.link import stopping
 
 if TYPE_CHECKING:
@@ -172,7 +172,6 @@ def _value(cls: type, given: Any) -> Any:
 
     from rtkit.component.literal import Literal
     from rtkit.component.types import Time
-    from rtkit.errors import Malformed
 
     try:
         text = json.dumps(given)
@@ -184,4 +183,6 @@ def _value(cls: type, given: Any) -> Any:
 def _streams(tree: Tree, ports: Sequence[str], wanted: PortType) -> tuple[Stream, ...]:
     from rtkit.probe.port_spec import find_streams, parse_spec
 
+    if not ports:
+        raise Malformed("No ports specified.")
     return find_streams(tree, [parse_spec(each) for each in ports], wanted)

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 from rtkit.api.data_tree import DataTree
 from rtkit.api.profiles import Source, SystemProfile, load
 from rtkit.api.script import ScriptSession
+from rtkit.errors import Malformed
 
 if TYPE_CHECKING:
     from rtkit.api.checking import SystemReport
@@ -85,7 +86,7 @@ class Tree(DataTree):
         from rtkit.api.plan import SystemPlan
 
         way = planning.WayOptions(_texts(costs), planning.MEASURED, stand_in, transmit, replace)
-        aim = planning.GoalOptions(_known(state), way, prune)
+        aim = planning.GoalOptions(_known(state, planning.STATES), way, prune)
         document = load(profile, strict=strict)
         with self._session("plan", document, strict=strict) as session:
             prepared = planning.prepare(session, document, _mapped(hosts), aim, is_dry=True)
@@ -134,7 +135,7 @@ class Tree(DataTree):
         from rtkit.tree.plan_locks import PlanLocks
 
         way = planning.WayOptions(_texts(costs), planning.MEASURED, stand_in, transmit, replace)
-        aim = planning.GoalOptions(_known(state), way, prune)
+        aim = planning.GoalOptions(_known(state, planning.STATES), way, prune)
         document, mapped = load(profile, strict=strict), _mapped(hosts)
         with (
             self._session("apply", document, strict=strict) as session,
@@ -271,7 +272,8 @@ class Tree(DataTree):
         from rtkit.api.checking import compare
         from rtkit.rtc.enums import UNKNOWN_STATE, LifeCycleState
 
-        wanted = None if state == UNKNOWN_STATE else LifeCycleState(state)
+        word = _known(state, [*LifeCycleState, UNKNOWN_STATE])
+        wanted = None if word == UNKNOWN_STATE else LifeCycleState(word)
         document = load(profile, strict=strict)
         with self._session("check", document, strict=strict) as session:
             return compare(session, document, wanted, _mapped(hosts))
@@ -345,12 +347,12 @@ class Tree(DataTree):
             yield session
 
 
-def _known(state: str) -> str:
-    from rtkit.api.planning import STATES
-
-    if state not in STATES:
-        raise ValueError(f"state is one of {', '.join(STATES)}, not {state!r}")
-    return state
+def _known(state: str, words: Sequence[str]) -> str:
+    """Return a state as it is written; it may be given in any case."""
+    for word in words:
+        if word.casefold() == state.casefold():
+            return word
+    raise Malformed(f"state is one of {', '.join(words)}, not {state!r}")
 
 
 def _texts(costs: Mapping[str, float]) -> tuple[str, ...]:

@@ -106,6 +106,11 @@ def test_a_profile_is_applied_at_once(tree: Tree, world: FakeManager, robot: Pat
     assert [each.connector_id for each in tree.snapshot().connectors] == ["wire"]
     with pytest.raises(ValueError, match="state is one of Active, Inactive, Any"):
         tree.apply_profile(robot, state="Flying")
+    assert tree.check(robot, state="inactive")
+    with pytest.raises(Malformed, match="state is one of Created, Inactive"):
+        tree.check(robot, state="Flying")
+    with pytest.raises(Malformed, match="No ports specified"):
+        tree.values()
 
 
 def test_a_system_starts_stops_and_is_torn_down(
