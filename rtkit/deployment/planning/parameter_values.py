@@ -41,7 +41,14 @@ class Values:
         self._component = component
         self._facts = facts
         self._declared = declared
-        self._added = {**component.sets, **(was.sets if was is not None else {})}
+        sets = (component.sets, was.sets if was is not None else {})
+        # A set without parameters is added by none of the steps.
+        self._added = {
+            set_id
+            for each in sets
+            for set_id, values in each.items()
+            if any(self._can_add(set_id, parameter) for parameter in values)
+        }
         self.missing: list[str] = []
         self.misfits: list[str] = []
         now_active = facts.active_set if facts is not None else ""
@@ -124,7 +131,7 @@ class Values:
         facts, component = self._facts, self._component
         before = facts.sets.get(facts.active_set, {}) if facts is not None else {}
         after = facts.sets.get(wanted, {}) if facts is not None else {}
-        if facts is not None and wanted not in {**facts.sets, **self._added}:
+        if facts is not None and wanted not in {*facts.sets, *self._added}:
             self.missing.append(f"No such configuration set: {wanted} (on {component.path})")
             return
         changed = [p for p in after if after[p] != before.get(p)]
