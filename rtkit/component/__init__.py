@@ -7,7 +7,7 @@ all these modules (decision 35).
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
-from rtkit.component.standard import home_of, names_of
+from rtkit.component.standard import declared_in, home_of, names_of
 from rtkit.rtc.enums import Polarity as Polarity
 from rtkit.rtc.enums import ReturnCode as ReturnCode
 from rtkit.rtc.profiles import PortInterfaceProfile as PortInterfaceProfile
@@ -84,4 +84,6 @@ def __getattr__(name: str) -> Any:
 
 
 def __dir__() -> list[str]:
-    return sorted({*globals(), *__getattr__("__all__")})
+    """Return what authors use first; data types beyond the timed ones are found by their names."""
+    own = ("PortInterfaceProfile", "Polarity", "ReturnCode", *_MODULE)
+    return sorted((*own, *declared_in("timed")))

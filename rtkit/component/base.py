@@ -36,6 +36,12 @@ class Manager(Protocol):
         """Make a component type available."""
 
 
+_FOR_CONTAINERS = frozenset(
+    """context_rate finalize has_changes initialize keep_failure leave own_attributes
+    participation read_count stir take_part takes_settings_from""".split()
+)
+
+
 class Component(Callbacks):
     """A component: ports, configuration and callbacks, driven by execution contexts.
 
@@ -133,6 +139,10 @@ class Component(Callbacks):
             version=cls.version,
             description=" ".join(text.split()),
         )
+
+    def __dir__(self) -> list[str]:
+        """Return what authors use; what containers call is found by its name alone."""
+        return [name for name in super().__dir__() if name not in _FOR_CONTAINERS]
 
     @property
     def logger(self) -> Logger:

@@ -10,6 +10,7 @@ from typing import Protocol
 import pytest
 
 from rtkit import component
+from rtkit import component as rt
 from rtkit.component import (
     Component,
     FsmComponent,
@@ -428,3 +429,18 @@ def test_what_instances_keep_is_listed():
 
 def test_names_can_be_found_by_looking():
     assert {"Component", "InPort", "OutPort", "Parameter", "TimedLong"} <= set(dir(component))
+
+
+def test_dir_shows_what_authors_use() -> None:
+    """What is left out of a list is still there for who names it."""
+    names = dir(rt)
+    assert {"Component", "InPort", "Parameter", "TimedLong", "takes"} <= set(names)
+    assert not [name for name in names if name.startswith("_") or not hasattr(rt, name)]
+    assert rt.RangeData
+
+    class Plain(rt.Component):
+        gain = rt.Parameter(1.0)
+
+    own = set(dir(Plain("P0")))
+    assert {"gain", "on_execute", "logger", "add_in_port"} <= own
+    assert not {"keep_failure", "initialize", "stir"} & own
