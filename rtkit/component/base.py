@@ -37,8 +37,20 @@ class Manager(Protocol):
 
 
 _FOR_CONTAINERS = frozenset(
-    """context_rate finalize has_changes initialize keep_failure leave own_attributes
-    participation read_count stir take_part takes_settings_from""".split()
+    [
+        "context_rate",
+        "finalize",
+        "has_changes",
+        "initialize",
+        "keep_failure",
+        "leave",
+        "own_attributes",
+        "participation",
+        "read_count",
+        "stir",
+        "take_part",
+        "takes_settings_from",
+    ]
 )
 
 
