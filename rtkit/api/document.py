@@ -83,7 +83,7 @@ def parse_document(
         UsageProblem: A value is for nothing.
     """
     from rtkit.profile import read
-    from rtkit.profile.parameters import has_parameters
+    from rtkit.profile.forms import has_parameters
 
     if is_saved_plan(data):
         raise InvalidDocument(f"{source}: is a saved plan; only rtapply takes it")

@@ -6,7 +6,6 @@ from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any, ClassVar, Protocol, TypeVar
 
 from rtkit.component.callbacks import Callbacks, Failure, attempt
-from rtkit.component.collisions import refuse_collisions
 from rtkit.component.config import DEFAULT, Configuration
 from rtkit.component.context import ExecutionContext
 from rtkit.component.kinds import kind_of
@@ -114,7 +113,10 @@ class Component(Callbacks):
 
     def __init_subclass__(cls, **keywords: Any) -> None:
         super().__init_subclass__(**keywords)
-        refuse_collisions(cls, cls.own_attributes)
+        if cls.__module__.partition(".")[0] != "rtkit":  # those are made for what they override
+            from rtkit.component.collisions import refuse_collisions
+
+            refuse_collisions(cls, cls.own_attributes)
         found = {
             name: value
             for ancestor in reversed(cls.__mro__)

@@ -17,7 +17,6 @@ from rtkit.component.service import ServicePort
 from rtkit.errors import Refused
 
 _HOME = "rtkit.component."
-_HOUSE = "rtkit"
 
 
 def refuse_collisions(cls: type, own_attributes: Collection[str]) -> None:
@@ -30,8 +29,6 @@ def refuse_collisions(cls: type, own_attributes: Collection[str]) -> None:
     Raises:
         Refused: It does; one sentence with file, line, name and what it collides with.
     """
-    if cls.__module__.partition(".")[0] == _HOUSE:
-        return  # it is made for what it overrides
     ours = tuple(base for base in cls.__mro__ if base.__module__.startswith(_HOME))
     needed = _needed(ours)
     for name, value in _own(cls, ours):

@@ -148,16 +148,6 @@ def _as_stand_in(component: WantedComponent, facts: ComponentFacts) -> Iterator[
             yield Drift(f"set {set_id}", ", ".join(values) or "empty", there)
 
 
-def changed_code(facts: ComponentFacts, present: Mapping[str, str]) -> str:
-    """Return a file that a component comes from, if it has changed since it was loaded.
-
-    `present` has the CRC-32 of files as they are now.
-    """
-    parts = (line.partition(" ") for line in facts.code.splitlines())
-    changed = (file for loaded, _, file in parts if present.get(file, loaded) != loaded)
-    return next(changed, "")
-
-
 def data_types(component: WantedComponent, facts: ComponentFacts) -> Iterator[Drift]:
     """Yield the data types of ports that differ from those of a profile."""
     for port in component.ports:

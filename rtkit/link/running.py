@@ -11,7 +11,6 @@ from contextlib import suppress
 
 from rtkit.errors import Refused
 from rtkit.link import places
-from rtkit.rtc.nearest import did_you_mean
 
 _LOCK = ".lock"
 _SOCKET = ".sock"
@@ -62,6 +61,8 @@ def why_absent(name: str) -> str:
     try:
         is_socket = stat.S_ISSOCK(os.lstat(path).st_mode)
     except OSError:
+        from rtkit.rtc.nearest import did_you_mean
+
         if near := did_you_mean(name, managers()):
             return f"{absent}{near}"
         others = ", ".join(managers())

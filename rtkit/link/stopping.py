@@ -7,8 +7,6 @@ from contextlib import contextmanager
 from contextvars import ContextVar
 from threading import Lock
 
-from rtkit.link.wakeup import Wakeup
-
 
 class Stopped(KeyboardInterrupt):
     """Another thread had this one stopped; handled as an interruption is."""
@@ -18,6 +16,8 @@ class StopRequest:
     """One request to stop, from any thread; whoever waits within `heeding` ends."""
 
     def __init__(self) -> None:
+        from rtkit.link.wakeup import Wakeup  # commands check, but request no stop
+
         self._wakeup = Wakeup()
         self._lock = Lock()
         self._is_rung = self._is_taken = False

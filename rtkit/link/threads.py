@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Callable
-from contextvars import Context
 
 from rtkit.errors import Refused
 
@@ -17,6 +16,8 @@ def start_thread(work: Callable[[], object], name: str) -> threading.Thread:
     Raises:
         Refused: None can be had now.
     """
+    from contextvars import Context  # each command loads this module, few begin a thread
+
     thread = threading.Thread(target=work, name=name, daemon=True)
     try:
         Context().run(thread.start)

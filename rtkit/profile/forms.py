@@ -56,3 +56,8 @@ def form_of(data: bytes, name: str = "") -> str:
     if by_name is not None:
         return by_name
     return YAML if re.search(_YAML_ROOT, head, re.MULTILINE) else XML
+
+
+def has_parameters(data: bytes) -> bool:
+    """Return whether a document may have variables, conditions or includes."""
+    return b"urn:rtkit:profile" in data or b"rtkit::" in data

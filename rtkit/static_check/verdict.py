@@ -3,18 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterable
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 from rtkit.deployment.described import type_of
 from rtkit.deployment.limits import Capacity
 from rtkit.profile.common import Note
 from rtkit.profile.examine import Positions, examine
-from rtkit.profile.parameters.reading import SourcePosition, SystemReading
 from rtkit.profile.rts_model import RtsProfile
 from rtkit.report.finding import ERROR, WARNING, Checked, Finding, counted
 from rtkit.static_check.catalogue import Catalogue
 from rtkit.static_check.check import findings
 from rtkit.static_check.finding import StaticFinding
+
+if TYPE_CHECKING:
+    from rtkit.profile.parameters.reading import SystemReading
 
 
 class Options(NamedTuple):
@@ -99,9 +101,11 @@ def verdict(system: Opened, catalogue: Catalogue, options: Options = USUAL) -> C
 
 
 def _finding(each: StaticFinding, file: str, positions: Positions | SystemReading) -> Finding:
-    at = positions.position(each.place.steps, each.place.field)
-    file = at.file if isinstance(at, SourcePosition) else file  # perhaps that of an include
-    line, path = at.line, at.path
+    steps, field = each.place
+    if isinstance(positions, Positions):
+        line, path = positions.position(steps, field)
+    else:
+        file, line, path = positions.position(steps, field)  # perhaps the file of an include
     return Finding(each.severity, each.rule, each.text, file, line, path, each.found, each.allowed)
 
 

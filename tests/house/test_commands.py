@@ -42,6 +42,7 @@ FORBIDDEN_ON_THE_WAY = (
     "rtkit.profile",
     "rtkit.rtc.serde",
     "rtkit.rtc.profiles",
+    "rtkit.settings.layer_file",
     "shutil",
     "signal",
     "socket",
@@ -150,6 +151,7 @@ def test_a_command_is_loaded_without_anything_heavy() -> None:
 FACTS = {"rtkit.deployment.facts", "rtkit.rtc.profiles"}
 HEAVY_WHEN_LOADED = {
     "rtapply": {"dataclasses"},
+    "rtconfig": {"rtkit.settings.layer_file"},
     "rtplan": {"dataclasses"},
     "rtprofile convert": {"rtkit.profile"},
     "rtprofile resolve": {"rtkit.profile"},
@@ -167,7 +169,9 @@ FOR_REPAIRS_AND_CHANGES = (
     "rtkit.api.step_times",
     "rtkit.deployment.listing",
     "rtkit.deployment.planning",
+    "rtkit.link.wakeup",
     "rtkit.profile.normalise",
+    "rtkit.profile.parameters",
     "rtkit.profile.references",
     "rtkit.report",
     "rtkit.deployment.runner",
@@ -177,7 +181,7 @@ FOR_REPAIRS_AND_CHANGES = (
 READERS: dict[str, tuple[set[str], tuple[str, ...]]] = {
     "rtls /localhost": (set(), ("difflib", "locale", "rtkit.fast_dataclass")),
     "rtls -l /localhost": (set(), ()),
-    "rtcat /localhost/A.rtc": (SHOWN, ("difflib", "locale")),
+    "rtcat /localhost/A.rtc": (SHOWN, ("difflib", "locale", "rtkit.deployment.drift")),
     "rtconf /localhost/A.rtc list": (SHOWN, ("difflib", "locale")),
     "rtfind / -t c": (set(), ()),
     "rtcheck --state Inactive FILE": (SYSTEM, FOR_REPAIRS_AND_CHANGES),
@@ -218,7 +222,8 @@ class Tree:
         from rtkit.rtc.profiles import ExecutionContextProfile, TypeProfile
         context = ExecutionContextProfile('0', ExecutionKind.PERIODIC, 1.0, 'A')
         kind = TypeProfile('T', 'me', 'example', '1')
-        facts = ComponentFacts('A', kind, 'm', contexts=(context,), names=('localhost/A.rtc',))
+        facts = ComponentFacts('A', kind, 'm', contexts=(context,), names=('localhost/A.rtc',),
+            code='00000000 /no/A.py')
         return Snapshot('box', 'm', 1, '', components=(facts,))
     def part(self, instances):
         return self.snapshot()
@@ -278,6 +283,7 @@ FOR_WHO_MAKES_COMPONENTS = (
     "importlib.util",
     "logging",
     "mmap",
+    "rtkit.component.collisions",
     "rtkit.component.composite",
     "rtkit.component.factory",
     "rtkit.component.fsm",

@@ -19,7 +19,6 @@ from rtkit.cli.completion.live import (
 )
 from rtkit.cli.shared.app import working_directory
 from rtkit.rtc.names import parse_path
-from rtkit.rtc.profiles import DEFINITION, operations_in
 from rtkit.tree.view import NodeKind, TreeNode
 
 Found = Iterable[Candidate]
@@ -91,6 +90,8 @@ def _operation(asked: CursorMeaning, live: CompletionSource) -> Found:
         head, typed = found[0].text.rpartition(":")[0] if found else "", ""
         if not all(each.text.startswith(f"{head}:") and each.text[-1] != ":" for each in found):
             return found
+    from rtkit.rtc.profiles import DEFINITION, operations_in
+
     node = live.component(head) if head else None
     return [
         candidate
@@ -308,7 +309,7 @@ def _properties(asked: CursorMeaning, live: CompletionSource) -> Found:
 
 
 def _settings(asked: CursorMeaning, _live: CompletionSource) -> Found:
-    from rtkit.settings.layers import SETTINGS
+    from rtkit.settings.layer_file import SETTINGS
 
     return those((each.key for each in SETTINGS), asked.typed)
 

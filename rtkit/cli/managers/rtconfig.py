@@ -11,10 +11,11 @@ import click
 from rtkit.cli.shared import json_records, terminal
 from rtkit.cli.shared.app import App, WrongArguments, no_such
 from rtkit.cli.shared.command import command
-from rtkit.cli.shared.defaults import of_command, settable
+from rtkit.cli.shared.defaults import of_command, settable, variable_of
 from rtkit.cli.shared.options import arguments, flag, json_flag
 from rtkit.errors import NotFound
-from rtkit.settings.layers import SETTINGS, Layers, candidates
+from rtkit.settings.layer_file import SETTINGS
+from rtkit.settings.layers import Layers, candidates
 
 _WORDS = ("show", "files")
 
@@ -77,11 +78,11 @@ def _rows(app: App) -> Iterator[_Row]:
     """Yield all settings, and those options of commands that have a default of the user's."""
     for setting in SETTINGS:
         layer = app.given.get(setting.key)
-        value = os.environ.get(setting.variable)
+        value = os.environ.get(variable_of(setting.key))
         if layer is not None:
             yield _Row(setting.key, value or "", layer.origin, layer.file)
         elif value is not None:
-            yield _Row(setting.key, value, "environment", setting.variable)
+            yield _Row(setting.key, value, "environment", variable_of(setting.key))
         else:
             yield _Row(setting.key, setting.default, "default", "")
     for name, each_command in _commands():

@@ -45,8 +45,7 @@ def read_resolved_document(app: App, file: str | None = None) -> ReadDocument:
     """
     from rtkit.api.document import read_parametrised
     from rtkit.cli.shared.system_values import parameters
-    from rtkit.profile.forms import may_be_component
-    from rtkit.profile.parameters import has_parameters
+    from rtkit.profile.forms import has_parameters, may_be_component
 
     name, data = read_bytes_of(file)
     given = parameters(app)

@@ -217,7 +217,7 @@ def _check_imports(prepared: Prepared) -> None:
         Refused: One does not import; says where.
     """
     from rtkit.api.source_checks import check_imports, files_of
-    from rtkit.deployment.drift import changed_code
+    from rtkit.deployment.loaded_code import changed_code
     from rtkit.rtc.profiles import split_module
 
     _, goal, snapshot, *_ = prepared

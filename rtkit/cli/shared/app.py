@@ -21,7 +21,8 @@ if TYPE_CHECKING:
     from rtkit.deployment.facts import ComponentFacts
     from rtkit.rtc.manager_address import Address
     from rtkit.rtc.names import Path
-    from rtkit.settings.layers import Layers, SettingsFile
+    from rtkit.settings.layer_file import SettingsFile
+    from rtkit.settings.layers import Layers
     from rtkit.tree.client import Tree
     from rtkit.tree.view import TreeNode
 

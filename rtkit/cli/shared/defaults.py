@@ -14,7 +14,8 @@ from typing import Any, NamedTuple
 import click
 
 from rtkit.errors import Malformed
-from rtkit.settings.layers import PREFIX, Layers, Options, SettingsFile
+from rtkit.settings.layer_file import Options, SettingsFile
+from rtkit.settings.layers import PREFIX, Layers
 
 _OF_ALL = ("timeout",)
 _NOT_SET = ("help", "version")

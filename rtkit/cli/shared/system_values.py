@@ -44,10 +44,10 @@ def parameters(app: App) -> SystemParameters | None:
         InvalidDocument: It is no YAML, or no table of values.
         UsageProblem: What was typed is not ``NAME=VALUE``.
     """
-    from rtkit.profile.parameters import SystemParameters
-
     if not (app.sets or app.values or app.prefix):
         return None
+    from rtkit.profile.parameters import SystemParameters
+
     return SystemParameters(tuple(_given_values(app)), app.prefix)
 
 

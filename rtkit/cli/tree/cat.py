@@ -104,7 +104,7 @@ def _old_code(facts: ComponentFacts) -> list[tuple[str, str]]:
     if not facts.code:
         return []
     from rtkit.api.present_code import present_code
-    from rtkit.deployment.drift import changed_code
+    from rtkit.deployment.loaded_code import changed_code
 
     file = changed_code(facts, present_code([facts]))
     return [("Code", f"changed since it was loaded ({file})")] if file else []

@@ -8,9 +8,9 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Mapping
 
-from rtkit.deployment import drift
 from rtkit.deployment.facts import ComponentFacts
 from rtkit.deployment.live_index import LiveIndex
+from rtkit.deployment.loaded_code import changed_code
 
 
 class Stale:
@@ -34,7 +34,7 @@ class Stale:
             holder = (live.home(facts.instance), facts.process)
             self._holders[facts.instance] = holder
             self._held.setdefault(holder, []).append(facts.instance)
-            file = drift.changed_code(facts, code)
+            file = changed_code(facts, code)
             if file:
                 self._files[facts.instance] = file
         self._guests = {

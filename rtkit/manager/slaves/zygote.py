@@ -36,6 +36,7 @@ from rtkit.manager.slaves.warm_up import fill_gaps, warm_up
 
 _OPTIONS = os.WEXITED | os.WSTOPPED | os.WCONTINUED | os.WNOHANG
 AHEAD = (
+    "rtkit.component.collisions",
     "rtkit.component.composite",
     "rtkit.component.fsm",
     "rtkit.component.timed",

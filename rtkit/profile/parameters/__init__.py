@@ -8,11 +8,6 @@ from __future__ import annotations
 from typing import NamedTuple
 
 
-def has_parameters(data: bytes) -> bool:
-    """Return whether a document may have variables, conditions or includes."""
-    return b"urn:rtkit:profile" in data or b"rtkit::" in data
-
-
 class GivenValue(NamedTuple):
     """A value from outside of a profile.
 

@@ -11,10 +11,10 @@ import jsonrecords
 import pytest
 
 from rtkit.cli.shared.commands import TABLE, load
-from rtkit.cli.shared.defaults import settable
+from rtkit.cli.shared.defaults import settable, variable_of
 from rtkit.errors import Unreachable
 from rtkit.resources import resource
-from rtkit.settings.layers import SETTINGS
+from rtkit.settings.layer_file import SETTINGS
 from rtkit.tree.connect import connect
 
 LAYERS = ("flag", "environment", "project", "user", "system")
@@ -141,7 +141,7 @@ def test_a_project_that_strangers_can_write_is_left_out_and_named(shell: Any, wr
 def test_each_setting_has_its_variable_in_the_manual() -> None:
     page = (Path(__file__).parents[3] / "man" / "rtkit.1").read_text()
     for setting in SETTINGS:
-        assert setting.variable in page.replace("\\", "")
+        assert variable_of(setting.key) in page.replace("\\", "")
 
 
 def test_options_that_act_are_given_by_hand_alone() -> None:

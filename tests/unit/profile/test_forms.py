@@ -19,8 +19,7 @@ from profile_reading import explain, profile_kind
 from rtkit.errors import Malformed, NotFound
 from rtkit.profile.common import Note
 from rtkit.profile.findings import InvalidProfile
-from rtkit.profile.forms import FORMS, form_of
-from rtkit.profile.parameters import has_parameters
+from rtkit.profile.forms import FORMS, form_of, has_parameters
 from rtkit.profile.read import read_file, read_profile, read_rtc, read_rts
 from rtkit.profile.rtc_model import RtcProfile
 from rtkit.profile.rtc_spec import RTC_PROFILE

@@ -8,7 +8,8 @@ import pytest
 
 from rtkit.errors import InvalidDocument, Malformed, UsageProblem
 from rtkit.profile import rts_model as m
-from rtkit.profile.parameters import GivenValue, SystemParameters, has_parameters
+from rtkit.profile.forms import has_parameters
+from rtkit.profile.parameters import GivenValue, SystemParameters
 from rtkit.profile.parameters.naming import prefixed
 from rtkit.profile.parameters.reading import SystemReading, read_system
 from rtkit.profile.parameters.texts import holds, substituted

@@ -265,7 +265,7 @@ def _rates(app: App, facts: ComponentFacts) -> RateRow | None:
 
 def _warnings(record: Mapping[str, Any], facts: ComponentFacts | None) -> Iterator[str]:
     from rtkit.api.present_code import present_code
-    from rtkit.deployment.drift import changed_code
+    from rtkit.deployment.loaded_code import changed_code
 
     for context in record["contexts"]:
         asked, reached = context["rate_hz"], context["reached_hz"]
