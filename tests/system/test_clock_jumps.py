@@ -141,6 +141,6 @@ def jump(shell: Any, tree: Tree, clock: WallClock, name: str, ahead_s: int) -> N
     os.kill(pid, signal.SIGKILL)
     until(lambda: any(row.zombie for row in tree.listing().rows), "a zombie")
     told = json.loads((shell.folder / "state" / "manager.log").read_text().splitlines()[-1])
-    assert told["message"] == "slave c ended: signal 9"
+    assert told["message"] == "C was lost: signal 9"
     logged = datetime.fromisoformat(told["time"]).timestamp()
     assert abs(logged - time.time() - ahead_s) < BOUND_S, told

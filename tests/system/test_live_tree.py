@@ -49,7 +49,10 @@ def test_components_are_got_and_set(manager: Any) -> None:
             "rtget /localhost/No0.rtc.state",
             "unknown: No such object: /localhost/No0.rtc (did you mean /localhost/In0.rtc?)",
         ),
-        (f"rtset {MANAGER}.delete_component No0", "unknown: no component named No0"),
+        (
+            f"rtset {MANAGER}.delete_component No0",
+            "unknown: no component named No0 (did you mean In0?)",
+        ),
         (f"rtset {MANAGER}.pid 3", "read-only: cannot be set: pid"),
     ):
         outcome = manager.run(line)
