@@ -36,7 +36,7 @@ interface local long module multiple native object octet oneway out primarykey p
 public publishes raises readonly sequence setraises short string struct supports switch true
 truncatable typedef typeid typeprefix union unsigned uses valuebase valuetype void wchar wstring
 """
-_ATTRIBUTE = re.compile(r"^( +)(\w+): (.+(?:\n\1 +\S.*)*)", re.MULTILINE)
+_ATTRIBUTE = r"(?m)^( +)(\w+): (.+(?:\n\1 +\S.*)*)"
 _known: dict[type, str] = {}
 
 
@@ -122,7 +122,7 @@ def _is_new(name: str, meant: object, known: dict[str, object]) -> bool:
 def docs_of(cls: type) -> dict[str, str]:
     """Return what the docstring of a class says of its attributes, a line for each."""
     text = (cls.__doc__ or "").partition("Attributes:\n")[2]
-    return {name: " ".join(about.split()) for _, name, about in _ATTRIBUTE.findall(text)}
+    return {name: " ".join(about.split()) for _, name, about in re.findall(_ATTRIBUTE, text)}
 
 
 def _summary(cls: type) -> str:

@@ -6,7 +6,6 @@ in `rtkit.profile`.
 
 from __future__ import annotations
 
-import re
 from collections.abc import Mapping
 
 from rtkit.fast_dataclass import dataclass, field
@@ -18,7 +17,7 @@ NOTHING: Mapping[str, str] = {}
 DEFINITION = "rtkit.idl"
 """Property of a port: the IDL of its data type, unless that is one of the standard; of a service
 port, the IDL of its interfaces."""
-_OPERATION = re.compile(r"^    (.* _?(\w+)\([^()]*\)(?: raises \(.*\))?);$", re.MULTILINE)
+_OPERATION = r"(?m)^    (.* _?(\w+)\([^()]*\)(?: raises \(.*\))?);$"
 
 
 def operations_in(definition: str) -> list[tuple[str, str]]:
@@ -26,7 +25,9 @@ def operations_in(definition: str) -> list[tuple[str, str]]:
 
     Without reading it as IDL, which takes longer than a press of TAB may.
     """
-    return [(name, text) for text, name in _OPERATION.findall(definition)]
+    import re  # each command loads this module, few tell operations
+
+    return [(name, text) for text, name in re.findall(_OPERATION, definition)]
 
 
 @dataclass(frozen=True, slots=True)
