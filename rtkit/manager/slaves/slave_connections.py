@@ -168,6 +168,8 @@ class SlaveConnections:
         self._register(pidfd, lambda _mask: self._vanished(key, pidfd))
 
     def _vanished(self, key: int, pidfd: int) -> None:
+        if self._slave_supervisor.pidfd_of(key) != pidfd:
+            return  # it said just before that it leaves, and both were ready in one turn
         self._selector.unregister(pidfd)
         self._lost(key)
 
