@@ -24,7 +24,7 @@ def readme(subjects: Sequence[GeneratedComponent]) -> str:
     """Return ``README.md`` of the components of a project, not yet stamped."""
     first = subjects[0]
     if len(subjects) == 1:
-        title, *parts = _parts(first, "RTC.xml")
+        title, *parts = _parts(first, "RTC.xml", first)
         found = [title, [MARKDOWN_STAMP], *parts]
     else:
         found = [[f"# {project_name(first.type_name)}"], [MARKDOWN_STAMP]]
@@ -34,12 +34,12 @@ def readme(subjects: Sequence[GeneratedComponent]) -> str:
             # Each is a section of its own, one level deeper.
             found += [
                 [f"#{line}" if line.startswith("#") else line for line in part]
-                for part in _parts(each, profile)
+                for part in _parts(each, profile, first)
             ]
     return "\n\n".join("\n".join(part) for part in found if part) + "\n"
 
 
-def _parts(subject: GeneratedComponent, profile: str) -> list[list[str]]:
+def _parts(subject: GeneratedComponent, profile: str, first: GeneratedComponent) -> list[list[str]]:
     return [
         [f"# {_plain(subject.type_name)}"],
         [_plain(subject.description or f"Component type {subject.type_name}.")],
@@ -47,7 +47,7 @@ def _parts(subject: GeneratedComponent, profile: str) -> list[list[str]]:
         list(_identity(subject)),
         list(_running(subject)),
         *_tables(subject),
-        list(_work(subject, profile)),
+        list(_work(subject, profile, project_name(first.type_name))),
     ]
 
 
@@ -181,7 +181,7 @@ def _port_text(port: GeneratedPort) -> str:
     return "; ".join(f"{label}{_plain(text)}" for label, text in facts if one_line(text))
 
 
-def _work(subject: GeneratedComponent, profile: str) -> Iterator[str]:
+def _work(subject: GeneratedComponent, profile: str, project: str) -> Iterator[str]:
     yield "## Work on it"
     yield ""
     marks = f"Your code goes between the marks in `{subject.module}.py`."
@@ -189,7 +189,7 @@ def _work(subject: GeneratedComponent, profile: str) -> Iterator[str]:
     yield f"`rtbuild {profile}` writes what follows from it and keeps what is yours."
     yield ""
     yield "```sh"
-    yield f"pip install -e '.[dev]'   # {project_name(subject.type_name)}"
+    yield f"pip install -e '.[dev]'   # {project}"
     yield "pytest"
     yield "ruff check ."
     yield "```"

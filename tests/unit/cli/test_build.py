@@ -313,6 +313,12 @@ def test_a_component_is_added_and_all_that_is_there_is_kept(two: Path, run: Run)
     assert contents(two) == before
 
 
+def test_the_readme_names_the_package_that_all_are_in(two: Path, run: Run) -> None:
+    run("rtbuild echo.xml other.xml -o out")
+    told = [line for line in (two / "out" / "README.md").read_text().splitlines() if "-e '" in line]
+    assert told == ["pip install -e '.[dev]'   # rtc-echo"] * 2
+
+
 def test_two_components_in_one_file_are_refused(two: Path, run: Run) -> None:
     edit(two / "other.xml", 'rtc:name="Other"', 'rtc:name="Echo_idl"')
     assert run("rtbuild echo.xml other.xml -o out") == (
