@@ -26,6 +26,7 @@ def absent(root: TreeNode, path: Path, hostname: str) -> NotFound:
         below = node.children.get(name)
         if below is None:
             meant = _base_is_gone(path, depth) or _meant(path, element, node)
+            meant = meant or (_below_local(path, root) if depth == 0 else "")
             return NotFound(f"No such object: {path.typed}{meant}")
         node = below
     return NotFound(f"No such object: {path.typed}")
@@ -51,6 +52,15 @@ def _meant(path: Path, element: str, node: TreeNode) -> str:
     # Who asks for Motor1 where there is Motor0 did not mistype it.
     apart = [each for each in known if each == word or _letters(each) != _letters(word)]
     return did_you_mean(word, apart, 1, lambda stem: f"{head}{known[stem]}{tail}")
+
+
+def _below_local(path: Path, root: TreeNode) -> str:
+    """Return a hint if what was typed is there, but below this host, which was left out."""
+    local, element = root.children.get(LOCAL), path.elements[0]
+    below = local.entries() if local is not None else ()
+    name = next((each.name for each in below if _stem(each.name) == _stem(element)), "")
+    _, found, tail = path.typed.partition(element)
+    return f" (did you mean /{LOCAL}/{name}{tail}?)" if name and found else ""
 
 
 def _stem(name: str) -> str:

@@ -50,6 +50,20 @@ def test_what_is_not_there(root: TreeNode, typed: str) -> None:
 
 
 @pytest.mark.parametrize(
+    ("typed", "meant"),
+    [
+        ("A.rtc", "/localhost/A.rtc"),
+        ("/A.rtc", "/localhost/A.rtc"),
+        ("A:in", "/localhost/A.rtc:in"),
+        ("manager.mgr/s1.mgr", "/localhost/manager.mgr/s1.mgr"),
+    ],
+)
+def test_what_lies_on_this_host_is_told(root: TreeNode, typed: str, meant: str) -> None:
+    why = resolve.absent(root, parse_path(typed), "box.lan")
+    assert str(why) == f"No such object: {typed} (did you mean {meant}?)"
+
+
+@pytest.mark.parametrize(
     ("function", "typed", "error", "why"),
     [
         ("component", "/localhost/A.rtc", None, ""),
