@@ -116,20 +116,21 @@ def _check_once(what: str, names: list[str]) -> None:
 
 
 def data_port(text: str, port_type: str) -> rtc.DataPortDeclaration:
-    """Read ``NAME:TYPE`` or ``NAME:TYPE:UNIT``; a standard type needs no module.
+    """Read ``NAME:TYPE``, ``NAME:TYPE:UNIT`` or ``…:FILE.idl``; a standard type needs no module.
 
     Raises:
         Malformed: It is none of these.
     """
     parts = _SINGLE_COLON.split(text)
     if len(parts) not in (2, 3) or not all(parts):
-        raise Malformed(f"a data port is NAME:TYPE or NAME:TYPE:UNIT: {text}")
+        raise Malformed(f"a data port is NAME:TYPE, NAME:TYPE:UNIT or NAME:TYPE:FILE.idl: {text}")
     name, data_type = _port_name(parts[0]), parts[1]
     full = f"RTC::{data_type}" if _STANDARD.fullmatch(data_type) else data_type
     position = "RIGHT" if port_type == "DataOutPort" else "LEFT"
-    return rtc.DataPortDeclaration(
-        port_type, name, full, position, unit=parts[2] if len(parts) == 3 else None
-    )
+    last = parts[2] if len(parts) == 3 else None
+    is_file = last is not None and last.lower().endswith(".idl")
+    idl_file, unit = (last, None) if is_file else (None, last)
+    return rtc.DataPortDeclaration(port_type, name, full, position, idl_file, unit=unit)
 
 
 class InterfaceWish(NamedTuple):

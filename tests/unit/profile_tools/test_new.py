@@ -33,6 +33,8 @@ def test_ports() -> None:
         "m",
         "RIGHT",
     )
+    named = new.data_port("scan:Survey::Scan:idl/Survey.idl", "DataOutPort")
+    assert (named.type, named.idl_file, named.unit) == ("Survey::Scan", "idl/Survey.idl", None)
     other = new.data_port("in:Img::TimedCameraImage", "DataInPort")
     assert (other.type, other.unit, other.position) == ("Img::TimedCameraImage", None, "LEFT")
     assert new.data_port("x:Mine", "DataInPort").type == "Mine"

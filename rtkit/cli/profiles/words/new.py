@@ -25,8 +25,8 @@ _CALLBACKS = ("onInitialize", "onActivated", "onDeactivated", "onExecute")
 class ComponentOptions(NamedTuple):
     """Options for a component: its ports, parameters, callbacks, and kind."""
 
-    ins: tuple[str, ...] = several("--in NAME:TYPE[:UNIT]", "component: an in port.")
-    outs: tuple[str, ...] = several("--out NAME:TYPE[:UNIT]", "component: an out port.")
+    ins: tuple[str, ...] = several("--in NAME:TYPE[:UNIT|:IDL]", "component: an in port.")
+    outs: tuple[str, ...] = several("--out NAME:TYPE[:UNIT|:IDL]", "component: an out port.")
     provides: tuple[str, ...] = several(
         "--provides PORT:TYPE[:IDL]", "component: a provided interface."
     )
