@@ -26,7 +26,6 @@ JSON = "application/json"
 TEXT = "text/plain; charset=utf-8"
 BYTES = "application/octet-stream"
 _TAG = re.compile(r'"(\d{1,18})"')
-_DEEPEST_JSON = 64
 
 
 class HttpRequest(NamedTuple):
