@@ -192,7 +192,10 @@ READERS: dict[str, tuple[set[str], tuple[str, ...]]] = {
     "rtstart --dry-run FILE": ({*SYSTEM, "rtkit.deployment.actions"}, FOR_REPAIRS_AND_CHANGES),
     "rtstop --dry-run FILE": ({*SYSTEM, "rtkit.deployment.actions"}, FOR_REPAIRS_AND_CHANGES),
     "rtteardown --dry-run FILE": ({*SYSTEM, "rtkit.deployment.actions"}, FOR_REPAIRS_AND_CHANGES),
-    "rtcryo": ({*FACTS, "rtkit.profile"}, ("difflib", "locale", "rtkit.report", "rtkit.tree.view")),
+    "rtcryo --all": (
+        {*FACTS, "rtkit.profile"},
+        ("difflib", "locale", "rtkit.report", "rtkit.tree.view"),
+    ),
 }
 """What commands that only read need, of what is forbidden on the way, and what else they leave."""
 

@@ -52,5 +52,7 @@ def main(
     from rtkit.profile.write import write_profile
 
     profile = capture(app, servers, (name, system_version, vendor, abstract), takes_all=takes_all)
+    if not profile.components and not takes_all:
+        app.fail("note: no component is connected, so none is saved (--all saves them, too)")
     write_output(write_profile(profile, app.form or form_of_name(output) or XML), output)
     return 0 if servers else app.report_silent_servers("not saved")

@@ -468,6 +468,15 @@ def test_cryo_says_what_it_leaves_out(run, file, world):
     assert len(read_rts(out.encode()).profile.components) == 2
 
 
+def test_cryo_tells_that_it_saves_nothing(run, world):
+    world.perform(act.Create("Sink"))
+    told = "rtcryo: note: no component is connected, so none is saved (--all saves them, too)\n"
+    status, out, err = run("rtcryo")
+    assert (status, err) == (0, told)
+    assert read_rts(out.encode()).profile.components == ()
+    assert run("rtcryo", "--all")[2] == ""
+
+
 def test_cryo_leaves_an_old_file_when_it_cannot_write(run, file, tmp_path):
     run("rtresurrect", file())
     target = tmp_path / "no" / "such" / "dir.xml"
