@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from time import monotonic
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -19,8 +19,10 @@ from rtkit.probe.port_spec import PortSpec, Stream, find_streams
 from rtkit.probe.probe import Probe, tap_ports
 from rtkit.rtc.enums import PortType
 from rtkit.rtc.profiles import PortRef
+from rtkit.tree.subscription import TreeChange
 
 if TYPE_CHECKING:
+    from rtkit.api.observers import ObservedEvent
     from rtkit.deployment.facts import Snapshot
     from rtkit.probe.tap import Arrival
 
@@ -90,12 +92,25 @@ class LatePorts(Closing):
             piece = self._probe.take(0.0)
             if piece is None or piece or (until is not None and monotonic() >= until):
                 return piece
-            if next(self._events):
+            if events := next(self._events):
+                self._forget_gone(events)
                 soon = monotonic() + _SETTLE_S
                 self._look_at = soon if self._look_at is None else min(soon, self._look_at)
             if self._look_at is not None and monotonic() >= self._look_at:
                 self._look()
                 self._look_at = min(self._due.values(), default=None)
+
+    def _forget_gone(self, events: Iterable[ObservedEvent]) -> None:
+        """Forget ports of components that have gone, though they may be back at the next look."""
+        changes = (change for _, change in events if isinstance(change, TreeChange))
+        gone = {
+            each.instance
+            for change in changes
+            for each in change.user_events
+            if each.event in ("VANISHED", "ZOMBIE")
+        }
+        self._alive = {ref for ref in self._alive if ref.instance not in gone}
+        self._waiting = [each for each in self._waiting if each.ends[0].ref.instance not in gone]
 
     def _next(self) -> float | None:
         return min((t for t in (self._until, self._look_at) if t is not None), default=None)

@@ -10,15 +10,18 @@ import pytest
 from fake_manager import FakeManager
 from fake_tree import fake_tree
 
+from rtkit.api.observers import ObservedEvent
 from rtkit.cli.data import late_ports
 from rtkit.cli.data.late_ports import LatePorts
 from rtkit.deployment.actions import Create
 from rtkit.deployment.facts import RestartStatus
+from rtkit.deployment.user_events import TREE_EVENT, UserEvent
 from rtkit.fast_dataclass import replace
 from rtkit.probe.port_spec import Stream, parse_spec
 from rtkit.rtc.enums import PortType
 from rtkit.rtc.pattern import ComponentPattern
 from rtkit.rtc.profiles import ConnectorProfile, PortProfile, PortRef, TypeProfile
+from rtkit.tree.subscription import TreeChange
 
 _OUT = PortProfile("out", PortType.OUT, {"dataport.data_type": "IDL:RTC/TimedLong:1.0"})
 _FAR = PortProfile("out", PortType.OUT, {"dataport.data_type": "IDL:RTC/TimedDouble:1.0"})
@@ -124,6 +127,19 @@ def test_a_component_that_was_removed_and_made_again_is_the_same_stream(bench: B
     bench.tree.perform(Create("S?instance_name=S0"))
     assert bench.look() == ["S0_out=S0.out"]
     assert bench.added == ["S0_out"]
+
+
+def test_one_that_has_gone_and_is_back_before_the_next_look_is_connected_again(
+    bench: Bench,
+) -> None:
+    bench.tree.perform(Create("S?instance_name=S0"))
+    bench.look()
+    gone = UserEvent(TREE_EVENT, "S0", "manager", "", "VANISHED")
+    bench.late._forget_gone([ObservedEvent("", TreeChange(0.0, (gone,)))])
+    assert bench.look() == ["S0_out=S0.out"]
+    other = UserEvent(TREE_EVENT, "S1", "manager", "", "VANISHED")
+    bench.late._forget_gone([ObservedEvent("", TreeChange(0.0, (other,)))])
+    assert bench.look() == []
 
 
 def test_another_type_under_the_same_name_is_another_stream(bench: Bench) -> None:
