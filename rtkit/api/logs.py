@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Generator, Iterable, Sequence
+from contextlib import closing
 from typing import TYPE_CHECKING
 
 from rtkit.errors import Malformed
@@ -16,7 +17,7 @@ if TYPE_CHECKING:
 LEVELS = ("FATAL", "ERROR", "WARN", "INFO", "NORMAL", "DEBUG", "TRACE", "VERBOSE", "PARANOID")
 """From few words to many; NORMAL is what a component says that is told nothing else."""
 
-SETTLE_S = 0.02
+_SETTLE_S = 0.02
 """Wait for simultaneous records of other processes, so that they can be put in order [s]."""
 
 
@@ -42,31 +43,50 @@ def selected(
     return all_of(_loud_enough(level), _sent_by(sources), _with(text), _after(since_s))
 
 
-def follow(
-    session: Session, wanted: Wanted, last: int | None, until: float | None, *, is_over: bool
-) -> Generator[LogEntry | None, None, None]:
-    """Yield None when ready, the records there are, then unless it `is_over` what comes.
+def pieces(
+    session: Session,
+    wanted: Wanted,
+    last: int | None,
+    until: float | None,
+    *,
+    is_over: bool,
+    unlogged: Sequence[LogEntry] = (),
+) -> Generator[list[LogEntry], None, None]:
+    """Yield the records there are, then unless it `is_over` those that come, together what is.
 
     Args:
-        session: Of whoever reads.
+        session: Of whoever reads; lines that are no records are reported to it.
         wanted: Which records.
         last: How many of those that are there; None for all.
         until: When to end, monotonic [s]; None for never.
         is_over: End after those that are there.
+        unlogged: Records that are in no log yet.
     """
     from rtkit.link.places import state_dir
     from rtkit.tree.logbook import Logbook
 
     logbook = Logbook(state_dir(), wanted)
     try:
-        present = logbook.there(last)
-        yield None
-        yield from present
+        yield logbook.there(last, unlogged)
         while not is_over and session.wait_for([logbook.fileno()], until):
-            time.sleep(SETTLE_S)
-            yield from logbook.delta()
+            time.sleep(_SETTLE_S)
+            yield logbook.delta()
+        if logbook.unreadable:
+            session.fail(f"{logbook.unreadable} lines are no records")
     finally:
         logbook.close()
+
+
+def follow(
+    session: Session, wanted: Wanted, last: int | None, until: float | None, *, is_over: bool
+) -> Generator[LogEntry | None, None, None]:
+    """Yield None when ready, then records one by one; see `pieces`."""
+    with closing(pieces(session, wanted, last, until, is_over=is_over)) as read:
+        present = next(read)
+        yield None
+        yield from present
+        for piece in read:
+            yield from piece
 
 
 def all_of(*conditions: Wanted) -> Wanted:

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import time
 from collections.abc import Sequence
+from contextlib import closing
 from typing import TYPE_CHECKING
 
 import click
 
-from rtkit.api.logs import LEVELS, SETTLE_S, about, about_name, all_of, selected
+from rtkit.api.logs import LEVELS, about, about_name, all_of, pieces, selected
 from rtkit.cli.shared import terminal
 from rtkit.cli.shared.app import App, WrongArguments
 from rtkit.cli.shared.command import command
@@ -21,7 +22,6 @@ from rtkit.cli.shared.options import (
     option,
     several,
 )
-from rtkit.cli.shared.stdout_reader import wait_for
 from rtkit.errors import Malformed, Unreachable
 
 if TYPE_CHECKING:
@@ -92,9 +92,6 @@ def main(
 
     What a component does not log at its level (option logger.log_level) cannot be printed.
     """
-    from rtkit.link.places import state_dir
-    from rtkit.tree.logbook import Logbook
-
     if not paths:
         raise WrongArguments("No component specified.")
     app.bound(duration_s)
@@ -104,17 +101,9 @@ def main(
     before = number if number is not None else _BEFORE if is_tail else None
     show = _json if is_json else _text
     until = None if duration_s is None else time.monotonic() + duration_s
-    logbook = Logbook(state_dir(), wanted)
-    try:
-        present = logbook.there(before, unlogged)
-        terminal.write_now([line for entry in present for line in show(entry)])
-        while follow and wait_for([logbook.fileno()], until):
-            time.sleep(SETTLE_S)
-            terminal.write_now([line for entry in logbook.delta() for line in show(entry)])
-        if logbook.unreadable:
-            app.report(f"{app.name}: {logbook.unreadable} lines are no records")
-    finally:
-        logbook.close()
+    with closing(pieces(app, wanted, before, until, is_over=not follow, unlogged=unlogged)) as read:
+        for piece in read:
+            terminal.write_now([line for entry in piece for line in show(entry)])
 
 
 def _about(app: App, typed: Sequence[str]) -> tuple[Wanted, list[LogEntry]]:
