@@ -150,7 +150,8 @@ class Loader:
         for each in classes:
             setattr(each, CODE, "\n".join(f"{crc:08x} {file}" for file, crc in code.items()))
         self._imported[source.real] = imported
-        profile = ModuleProfile(path, name, types, source.real)
+        aliases = (path,) if path != source.path else ()
+        profile = ModuleProfile(source.path, name, types, source.real, aliases)
         self._modules[source.real, name] = profile
         self._remarks[source.real, name] = [t for each in classes for t in near_misses(each)]
         return profile

@@ -4,7 +4,8 @@ A name leads to no other place: neither by ``..`` nor by a link. What is checked
 One that no load path has may be that of a module of an installed package: as that package names
 it for components or, where absolute paths are allowed, as Python does (``robot.arm``). Packages
 declare entry points of the group ``rtkit.components``, ``NAME = MODULE:INIT``: the module is
-requested by NAME, usually the name of its component type. None of them is run to be found.
+requested by NAME, usually the name of its component type, or by MODULE. None of them is run to be
+found.
 """
 
 from __future__ import annotations
@@ -31,6 +32,7 @@ class ModuleSource(NamedTuple):
         real: Where the file is, without links.
         init: Name of its init function where its package names one; else empty.
         package: Name of the package that it is part of, as Python imports it; else empty.
+        path: By which it is found again wherever its package is installed; else as it was asked.
     """
 
     file: str
@@ -38,6 +40,7 @@ class ModuleSource(NamedTuple):
     text: bytes
     init: str = ""
     package: str = ""
+    path: str = ""
 
 
 class ModulePlace(NamedTuple):
@@ -69,7 +72,8 @@ class Search:
             NotFound: There is no such file.
             Refused: It lies where no module is taken from; names the rule.
         """
-        file, folder, init, package = self._place(path)
+        place = self._place(path)
+        file, folder, init, package = place
         if not file or not os.path.isfile(file):
             looked = f"looked in {', '.join(self.folders)} and among installed packages"
             known = [each.removesuffix(SUFFIX) for each in self.modules()]
@@ -80,7 +84,8 @@ class Search:
         text, real = find_private(file)
         if folder and not _is_inside(real, os.path.realpath(folder)):
             raise Refused(f"module {path} is a link that leaves the load path {folder}")
-        return ModuleSource(file, real, text, init, package or package_of(file))
+        again = place.name if init and package else path  # a file elsewhere may be called so, too
+        return ModuleSource(file, real, text, init, package or package_of(file), again)
 
     def has(self, path: str) -> bool:
         """Return whether there is a module of that name."""
@@ -124,7 +129,8 @@ class Search:
                 file = os.path.join(folder, name)
                 if os.path.isfile(file):
                     return ModulePlace(file, folder)
-        known = installed().get(path.removesuffix(SUFFIX))
+        there = installed()
+        known = there.get(path.removesuffix(SUFFIX))
         if known is not None:
             return known
         if "." not in path or not all(part.isidentifier() for part in path.split(".")):
@@ -134,7 +140,8 @@ class Search:
             file = f"{os.path.join(folder, *path.split('.'))}{SUFFIX}"
             if os.path.isfile(file):
                 return ModulePlace(file, folder, package=package)
-        return ModulePlace(file_of(path) if self._is_absolute_allowed else "", package=package)
+        is_allowed = self._is_absolute_allowed or any(path == each.name for each in there.values())
+        return ModulePlace(file_of(path) if is_allowed else "", package=package)
 
 
 def _is_inside(path: str, folder: str) -> bool:

@@ -30,6 +30,7 @@ class {name}(rt.Component):
     {port}
 '''
 OUT, IN = "out = rt.OutPort(rt.TimedLong)", "into = rt.InPort(rt.TimedLong)"
+SAVED = ("talker.Hearer", "judge.Judge", "talker.Talker")
 WORK = "        self.out.write(idl.Level(helper.VALUE, idl.Mode.IDLE))"
 
 
@@ -99,12 +100,21 @@ def test_wheels_with_equal_names_inside_work_side_by_side(shell: Any) -> None:
     shell.ok("rtact /localhost/Talker0.rtc /localhost/Hearer0.rtc /localhost/Judge0.rtc")
     assert "2.5" in shell.ok("rtprint -n 1 /localhost/Talker0.rtc:out")
     shell.ok("rtcryo --all -o saved.xml")
+    modules = re.findall('rtkit[.]module" rtsExt:value="([^"]*)', saved_text(empty))
+    assert modules == [f"rtc_{top}:{top.rpartition('.')[2]}Init" for top in SAVED]
+    assert "Filepath: rtc_judge.Judge" in shell.ok(f"rtcat {MANAGER}")
     for check in ("rtprofile check", "rtcheck --static"):
         assert "3 components, 3 of known type" in shell.ok(f"{check} saved.xml")
     shell.ok("rtcheck saved.xml")
     # A profile of other tools says the types, and not of which module they are.
     plain = re.sub("<rtsExt:Properties [^>]*rtkit[.](module|create)[^>]*/>", "", saved_text(empty))
     (empty / "plain.xml").write_text(plain)
+    shell.ok("rtteardown saved.xml")
+    # A file of that name beside is not taken for it.
+    shell.ok(f"rtmgr {MANAGER} -u rtc_judge.Judge")
+    (empty / "Judge.py").write_text("raise SystemExit('another one')\n")
+    shell.ok("rtresurrect saved.xml")
+    (empty / "Judge.py").unlink()
     shell.ok("rtteardown saved.xml")
     shell.ok("rtresurrect plain.xml")
     assert shell.run("rtstart plain.xml").status == 0

@@ -82,7 +82,8 @@ def take_all(state: ManagerState, process: Process, reported: object) -> None:
         tried, before = read(each), set(state.modules)
         take(state, tried.module)
         process.found += state.modules.keys() - before
-        state.tried.setdefault(tried.module.path, tried.fingerprint)
+        for path in (tried.module.path, *tried.module.aliases):
+            state.tried.setdefault(path, tried.fingerprint)
 
 
 def forget_found(state: ManagerState, process: Process) -> None:
@@ -147,7 +148,7 @@ def try_module(
         process.failure = failure
         raise failure from error
     yield fx.Spawn(end_slaves([process]))
-    state.tried[path] = tried.fingerprint
+    state.tried.update(dict.fromkeys((path, tried.module.path), tried.fingerprint))
     return tried
 
 

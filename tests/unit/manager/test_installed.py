@@ -121,6 +121,21 @@ def test_a_name_and_an_init_function_of_their_own(site):
     assert [each.type_name for each in loader.factories.types] == ["Scale"]
 
 
+def test_a_module_found_by_its_type_is_named_as_python_does(site, tmp_path):
+    install(site, "[rtkit.components]\nScale = inner.Scale:ScaleInit\n", ["inner/Scale.py"])
+    loader = Loader([])
+    loader.make(parse_create("Scale"))
+    (module,) = loader.found()
+    assert (module.path, module.init) == ("inner.Scale", "ScaleInit")
+    assert loader.load("Scale.py") is loader.load("inner.Scale", "ScaleInit") is module
+    assert module.is_at("Scale.py")
+    install(tmp_path, "", ["Scale.py"])  # one in a load path is another one
+    assert Loader([str(tmp_path)]).load("Scale.py").path == "Scale.py"
+    closed = Search([str(tmp_path)], is_absolute_allowed=False)
+    assert closed.read("inner.Scale").file == str(site / "inner/Scale.py")
+    assert loader.unload("Scale") == str(site / "inner/Scale.py")
+
+
 def test_load_paths_come_first(site, tmp_path):
     install(site, "[rtkit.components]\nScale = Scale:ScaleInit\n", ["Scale.py"])
     near = tmp_path / "near"
