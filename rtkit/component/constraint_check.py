@@ -10,6 +10,7 @@ from collections.abc import Callable, Iterable, Mapping
 from typing import TYPE_CHECKING, NamedTuple
 
 from rtkit.errors import Malformed
+from rtkit.rtc.nearest import did_you_mean
 
 if TYPE_CHECKING:
     from rtkit.profile.constraint_model import Constraint
@@ -62,6 +63,11 @@ def parameter_names(sets: Mapping[str, Mapping[str, str]]) -> frozenset[str]:
     """
     visible = (values for set_id, values in sets.items() if not set_id.startswith("__"))
     return frozenset(name for values in visible for name in values) | {DESCRIPTION}
+
+
+def no_parameter(name: str, known: Iterable[str], path: str) -> str:
+    """Return the message that the component of a path has no parameter of that name."""
+    return f"No such configuration parameter: {name} (on {path}){did_you_mean(name, known)}"
 
 
 def hinted(sets: Mapping[str, Mapping[str, str]], name: str) -> Declared:

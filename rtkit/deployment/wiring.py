@@ -126,18 +126,14 @@ def _adds(set_id: str) -> str:
     return "" if set_id == "default" else MISSING
 
 
-def _names(facts: ComponentFacts) -> Collection[str]:
-    from rtkit.component.constraint_check import parameter_names
-
-    return parameter_names(facts.sets)
-
-
 def _parameter(text: str, facts: ComponentFacts, wanted: SetParameters, path: str) -> PlannedAction:
+    from rtkit.component.constraint_check import no_parameter, parameter_names
+
     ((name, value),) = wanted.values.items()
     present = facts.sets.get(wanted.set_id)
-    if name not in (_names(facts) if present is None else present):
-        why = f"No such configuration parameter: {name} (on {path})"
-        return PlannedAction(text, None, blocked=why)
+    known = parameter_names(facts.sets) if present is None else present
+    if name not in known:
+        return PlannedAction(text, None, blocked=no_parameter(name, known, path))
     if present is not None and present[name] == value:
         return PlannedAction(text, None, holds=True)
     return PlannedAction(text, wanted, where=path)

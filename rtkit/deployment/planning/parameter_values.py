@@ -2,9 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 
-from rtkit.component.constraint_check import Declared, misfit, misfit_of, parameter_names
+from rtkit.component.constraint_check import (
+    Declared,
+    misfit,
+    misfit_of,
+    no_parameter,
+    parameter_names,
+)
 from rtkit.deployment.facts import ComponentFacts
 from rtkit.deployment.planning.component_settings import ACTIVE_SET, DEFAULT, ComponentSetting
 from rtkit.deployment.planning.model import UNKNOWN, ParameterVariable
@@ -92,12 +98,12 @@ class Values:
         if facts is not None:
             there = facts.sets.get(set_id, {})
             is_missing = parameter not in there and not self._can_add(set_id, parameter)
+            known: Iterable[str] = there or parameter_names(facts.sets)
         else:
-            is_missing = self._declared is not None and parameter not in self._declared
+            known = self._declared or ()
+            is_missing = self._declared is not None and parameter not in known
         if is_missing:
-            self.missing.append(
-                f"No such configuration parameter: {parameter} (on {self._component.path})"
-            )
+            self.missing.append(no_parameter(parameter, known, self._component.path))
         return is_missing
 
     def _misfit(self, parameter: str, value: str) -> str:

@@ -740,7 +740,8 @@ def test_a_parameter_that_there_is_not_is_told_and_decides_the_status(console):
     console.change('rts:name="gain" rts:data="2"', 'rts:name="gian" rts:data="2"')
     status, _, err = console.run("rtapply")
     assert status == 1
-    told = "No such configuration parameter: gian (on /localhost/Source0.rtc)\n"
+    where = "(on /localhost/Source0.rtc) (did you mean gain?)"
+    told = f"No such configuration parameter: gian {where}\n"
     assert err.count(told) == 1
     assert console.world.state_of("Source0") == "Active"
     for _ in range(2):
@@ -808,7 +809,7 @@ def test_a_parameter_that_a_type_does_not_have_is_told_before_it_is_made(
     console.change('rts:name="gain" rts:data="2"', 'rts:name="gian" rts:data="2"')
     status, out, err = console.run("rtplan")
     assert status == 0
-    assert "No such configuration parameter: gian (on /localhost/Source0.rtc)" in err
+    assert "parameter: gian (on /localhost/Source0.rtc) (did you mean gain?)" in err
     assert "gian" not in out
 
 
