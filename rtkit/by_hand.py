@@ -15,7 +15,8 @@ import os
 import queue
 import sys
 import zlib
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager, nullcontext
 from threading import Event, Lock
 from types import FunctionType
 from typing import TYPE_CHECKING, NamedTuple, NoReturn
@@ -112,15 +113,41 @@ def run(
     arguments = sys.argv[1:] if is_script else arguments or ()
     wish = _read_arguments(component_class, arguments, wish) if arguments else wish
     is_waiting = not _is_in_loop() if wait is None else wait
-    try:
-        running = RunningComponent(component_class, wish, is_driving=is_waiting)
-    except RtkitError as error:
-        if is_script:
-            _give_up(error)
-        raise
-    if is_waiting:
-        running.wait()
+    with _ending_by_ctrl_c() if is_waiting else nullcontext():
+        try:
+            running = RunningComponent(component_class, wish, is_driving=is_waiting)
+        except RtkitError as error:
+            if is_script:
+                _give_up(error)
+            raise
+        if is_waiting:
+            running.wait()
     return running
+
+
+@contextmanager
+def _ending_by_ctrl_c() -> Iterator[None]:
+    """Let Ctrl-C end the component also after `breakpoint` and `c`: the debugger would stop again.
+
+    Another debugger than Python's own stays as it was chosen.
+    """
+    before = sys.breakpointhook
+    if before is sys.__breakpointhook__ and not os.environ.get("PYTHONBREAKPOINT"):
+        sys.breakpointhook = _stop
+    try:
+        yield
+    finally:
+        sys.breakpointhook = before
+
+
+def _stop(*, header: str | None = None) -> None:
+    from inspect import currentframe
+    from pdb import Pdb
+
+    debugger, here = Pdb(nosigint=True), currentframe()
+    if header is not None:
+        debugger.message(header)
+    debugger.set_trace(here and here.f_back)
 
 
 class RunningComponent(Closing):

@@ -148,9 +148,11 @@ def test_at_a_breakpoint_it_is_in_a_debugger_and_goes_on(manager: Any, scripts: 
     outcome = manager.run(f"rtdeact --timeout 0.3 {PATH}")
     assert outcome.status == 1
     assert "in a debugger" in outcome.err
-    script.type("self.factor = 1\nc\n")
+    script.type("Scale.on_execute = lambda *_: None\nc\n")
     until(lambda: "in a debugger" not in manager.ok("rtls -l /localhost"), "its going on")
-    script.interrupt()
+    script.process.send_signal(signal.SIGINT)
+    assert script.process.wait(timeout=20.0) == 0  # and stops in the debugger no more
+    assert script.end()[0].endswith("finalised\nreturned\n")
 
 
 @pytest.mark.parametrize(
