@@ -15,6 +15,7 @@ TWICE = {
     "CameraImage": "two OMG modules, Img and RTC, each define a structure of that name",
     "Wire": "a protocol for properties, and in a drawing a line between two ports",
     "Tree": "a connection to a manager; that of scripts is derived from it",
+    "Scene": "walls and objects of the simulated world, and in a drawing a whole system",
     "Path": "a path of the property tree, and in the public planner one through its states",
 }
 """Public class names that stand for two things, with the reason."""
