@@ -78,7 +78,7 @@ class DataTree(client.Tree):
         """Return the next value that comes out of a port.
 
         Args:
-            port: Path of an out port: ``/localhost/Robot0.rtc:pose``.
+            port: Path of an out port, ``/localhost/Robot0.rtc:pose``, or pattern, ``Robot*:pose``.
             timeout_s: How long to wait [s]; by default the time-out of the connection.
 
         Raises:
@@ -100,7 +100,7 @@ class DataTree(client.Tree):
         A component of its own is connected as long as the loop runs.
 
         Args:
-            ports: Paths of out ports.
+            ports: Paths of out ports, or patterns of those that are there: ``Robot*:pose``.
             number: How many; None for no bound.
             timeout_s: For how long [s]; None for no bound.
             lossless: Lose no value; the component that writes waits instead.
@@ -122,7 +122,7 @@ class DataTree(client.Tree):
             tree.write("/localhost/Motor0.rtc:velocity", {"vx": 0.5}, {"vx": 0.0}, rate=10.0)
 
         Args:
-            port: Path of the port.
+            port: Path of the port, or pattern: each gets every value.
             values: Objects of the data type, or plain data as ``rtinject`` takes them.
             rate: Values per second [Hz]; 0 for as fast as they are taken.
 
@@ -154,7 +154,7 @@ class DataTree(client.Tree):
             Refused: It raised an exception.
             Unreachable: There was no answer in time.
         """
-        from rtkit.api.calling import call
+        from rtkit.api.ports import call
 
         return call(self, operation, arguments, self.timeout_s if timeout_s is None else timeout_s)
 

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING
 
-from rtkit.errors import Unreachable
+from rtkit.errors import RtkitError, Unreachable
 from rtkit.rtc.names import MANAGER_SUFFIX
 
 if TYPE_CHECKING:
@@ -127,6 +127,25 @@ def gather_named(session: Session, servers: Sequence[str]) -> tuple[str, ...]:
         raise
     session.ask(ManagerSet(list(dict.fromkeys([usual, *trees])), trees, {}))
     return tuple(dict.fromkeys(LOCAL if manager else host for host, manager in named.items()))
+
+
+def snapshots(
+    session: Session, but: Collection[str] = ()
+) -> Iterator[tuple[str, Snapshot | RtkitError]]:
+    """Yield each running manager of this host with its snapshot, or the reason for none."""
+    from rtkit.link.running import managers
+    from rtkit.tree.connect import connect
+
+    for name in managers():
+        if name in but:
+            continue
+        found: Snapshot | RtkitError
+        try:
+            with connect(name, session.timeout_s) as tree:
+                found = tree.snapshot()
+        except RtkitError as error:
+            found = error
+        yield name, found
 
 
 def can_be_started(manager: str) -> bool:

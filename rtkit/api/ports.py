@@ -1,10 +1,14 @@
-"""Reads and writes values of ports, by a component of its own that is connected for as long."""
+"""Reads and writes values of ports, by a component of its own that is connected for as long.
+
+Calls operations of service ports, too.
+"""
 
 from __future__ import annotations
 
+import json
 import time
 from collections import deque
-from collections.abc import Generator, Iterable, Iterator, Sequence
+from collections.abc import Callable, Generator, Iterable, Iterator, Mapping, Sequence
 from itertools import islice
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -13,9 +17,12 @@ from rtkit.errors import Malformed, Refused
 from rtkit.link import stopping
 
 if TYPE_CHECKING:
-    from rtkit.probe.port_spec import Stream
+    from rtkit.probe.port_spec import PortSpec, Stream
+    from rtkit.probe.probe import Probe as Probe
+    from rtkit.probe.probe import Refusal
     from rtkit.probe.tap import Arrival
     from rtkit.rtc.enums import PortType
+    from rtkit.rtc.profiles import PortRef
     from rtkit.tree.client import Tree
 
 
@@ -37,6 +44,45 @@ class PortValue(NamedTuple):
     value: Any
 
 
+def streams_of(
+    tree: Tree,
+    ports: Sequence[PortSpec],
+    wanted: PortType,
+    unnamed: Callable[[int, PortRef], str] | None = None,
+    *,
+    is_patient: bool = False,
+) -> tuple[Stream, ...]:
+    """Return the streams of ports that were specified, by name or by pattern.
+
+    Args:
+        tree: The manager of the components.
+        ports: Specifications and patterns.
+        wanted: The kind of the ports.
+        unnamed: Names streams; see `rtkit.probe.port_spec.find_streams`.
+        is_patient: Whether a pattern may match nothing as yet.
+
+    Raises:
+        RtkitError: One of them is not there or not of that kind.
+    """
+    from rtkit.component.typenames import type_by_name
+    from rtkit.probe.port_spec import find_streams
+    from rtkit.rtc.data_types import scoped_name
+
+    if any(each.is_pattern for each in ports):
+        from rtkit.probe.port_pattern import expanded
+
+        found = expanded(tree.snapshot(), ports, wanted, is_patient=is_patient)
+        ports = [each for each, _ in found]
+    streams = find_streams(tree, ports, wanted, unnamed)
+    names = [scoped_name(each.data_type) for each in streams if not each.definition]
+    if all(type_by_name(name) for name in names if name):
+        return streams
+    from rtkit.probe.known_types import definitions
+
+    known = definitions(tree.snapshot())
+    return tuple(s._replace(elsewhere=known.get(scoped_name(s.data_type), "")) for s in streams)
+
+
 def types_of(streams: Iterable[Stream]) -> dict[str, type]:
     """Return the data type of each stream, by its name.
 
@@ -46,6 +92,72 @@ def types_of(streams: Iterable[Stream]) -> dict[str, type]:
     from rtkit.probe.known_types import data_type
 
     return {s.name: data_type(s.data_type, s.ends[0].path.typed, s.definition) for s in streams}
+
+
+def reading(
+    tree: Tree,
+    name: str,
+    streams: Sequence[Stream],
+    *,
+    rate: float = 0.0,
+    lossless: bool = False,
+    refused: Refusal | None = None,
+) -> Probe:
+    """Return a component that takes the values of streams from now on; close it to end that.
+
+    Args:
+        tree: The manager of the components.
+        name: Of the component, before its number.
+        streams: Its ports.
+        rate: Take only the newest value this often [Hz]; 0 for all values.
+        lossless: Delay the component that writes, rather than lose a value.
+        refused: Is told why a port is not connected; it goes on then, as others may come.
+
+    Raises:
+        Refused: A connection is not possible.
+    """
+    from rtkit.probe.probe import LOSSLESS, Probe, tap_ports
+
+    probe = Probe(tree, name, streams, tap_ports(streams), rate)
+    probe.is_patient = refused is not None
+    return _connected(probe, LOSSLESS if lossless else {}, refused)
+
+
+def writing(
+    tree: Tree,
+    name: str,
+    streams: Sequence[Stream],
+    types: Mapping[str, type],
+    *,
+    lossless: bool = False,
+) -> Probe:
+    """Return a component that is connected to in ports, and writes to them; close it to end that.
+
+    Args:
+        tree: The manager of the components.
+        name: Of the component, before its number.
+        streams: The ports.
+        types: Of the values, by stream.
+        lossless: Wait where a port has no room for a value.
+
+    Raises:
+        Refused: A connection is not possible.
+    """
+    from rtkit.probe.probe import LOSSLESS, SURE, Probe, out_ports
+
+    probe = Probe(tree, name, streams, out_ports(types))
+    return _connected(probe, LOSSLESS if lossless else SURE)
+
+
+def _connected(
+    probe: Probe, properties: Mapping[str, str], refused: Refusal | None = None
+) -> Probe:
+    try:
+        probe.connect(properties, refused)
+    except BaseException:
+        probe.close()
+        raise
+    return probe
 
 
 class PortReader(Closing):
@@ -66,19 +178,13 @@ class PortReader(Closing):
             Refused: A connection is not possible.
         """
         from rtkit.component.codec import codec_for
-        from rtkit.probe.probe import LOSSLESS, Probe, tap_ports
         from rtkit.rtc.enums import PortType
 
         streams = _streams(tree, ports, PortType.OUT)
         self._typed = {stream.name: stream.ends[0].path.typed for stream in streams}
         self._decode = {name: codec_for(cls).decode for name, cls in types_of(streams).items()}
         self._arrived: deque[Arrival] = deque()
-        self._probe = Probe(tree, "reader", streams, tap_ports(streams))
-        try:
-            self._probe.connect(LOSSLESS if lossless else {})
-        except BaseException:
-            self.close()
-            raise
+        self._probe = reading(tree, "reader", streams, lossless=lossless)
 
     def read(self, *, timeout_s: float) -> Any:
         """Return the next value, which has perhaps come already.
@@ -100,6 +206,8 @@ class PortReader(Closing):
         Raises:
             Refused: No connection is left.
         """
+        from rtkit.probe.probe import no_connection
+
         while True:
             while self._arrived:
                 stream, time_ns, payload = self._arrived.popleft()
@@ -107,7 +215,7 @@ class PortReader(Closing):
             with stopping.waking(self._probe.wake):
                 piece = self._probe.take(until)
             if piece is None:
-                raise Refused("no connection is left: the components or the connections have gone")
+                raise no_connection()
             if not piece:
                 return
             self._arrived.extend(piece)
@@ -144,23 +252,20 @@ def write(tree: Tree, port: str, data: Iterable[Any], rate: float) -> int:
         Malformed: One is no value of the port's type.
         Refused: No connection is left, or the other end is silent.
     """
-    from rtkit.probe.probe import SURE, Probe, out_ports
     from rtkit.rtc.enums import PortType
 
     streams = _streams(tree, [port], PortType.IN)
-    ((name, cls),) = types_of(streams).items()
+    types = types_of(streams)
     count = 0
-    with Probe(tree, "writer", streams, out_ports({name: cls})) as probe:
-        probe.connect(SURE)
+    with writing(tree, "writer", streams, types) as probe:
         begin = time.monotonic()
         for count, each in enumerate(data, start=1):
-            value = _value(cls, each)
-            if not probe.wait(begin + (count - 1) / rate if rate else 0.0):
-                raise Refused("no connection is left: the components or the connections have gone")
+            values = {name: _value(cls, each) for name, cls in types.items()}
+            probe.wait(begin + (count - 1) / rate if rate else 0.0)
             stopping.check()
-            probe.write(name, value)
-        if not probe.flush():
-            raise Refused("cannot say whether all values have arrived: the other end is silent")
+            for name, value in values.items():
+                probe.write(name, value)
+        probe.flush()
     return count
 
 
@@ -168,8 +273,6 @@ def _value(cls: type, given: Any) -> Any:
     """Return what was given as a value of a type; plain data are read as ``rtinject`` does."""
     if isinstance(given, cls):
         return given
-    import json
-
     from rtkit.component.literal import Literal
     from rtkit.component.types import Time
 
@@ -181,8 +284,31 @@ def _value(cls: type, given: Any) -> Any:
 
 
 def _streams(tree: Tree, ports: Sequence[str], wanted: PortType) -> tuple[Stream, ...]:
-    from rtkit.probe.port_spec import find_streams, parse_spec
+    from rtkit.probe.port_spec import parse_spec
 
     if not ports:
         raise Malformed("No ports specified.")
-    return find_streams(tree, [parse_spec(each) for each in ports], wanted)
+    return streams_of(tree, [parse_spec(each) for each in ports], wanted)
+
+
+def call(tree: Tree, typed: str, arguments: Sequence[Any], timeout_s: float) -> Any:
+    """Call an operation of a service port; see `rtkit.Tree.call`."""
+    from rtkit.probe.calling import chosen, operations_at
+    from rtkit.rtc.names import parse_path
+
+    path = parse_path(typed)
+    if path.port is None:
+        raise Malformed(f"No port specified: {typed} (it is COMPONENT:PORT.OPERATION)")
+    operations, name = operations_at(tree, path)
+    operation = chosen(operations, name)
+    found = operation.call(
+        tree, operation.arguments([_text(each) for each in arguments]), timeout_s
+    )
+    return found.get("") if found.keys() <= {""} else found
+
+
+def _text(value: Any) -> str:
+    """Return a value as the text that is typed for it; a text is it already."""
+    from rtkit.probe.value_text import plain
+
+    return value if isinstance(value, str) else json.dumps(plain(value))

@@ -173,15 +173,12 @@ def _elsewhere(
     session: Session, managers: Collection[str]
 ) -> dict[str, tuple[ComponentFacts, ...]]:
     """Return the components of the other managers of this host, by manager."""
-    from rtkit.link import running
-    from rtkit.tree.connect import connect
+    from rtkit.api.gathering import snapshots
 
     found = {}
-    for name in running.managers():
-        if name not in managers:
-            try:
-                with connect(name, session.timeout_s) as tree:
-                    found[name] = tree.snapshot().components
-            except RtkitError as error:
-                session.verbose(f"what manager {name} has reserved is not known: {error}")
+    for name, snapshot in snapshots(session, managers):
+        if isinstance(snapshot, RtkitError):
+            session.verbose(f"what manager {name} has reserved is not known: {snapshot}")
+        else:
+            found[name] = snapshot.components
     return found

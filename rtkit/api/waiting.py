@@ -122,15 +122,14 @@ def _problems(goals: Sequence[WaitGoal], subscriptions: Observers) -> list[Probl
 
 def _await_values(session: Session, goals: Sequence[WaitGoal], until: float) -> Sequence[Problem]:
     """Wait until each of these ports has carried a value; return those that did not in time."""
+    from rtkit.api.ports import reading
     from rtkit.probe.port_spec import PortSpec, find_streams
-    from rtkit.probe.probe import Probe, tap_ports
     from rtkit.rtc.enums import PortType
 
     specs = [PortSpec(goal.path.typed, goal.path) for goal in goals]
     streams = find_streams(session.tree, specs, PortType.OUT)
     silent = dict(zip((stream.name for stream in streams), goals, strict=True))
-    with Probe(session.tree, "rtwait", streams, tap_ports(streams)) as probe:
-        probe.connect({})
+    with reading(session.tree, "rtwait", streams) as probe:
         for piece in probe.arrivals(until):
             for arrival in piece:
                 silent.pop(arrival.stream, None)

@@ -108,6 +108,7 @@ class Probe(Closing):
         self._streams = streams
         self._ports = ports
         self._rate = rate
+        self._properties: Mapping[str, str] = {}
         self.is_patient = False
         self._ended = threading.Event()
         self._attached, self.component = self._attach()
@@ -123,30 +124,25 @@ class Probe(Closing):
         Raises:
             Refused: A connection is not possible, or failed; names the port as typed.
         """
+        self._properties = properties
         self._attached.listeners.append(self._look)
         activate = ChangeState(self.component.instance, "0", Transition.ACTIVATE)
-        connects = self._connects(self._streams, properties, refused)
+        connects = self._connects(self._streams, refused)
         _perform(self._tree, [("", activate), *connects], refused)
 
     def extend(self, ports: Sequence[Port]) -> None:
         """Give the component further ports; the manager knows them a little later."""
         self._attached.change(self.component, lambda: self.component.extend(ports))
 
-    def join(
-        self,
-        tree: Tree,
-        streams: Sequence[Stream],
-        properties: Mapping[str, str],
-        refused: Refusal,
-    ) -> None:
+    def join(self, tree: Tree, streams: Sequence[Stream], refused: Refusal) -> None:
         """Connect further streams, by a connection to the present manager; see `connect`."""
-        _perform(tree, list(self._connects(streams, properties, refused)), refused)
+        _perform(tree, list(self._connects(streams, refused)), refused)
 
     def _connects(
-        self, streams: Sequence[Stream], properties: Mapping[str, str], refused: Refusal | None
+        self, streams: Sequence[Stream], refused: Refusal | None
     ) -> Iterator[tuple[str, Action]]:
         """Yield the action that connects each port, with the port as typed."""
-        given = {NUMBERED: "YES", **properties}
+        given = {NUMBERED: "YES", **self._properties}
         for stream in streams:
             port = self.component.ports[stream.name].profile
             ref = PortRef(self.component.instance, stream.name)
@@ -167,10 +163,14 @@ class Probe(Closing):
         taps = (port for port in self._ports if isinstance(port, Tap))
         return self._attached.lost() + sum(tap.lost for tap in taps)
 
-    @property
-    def is_connected(self) -> bool:
-        """Return whether any connection remains."""
-        return any(port.connectors for port in self._ports)
+    def check_connected(self) -> None:
+        """Check that any connection remains.
+
+        Raises:
+            Refused: None does.
+        """
+        if not any(port.connectors for port in self._ports):
+            raise no_connection()
 
     def arrivals(self, until: float | None) -> Iterator[list[Arrival]]:
         """Yield arrivals in batches until a monotonic time [s], or until nothing can arrive.
@@ -198,9 +198,14 @@ class Probe(Closing):
         """Wake the waiting thread, which goes on to wait unless a stop was requested."""
         self.component.arrived.put([])
 
-    def wait(self, until: float) -> bool:
-        """Wait until a monotonic time [s]; return False when no connection is left to write to."""
-        return not self._ended.wait(max(0.0, until - time.monotonic()))
+    def wait(self, until: float) -> None:
+        """Wait until a monotonic time [s].
+
+        Raises:
+            Refused: No connection is left to write to.
+        """
+        if self._ended.wait(max(0.0, until - time.monotonic())):
+            raise no_connection()
 
     def write(self, port: str, value: Any) -> None:
         """Write a value to one of its out ports.
@@ -213,9 +218,14 @@ class Probe(Closing):
         if status is not PortStatus.OK:
             raise Refused(f"value not taken: {status}")
 
-    def flush(self) -> bool:
-        """Wait until all written values have arrived; return False when that is not certain."""
-        return self._attached.flush(_FLUSH_S)
+    def flush(self) -> None:
+        """Wait until all written values have arrived.
+
+        Raises:
+            Refused: That is not certain.
+        """
+        if not self._attached.flush(_FLUSH_S):
+            raise Refused("cannot say whether all values have arrived: the other end is silent")
 
     def stop(self) -> None:
         """End the arrivals and wake the waiting thread; may be called on any thread."""
@@ -254,8 +264,14 @@ class Probe(Closing):
         raise error or Refused(f"no name is free for {self._kind}")
 
     def _look(self) -> None:
-        if not (self._attached.holds and (self.is_patient or self.is_connected)):
+        is_connected = any(port.connectors for port in self._ports)
+        if not (self._attached.holds and (self.is_patient or is_connected)):
             self.stop()
+
+
+def no_connection() -> Refused:
+    """Return the error that nothing is connected any more."""
+    return Refused("no connection is left: the components or the connections have gone")
 
 
 def _perform(tree: Tree, named: Sequence[tuple[str, Action]], refused: Refusal | None) -> None:

@@ -37,6 +37,11 @@ def test_values_are_read_and_written(tree: Tree) -> None:
     assert {each.port.partition(":")[0] for each in two} == {source}
     assert abs(two[0].time - time.time()) < 60.0
     assert tree.write(f"{sink}:Long", 1, {"data": 2}, type(value)(data=3)) == 3
+    (named,) = tree.values("SeqOut*:Long", number=1, timeout_s=10.0)
+    assert named.port == f"{source}:Long"
+    assert tree.write("SeqIn*:Long", 4) == 1
+    with pytest.raises(NotFound, match=r"No output port matches: Nobody\*:Long"):
+        tree.read("Nobody*:Long")
     tree.deactivate(source)
     with pytest.raises(TimeoutError, match=r"carried no data for 0\.05 s"):
         tree.read(f"{source}:Long", timeout_s=0.05)

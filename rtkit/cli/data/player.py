@@ -8,15 +8,16 @@ from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, NamedTuple
 
-from rtkit.cli.data.arguments import named_streams, specified
+from rtkit.api.ports import streams_of, writing
+from rtkit.cli.data.arguments import specified
 from rtkit.cli.shared import json_records, terminal
 from rtkit.cli.shared.app import App
 from rtkit.cli.shared.progress import metered
 from rtkit.errors import Refused
 
 if TYPE_CHECKING:
+    from rtkit.api.ports import Probe
     from rtkit.probe.port_spec import Stream
-    from rtkit.probe.probe import Probe
     from rtkit.recording.entries import Info, RecordedStream, RecordedValue, RecordingSelection
 
 _NS = 1_000_000_000
@@ -139,13 +140,11 @@ def play(
     Raises:
         RtkitError: A port, or the part that is wanted, is not there, or the types differ.
     """
-    from rtkit.component.port import OutPort
-    from rtkit.probe.probe import LOSSLESS, SURE, Probe
     from rtkit.rtc.enums import PortType
 
     app.bound(pace.duration_s)
     specs = specified(app, ports)
-    streams = named_streams(app, specs, PortType.IN, lambda number, _: f"{_UNNAMED}{number}")
+    streams = streams_of(app.tree, specs, PortType.IN, lambda number, _: f"{_UNNAMED}{number}")
     source = _TextSource(name) if form == "text" else _McapSource(name)
     chosen = _matched(app, streams, source.channels)
     warning = part.check(*source.extent)
@@ -159,9 +158,8 @@ def play(
             outs.setdefault(chosen[stream.name], []).append(own.name)
     types = {own.name: own for own in renamed}
     entries = source.entries(outs, types)
-    own_ports = [OutPort(bytes, own.name) for own in renamed]
-    with Probe(app.tree, "rtlog_player", renamed, own_ports) as probe:
-        probe.connect(LOSSLESS if is_lossless else SURE)
+    passed = dict.fromkeys(types, bytes)
+    with writing(app.tree, "rtlog_player", renamed, passed, lossless=is_lossless) as probe:
         app.verbose(f"{probe.component.instance} is connected")
         app.report(_announcement(part, pace))
         with metered(app, "play") as show:
@@ -170,8 +168,7 @@ def play(
             is_over = _write(
                 probe, part.of(entries), outs, pace, part, lambda n: show(n, total, f"{n} values")
             )
-        if not probe.flush():
-            raise Refused("cannot say whether all values have arrived: the other end is silent")
+        probe.flush()
     if is_over:
         app.report("End of log reached.")
 
@@ -266,8 +263,7 @@ def _write(
         if until is not None and due >= until:
             probe.wait(until)
             return False
-        if not probe.wait(due):
-            raise Refused("no connection is left: the components or the connections have gone")
+        probe.wait(due)
         payload = entry.payload if pace.is_absolute else shifted(entry.payload, entry.time_ns)
         for port in outs[entry.channel]:
             probe.write(port, payload)

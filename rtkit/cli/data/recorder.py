@@ -8,9 +8,11 @@ import sys
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, ExitStack, contextmanager, nullcontext
+from functools import partial
 from typing import IO, TYPE_CHECKING, cast
 
-from rtkit.cli.data.arguments import named_streams, not_recorded, specified
+from rtkit.api.ports import reading, streams_of
+from rtkit.cli.data.arguments import specified
 from rtkit.cli.shared import stdout_reader
 from rtkit.cli.shared.app import App
 from rtkit.cli.shared.progress import Show, metered
@@ -20,7 +22,6 @@ from rtkit.link.atomic import STDOUT
 
 if TYPE_CHECKING:
     from rtkit.probe.port_spec import Stream
-    from rtkit.probe.probe import Probe
     from rtkit.probe.stats import Stamp
     from rtkit.probe.tap import Arrival
     from rtkit.recording.entries import RecordedStream, RecordedValue, RecordingSelection
@@ -47,46 +48,45 @@ def record(
     Raises:
         RtkitError: A port is not there, or the file exists already or cannot be written.
     """
-    from rtkit.probe.probe import LOSSLESS, Probe, tap_ports
     from rtkit.rtc.enums import PortType
 
     app.bound(duration_s)
     specs = specified(app, ports)
     is_patient = any(spec.is_pattern for spec in specs)
-    streams = named_streams(app, specs, PortType.OUT, _name, is_patient=is_patient)
+    streams = streams_of(app.tree, specs, PortType.OUT, _name, is_patient=is_patient)
     if not streams:
         app.fail("warning: no such output port is there yet")
     types = {each.name: _type(app, each) for each in streams}
-    properties = LOSSLESS if is_lossless else {}
+    warn = partial(_not_recorded, app)
+    refused = warn if is_patient else None
     with (
         waking_main(),
         _ended_in_order(),
         opened(name, form) as file,
         _sink(form, file, types) as sink,
-        Probe(app.tree, "rtlog_recorder", streams, tap_ports(streams)) as probe,
-        _reading(name, probe) as reader,
+        reading(
+            app.tree, "rtlog_recorder", streams, lossless=is_lossless, refused=refused
+        ) as probe,
+        _while_read(name, probe.stop) as reader,
     ):
         stamps = _Stamps(app, sink, streams, types)
-        probe.is_patient = is_patient
-        probe.connect(properties, not_recorded(app) if is_patient else None)
         app.verbose(f"{probe.component.instance} is connected")
         limit = _Limit(part, duration_s)
         app.report(limit.announcement)
         with metered(app, "record", is_writing=name == STDOUT) as show, ExitStack() as stack:
             take = probe.take
             if is_patient:
-                from rtkit.cli.data.late_ports import LatePorts
+                from rtkit.api.late_ports import LatePorts
 
-                late = LatePorts(app, probe, specs, streams, _name, properties, stamps.add)
+                late = LatePorts(app, probe, specs, streams, _name, warn, stamps.add)
                 take = stack.enter_context(late).take
             _take(take, sink, limit, stamps.of, show)
         reader.check()
-        lost, is_cut = probe.lost, not (is_patient or probe.is_connected)
-    if lost:
-        app.report(f"{app.name}: {lost} values were lost")
-    app.verbose(f"{sink.count} entries in {name}")
-    if is_cut:
-        raise Refused("no connection is left: the components or the connections have gone")
+        if probe.lost:
+            app.report(f"{app.name}: {probe.lost} values were lost")
+        app.verbose(f"{sink.count} entries in {name}")
+        if not is_patient:
+            probe.check_connected()
     if not sink.count:
         raise Refused(f"nothing was recorded: no value came, {name} has no entries")
 
@@ -100,6 +100,10 @@ def _type(app: App, stream: Stream) -> type:
     if not scoped_name(stream.data_type):
         app.fail(f"warning: {typed} tells no data type; its values stay bytes")
     return type_or_bytes(stream.data_type, typed, app.fail, stream.definition)
+
+
+def _not_recorded(app: App, why: str) -> None:
+    app.fail(f"warning: {why}; it is not recorded")
 
 
 class _Stamps:
@@ -199,10 +203,12 @@ class _Counted:
         sys.stdout.buffer.flush()
 
 
-def _reading(name: str, probe: Probe) -> AbstractContextManager[stdout_reader.StdoutReader]:
+def _while_read(
+    name: str, stop: Callable[[], None]
+) -> AbstractContextManager[stdout_reader.StdoutReader]:
     """Watch the reader of stdout, where the recording goes there."""
     return (
-        stdout_reader.while_read(probe.stop)
+        stdout_reader.while_read(stop)
         if name == STDOUT
         else nullcontext(stdout_reader.StdoutReader())
     )

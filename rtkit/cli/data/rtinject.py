@@ -9,15 +9,15 @@ from typing import IO, TYPE_CHECKING
 
 import click
 
-from rtkit.api.ports import types_of
-from rtkit.cli.data.arguments import FOLDERS, MODULES, named_streams, specified
+from rtkit.api.ports import streams_of, types_of, writing
+from rtkit.cli.data.arguments import FOLDERS, MODULES, specified
 from rtkit.cli.shared.app import App
 from rtkit.cli.shared.command import command
 from rtkit.cli.shared.options import POSITIVE, arguments, flag, lasting, option
-from rtkit.errors import Malformed, Refused, UsageProblem
+from rtkit.errors import Malformed, UsageProblem
 
 if TYPE_CHECKING:
-    from rtkit.probe.probe import Probe
+    from rtkit.api.ports import Probe
     from rtkit.probe.templates import Template
 
 _ENDLESS = -1
@@ -65,7 +65,6 @@ def main(
     rtinject_writer0, is connected to them.
     """
     from rtkit.probe.known_types import import_modules
-    from rtkit.probe.probe import LOSSLESS, SURE, Probe, out_ports
     from rtkit.probe.templates import templates
     from rtkit.rtc.enums import PortType
 
@@ -75,7 +74,7 @@ def main(
         raise UsageProblem("-n 0 writes nothing")
     import_modules(modules, folders)
     app.bound(duration_s)
-    streams = named_streams(app, specified(app, ports), PortType.IN)
+    streams = streams_of(app.tree, specified(app, ports), PortType.IN)
     types = types_of(streams)
     if const is not None:
         times = 1 if number is None else number
@@ -88,12 +87,10 @@ def main(
     limit = _ENDLESS if number is None else number
     if duration_s is not None:
         limit = _ENDLESS
-    with Probe(app.tree, "rtinject_writer", streams, out_ports(types)) as probe:
-        probe.connect(LOSSLESS if lossless else SURE)
+    with writing(app.tree, "rtinject_writer", streams, types, lossless=lossless) as probe:
         app.verbose(f"{probe.component.instance} is connected")
         _write(probe, values, period_s, limit, duration_s)
-        if not probe.flush():
-            raise Refused("cannot say whether all values have arrived: the other end is silent")
+        probe.flush()
 
 
 def _typed(text: str, types: Mapping[str, type]) -> Template:
@@ -132,7 +129,6 @@ def _write(
         due = begin + count * period_s
         if count == limit or (until is not None and max(due, time.monotonic()) >= until):
             return
-        if not probe.wait(due):
-            raise Refused("no connection is left: the components or the connections have gone")
+        probe.wait(due)
         for name, data in value.at(Time.now()).items():
             probe.write(name, data)

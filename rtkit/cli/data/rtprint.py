@@ -6,8 +6,8 @@ import time
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
-from rtkit.api.ports import types_of
-from rtkit.cli.data.arguments import FOLDERS, MODULES, named_streams, specified
+from rtkit.api.ports import reading, streams_of, types_of
+from rtkit.cli.data.arguments import FOLDERS, MODULES, specified
 from rtkit.cli.shared import stdout_reader
 from rtkit.cli.shared.app import App
 from rtkit.cli.shared.command import command
@@ -22,7 +22,7 @@ from rtkit.cli.shared.options import (
     option,
     several,
 )
-from rtkit.errors import Refused, UsageProblem
+from rtkit.errors import UsageProblem
 
 if TYPE_CHECKING:
     from rtkit.cli.data.printing import PrintOptions, Sink
@@ -87,7 +87,6 @@ def main(
     from rtkit.cli.data.printing import PrintOptions
     from rtkit.probe.fields import check_field
     from rtkit.probe.known_types import import_modules
-    from rtkit.probe.probe import LOSSLESS, Probe, tap_ports
     from rtkit.rtc.enums import PortType
 
     if form == PLOT and is_json:
@@ -95,7 +94,7 @@ def main(
 
     import_modules(modules, folders)
     app.bound(duration_s)
-    streams = named_streams(app, specified(app, ports), PortType.OUT)
+    streams = streams_of(app.tree, specified(app, ports), PortType.OUT)
     types = types_of(streams)
     for cls in types.values():
         for field in fields:
@@ -103,22 +102,19 @@ def main(
     sink = _sink(form or LINES, streams, types, PrintOptions(fields, is_full, is_json))
     limit = None if duration_s is not None else number
     with (
-        Probe(app.tree, "rtprint_reader", streams, tap_ports(streams), rate or 0.0) as probe,
+        reading(app.tree, "rtprint_reader", streams, rate=rate or 0.0, lossless=lossless) as probe,
         stdout_reader.while_read(probe.stop) as reader,
     ):
-        probe.connect(LOSSLESS if lossless else {})
         app.verbose(f"{probe.component.instance} is connected")
         until = None if duration_s is None else time.monotonic() + duration_s
         for piece in _limited(probe.arrivals(until), limit, is_by_piece=rate is not None):
             sink.take(piece)
         reader.check()
         lost = 0 if rate else probe.lost  # at a rate values are passed over on purpose
-        is_cut = not probe.is_connected
-    sink.finish(lost)
-    if lost:
-        app.report(f"{app.name}: {lost} values were lost")
-    if is_cut:
-        raise Refused("no connection is left: the components or the connections have gone")
+        sink.finish(lost)
+        if lost:
+            app.report(f"{app.name}: {lost} values were lost")
+        probe.check_connected()
     return 0 if sink.count else 1
 
 

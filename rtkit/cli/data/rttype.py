@@ -11,7 +11,7 @@ from rtkit.cli.shared import json_records, terminal
 from rtkit.cli.shared.app import App, WrongArguments, no_such
 from rtkit.cli.shared.command import command
 from rtkit.cli.shared.options import arguments, flag, json_flag, several
-from rtkit.errors import RtkitError, Unreachable
+from rtkit.errors import RtkitError
 
 if TYPE_CHECKING:
     from rtkit.deployment.facts import ComponentFacts
@@ -141,20 +141,16 @@ def _idl_files(folders: Sequence[str]) -> list[str]:
 
 def _ask_managers(app: App, catalogue: TypeCatalogue) -> Iterator[RtkitError]:
     """Add the types of live ports; yield the errors of managers that do not answer."""
-    from rtkit.link.running import managers
-    from rtkit.tree.connect import connect
+    from rtkit.api.gathering import snapshots
 
     if not app.finds_managers:
         catalogue.add_live(_placed(app.tree.snapshot().components, app.tree.manager, app.tree.host))
         return
-    for name in managers():
-        try:
-            with connect(name, app.timeout_s) as tree:
-                snapshot = tree.snapshot()
-        except Unreachable as error:
-            yield error
-            continue
-        catalogue.add_live(_placed(snapshot.components, name, snapshot.host))
+    for name, snapshot in snapshots(app):
+        if isinstance(snapshot, RtkitError):
+            yield snapshot
+        else:
+            catalogue.add_live(_placed(snapshot.components, name, snapshot.host))
 
 
 def _placed(

@@ -11,8 +11,8 @@ import pytest
 from fake_manager import FakeManager
 from fake_tree import fake_tree
 
-from rtkit.api.ports import types_of
-from rtkit.cli.data.arguments import named_streams, specified
+from rtkit.api.ports import streams_of, types_of
+from rtkit.cli.data.arguments import specified
 from rtkit.cli.data.player import _matched
 from rtkit.cli.shared.app import App
 from rtkit.component import TimedLong
@@ -88,9 +88,9 @@ def test_a_port_that_has_no_definition_takes_that_of_another_one(world: FakeMana
     app = App("rtlog", fake_tree(world))
     world.update("Std0", ports=(far(""),))
     specs = specified(app, ["/localhost/Std0.rtc:far"])
-    (alone,) = named_streams(app, specs, PortType.OUT)
+    (alone,) = streams_of(app.tree, specs, PortType.OUT)
     world.update("Err0", ports=(far(FAR),))
-    (stream,) = named_streams(app, specs, PortType.OUT)
+    (stream,) = streams_of(app.tree, specs, PortType.OUT)
     assert (alone.definition, stream.definition) == ("", FAR)
     assert [*types_of([stream])[stream.name]().__slots__] == ["x"]
 
@@ -98,7 +98,7 @@ def test_a_port_that_has_no_definition_takes_that_of_another_one(world: FakeMana
 def test_what_is_defined_otherwise_is_not_played(world: FakeManager) -> None:
     app = App("rtlog", fake_tree(world))
     world.update("Std0", ports=(far(FAR, PortType.IN),))
-    streams = named_streams(app, specified(app, ["/localhost/Std0.rtc:far"]), PortType.IN)
+    streams = streams_of(app.tree, specified(app, ["/localhost/Std0.rtc:far"]), PortType.IN)
     channel = RecordedStream("a", "Far::Off", (), FAR.replace("long", "double"))
     with pytest.raises(Refused, match=r"Far/Off:1\.0 is defined otherwise than in the recording"):
         _matched(app, [streams[0]._replace(name="a")], [channel])

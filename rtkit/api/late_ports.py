@@ -1,14 +1,12 @@
-"""Connects a recorder to the ports that come while it records and match its patterns."""
+"""Connects who reads patterns of ports to those that come meanwhile and match."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from time import monotonic
 from typing import TYPE_CHECKING, NamedTuple
 
 from rtkit.api.observers import Observers
-from rtkit.cli.data.arguments import not_recorded
-from rtkit.cli.shared.app import App
 from rtkit.closing import Closing
 from rtkit.deployment.delta import TREE
 from rtkit.deployment.listing import Listing, listing_of
@@ -16,13 +14,14 @@ from rtkit.errors import RtkitError
 from rtkit.link.wakeup import Wakeup
 from rtkit.probe.port_pattern import expanded
 from rtkit.probe.port_spec import PortSpec, Stream, find_streams
-from rtkit.probe.probe import Probe, tap_ports
+from rtkit.probe.probe import Probe, Refusal, tap_ports
 from rtkit.rtc.enums import PortType
 from rtkit.rtc.profiles import PortRef
 from rtkit.tree.subscription import TreeChange
 
 if TYPE_CHECKING:
     from rtkit.api.observers import ObservedEvent
+    from rtkit.api.session import Session
     from rtkit.deployment.facts import Snapshot
     from rtkit.probe.tap import Arrival
 
@@ -39,30 +38,30 @@ class LatePorts(Closing):
     """Takes the arrivals of a probe, and gives it the ports that come; leave it when it is over.
 
     Args:
-        app: The run of the command.
-        probe: What records; it is connected already.
+        session: Of whoever reads.
+        probe: What reads; it is connected already.
         specs: The patterns, and ports named.
         streams: The streams that it is connected to.
         name: Names streams that the user did not name.
-        properties: Of the connectors.
+        refused: Is told why a port is not connected.
         add: Is called with a stream before its first value comes.
     """
 
     def __init__(
         self,
-        app: App,
+        session: Session,
         probe: Probe,
         specs: Sequence[PortSpec],
         streams: Sequence[Stream],
         name: Namer,
-        properties: Mapping[str, str],
+        refused: Refusal,
         add: Callable[[Stream], object],
     ) -> None:
-        self._app = app
+        self._session = session
         self._probe = probe
         self._specs = specs
         self._name = name
-        self._properties = properties
+        self._refused = refused
         self._add = add
         self._kinds = {each.name: self._kind(each) for each in streams}
         self._alive = {end.ref for each in streams for end in each.ends}
@@ -72,9 +71,8 @@ class LatePorts(Closing):
         self._until: float | None = None
         self._look_at: float | None = None
         self._wakeup = Wakeup()
-        probe.is_patient = True
         probe.component.notify = self._wakeup.ring
-        self._observers = Observers(app, (TREE,))
+        self._observers = Observers(session, (TREE,))
         self._events = self._observers.listen(None, [self._wakeup.fileno()], self._next)
         self._look()
 
@@ -131,10 +129,9 @@ class LatePorts(Closing):
         ready = [each for each in self._waiting if own.port(each.name) is not None]
         self._waiting = [each for each in self._waiting if each not in ready]
         if ready:
-            refused = not_recorded(self._app)
-            self._probe.join(self._app.tree, ready, self._properties, refused)
+            self._probe.join(self._session.tree, ready, self._refused)
         for each in ready:
-            self._app.verbose(f"{each.ends[0].path.typed} is recorded as {each.name}")
+            self._session.verbose(f"{each.ends[0].path.typed} is recorded as {each.name}")
 
     def _new(self, facts: Snapshot) -> list[Stream]:
         """Return the streams of ports that have come, and that nobody has connected yet."""
@@ -153,7 +150,7 @@ class LatePorts(Closing):
                 try:
                     (stream,) = find_streams(known, [spec], PortType.OUT, self._name)
                 except RtkitError as error:
-                    not_recorded(self._app)(str(error))  # it came back as another kind of port
+                    self._refused(str(error))  # it came back as another kind of port
                 else:
                     found.append(self._with_name(stream))
         return found

@@ -10,9 +10,9 @@ import pytest
 from fake_manager import FakeManager
 from fake_tree import fake_tree
 
+from rtkit.api import late_ports
+from rtkit.api.late_ports import LatePorts
 from rtkit.api.observers import ObservedEvent
-from rtkit.cli.data import late_ports
-from rtkit.cli.data.late_ports import LatePorts
 from rtkit.deployment.actions import Create
 from rtkit.deployment.facts import RestartStatus
 from rtkit.deployment.user_events import TREE_EVENT, UserEvent
@@ -40,7 +40,7 @@ class Recorder:
     def extend(self, ports: Any) -> None:
         self.ports += [each.profile for each in ports]
 
-    def join(self, _tree: Any, streams: list[Stream], _properties: Any, _refused: Any) -> None:
+    def join(self, _tree: Any, streams: list[Stream], _refused: Any) -> None:
         self.joined += [f"{each.name}={each.ends[0].ref}" for each in streams]
 
 
@@ -84,7 +84,7 @@ class Bench:
             [parse_spec("S*:out")],
             [],
             lambda _number, ref: f"{ref.instance}_{ref.port}",
-            {},
+            pytest.fail,
             lambda stream: self.added.append(stream.name),
         )
 
