@@ -6,12 +6,16 @@ hand and the object: each leg is a shortest path in a cross-section of two dimen
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Callable, Collection, Hashable, Iterator, Mapping
 from dataclasses import dataclass, field
+from functools import partial, reduce
+from itertools import chain, permutations
 
 from rtkit.planner import Command, Condition, Evaluator, Function, Problem, State, minimise
 
 Place = tuple[int, int]
+Least = Callable[[Place], float]
+"""What work costs at least that begins with the hand at a place."""
 HAND = "hand"
 _STEPS = {"left": (-1, 0), "right": (1, 0), "down": (0, -1), "up": (0, 1)}
 _HALF = ((0, 0),)
@@ -42,21 +46,26 @@ class Site:
         self._index = {name: number for number, name in enumerate(self.start)}
         self._walks = {name: self._problem(None, name) for name in [HAND, *self.objects]}
         self._carries = {name: self._problem(name, name) for name in self.objects}
+        self._site = (self.width, self.height, tuple(sorted(self.walls)))
         self.state: State = tuple(self.start.values())
 
     def walk(self, place: Place) -> Function:
         """Return the walk of the empty hand to a place."""
-        return self.evaluator.leg(self._walks[HAND], [HAND], {HAND: place})
+        key = partial(self._key, place, None, HAND)
+        return self.evaluator.leg(self._walks[HAND], [HAND], {HAND: place}, key=key)
 
     def take(self, name: str, place: Place) -> Function:
         """Return the walk to an object and the carrying of it to a place."""
         number = self._index[name]
 
         def reach(state: State) -> Function:
-            return self.evaluator.leg(self._walks[name], [HAND], {HAND: state[number]})
+            at = state[number]
+            key = partial(self._key, at, None, name)
+            return self.evaluator.leg(self._walks[name], [HAND], {HAND: at}, key=key)
 
         to_object = Function(lambda state: reach(state)(state))
-        carry = self.evaluator.leg(self._carries[name], [HAND, name], {name: place})
+        key = partial(self._key, place, name, name)
+        carry = self.evaluator.leg(self._carries[name], [HAND, name], {name: place}, key=key)
         return to_object.followed_by(carry)
 
     def take_all(
@@ -65,32 +74,52 @@ class Site:
         region: Collection[Place],
         then: Function,
         *,
-        least: float = -1,
+        least: Least | None = None,
     ) -> Function:
         """Return the cheapest taking of all these away, in any order, into a fuzzy region.
 
-        `least` is what follows costs at least; with it the most promising place is tried first.
+        `least` is what follows costs at least; with it the most promising order and places of all
+        are tried first, until no other can be better.
         """
+        if least is not None:
+            return self._take_best_first(names, region, then, least)
         if not names:
             return then
 
         def first(choice: tuple[str, Place]) -> Function:
             name, place = choice
             rest = [other for other in names if other != name]
-            after = self.take_all(rest, region, then, least=least)
-            return self.take(name, place).followed_by(after)
+            return self.take(name, place).followed_by(self.take_all(rest, region, then))
 
-        def bound(state: State, choice: tuple[str, Place]) -> float:
-            name, place = choice
-            hand, at = state[self._index[HAND]], state[self._index[name]]
-            others = [state[self._index[other]] for other in names if other != name]
-            carried = [min(_distance(o, p) for p in region if p != place) for o in others]
-            walked = min((_distance(place, other) for other in others), default=0)
-            here = _WALK * (_distance(hand, at) + walked)
-            return here + _CARRY * (_distance(at, place) + sum(carried)) + least
+        return minimise([(name, place) for name in names for place in region], first)
 
-        choices = [(name, place) for name in names for place in region]
-        return minimise(choices, first, bound if least >= 0 else None)
+    def _take_best_first(
+        self, names: Collection[str], region: Collection[Place], then: Function, least: Least
+    ) -> Function:
+        orders, places = permutations(names), list(permutations(region, len(names)))
+        choices = [tuple(zip(order, to, strict=True)) for order in orders for to in places]
+
+        def all_of(choice: tuple[tuple[str, Place], ...]) -> Function:
+            takes = [self.take(name, place) for name, place in choice]
+            return reduce(Function.followed_by, [*takes, then])
+
+        def bound(state: State, choice: tuple[tuple[str, Place], ...]) -> float:
+            hand, cost = state[self._index[HAND]], 0
+            for name, place in choice:
+                at = state[self._index[name]]
+                cost += _WALK * _distance(hand, at) + _CARRY * _distance(at, place)
+                hand = place
+            return cost + least(hand)
+
+        return minimise(choices, all_of, bound)
+
+    def _key(self, place: Place, carried: str | None, ignored: str, state: State) -> Hashable:
+        """Return all that a way to a place depends on: alike objects may stand for each other."""
+        others = [other for other in self.objects if other != ignored]
+        blocked = [self._cells(other, state[self._index[other]]) for other in others]
+        cells = tuple(sorted(set(chain.from_iterable(blocked))))
+        moved = (self.shapes.get(carried, _HALF), state[self._index[carried]]) if carried else ()
+        return (self._site, cells, moved, state[self._index[HAND]], place)
 
     def _cells(self, name: str, place: Place) -> Iterator[Place]:
         for dx, dy in self.shapes.get(name, _HALF):
@@ -160,7 +189,12 @@ REGION = ((5, 1), (5, 6), (4, 1), (4, 6))
 
 def pass_doorway(site: Site, *, bounded: bool = False) -> Function:
     """Return the taking of A through the doorway, what blocks it put away before if need be."""
-    direct = site.take("A", (9, 3))
-    least = _CARRY * _distance(site.start["A"], (9, 3)) if bounded else -1
-    cleared = site.take_all(["B1", "B2"], REGION, direct, least=least)
+    to = (9, 3)
+    direct = site.take("A", to)
+
+    def least(hand: Place) -> float:
+        at = site.start["A"]
+        return _WALK * _distance(hand, at) + _CARRY * _distance(at, to)
+
+    cleared = site.take_all(["B1", "B2"], REGION, direct, least=least if bounded else None)
     return Function(lambda state: direct(state) or cleared(state))

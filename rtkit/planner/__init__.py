@@ -29,7 +29,9 @@ not believed: each step that is generated checks it, and a heuristic that breaks
 The search counts a float as the decimal that it shows, and sums integers or fractions.
 
 *Same question, same plan.* Of the plans of least cost the one of fewest steps is returned, and of
-those the one whose commands are offered first. Nothing depends on hashes or on time, except that a
+those the one whose commands are offered first. That takes a look at every tie; who asks for
+``ties="any"`` gets any of the cheapest, from no more states than a plain A* that prefers deep nodes
+expands, and again the same one each time. Nothing depends on hashes or on time, except that a
 limit of seconds may end a search early; then it raises `LimitReached` and never guesses.
 
 *Three ends.* A plan; `Impossible`, after every state that can be reached was looked at; or
@@ -37,10 +39,10 @@ limit of seconds may end a search early; then it raises `LimitReached` and never
 does something else after each.
 
 *What is built on it.* `sections` freezes variables, so that a whole plan becomes one command of a
-problem above; `functions` composes such legs and plans equal ones once; `order` turns the sequence
-of a plan into layers of steps that need nothing of each other; `conflict` finds the least part of
-what is desired that cannot be had together; `replanning` carries a plan out and plans anew when the
-world differs.
+problem above; `functions` composes such legs and plans equal ones once, by a key and a cache that
+may be the caller's; `order` turns the sequence of a plan into layers of steps that need nothing of
+each other; `conflict` finds the least part of what is desired that cannot be had together;
+`replanning` carries a plan out and plans anew when the world differs.
 
 *Invariants.* Each step of a plan begins in the state in which the one before ended; each of its
 conditions holds there; no value leaves its domain and no frozen variable changes; the costs of the
@@ -52,7 +54,7 @@ from rtkit.planner.bounded import plan_within
 from rtkit.planner.command import Command, Condition, State
 from rtkit.planner.conflict import minimal_conflict
 from rtkit.planner.costs import CostTable, Row
-from rtkit.planner.functions import Evaluator, Function, Path, minimise
+from rtkit.planner.functions import Alike, Evaluator, Function, Path, minimise
 from rtkit.planner.order import Touch, layers, predecessors
 from rtkit.planner.problem import OneOf, Problem
 from rtkit.planner.replanning import Execution, Observation, execute
@@ -62,6 +64,7 @@ from rtkit.planner.sections import restrict, solved_in
 from rtkit.planner.verify import verify
 
 __all__ = [
+    "Alike",
     "Command",
     "Condition",
     "CostTable",

@@ -18,6 +18,8 @@ Price = Callable[[Command, State, State], float]
 
 _MISSPELT = 0.75
 """How much two names must have in common so that one is taken for a misspelling of the other."""
+_SHORTEST = 4
+"""Letters of a word that may be told from a name."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,15 +57,21 @@ class CostTable:
                 raise Malformed(f"cost of {row.command}: no such variable: {unknown}")
             when = [(places[name], value) for name, value in row.when.items()]
             rows.setdefault(row.command, []).append((when, row.cost))
-        by_command, default = self.by_command, self.default
-        if not rows:
-            return lambda command, _before, _after: by_command.get(command.name, default)
+        by_command, met = self.by_command, set[str]()
 
         def price(command: Command, before: State, _after: State) -> float:
-            for when, cost in rows.get(command.name, ()):
-                if all(before[place] == value for place, value in when):
-                    return cost
-            return by_command.get(command.name, default)
+            if rows:
+                for when, cost in rows.get(command.name, ()):
+                    if all(before[place] == value for place, value in when):
+                        return cost
+            found = by_command.get(command.name)
+            if found is not None:
+                return found
+            if command.name not in met:  # a function may offer it where nobody looked before
+                met.add(command.name)
+                for slip in (name for name in (*by_command, *rows) if _is_slip(name, command.name)):
+                    raise _misspelt(slip, command.name)
+            return self.default
 
         return price
 
@@ -71,10 +79,11 @@ class CostTable:
     def check_commands(
         costs: Mapping[str, float] | CostTable | Price | None, names: Collection[str]
     ) -> None:
-        """Refuse a misspelt command: one that is not there, and looks like one without a cost.
+        """Refuse a misspelt command: it is not there, and looks like one that is.
 
-        A table may serve several problems, so other commands that are not there pass. What a
-        function yields cannot be known beforehand.
+        A table may serve several problems, so other commands that are not there pass: it must look
+        like one without a cost, or be one but for a slip of the keys. What a function yields cannot
+        be known beforehand; there, slips are told when the search meets the command.
 
         Raises:
             Malformed: Names the command, and the nearest there is.
@@ -92,8 +101,9 @@ class CostTable:
         without = [name for name in known if name not in priced]
         for name in unknown:
             near = get_close_matches(name, without, 1, _MISSPELT)
+            near += [other for other in sorted(known) if _is_slip(name, other)]
             if near:
-                raise Malformed(f"cost of {name}: no such command (did you mean {near[0]}?)")
+                raise _misspelt(name, near[0])
 
     @staticmethod
     def price_of(
@@ -111,3 +121,27 @@ class CostTable:
             if cost is None or isinstance(cost, str):
                 raise Malformed(f"cost of {name} is no number: {cost!r}")
         return table.price(names)
+
+
+def _misspelt(name: str, near: str) -> Malformed:
+    return Malformed(f"cost of {name}: no such command (did you mean {near}?)")
+
+
+def _is_slip(name: str, meant: str) -> bool:
+    """Return whether a word differs by its case, a letter more or less, or two exchanged.
+
+    Short words are names rather (A, AB), and so are those that differ in digits (block1, block12).
+    """
+    words, others = name.split(), meant.split()
+    differing = [pair for pair in zip(words, others, strict=False) if len(set(pair)) > 1]
+    if len(words) != len(others) or len(differing) != 1:
+        return False
+    short, long = sorted((word.casefold() for word in differing[0]), key=len)
+    if short == long or len(long) < _SHORTEST:
+        return len(long) >= _SHORTEST
+    if len(long) == len(short) + 1:
+        return any(c.isalpha() and long[:at] + long[at + 1 :] == short for at, c in enumerate(long))
+    pairs = ((at, long[at : at + 2]) for at in range(len(long)))
+    return any(
+        pair.isalpha() and long[:at] + pair[::-1] + long[at + 2 :] == short for at, pair in pairs
+    )

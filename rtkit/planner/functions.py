@@ -2,23 +2,26 @@
 
 A function takes a state and yields a path from it, or None where there is none. A sequence of
 functions is a function again, and so is the cheapest of several over a fuzzy region. Each leg is a
-plan in a cross-section, and equal legs are planned once.
+plan in a cross-section, and equal legs are planned once; `Evaluator` tells which are equal.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable, Iterable, Mapping
+from collections.abc import Callable, Hashable, Iterable, Mapping, MutableMapping
 from dataclasses import dataclass
+from math import isclose
 from typing import Any, NamedTuple, TypeVar
 
 from rtkit.errors import Impossible
 from rtkit.planner.command import State
 from rtkit.planner.problem import Problem
-from rtkit.planner.result import Plan, Step
+from rtkit.planner.result import Step
 from rtkit.planner.search import Heuristic, plan
 from rtkit.planner.sections import restrict
 
 P = TypeVar("P")
+Way = tuple[State, ...]
+"""Values of the free variables, at the start and after each step."""
 
 
 class Path(NamedTuple):
@@ -89,18 +92,61 @@ def minimise(
     return Function(run)
 
 
+class Alike(NamedTuple):
+    """Key of a leg that is another one seen otherwise: mirrored, turned, or backwards.
+
+    Attributes:
+        key: Legs of the same key are alike.
+        turn: From the way of this leg to the one that all legs of the key share. A way has the
+            values of the free variables, in their order, at the start and after each step.
+        back: The reverse of `turn`.
+    """
+
+    key: Hashable
+    turn: Callable[[Way], Way]
+    back: Callable[[Way], Way]
+
+
+Key = Callable[[State], Hashable | Alike]
+"""Key of a leg from a state; it is to say all that the cheapest way depends on, and no more."""
+
+
 class Evaluator:
     """Plans legs in cross-sections, and counts.
+
+    An *evaluation* is one search for the cheapest way of a leg, whether or not there is one. A leg
+    whose answer is known from before is asked for, but not evaluated again.
+
+    The cache knows a leg by a key. If the caller gives none, it is the problem (the very object),
+    the variables that are frozen, the start (the whole state, frozen values included) and the goal.
+
+    A key of the caller may take more legs for the same. Their cheapest way is kept as values of the
+    free variables: objects that are alike may be exchanged, those that are far away do not count.
+    `Alike` is for mirrors. A known way is walked again, with the commands and costs of the leg that
+    asks; where it does not lead to the goal at the same cost, the leg is planned anew. That one is
+    impossible is believed.
 
     Attributes:
         asked: How many legs were asked for.
         evaluations: How many of them were planned; the others were known.
     """
 
-    def __init__(self, *, is_caching: bool = True) -> None:
-        self._known: dict[Hashable, Plan | None] = {}
+    def __init__(
+        self, *, is_caching: bool = True, known: MutableMapping[Any, Any] | None = None
+    ) -> None:
+        """Begin to count.
+
+        Args:
+            is_caching: Whether what is known is used.
+            known: Where answers to legs with a key of the caller are kept: a dict that outlives
+                this object, a shelf (each key a string then), or the like. A value is None for
+                "impossible", or the cost and the way; it can be pickled if the values of the
+                variables can.
+        """
+        self._own: dict[Hashable, Path | None] = {}
         # Known by their identity, they must live as long as what is known of them.
         self._problems: dict[int, Problem] = {}
+        self._known: MutableMapping[Any, Any] = {} if known is None else known
         self._is_caching = is_caching
         self.asked = 0
         self.evaluations = 0
@@ -111,36 +157,92 @@ class Evaluator:
         free: Iterable[str],
         goal: Mapping[str, Any],
         heuristic: Heuristic | None = None,
+        key: Key | None = None,
     ) -> Function:
-        """Return the cheapest way to a goal within a cross-section, as a function."""
+        """Return the cheapest way to a goal within a cross-section, as a function.
+
+        Args:
+            problem: What its commands and costs are taken from.
+            free: Variables that may change.
+            goal: What is desired of them.
+            heuristic: Never too high, and consistent; 0 if None.
+            key: By what the cache knows the leg; see `Evaluator`.
+        """
         section = restrict(problem, free)
         self._problems[id(problem)] = problem
 
         def run(state: State) -> Path | None:
-            found = self._plan(id(problem), section, state, goal, heuristic)
-            if found is None:
-                return None
-            return Path(found.steps, found.cost, found.steps[-1].after if found.steps else state)
+            self.asked += 1
+            if key is not None and self._is_caching:
+                return self._with_key(key(state), section, state, goal, heuristic)
+            own = (id(problem), section.frozen, state, frozenset(goal.items()))
+            if not self._is_caching or own not in self._own:
+                self._own[own] = self._plan(section, state, goal, heuristic)
+            return self._own[own]
 
         return Function(run)
 
-    def _plan(
+    def _with_key(
         self,
-        problem: int,
+        key: Hashable | Alike,
         section: Problem,
         state: State,
         goal: Mapping[str, Any],
         heuristic: Heuristic | None,
-    ) -> Plan | None:
-        self.asked += 1
-        key = (problem, section.frozen, state, frozenset(goal.items()))
-        if self._is_caching and key in self._known:
-            return self._known[key]
+    ) -> Path | None:
+        alike = key if isinstance(key, Alike) else Alike(key, tuple, tuple)
+        if alike.key in self._known:
+            kept = self._known[alike.key]
+            if kept is None:
+                return None
+            cost, shared = kept
+            path = _walked(section.replaced(start=state, goal=goal), alike.back(shared), cost)
+            if path is not None:
+                return path
+        path = self._plan(section, state, goal, heuristic)
+        self._known[alike.key] = None
+        if path is not None:
+            states = (state, *(step.after for step in path.steps))
+            way = tuple(_values(section, each) for each in states)
+            self._known[alike.key] = (path.cost, alike.turn(way))
+        return path
+
+    def _plan(
+        self,
+        section: Problem,
+        state: State,
+        goal: Mapping[str, Any],
+        heuristic: Heuristic | None,
+    ) -> Path | None:
         self.evaluations += 1
-        found: Plan | None
         try:
             found = plan(section.replaced(start=state, goal=goal), heuristic)
         except Impossible:
-            found = None
-        self._known[key] = found
-        return found
+            return None
+        return Path(found.steps, found.cost, found.steps[-1].after if found.steps else state)
+
+
+def _values(section: Problem, state: State) -> State:
+    """Return the values of the free variables."""
+    return tuple(value for place, value in enumerate(state) if place not in section.frozen)
+
+
+def _walked(section: Problem, way: Way, cost: float) -> Path | None:
+    """Return the path through these values of the free variables, if it leads to the goal so."""
+    first, *then = map(tuple, way)
+    state, steps = section.start, list[Step]()
+    if _values(section, state) != first:
+        return None
+    for values in then:
+        found = [
+            Step(command, state, after, price)
+            for command, after, price in section.successors(state)
+            if not section.leaves(state, after) and _values(section, after) == values
+        ]
+        if not found:
+            return None
+        steps.append(min(found, key=lambda step: step.cost))
+        state = steps[-1].after
+    if not section.is_goal(state) or not isclose(sum(step.cost for step in steps), cost):
+        return None
+    return Path(tuple(steps), cost, state)

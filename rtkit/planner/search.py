@@ -2,7 +2,8 @@
 
 The search expands states in the order of (cost so far + heuristic, steps so far). With a consistent
 heuristic that order never turns back, so every cheapest way of fewest steps to a state is known
-before any goal is reached. Of these, the search returns the plan whose commands come first.
+before any goal is reached. Of these, the search returns the plan whose commands come first. If any
+of them will do, it goes on with the state that is nearest to a goal, and leaves other ties alone.
 """
 
 from __future__ import annotations
@@ -12,7 +13,7 @@ from heapq import heappop, heappush
 from itertools import count
 from math import isfinite
 from time import perf_counter
-from typing import Any
+from typing import Any, Literal
 
 from rtkit.errors import Impossible, Malformed
 from rtkit.planner.command import State
@@ -22,22 +23,42 @@ from rtkit.planner.result import Limits, OptimalPlans, Plan, Statistics, Step
 Heuristic = Callable[[State], float]
 """At most what the cheapest way from a state to a goal costs; consistent."""
 
+Ties = Literal["first", "any"]
+"""Which of several cheapest plans: that of fewest steps and then of first commands, or any."""
+
 NO_LIMITS = Limits()
 _SLACK = 1e-9
 """What rounding may take from the consistency of a heuristic, as a part."""
 
 
-def plan(problem: Problem, heuristic: Heuristic | None = None, limits: Limits = NO_LIMITS) -> Plan:
+def plan(
+    problem: Problem,
+    heuristic: Heuristic | None = None,
+    limits: Limits = NO_LIMITS,
+    *,
+    ties: Ties = "first",
+) -> Plan:
     """Return the cheapest plan; of several that of fewest steps, then of first commands.
+
+    Args:
+        problem: What is to be solved.
+        heuristic: Never too high, and consistent; 0 if None.
+        limits: How far the search may go.
+        ties: ``"any"`` for any of the cheapest plans, though the same one each time. The search
+            then expands fewer states: of those that may be on a cheapest way it takes the one with
+            the least left to be paid, and it ends with the first goal that is proved.
 
     Raises:
         Impossible: The search reached all that can be reached, and no goal is there.
         LimitReached: Nothing is known yet, as a limit was reached before.
-        Malformed: The heuristic is negative or not consistent, or a cost not above 0.
+        Malformed: The heuristic is negative or not consistent, or a cost not above 0; or there are
+            no such ties.
     """
-    search = _Search(problem, heuristic, limits)
+    if ties not in ("first", "any"):
+        raise Malformed(f'ties are "first" or "any", not {ties!r}')
+    search = _Search(problem, heuristic, limits, takes_any=ties == "any")
     cost = search.run(finds_all=False)
-    way = search.first_way()
+    way = search.any_way() if ties == "any" else search.first_way()
     return Plan(way, cost, cost, search.statistics())
 
 
@@ -65,13 +86,14 @@ class _Node:
     """Search node of a state.
 
     Attributes:
+        steps: Those of the shortest cheapest way; its rank among equal totals if any way will do.
         ways: Ways into it: a state before, the place of its command, the next state before, … A
             flat tuple, as there are millions: lists of pairs are what the collector looks through.
     """
 
     __slots__ = ("cost", "heuristic", "is_closed", "steps", "ways")
 
-    def __init__(self, cost: float, steps: int, heuristic: float, *way: Any) -> None:
+    def __init__(self, cost: float, steps: float, heuristic: float, *way: Any) -> None:
         self.cost = cost
         self.steps = steps
         self.heuristic = heuristic
@@ -84,14 +106,23 @@ class _Node:
 
 
 class _Search:
-    def __init__(self, problem: Problem, heuristic: Heuristic | None, limits: Limits) -> None:
+    def __init__(
+        self,
+        problem: Problem,
+        heuristic: Heuristic | None,
+        limits: Limits,
+        *,
+        takes_any: bool = False,
+    ) -> None:
         self._problem = problem
+        self._takes_any = takes_any
         self._heuristic = self._exactly(heuristic) if heuristic is not None else _nothing
         self._decimals: dict[float, Any] = {}
         self._limits = limits
         self._nodes: dict[State, _Node] = {}
-        self._heap: list[tuple[float, int, int, State]] = []
-        self._number = count(1)
+        self._heap: list[tuple[float, float, int, State]] = []
+        # Of equals the first met goes first, or the last met: that is the deepest.
+        self._number = count(-1, -1) if takes_any else count(1)
         self._goals: list[State] = []
         self._expanded = 0
         self._generated = 0
@@ -106,7 +137,7 @@ class _Search:
         start = self._problem.start
         nodes[start] = _Node(0, 0, self._estimate(start))
         heap.append((nodes[start].heuristic, 0, 0, start))
-        best: tuple[float, int] | None = None
+        best: tuple[float, float] | None = None
         while heap:
             total, steps, _, state = heappop(heap)
             if best is not None and (total > best[0] if finds_all else (total, steps) > best):
@@ -120,6 +151,8 @@ class _Search:
                     raise Malformed(f"heuristic of a goal is not 0: {state}")
                 self._goals.append(state)
                 best = best or (total, steps)
+                if self._takes_any:
+                    break
                 continue
             self._limits.check(self._expanded, self._begin)
             self._expanded += 1
@@ -135,7 +168,7 @@ class _Search:
         # The innermost loop of all that is planned: nothing is looked up twice here.
         nodes, heap, estimate, number = self._nodes, self._heap, self._heuristic, self._number
         cost_before, steps, own = node.cost, node.steps + 1, node.heuristic
-        leaves, exact = self._problem.leaves, self._exact
+        leaves, exact, takes_any = self._problem.leaves, self._exact, self._takes_any
         place = 0
         for place, (_, after, cost) in enumerate(self._problem.successors(state), 1):
             if isinstance(cost, float):
@@ -146,15 +179,20 @@ class _Search:
                 if leaves(state, after):
                     continue
                 rest = estimate(after)
-                known = nodes[after] = _Node(whole, steps, rest, state, place)
+                rank: float = steps
+                if takes_any:
+                    # The goal goes first of all that cost as much: nothing else is expanded then.
+                    rank = -1 if self._problem.is_goal(after) else rest
+                known = nodes[after] = _Node(whole, rank, rest, state, place)
                 if not rest >= 0:
                     raise Malformed(f"heuristic is negative at {after}: {rest}")
-                heappush(heap, (whole + rest, steps, next(number), after))
+                heappush(heap, (whole + rest, rank, next(number), after))
             elif whole < known.cost and not known.is_closed:
-                known.cost, known.steps = whole, steps
-                known.ways = (state, place)
-                heappush(heap, (whole + known.heuristic, steps, next(number), after))
-            elif whole == known.cost:
+                if not takes_any:
+                    known.steps = steps
+                known.cost, known.ways = whole, (state, place)
+                heappush(heap, (whole + known.heuristic, known.steps, next(number), after))
+            elif whole == known.cost and not takes_any:
                 known.ways += (state, place)
                 if steps < known.steps and not known.is_closed:
                     known.steps = steps
@@ -196,6 +234,15 @@ class _Search:
         return found
 
     # what comes of it
+
+    def any_way(self) -> tuple[Step, ...]:
+        """Return the way by which the goal was met."""
+        steps: list[Step] = []
+        state = self._goals[0]
+        while state != self._problem.start:
+            state, place = self._nodes[state].ways
+            steps.append(self._step(state, place))
+        return tuple(reversed(steps))
 
     def first_way(self) -> tuple[Step, ...]:
         """Return the way of fewest steps whose commands come first."""

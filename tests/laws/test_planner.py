@@ -7,9 +7,20 @@ from fractions import Fraction
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from plain_search import deep_a_star
 
 from rtkit.errors import Impossible
-from rtkit.planner import Command, Condition, Problem, optimal_plans, plan, plan_within, verify
+from rtkit.planner import (
+    Alike,
+    Command,
+    Condition,
+    Evaluator,
+    Problem,
+    optimal_plans,
+    plan,
+    plan_within,
+    verify,
+)
 
 STATES = 7
 
@@ -99,3 +110,130 @@ def test_a_misled_plan_stays_within_its_bound(problem, guide, factor):
     found = plan_within(problem, factor, lambda s: guide[s[0]], heuristic)
     assert verify(problem, found) == ""
     assert found.lower_bound <= expected[0][0] <= found.cost <= factor * expected[0][0]
+
+
+@given(problems(), st.sampled_from([Fraction(0), Fraction(1, 2), Fraction(1)]))
+@settings(max_examples=150, deadline=None)
+def test_any_tie_costs_as_much_for_no_more_states_than_a_plain_search(problem, share):
+    heuristic = exact_heuristic(problem, share)
+    cost, most = deep_a_star(problem, heuristic)
+    if cost is None:
+        with pytest.raises(Impossible):
+            plan(problem, heuristic, ties="any")
+        return
+    found = plan(problem, heuristic, ties="any")
+    assert verify(problem, found) == ""
+    assert found.cost == found.lower_bound == cost
+    assert found.statistics.expanded <= min(most, plan(problem, heuristic).statistics.expanded)
+
+
+SIDE = 8
+DIRECTIONS = {"left": (-1, 0), "right": (1, 0), "down": (0, -1), "up": (0, 1)}
+places = st.tuples(st.integers(0, SIDE - 1), st.integers(0, SIDE - 1))
+walls = st.frozensets(places, max_size=SIDE * SIDE // 3)
+
+
+def grid(walls, goal, costs=None, seen=None) -> Problem:
+    """Return ways among walls, by moves that would lead on for ever but for the domains."""
+
+    def move(name, dx, dy):
+        def is_free(state):
+            if seen is not None:
+                seen.add(state)
+            return (state[0] + dx, state[1] + dy) not in walls
+
+        free = Condition("is free", is_free)
+        return Command(name, lambda s: (s[0] + dx, s[1] + dy), (free,))
+
+    moves = [move(name, *by) for name, by in DIRECTIONS.items()]
+    side = range(SIDE)
+    return Problem({"x": side, "y": side}, (0, 0), {"x": goal[0], "y": goal[1]}, moves, costs)
+
+
+def reached(problem: Problem) -> set[tuple[int, int]]:
+    """Return all that can be reached, by another way than the planner's."""
+    found, todo = set(), [problem.start]
+    while todo:
+        state = todo.pop()
+        if state in found or not all(0 <= value < SIDE for value in state):
+            continue
+        found.add(state)
+        todo += [
+            command.effect(state)
+            for command in problem.commands
+            if all(condition.holds(state) for condition in command.conditions)
+        ]
+    return found
+
+
+@given(walls, places, st.integers(1, 3))
+@settings(max_examples=100, deadline=None)
+def test_among_walls_any_tie_takes_no_more_states_either(walls, goal, along):
+    problem = grid(walls - {(0, 0)}, goal, {"left": along, "right": along})
+    for heuristic in (
+        lambda _: 0,
+        lambda s: along * abs(goal[0] - s[0]) + abs(goal[1] - s[1]),
+    ):
+        cost, most = deep_a_star(problem, heuristic)
+        if cost is None:
+            continue
+        found = plan(problem, heuristic, ties="any")
+        assert (found.cost, verify(problem, found)) == (cost, "")
+        assert found.statistics.expanded <= most
+
+
+SEARCHES = [
+    plan,
+    lambda problem: plan(problem, ties="any"),
+    lambda problem: next(iter(optimal_plans(problem))),
+    lambda problem: plan_within(problem, 1.5, sum),
+]
+
+
+@pytest.mark.parametrize("search", SEARCHES)
+@given(walls, places)
+@settings(max_examples=60, deadline=None)
+def test_no_search_leaves_the_domains_and_each_ends(search, walls, goal):
+    seen: set[tuple[int, int]] = set()
+    problem = grid(walls - {(0, 0)}, goal, seen=seen)
+    there = reached(problem)
+    seen.clear()
+    if goal in there:
+        found = search(problem)
+        assert all(step.after in there for step in found.steps)
+    else:
+        with pytest.raises(Impossible, match=f"all {len(there)} states"):
+            search(problem)
+        assert seen == there
+    assert seen <= there
+
+
+@given(walls, st.lists(st.tuples(places, places), min_size=1, max_size=6))
+@settings(max_examples=60, deadline=None)
+def test_legs_that_are_alike_by_a_mirror_cost_the_same(walls, asked):
+    both = walls | {(SIDE - 1 - x, y) for x, y in walls}
+    problem = grid(both, (0, 0))
+
+    def flip(way):
+        return tuple((SIDE - 1 - x, y) for x, y in way)
+
+    def key_to(goal):
+        def key(state):
+            here, there = (state, goal), (flip([state])[0], flip([goal])[0])
+            if here <= there:
+                return Alike(here, tuple, tuple)
+            return Alike(there, flip, flip)
+
+        return key
+
+    known = Evaluator()
+    for start, goal in [*asked, *(tuple(flip(pair)) for pair in asked)]:
+        wish = dict(zip("xy", goal, strict=True))
+        path = known.leg(problem, "xy", wish, key=key_to(goal))(start)
+        plain = Evaluator(is_caching=False).leg(problem, "xy", wish)(start)
+        assert (path is None) == (plain is None)
+        if path is not None:
+            assert (path.cost, path.end) == (plain.cost, plain.end)
+            assert sum(step.cost for step in path.steps) == path.cost
+            assert all(step.command.effect(step.before) == step.after for step in path.steps)
+    assert known.evaluations == len({min(each, flip(each)) for each in asked})

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import shelve
 from dataclasses import replace
 
 import pytest
 
 from rtkit.errors import Impossible, LimitReached, Malformed
 from rtkit.planner import (
+    Alike,
     Command,
     Condition,
     CostTable,
@@ -104,6 +106,18 @@ def test_costs_may_be_rows_for_states_and_functions():
         plan(grid({"x": 2}, costs={"x+": 0}))
 
 
+def test_any_tie_is_the_same_one_each_time_and_a_misspelt_word_is_refused():
+    problem = grid({"x": 3, "y": 3})
+    found = plan(problem, ties="any")
+    assert plan(problem, ties="any").commands == found.commands
+    assert (found.cost, found.lower_bound, verify(problem, found)) == (6, 6, "")
+    assert plan(grid({"x": 0}), ties="any").steps == ()
+    with pytest.raises(Impossible, match="all 36 states"):
+        plan(grid(lambda s: False), ties="any")
+    with pytest.raises(Malformed, match=r'ties are "first" or "any", not \'all\''):
+        plan(problem, ties="all")
+
+
 def test_a_bad_heuristic_is_refused_and_never_trusted():
     problem = grid({"x": 3})
     assert plan(problem, lambda s: 3 - s[0] if s[0] < 3 else 0).cost == 3
@@ -182,6 +196,17 @@ def test_no_plan_leaves_the_domains_and_without_one_the_search_ends(search):
         search(endless({"x": 5}))
 
 
+def test_where_there_is_no_state_a_price_need_not_be_one():
+    onward = Command("inc", lambda s: (s[0] + 1,))
+    for price in (lambda _c, _b, after: {1: 1, 2: 1}[after[0]], lambda _c, _b, after: 3 - after[0]):
+        problem = Problem({"x": range(3)}, (0,), {"x": 2}, [onward], price)
+        assert plan(problem).commands == ("inc", "inc")
+        with pytest.raises(Impossible):
+            plan(problem.replaced(goal=lambda _: False))
+    with pytest.raises(KeyError):
+        plan(problem.replaced(costs=lambda _c, _b, after: {}[after[0]]))
+
+
 def test_ties_are_told_among_costs_that_are_no_whole_numbers():
     costs = {"x+": 0.1, "y+": 0.2, "jump": 0.3}
     jump = Command("jump", lambda s: (s[0] + 1, s[1] + 1))
@@ -197,8 +222,33 @@ def test_a_misspelt_command_in_a_table_of_costs_is_refused():
     for costs in ({"y++": 2}, CostTable(rows=(Row("y++", {"x": 0}, 2),))):
         with pytest.raises(Malformed, match=r"y\+\+: no such command \(did you mean y\+\?\)"):
             grid({}, costs=costs)
+    for known in ("Move left", "Open", "Grasp block1"):
+        command = Command(known, lambda s: (1,))
+        for slip in ("Move lft", "move left", "Opne", "Openn", "Garsp block1"):
+            is_meant = slip[0].lower() == known[0].lower()
+            table = {known: 2, slip: 3}
+            if is_meant:
+                with pytest.raises(Malformed, match=f"cost of {slip}: .*did you mean {known}"):
+                    Problem({"x": range(2)}, (0,), {"x": 1}, [command], table)
+            else:
+                assert Problem({"x": range(2)}, (0,), {"x": 1}, [command], table)
     # A table may serve problems that lack some of its commands.
+    siblings = {"Move right": 1, "Grasp block2": 1, "Grasp block12": 1, "Grasp block": 1, "Op": 1}
+    assert grid({}, costs={**dict.fromkeys(["x+", "x-", "y+", "y-"], 2), **siblings})
     assert plan(grid({"x": 1}, costs={**dict.fromkeys(["x+", "x-", "y+", "y-"], 2), "y++": 1}))
+
+
+def test_a_misspelt_command_is_told_when_a_function_offers_it():
+    offered = [Command("Move left", lambda s: (s[0] + 1,))]
+
+    def solved(**costs):
+        costs = {name.replace("_", " "): cost for name, cost in costs.items()}
+        return plan(Problem({"x": range(3)}, (0,), {"x": 2}, lambda _: offered, costs)).cost
+
+    with pytest.raises(Malformed, match=r"cost of Mvoe left: .*\(did you mean Move left\?\)"):
+        solved(Mvoe_left=2)
+    assert solved(Move_right=2) == 2
+    assert solved(Move_left=2, Mvoe_left=3) == 4
 
 
 def test_a_plan_in_a_cross_section_is_one_step_a_level_up():
@@ -234,6 +284,69 @@ def test_functions_follow_one_another_and_are_minimised_over_a_region():
     blocked = problem.replaced(commands=[])
     assert evaluator.leg(blocked, ["x"], {"x": 3})((0, 0)) is None
     assert go("x", 3).followed_by(evaluator.leg(blocked, ["x"], {"x": 0}))((0, 0)) is None
+
+
+def mirrored(goal):
+    """Return the key of a leg along x on which left and right are alike."""
+
+    def key(state):
+        if state[0] <= goal:
+            return Alike(("along", state[0], goal), tuple, tuple)
+        size = SIZE - 1
+
+        def flip(way):
+            return tuple((size - x,) for (x,) in way)
+
+        return Alike(("along", size - state[0], size - goal), flip, flip)
+
+    return key
+
+
+def test_a_caller_s_key_may_mirror_a_leg():
+    evaluator = Evaluator()
+    problem = grid({})
+
+    def go(to):
+        return evaluator.leg(problem, ["x"], {"x": to}, key=mirrored(to))
+
+    assert go(3)((1, 0)).cost == 2
+    there = go(2)((4, 5))
+    assert (there.cost, there.end) == (2, (2, 5))
+    assert [(str(step.command), step.before) for step in there.steps] == [
+        ("x-", (4, 5)),
+        ("x-", (3, 5)),
+    ]
+    assert (evaluator.asked, evaluator.evaluations) == (2, 1)
+
+
+def test_what_a_caller_keeps_is_walked_again_and_planned_anew_where_that_fails(tmp_path):
+    def going(costs, problem=None):
+        with shelve.open(tmp_path / "known") as known:
+            evaluator = Evaluator(known=known)
+            whole = problem or grid({}, costs=costs)
+            leg = evaluator.leg(whole, ["x"], {"x": 3}, key=lambda s: f"from {s[0]}")
+            path = leg((0, 2))
+        return path and (path.cost, path.end), evaluator.evaluations
+
+    assert going(None) == ((3, (3, 2)), 1)
+    assert going(None) == ((3, (3, 2)), 0)
+    assert going({"x-": 7}) == ((3, (3, 2)), 0)
+    assert going({"x+": 2}) == ((6, (3, 2)), 1)
+    assert going({"x+": 2}) == ((6, (3, 2)), 0)
+    assert going(None, grid({}).replaced(commands=[])) == (None, 1)
+    assert going(None) == (None, 0), "a caller's key that says too little is believed"
+
+
+def test_keys_of_the_caller_are_not_those_of_the_evaluator():
+    known = {}
+    evaluator = Evaluator(known=known)
+    assert evaluator.leg(grid({}), ["x"], {"x": 3})((0, 0)).cost == 3
+    assert known == {}
+    assert evaluator.leg(grid({}), ["x"], {"x": 2}, key=hash)((0, 0)).cost == 2
+    assert len(known) == 1
+    bare = Evaluator(is_caching=False, known=known)
+    assert bare.leg(grid({}), ["x"], {"x": 2}, key=hash)((0, 0)).cost == 2
+    assert bare.evaluations == 1
 
 
 def test_a_world_that_never_behaves_is_given_up():
