@@ -110,6 +110,9 @@ def _finding(each: StaticFinding, file: str, positions: Positions | SystemReadin
 
 
 def _what(profile: RtsProfile, catalogue: Catalogue) -> str:
-    known = sum(catalogue.find(component.id) is not None for component in profile.components)
+    known = sum(
+        bool(component.participants) or catalogue.find(component.id) is not None
+        for component in profile.components
+    )
     of_them = f", {known} of known type" if profile.components else ""
     return f"system of {counted(len(profile.components), 'component')}{of_them}"

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 from rtkit.deployment import actions as act
 from rtkit.deployment.delta import Delta
 from rtkit.deployment.facts import ComponentFacts, Snapshot
-from rtkit.deployment.user_events import user_events
+from rtkit.deployment.user_events import COMPONENT_PROFILE, user_events
 from rtkit.errors import Malformed
 from rtkit.manager.core import events as ev
 from rtkit.manager.core.event_ring import Item
@@ -84,7 +84,11 @@ def _changes(
     known = (before,) if before is not None else ()
     snapshot = Snapshot("", "", 0, "", components=known)
     for each in user_events(snapshot, Delta("", 0, components=(after,))):
-        yield PastEvent(at, each.event, each.subject, each.detail[:_MOST_TEXT])
+        if each.kind == COMPONENT_PROFILE:  # its event says which parts changed
+            detail = after.composite if "composite" in each.event else ""
+            yield PastEvent(at, each.kind, each.event, detail)
+        else:
+            yield PastEvent(at, each.event, each.subject, each.detail[:_MOST_TEXT])
 
 
 def _asked(action: act.Action, instance: str) -> str:

@@ -66,6 +66,17 @@ def test_a_life():
     ]
 
 
+def test_what_changed_in_a_profile_is_told_with_its_composite():
+    def member_of(composite: str) -> ev.Event:
+        facts = ComponentFacts("A0", TypeProfile("A"), "", composite=composite)
+        return ev.ContainerReported(1, {"facts": encode(facts)})
+
+    assert words(member_of(""), member_of("Both"), member_of(""))[1:] == [
+        ("COMPONENT_PROFILE", "composite", "Both"),
+        ("COMPONENT_PROFILE", "composite", ""),
+    ]
+
+
 @pytest.mark.parametrize(
     ("event", "told"),
     [
