@@ -4,12 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from rtkit.builder.sample_system import system_of
+from rtkit.builder.sample_system import data_connector, end_of, system_of
 from rtkit.builder.subject import GeneratedComponent, GeneratedPort
-from rtkit.component.fsm import EVENT_NAME
 from rtkit.component.owned_contexts import PERIODIC
 from rtkit.fast_dataclass import replace
-from rtkit.profile.common import ExtensionProperty
 from rtkit.profile.rtc_model import (
     Actions,
     ActionStatus,
@@ -17,8 +15,7 @@ from rtkit.profile.rtc_model import (
     DataPortDeclaration,
     RtcProfile,
 )
-from rtkit.profile.rts_model import DataPortConnector, ServicePortConnector, TargetPort
-from rtkit.rtc.profiles import TypeProfile
+from rtkit.profile.rts_model import DataPortConnector, ServicePortConnector
 
 FOLDER = "mirror"
 _RATE_HZ = 10.0
@@ -108,19 +105,10 @@ def _data_connectors(
     for event, port in zip(events, outs, strict=True):
         ends.append((machine.port if machine else "", port.name, port.type_name, False, event))
     for number, (name, other, type_name, is_out, event) in enumerate(ends, 1):
-        here, there = _end(subject, name), _end(mirror, other)
+        here, there = end_of(subject, name), end_of(mirror, other)
         source, target = (here, there) if is_out else (there, here)
-        yield DataPortConnector(
-            f"mirror-data-{number}",
-            f"{name}_{other}" if event else name,
-            type_name,
-            "corba_cdr",
-            "push",
-            source,
-            target,
-            "flush",
-            properties=(ExtensionProperty(EVENT_NAME, event),) if event else (),
-        )
+        text = f"{name}_{other}" if event else name
+        yield data_connector(f"mirror-data-{number}", text, type_name, source, target, event)
 
 
 def _service_connectors(
@@ -129,11 +117,5 @@ def _service_connectors(
     pairs = zip(subject.services, mirror.services, strict=True)
     for number, (own, other) in enumerate(pairs, 1):
         if any(offer.protocol for offer in own.offers):
-            ends = _end(subject, own.name), _end(mirror, other.name)
+            ends = end_of(subject, own.name), end_of(mirror, other.name)
             yield ServicePortConnector(f"mirror-service-{number}", own.name, *ends)
-
-
-def _end(subject: GeneratedComponent, port: str) -> TargetPort:
-    info, instance = subject.info, f"{subject.type_name}0"
-    type = TypeProfile(subject.type_name, info.vendor, info.category, info.version)
-    return TargetPort(type.id, instance, f"{instance}.{port}")

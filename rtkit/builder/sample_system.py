@@ -1,11 +1,12 @@
-"""Generates a sample system profile: the component alone, in its initial configuration."""
+"""Generates a sample system profile: one of each component, connected as their types fit."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 from rtkit.builder.regions import XML_STAMP
 from rtkit.builder.subject import GeneratedComponent
+from rtkit.component.fsm import EVENT_NAME
 from rtkit.component.kinds import kind_of
 from rtkit.component.owned_contexts import kind_named
 from rtkit.profile.common import ExtensionProperty
@@ -20,9 +21,11 @@ from rtkit.profile.rts_model import (
     OwnedContext,
     RtsProfile,
     ServicePortConnector,
+    TargetPort,
 )
 from rtkit.profile.write import write_rts
 from rtkit.rtc.create import CreateString
+from rtkit.rtc.data_types import ANY
 from rtkit.rtc.enums import ExecutionKind
 from rtkit.rtc.profiles import TypeProfile
 
@@ -34,10 +37,51 @@ _DEFAULT_RATE = 1000.0
 
 
 def sample_system(subjects: Sequence[GeneratedComponent]) -> str:
-    """Return a system profile of these components, one of each, not yet stamped."""
+    """Return a system profile of these components, one of each, not yet stamped.
+
+    An in port is connected with the out port of its type on the nearest component before it, where
+    each of the two has only one port that fits.
+    """
     names = " and ".join(each.type_name for each in subjects)
     kind = "component type" if len(subjects) == 1 else "component types"
-    return system_of([(each, "") for each in subjects], f"A sample of {kind} {names}")
+    text = f"A sample of {kind} {names}"
+    return system_of([(each, "") for each in subjects], text, tuple(_fitting(subjects)))
+
+
+def _fitting(subjects: Sequence[GeneratedComponent]) -> Iterator[DataPortConnector]:
+    sources: dict[str, list[TargetPort]] = {}
+    for subject in subjects:
+        for type_name, (end, *others) in _ends(subject, "InPort").items():
+            found = sources.get(type_name, ())
+            if len(found) == 1 and not others:
+                both = f"{found[0].port_name}-{end.port_name}"
+                yield data_connector(both, both, type_name, found[0], end)
+        sources |= _ends(subject, "OutPort")
+
+
+def _ends(subject: GeneratedComponent, kind: str) -> dict[str, list[TargetPort]]:
+    """Return the ports of a kind by their data types."""
+    found: dict[str, list[TargetPort]] = {}
+    for port in subject.ports:
+        if port.kind == kind and port.type_name != ANY:
+            found.setdefault(port.type_name, []).append(end_of(subject, port.name))
+    return found
+
+
+def data_connector(
+    id: str, name: str, type_name: str, source: TargetPort, target: TargetPort, event: str = ""
+) -> DataPortConnector:
+    """Return a connector of data ports; `event` names what it brings to a state machine."""
+    properties = (ExtensionProperty(EVENT_NAME, event),) if event else ()
+    ways = ("corba_cdr", "push", source, target, "flush")
+    return DataPortConnector(id, name, type_name, *ways, properties=properties)
+
+
+def end_of(subject: GeneratedComponent, port: str) -> TargetPort:
+    """Return a port of a component as connectors name it."""
+    info, instance = subject.info, f"{subject.type_name}0"
+    type = TypeProfile(subject.type_name, info.vendor, info.category, info.version)
+    return TargetPort(type.id, instance, f"{instance}.{port}")
 
 
 def system_of(
