@@ -13,7 +13,11 @@ from rtkit.profile.common import ExtensionProperty
 from rtkit.profile.ports import declared_interfaces
 from rtkit.profile.rtc_model import DataPortDeclaration, RtcProfile, ServicePortDeclaration
 from rtkit.profile.words import normal_data_type
+from rtkit.profile_tools.component_scene import component_name
 from rtkit.profile_tools.system_scene import system_scene
+from rtkit.rtc.create import CreateString
+from rtkit.rtc.naming_properties import CREATE
+from rtkit.rtc.nearest import did_you_mean
 from rtkit.rtc.port_types import are_reversed, declared_port_type, interfaces_fit, types_fit
 
 _CONTEXT_KINDS = {"PERIODIC": "PERIODIC", "SPORADIC": "EVENT_DRIVEN", "EVENTDRIVEN": "EVENT_DRIVEN"}
@@ -21,10 +25,11 @@ _DEFAULT = "default"
 
 
 class NewMember(NamedTuple):
-    """A component of a new system: its type, and what it is called."""
+    """A component of a new system: its type, its name, and the slave that holds it, if any does."""
 
     type: RtcProfile
     instance: str
+    slave: str = ""
 
 
 class _End(NamedTuple):
@@ -101,6 +106,24 @@ def default_instance(type_name: str, taken: Iterable[str]) -> str:
     return f"{type_name}{number}"
 
 
+def in_slaves(members: Sequence[NewMember], places: Iterable[str]) -> list[NewMember]:
+    """Return members with their slaves, which are given as ``INSTANCE=SLAVE``.
+
+    Raises:
+        Malformed: A place is none.
+        NotFound: It names a component that is not there.
+    """
+    known, found = [member.instance for member in members], {}
+    for text in places:
+        instance, _, slave = text.partition("=")
+        if not (instance and slave):
+            raise Malformed(f"a component in a slave is INSTANCE=SLAVE: {text}")
+        if instance not in known:
+            raise NotFound(f"no such component: {instance}{did_you_mean(instance, known)}")
+        found[instance] = slave
+    return [member._replace(slave=found.get(member.instance, "")) for member in members]
+
+
 def _component(member: NewMember, host: str) -> rts.ComponentInstance:
     info = member.type.basic_info
     kind = _CONTEXT_KINDS[info.activity_type] if info else "PERIODIC"
@@ -122,7 +145,15 @@ def _component(member: NewMember, host: str) -> rts.ComponentInstance:
         ),
         configuration_sets=(rts.ConfigurationSet(_DEFAULT, values),) if values else (),
         execution_contexts=(rts.OwnedContext("0", kind, rate),),
+        properties=_held_by(member),
     )
+
+
+def _held_by(member: NewMember) -> tuple[ExtensionProperty, ...]:
+    if not member.slave:
+        return ()
+    create = CreateString(component_name(member.type), options={"manager_name": member.slave})
+    return (ExtensionProperty(CREATE, str(create)),)
 
 
 def _data_port(member: NewMember, port: DataPortDeclaration) -> rts.InstancePort:

@@ -9,7 +9,7 @@ from rtkit.profile.common import ExtensionProperty
 from rtkit.profile.constraint_text import format_constraint
 from rtkit.profile.rtc_model import RtcProfile
 from rtkit.profile_tools import new_component as new
-from rtkit.profile_tools.new_system import NewMember, new_system
+from rtkit.profile_tools.new_system import NewMember, in_slaves, new_system
 
 DATE = "2025-01-01T00:00:00"
 
@@ -148,6 +148,20 @@ def test_systems() -> None:
 def test_what_cannot_be_connected(wire: str, error: type[Exception], told: str) -> None:
     with pytest.raises(error, match=told):
         new_system("Robot", DATE, MEMBERS, [wire])
+
+
+def test_components_in_slaves() -> None:
+    members = in_slaves(MEMBERS, ["Motor0=drive=1"])
+    one, other = new_system("Robot", DATE, members).components
+    assert one.properties == ()
+    assert other.properties == (ExtensionProperty("rtkit.create", "Motor?manager_name=drive%3D1"),)
+    with pytest.raises(NotFound, match=r"no such component: Moter0 \(did you mean Motor0\?\)"):
+        in_slaves(MEMBERS, ["Moter0=drive"])
+    for text in ("Motor0", "Motor0=", "=drive"):
+        with pytest.raises(Malformed, match=f"a component in a slave is INSTANCE=SLAVE: {text}"):
+            in_slaves(MEMBERS, [text])
+    with pytest.raises(Malformed, match="named twice"):
+        new_system("a", DATE, in_slaves([MEMBERS[0]] * 2, ["Range0=s"]))
 
 
 def test_types_have_to_be_the_same() -> None:

@@ -66,6 +66,9 @@ class SystemOptions(NamedTuple):
     connections: tuple[str, ...] = several(
         "--connect INSTANCE.PORT=INSTANCE.PORT", "system: a connection."
     )
+    slaves: tuple[str, ...] = several(
+        "--slave INSTANCE=SLAVE", "system: the slave that holds a component (default none)."
+    )
     host: str | None = option("--host", "system: where its components are (default localhost).")
 
 
@@ -179,7 +182,7 @@ def _fitting(item: ConfigurationParameter) -> ConfigurationParameter:
 def _system(
     name: str, vendor: str, release: str, description: str, given: dict[str, Any]
 ) -> RtsProfile:
-    from rtkit.profile_tools.new_system import new_system
+    from rtkit.profile_tools.new_system import in_slaves, new_system
 
     members: list[NewMember] = []
     for text in given.get("members", ()):
@@ -187,7 +190,7 @@ def _system(
     return new_system(
         name,
         _now(),
-        members,
+        in_slaves(members, given.get("slaves", ())),
         given.get("connections", ()),
         vendor=vendor,
         version=release,
