@@ -185,15 +185,15 @@ class _Walk:
                     if isinstance(record, records.Message):
                         yield self._entry(record)
                     elif isinstance(record, records.DataEnd):
-                        self.is_whole = True
-                        return
+                        self.is_whole = True  # a summary follows: streams without values, too
                     else:
                         self._take(record)
             except (EndOfFile, CRCValidationError, struct.error) as error:
                 if not is_begun:
                     raise self._broken(error, is_begun) from error
             except (McapError, ValueError, RuntimeError, KeyError, MemoryError) as error:
-                raise self._broken(error, is_begun) from error
+                if not self.is_whole:
+                    raise self._broken(error, is_begun) from error
 
     def _broken(self, error: Exception, is_begun: bool) -> Malformed:
         if not is_begun:

@@ -48,6 +48,26 @@ def test_what_is_written_is_read(tmp_path: Path) -> None:
     assert info.began_ns > 10**18
 
 
+def test_a_stream_without_values_is_told(tmp_path: Path) -> None:
+    path = tmp_path / "x.mcap"
+    quiet = RecordedStream("quiet", "RTC::TimedLong", ("/localhost/C.rtc:out",))
+    with path.open("wb") as file, RecordingWriter(file) as writer:
+        writer.add_channel(LONG, TimedLong)
+        writer.write(entry(1))
+        writer.flush()
+        writer.add_channel(quiet, TimedLong)  # it came when no value did any more
+    info = RecordingReader(str(path)).info()
+    assert {each.name: each.sources for each in info.channels} == {
+        "a": LONG.sources,
+        "quiet": quiet.sources,
+    }
+    assert (info.counts, info.is_whole) == ({"a": 1, "quiet": 0}, True)
+    data = path.read_bytes()
+    summary = data.rindex(b"quiet")  # what is broken behind the values spoils none of them
+    path.write_bytes(data[: summary - 9] + b"\xff" * 9 + data[summary:])
+    assert RecordingReader(str(path)).info().counts["a"] == 1
+
+
 def test_a_stock_reader_opens_it(tmp_path: Path) -> None:
     path = tmp_path / "x.mcap"
     entries = recorded(path, 12)
