@@ -16,6 +16,8 @@ def main() -> None:
     _show("the same without pushing", line.carrying((5, 1, 4), {"y": 2}, may_push=False))
     _show("spar, turning is dear", spar.spar((2, 2, 1), (3, 3, 0), move=2, rotate=3))
     _show("spar, turning is cheap", spar.spar((2, 2, 1), (3, 3, 0), move=2, rotate=1))
+    across = spar.handled((2, 2, 1, 1, 2, 2, 0), {"sx": 3, "sy": 3, "sa": 0})
+    _show("spar held across, to be grasped otherwise before a doorway", across)
     _switch()
     _doorway()
     _explore()

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import heapq
+import itertools
 import pickle
 import resource
 import subprocess
@@ -98,6 +100,65 @@ def test_the_direct_way_of_the_spar_is_dearer():
     direct = plan(guarded)
     assert (direct.cost, direct.commands.count("rotate")) == (13, 3)
     assert plan(problem).commands.count("rotate") == 1
+
+
+def spar_by_hand(state):
+    """Yield what a hand and a spar can become in one step, and its cost: told once more."""
+    (x, y), across, closed, spar_at, spar_across = state
+    walls = {frozenset([(2, y), (3, y)]): y == 1 for y in (1, 2, 3)}
+    walls |= {frozenset([(x, 2), (x, 3)]): x not in (1, 3) for x in range(1, 6)}
+    for to in ((x - 1, y), (x + 1, y), (x, y - 1), (x, y + 1)):
+        is_closed_up = walls.get(frozenset([(x, y), to]))
+        if to[0] not in range(1, 6) or to[1] not in range(1, 4) or is_closed_up:
+            continue
+        along_y = to[0] == x
+        if not closed:
+            yield (to, across, False, spar_at, spar_across), 1
+        elif is_closed_up is None or across == spar_across == along_y:
+            yield (to, across, True, to, spar_across), 2
+    if closed:
+        yield ((x, y), not across, True, spar_at, not spar_across), 3
+        yield ((x, y), across, False, spar_at, spar_across), 1
+    else:
+        yield ((x, y), not across, False, spar_at, spar_across), 1
+        if spar_at == (x, y):
+            yield ((x, y), across, True, spar_at, spar_across), 1
+
+
+@pytest.mark.parametrize("start", [(2, 2, 1, 1, 2, 2, 0), (5, 1, 0, 0, 2, 2, 1)])
+def test_the_spar_that_is_grasped_anywhere_costs_what_a_search_through_everything_says(start):
+    x, y, a, h, sx, sy, sa = start
+    costs, heap = {}, [(0, 0, ((x, y), a == 1, h == 1, (sx, sy), sa == 1))]
+    met = itertools.count(1)
+    while heap:
+        cost, _, state = heapq.heappop(heap)
+        if state not in costs:
+            costs[state] = cost
+            for after, more in spar_by_hand(state):
+                heapq.heappush(heap, (cost + more, next(met), after))
+    assert len(costs) == 15 * 2 * 15 * 2 + 15 * 2 * 2  # open anywhere, closed at the spar
+    for goal in itertools.product(range(1, 6), range(1, 4), (0, 1)):
+        problem = spar.handled(start, dict(zip(("sx", "sy", "sa"), goal, strict=True)))
+        here = (goal[:2], goal[2] == 1)
+        least = min(cost for state, cost in costs.items() if state[3:] == here)
+        found = plan(problem)
+        assert (found.cost, verify(problem, found)) == (least, "")
+        assert plan(problem, ties="any").cost == least
+    for state, cost in list(costs.items())[::7]:
+        place, across, closed, spar_at, spar_across = state
+        values = (*place, int(across), int(closed), *spar_at, int(spar_across))
+        problem = spar.handled(start, dict(zip(problem.variables, values, strict=True)))
+        assert plan(problem, ties="any").cost == cost
+
+
+def test_a_spar_held_across_is_grasped_otherwise_before_a_doorway():
+    every = optimal_plans(spar.handled((2, 2, 1, 1, 2, 2, 0), {"sx": 3, "sy": 3, "sa": 0}))
+    assert (every.cost, every.count) == (13, 1)
+    again, through = ("release", "turn", "grasp"), ("carry +x", "rotate", "carry +y", "rotate")
+    assert next(iter(every)).commands == again + through
+    closed_far_away = spar.handled((1, 1, 0, 1, 2, 2, 0), {"sx": 3})
+    with pytest.raises(Impossible):
+        plan(closed_far_away)
 
 
 def test_switch():
