@@ -13,12 +13,15 @@ from typing import Any
 
 import pytest
 
+from rtkit.deployment.facts import ComponentFacts
 from rtkit.logs.logs import Log
 from rtkit.manager.claim import remove_stale
 from rtkit.manager.predecessor.unreported import checkpoints_of_the_dead
 from rtkit.manager.slaves import warm_up as rehearsal
 from rtkit.manager.slaves.warm_up import warm_up
 from rtkit.modules.loader import Loader
+from rtkit.rtc import serde
+from rtkit.rtc.profiles import ModuleProfile, TypeProfile
 
 
 @pytest.fixture
@@ -52,6 +55,15 @@ def test_nothing_is_left_of_it(folder: str) -> None:
         log.close()
     assert before == after
     assert after["files"] == []
+
+
+def test_coders_of_all_that_a_creation_reports_are_made(
+    folder: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    made: dict[Any, Any] = {}
+    monkeypatch.setattr(serde, "_encoders", made)
+    warm_up(Log("zygote", f"{folder}/m.log"), {"data": f"{folder}/m.%p.data"})
+    assert {ComponentFacts, ModuleProfile, TypeProfile} <= made.keys()
 
 
 def test_slaves_find_no_modules_where_it_found_its_own(folder: str, tmp_path: Path) -> None:

@@ -4,14 +4,17 @@ from __future__ import annotations
 
 import os
 import re
+import subprocess
+import sys
 import time
 from pathlib import Path
 from typing import Any
 
 import pytest
 
-from rtkit.deployment.actions import Create, Load
+from rtkit.deployment.actions import Connect, Create, Load
 from rtkit.errors import Refused, RtkitError, Unreachable
+from rtkit.rtc.profiles import ConnectorProfile, PortRef
 from rtkit.tree.client import Tree
 
 KEEPS_MANAGER = True
@@ -44,6 +47,39 @@ HANGS = {
     "loop": "exec(compile('while True: pass', __file__, 'exec'))",
     "lock": "re.match('(a+)+$', 'a' * 40 + 'b')",
 }
+TELLER = """
+import os, sys
+from rtkit.component import Component, Manager, OutPort, TimedLong
+
+
+class Teller(Component):
+    'Tells what is imported in its process once it has been at work.'
+
+    rate = 100.0
+    out = OutPort(TimedLong)
+
+    def on_execute(self, context: str) -> None:
+        self.out.write(TimedLong())
+
+    def on_deactivated(self, context: str) -> None:
+        with open(os.environ["RTKIT_STATE_DIR"] + "/told", "w") as file:
+            print(*sys.modules, file=file)
+
+
+def TellerInit(manager: Manager) -> None:
+    manager.register_factory(Teller)
+"""
+ZYGOTE = """
+import importlib, runpy, sys
+from rtkit.manager.slaves import zygote
+
+for name in (*zygote.AHEAD, *zygote._AT_LEISURE):
+    importlib.import_module(name)
+for name in zygote._AT_LEISURE:
+    zygote._make_types(name)
+zygote.become_subreaper()
+print(*sys.modules)
+"""
 
 
 def write(manager: Any, name: str, line: str) -> str:
@@ -141,6 +177,22 @@ def test_modules_are_imported_only_where_their_components_are(manager: Any, tree
     assert importers()[3:] == []
     (manager.modules / "Other.py").write_text("raise ValueError('nobody wants it')")
     tree.perform(Create("Note?instance_name=D&manager_name=t"))
+
+
+def test_a_slave_imports_nothing_but_the_modules_of_its_components(
+    manager: Any, tree: Tree
+) -> None:
+    (manager.modules / "Teller.py").write_text(TELLER)
+    tree.perform(Create("Teller?instance_name=T&manager_name=s"))
+    tree.perform(Create("ConsoleOut?instance_name=O&manager_name=t"))
+    ends = PortRef("T", "out"), PortRef("O", "in")
+    tree.perform(Connect(ConnectorProfile("wire", "wire", ends)))
+    manager.ok("rtact /localhost/T.rtc")
+    manager.ok("rtdeact /localhost/T.rtc")
+    told = Path(manager.environment["RTKIT_STATE_DIR"], "told").read_text().split()
+    ahead = subprocess.run([sys.executable, "-c", ZYGOTE], capture_output=True, check=True)
+    own = [name for name in told if name not in ahead.stdout.decode().split()]
+    assert [name.partition("_module_")[0] for name in own] == ["rtkit"], own
 
 
 def test_a_trial_is_no_slave_and_its_name_is_nobody_s(manager: Any, tree: Tree) -> None:

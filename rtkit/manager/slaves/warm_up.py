@@ -36,12 +36,16 @@ from rtkit.modules.neighbours import disown
 
 _FOLDER = os.path.dirname(os.path.abspath(__file__))
 _LAST = 2
+# As a manager asks for a type of which nobody has loaded the module.
 _LINES: tuple[Message, ...] = (
     {
         "op": "create",
-        "create": "Extra?instance_name=Extra0&manager_name=rehearsal",
-        "modules": [["warm_up_component.py", "ExtraInit"]],
+        "create": "warm_up_component?instance_name=Extra0&manager_name=rehearsal",
+        "pattern": None,
+        "modules": [],
         "inherited": {},
+        "config_files": {},
+        "kept": {"names": ["localhost/Extra0.rtc"], "create": "warm_up_component"},
         "call": 1,
     },
     {"op": "delete", "instance": "Extra0", "call": _LAST},

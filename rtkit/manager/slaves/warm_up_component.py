@@ -6,6 +6,7 @@ from rtkit.component import Component, InPort, Manager, OutPort, Parameter, Time
 class Extra(Component):
     """Does nothing."""
 
+    type_name = "warm_up_component"
     vendor = "rtkit"
     category = "example"
     version = "1.0"
@@ -22,6 +23,6 @@ class Extra(Component):
         """Never called."""
 
 
-def ExtraInit(manager: Manager) -> None:  # noqa: N802 - the name that loaders look for
+def warm_up_componentInit(manager: Manager) -> None:  # noqa: N802 - the name that loaders look for
     """Register the component type of this module."""
     manager.register_factory(Extra)

@@ -32,6 +32,7 @@ from rtkit.container.slave import Slave
 from rtkit.deployment.message import Message
 from rtkit.logs.logs import Log, share_log
 from rtkit.manager.child_process import ENDS, STOPS, exit_reason
+from rtkit.manager.slaves.code_together import put_together
 from rtkit.manager.slaves.warm_up import fill_gaps, warm_up
 
 _OPTIONS = os.WEXITED | os.WSTOPPED | os.WCONTINUED | os.WNOHANG
@@ -95,6 +96,8 @@ class Zygote:
         gc.freeze()  # decision 49: a slave's collector would copy each page that it looks through
         self._report({"ready": os.getpid()})
         later: list[Callable[[], object]] = [self._warm_up] * _REHEARSALS
+        # Code that runs only the first time need not lie with what each slave runs.
+        later += [partial(put_together, self._warm_up), self._warm_up]
         later += [partial(_make_types, name) for name in _AT_LEISURE]
         later.insert(0, self._pack)  # last of all
         later.append(become_subreaper)  # first
