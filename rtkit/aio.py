@@ -24,7 +24,7 @@ from rtkit.tree.client import DEFAULT_TIMEOUT_S
 T = TypeVar("T")
 _GRACE_S = 0.5
 """How long a cancelled call is waited for, unless it ends in order; it is bounded by itself [s]."""
-_IN_ORDER = {"apply", "apply_profile", "bring_up", "start", "stop", "teardown"}
+_IN_ORDER = {"apply", "apply_profile", "bring_up", "goto", "start", "stop", "teardown"}
 _END = object()
 ATTRIBUTES = ("host", "manager", "notify", "timeout_s")
 """Attributes of a tree that need no waiting."""

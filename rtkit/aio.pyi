@@ -1,13 +1,15 @@
 """Types of `rtkit.aio`, made of those of `rtkit.Tree` by tools/make_aio_stub.py."""
 
 from collections.abc import Callable, Generator, Iterable, Mapping, Sequence
-from typing import Any, Generic, Self, TypeVar
+from typing import Any, Generic, Self, TypeVar, Unpack
 
 from rtkit.api.checking import SystemReport
 from rtkit.api.events import SystemEvent
 from rtkit.api.live import PropertyChange
+from rtkit.api.options import PlanKeywords, WayKeywords
 from rtkit.api.ports import PortValue
 from rtkit.api.profiles import Source, SystemProfile
+from rtkit.api.states import StatesReport
 from rtkit.deployment.actions import Action, Result
 from rtkit.deployment.facts import ComponentFacts, Snapshot
 from rtkit.deployment.listing import Listing
@@ -55,17 +57,10 @@ class AsyncTree:
         self,
         profile: Source,
         *,
-        state: str = ...,
-        prune: bool = ...,
-        replace: bool = ...,
-        costs: Mapping[str, float] = ...,
-        stand_in: bool = ...,
-        transmit: bool = ...,
-        hosts: Mapping[str, str] = ...,
-        strict: bool = ...,
         rollback: bool = ...,
         parallel: int = ...,
         wait_s: float = ...,
+        **options: Unpack[PlanKeywords],
     ) -> AsyncPlan: ...
     async def bring_up(
         self,
@@ -85,19 +80,20 @@ class AsyncTree:
         hosts: Mapping[str, str] = ...,
         strict: bool = ...,
     ) -> SystemReport: ...
-    async def plan(
+    async def follow(
+        self, profile: Source, *, rollback: bool = ..., **options: Unpack[WayKeywords]
+    ) -> None: ...
+    async def goto(
         self,
         profile: Source,
-        *,
         state: str = ...,
-        prune: bool = ...,
-        replace: bool = ...,
-        costs: Mapping[str, float] = ...,
-        stand_in: bool = ...,
-        transmit: bool = ...,
-        hosts: Mapping[str, str] = ...,
-        strict: bool = ...,
-    ) -> AsyncPlan: ...
+        *,
+        event: str = ...,
+        rollback: bool = ...,
+        wait_s: float = ...,
+        **options: Unpack[WayKeywords],
+    ) -> None: ...
+    async def plan(self, profile: Source, **options: Unpack[PlanKeywords]) -> AsyncPlan: ...
     async def save(
         self,
         name: str = ...,
@@ -116,6 +112,7 @@ class AsyncTree:
         timeout_s: float | None = ...,
         hosts: Mapping[str, str] = ...,
     ) -> None: ...
+    async def states(self, profile: Source, **options: Unpack[WayKeywords]) -> StatesReport: ...
     async def stop(
         self,
         profile: Source,
@@ -128,7 +125,12 @@ class AsyncTree:
     async def teardown(
         self, profile: Source, *, end: bool = ..., hosts: Mapping[str, str] = ...
     ) -> None: ...
+    async def unfollow(self, name: str) -> None: ...
+    async def activate_set(self, path: str, set_id: str) -> None: ...
+    async def add_set(self, path: str, set_id: str, /, **values: Value) -> None: ...
     async def call(self, operation: str, *arguments: Any, timeout_s: float | None = ...) -> Any: ...
+    async def configure(self, path: str, set_id: str = ..., **values: Value) -> None: ...
+    async def copy_set(self, path: str, source: str, set_id: str, /, **values: Value) -> None: ...
     def events(
         self, *paths: str, kinds: Iterable[str] = ..., timeout_s: float | None = ...
     ) -> AsyncStream[SystemEvent]: ...
@@ -144,6 +146,7 @@ class AsyncTree:
         timeout_s: float | None = ...,
     ) -> AsyncStream[LogEntry]: ...
     async def read(self, port: str, *, timeout_s: float | None = ...) -> Any: ...
+    async def remove_set(self, path: str, set_id: str) -> None: ...
     def values(
         self,
         *ports: str,
@@ -163,7 +166,6 @@ class AsyncTree:
     async def snapshot(self) -> Snapshot: ...
     async def activate(self, path: str, context: int | str = ...) -> None: ...
     async def component(self, path: str) -> ComponentFacts: ...
-    async def configure(self, path: str, set_id: str = ..., **values: Value) -> None: ...
     async def connect(
         self, one: str, other: str, connector_id: str = ..., **properties: Value
     ) -> str: ...

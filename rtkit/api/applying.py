@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from rtkit.api import following, planning, step_times
+from rtkit.api import planning, states, step_times
 from rtkit.deployment.applying import Applier
 from rtkit.tree.grace import uninterrupted
 
@@ -30,11 +30,11 @@ def carry_out(
         KeyboardInterrupt: Interrupted; its text states what is left.
     """
     document, goal, snapshot, plan, survey = prepared
-    is_followed = following.is_wanted(session, document)
+    is_followed = states.is_follow_wanted(session, document)
     report = session.report
     with step_times.noting(session, goal.system, snapshot) as taken:
         applier = Applier(session.tree, goal, report, report, taken, survey, uninterrupted)
         applier.run(plan, snapshot, rolls_back=rolls_back, is_exact=is_exact)
     if is_followed:
-        following.begin_from(session, document, goal)
+        states.follow_from(session, document, goal)
     return tuple(applier.unmet)

@@ -35,12 +35,12 @@ def bring_up(
         Refused: Something required failed; what was made is removed again.
         Unreachable: A manager does not answer.
     """
-    from rtkit.api import following
+    from rtkit.api import states
     from rtkit.api.known_types import known_types
     from rtkit.api.preflight import check_reserved, missing
     from rtkit.deployment.creation import bring_up_plans
 
-    is_followed = not is_dry and following.is_wanted(session, document)
+    is_followed = not is_dry and states.is_follow_wanted(session, document)
     found = looking.look(session, document.profile, dry_run=is_dry, starts=may_create, lock=lock)
     with looking.managers_started(session, found, dry_run=is_dry) as before:
         creates = may_create and not stand_in
@@ -60,7 +60,7 @@ def bring_up(
                 return list(bring_up_plans(system, before, may_create=may_create, lacks=lacks))
             _carry_out(session, system, before, lacks, may_create=may_create)
     if is_followed:
-        following.begin_as_stated(session, document, mapped, stand_in=stand_in, transmit=transmit)
+        states.follow_now(session, document, mapped, stand_in=stand_in, transmit=transmit)
     return ()
 
 

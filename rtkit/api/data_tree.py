@@ -1,14 +1,16 @@
-"""Data side of the tree of scripts: waiting, values of ports, calls, logs, events, properties."""
+"""Data side of the tree of scripts: values of ports, calls, configuration sets, what happens."""
 
 from __future__ import annotations
 
 import time
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
+from rtkit.api import configuring
 from rtkit.api.ports import NotReached, PortReader
 from rtkit.api.script import Notify, ScriptSession, Stream, begun
 from rtkit.tree import client
+from rtkit.tree.api import Value, value_text
 
 if TYPE_CHECKING:
     from rtkit.api.events import SystemEvent
@@ -24,7 +26,7 @@ def silent(_text: str) -> None:
 
 
 class DataTree(client.Tree):
-    """Methods of `rtkit.api.tree.Tree` that observe, and exchange data.
+    """Methods of `rtkit.api.tree.Tree` that observe, exchange data, and configure.
 
     Attributes:
         notify: Receives progress and warnings, one line each: what commands tell on stderr.
@@ -158,6 +160,71 @@ class DataTree(client.Tree):
 
         return call(self, operation, arguments, self.timeout_s if timeout_s is None else timeout_s)
 
+    # Configuration sets
+
+    def configure(self, path: str, set_id: str = "", **values: Value) -> None:
+        """Change parameters of a configuration set (by default the active one), all or none.
+
+        A component sees a change of its active set within one period.
+
+        Example::
+
+            tree.configure("/localhost/Robot0.rtc", speed=0.5, name="left")
+
+        Raises:
+            NotFound: No such component, set or parameter.
+            Malformed: A value does not fit its parameter.
+        """
+        facts = self.component(path)
+        chosen = configuring.known(facts, set_id or facts.active_set)
+        configuring.change(ScriptSession(self, self.notify), facts, {chosen: _texts(values)})
+
+    def add_set(self, path: str, set_id: str, /, **values: Value) -> None:
+        """Add a configuration set with these parameters; `activate_set` makes it the active one.
+
+        Raises:
+            NotFound: No such component or parameter.
+            Malformed: A value does not fit its parameter.
+            Refused: There is such a set.
+        """
+        configuring.add(
+            ScriptSession(self, self.notify), self.component(path), set_id, _texts(values)
+        )
+
+    def copy_set(self, path: str, source: str, set_id: str, /, **values: Value) -> None:
+        """Add a configuration set that is like another one, but for these parameters.
+
+        Example::
+
+            tree.copy_set("/localhost/Robot0.rtc", "careful", "gentle", speed=0.1)
+
+        Raises:
+            NotFound: No such component, set or parameter.
+            Malformed: A value does not fit its parameter.
+            Refused: There is such a set.
+        """
+        facts = self.component(path)
+        copied = facts.sets[configuring.known(facts, source)]
+        values = {**copied, **values}
+        configuring.add(ScriptSession(self, self.notify), facts, set_id, _texts(values))
+
+    def remove_set(self, path: str, set_id: str) -> None:
+        """Remove a configuration set that was added.
+
+        Raises:
+            NotFound: No such component or set.
+            Refused: It is the active one, or was not added.
+        """
+        configuring.remove(ScriptSession(self, self.notify), self.component(path), set_id)
+
+    def activate_set(self, path: str, set_id: str) -> None:
+        """Make a configuration set the active one: ``tree.component(path).sets`` has them all.
+
+        Raises:
+            NotFound: No such component or set.
+        """
+        configuring.activate(ScriptSession(self, self.notify), self.component(path), set_id)
+
     # Observing
 
     def live(self) -> ManagerSubscription:
@@ -235,3 +302,7 @@ class DataTree(client.Tree):
         until = None if timeout_s is None else time.monotonic() + timeout_s
         session = ScriptSession(self, self.notify)
         return begun(watched(session, paths or ("/",), kinds, until))
+
+
+def _texts(values: Mapping[str, Value]) -> dict[str, str]:
+    return {name: value_text(value, name) for name, value in values.items()}

@@ -137,9 +137,9 @@ def teardown(
     snapshot = looking.look(session, document.profile, dry_run=is_dry, may_lack=True)
     system = looking.wanted_system(session, document, snapshot, mapped=mapped)
     if not is_dry:
-        from rtkit.api import following
+        from rtkit.api import states
 
-        if following.end_if_followed(session, document, snapshot):
+        if states.end_if_followed(session, document, snapshot):
             snapshot = looking.remains(session)
     plan = teardown_plan(system, LiveIndex(snapshot, system), ends_components=ends_components)
     if not is_dry:

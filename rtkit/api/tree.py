@@ -4,18 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Unpack
 
 from rtkit.api.data_tree import DataTree
+from rtkit.api.options import NO_MAP, PlanKeywords, WayKeywords, known, mapped, request, takes
 from rtkit.api.profiles import Source, SystemProfile, load
 from rtkit.api.script import ScriptSession
-from rtkit.errors import Malformed
 
 if TYPE_CHECKING:
     from rtkit.api.checking import SystemReport
     from rtkit.api.plan import SystemPlan
-
-NO_MAP: Mapping[str, Any] = {}
+    from rtkit.api.states import StatesReport
+    from rtkit.tree.plan_locks import PlanLocks
 
 
 class Tree(DataTree):
@@ -26,9 +26,10 @@ class Tree(DataTree):
     Every method is bounded by the time-out of the connection, or by one of its own [s]. Errors are
     those of `rtkit.errors`.
 
-    Systems: `plan apply_profile bring_up start stop check save teardown`. Waiting: `wait`. Data:
-    `read values write call`. Observing: `logs events live properties`. Components: `ls component
-    create delete activate deactivate reset connect disconnect configure load`.
+    Systems: `plan apply_profile bring_up start stop check save teardown`. Their states: `states
+    goto follow unfollow`. Waiting: `wait`. Data: `read values write call`. Observing: `logs events
+    live properties`. Components: `ls component create delete activate deactivate reset connect
+    disconnect load`. Their parameters: `configure add_set copy_set remove_set activate_set`.
 
     Example::
 
@@ -52,19 +53,8 @@ class Tree(DataTree):
 
     # Systems
 
-    def plan(
-        self,
-        profile: Source,
-        *,
-        state: str = "Active",
-        prune: bool = False,
-        replace: bool = False,
-        costs: Mapping[str, float] = NO_MAP,
-        stand_in: bool = False,
-        transmit: bool = False,
-        hosts: Mapping[str, str] = NO_MAP,
-        strict: bool = False,
-    ) -> SystemPlan:
+    @takes(PlanKeywords)
+    def plan(self, profile: Source, **options: Unpack[PlanKeywords]) -> SystemPlan:
         """Return the cheapest plan from what lives to a profile; nothing is changed.
 
         Args:
@@ -85,28 +75,21 @@ class Tree(DataTree):
         from rtkit.api import planning
         from rtkit.api.plan import SystemPlan
 
-        way = planning.WayOptions(_texts(costs), planning.MEASURED, stand_in, transmit, replace)
-        aim = planning.GoalOptions(_known(state, planning.STATES), way, prune)
+        aim, mapped, strict = request(**options)
         document = load(profile, strict=strict)
         with self._session("plan", document, strict=strict) as session:
-            prepared = planning.prepare(session, document, _mapped(hosts), aim, is_dry=True)
+            prepared = planning.prepare(session, document, mapped, aim, is_dry=True)
         return SystemPlan(self, self.notify, document, prepared)
 
+    @takes(PlanKeywords)
     def apply_profile(
         self,
         profile: Source,
         *,
-        state: str = "Active",
-        prune: bool = False,
-        replace: bool = False,
-        costs: Mapping[str, float] = NO_MAP,
-        stand_in: bool = False,
-        transmit: bool = False,
-        hosts: Mapping[str, str] = NO_MAP,
-        strict: bool = False,
         rollback: bool = False,
         parallel: int = 0,
         wait_s: float = 0.0,
+        **options: Unpack[PlanKeywords],
     ) -> SystemPlan:
         """Make the live system what a profile says, by the cheapest plan, and return that plan.
 
@@ -114,14 +97,6 @@ class Tree(DataTree):
 
         Args:
             profile: The profile.
-            state: See `plan`.
-            prune: See `plan`.
-            replace: See `plan`.
-            costs: See `plan`.
-            stand_in: See `plan`.
-            transmit: See `plan`.
-            hosts: See `plan`.
-            strict: See `plan`.
             rollback: When a step fails, go back to what was before.
             parallel: Most steps under way at once; 0 for no bound.
             wait_s: How long to wait for another plan at work at the manager [s].
@@ -132,15 +107,10 @@ class Tree(DataTree):
         """
         from rtkit.api import planning
         from rtkit.api.plan import SystemPlan, run
-        from rtkit.tree.plan_locks import PlanLocks
 
-        way = planning.WayOptions(_texts(costs), planning.MEASURED, stand_in, transmit, replace)
-        aim = planning.GoalOptions(_known(state, planning.STATES), way, prune)
-        document, mapped = load(profile, strict=strict), _mapped(hosts)
-        with (
-            self._session("apply", document, strict=strict) as session,
-            PlanLocks(session.name, wait_s, self.notify) as lock,
-        ):
+        aim, mapped, strict = request(**options)
+        document = load(profile, strict=strict)
+        with self._locked("apply", document, wait_s, strict=strict) as (session, lock):
             prepared = planning.prepare(
                 session, document, mapped, aim, is_dry=False, parallel=parallel, lock=lock
             )
@@ -173,17 +143,13 @@ class Tree(DataTree):
             Refused: Something required failed.
         """
         from rtkit.api.bring_up import bring_up
-        from rtkit.tree.plan_locks import PlanLocks
 
         document = load(profile)
-        with (
-            self._session("bring up", document) as session,
-            PlanLocks(session.name, wait_s, self.notify) as lock,
-        ):
+        with self._locked("bring up", document, wait_s) as (session, lock):
             bring_up(
                 session,
                 document,
-                _mapped(hosts),
+                mapped(hosts),
                 may_create=create,
                 stand_in=stand_in,
                 transmit=transmit,
@@ -209,16 +175,16 @@ class Tree(DataTree):
         Raises:
             Refused: A required component is missing, or did not become active.
         """
-        from rtkit.api import following, starting
+        from rtkit.api import starting, states
 
-        document, mapped = load(profile), _mapped(hosts)
+        document, pairs = load(profile), mapped(hosts)
         plan_for = starting.start_plan_of(document, wait=wait)
         with self._session("start", document) as session:
-            is_followed = following.is_wanted(session, document)
-            inputs = starting.prepare(session, document, plan_for, mapped)
+            is_followed = states.is_follow_wanted(session, document)
+            inputs = starting.prepare(session, document, plan_for, pairs)
             starting.carry_out(session, inputs, timeout_s)
             if is_followed:
-                following.begin_as_stated(session, document, mapped)
+                states.follow_now(session, document, pairs)
 
     def stop(
         self,
@@ -241,8 +207,7 @@ class Tree(DataTree):
         document = load(profile)
         with self._session("stop", document) as session:
             plan_for = starting.stop_plan_of(session, document, wait=wait)
-            mapped = _mapped(hosts)
-            inputs = starting.prepare(session, document, plan_for, mapped, may_lack=True)
+            inputs = starting.prepare(session, document, plan_for, mapped(hosts), may_lack=True)
             starting.carry_out(session, inputs, timeout_s)
 
     def check(
@@ -272,11 +237,11 @@ class Tree(DataTree):
         from rtkit.api.checking import compare
         from rtkit.rtc.enums import UNKNOWN_STATE, LifeCycleState
 
-        word = _known(state, [*LifeCycleState, UNKNOWN_STATE])
+        word = known(state, [*LifeCycleState, UNKNOWN_STATE])
         wanted = None if word == UNKNOWN_STATE else LifeCycleState(word)
         document = load(profile, strict=strict)
         with self._session("check", document, strict=strict) as session:
-            return compare(session, document, wanted, _mapped(hosts))
+            return compare(session, document, wanted, mapped(hosts))
 
     def save(
         self,
@@ -323,7 +288,103 @@ class Tree(DataTree):
 
         document = load(profile)
         with self._session("tear down", document) as session:
-            teardown(session, document, _mapped(hosts), ends_components=end)
+            teardown(session, document, mapped(hosts), ends_components=end)
+
+    # States of a system
+
+    @takes(WayKeywords)
+    def states(self, profile: Source, **options: Unpack[WayKeywords]) -> StatesReport:
+        """Look in which of its states a system is; nothing is changed.
+
+        Example::
+
+            report = tree.states("robot.xml")
+            print(report.now, report.names, report.events)
+
+        Args:
+            profile: A profile that tells states (``rtkit help states``); options as of `plan`.
+
+        Raises:
+            InvalidDocument: It tells none, or they make no sense.
+        """
+        from rtkit.api import states
+
+        aim, mapped, strict = request(**options)
+        document = load(profile, strict=strict)
+        with self._session("look at", document, strict=strict) as session:
+            return states.look(session, document, mapped, aim.way)
+
+    @takes(WayKeywords)
+    def goto(
+        self,
+        profile: Source,
+        state: str = "",
+        *,
+        event: str = "",
+        rollback: bool = False,
+        wait_s: float = 0.0,
+        **options: Unpack[WayKeywords],
+    ) -> None:
+        """Lead a system to one of its states by the cheapest plan; what both ask for is kept.
+
+        Args:
+            profile: The profile, and options as of `plan`.
+            state: Name of the state.
+            event: Lead it to where this event of the present state leads, instead.
+            rollback: When a step fails, go back to what was before.
+            wait_s: See `apply_profile`.
+
+        Raises:
+            InvalidDocument: There is no such state or event.
+            Impossible: There is no plan.
+            Refused: It was not reached; tells what is left.
+        """
+        from rtkit.api import states
+
+        aim, mapped, strict = request(**options)
+        document = load(profile, strict=strict)
+        with self._locked("lead", document, wait_s, strict=strict) as (session, lock):
+            report = states.look(session, document, mapped, aim.way, starts=True, lock=lock)
+            target = report.target(state, event)
+            states.lead(session, report, target, event, rolls_back=rollback)
+
+    @takes(WayKeywords)
+    def follow(
+        self, profile: Source, *, rollback: bool = False, **options: Unpack[WayKeywords]
+    ) -> None:
+        """Have the manager lead a system wherever its events lead, from now on.
+
+        It goes on without this connection, and after a restart of the manager, until `unfollow`,
+        `teardown`, or a transition that fails. ``events(kinds=["SYSTEM_STATE"])`` tells of it.
+
+        Args:
+            profile: The profile, and options as of `plan`.
+            rollback: When a step fails, go back to what was before.
+
+        Raises:
+            Refused: It is followed as another profile tells it, or is in several managers.
+        """
+        from rtkit.api import states
+
+        aim, mapped, strict = request(**options)
+        document = load(profile, strict=strict)
+        with self._session("follow", document, strict=strict) as session:
+            states.check_one_manager(session, document)
+            report = states.look(session, document, mapped, aim.way)
+            states.follow(session, document, report.states, rolls_back=rollback)
+
+    def unfollow(self, name: str) -> None:
+        """Have the manager follow a system no more; a transition under way ends first.
+
+        Args:
+            name: Of the system, or its identity, ``RTSystem:Me:Robot:1.0``.
+
+        Raises:
+            NotFound: It is not followed.
+        """
+        from rtkit.api import states
+
+        self.notify(states.unfollow(self, states.identity_of(self.snapshot(), name)))
 
     def stop_manager(self, *, keep: bool = False) -> None:
         """End the manager with all its slaves; return when its process has ended.
@@ -346,25 +407,23 @@ class Tree(DataTree):
         with ScriptSession(self, self.notify, name, is_strict=strict) as session:
             yield session
 
+    @contextmanager
+    def _locked(
+        self, what: str, document: SystemProfile, wait_s: float, *, strict: bool = False
+    ) -> Iterator[tuple[ScriptSession, PlanLocks]]:
+        """Yield a session, and the locks that keep others off from before its first look."""
+        from rtkit.tree.plan_locks import PlanLocks
 
-def _known(state: str, words: Sequence[str]) -> str:
-    """Return a state as it is written; it may be given in any case."""
-    for word in words:
-        if word.casefold() == state.casefold():
-            return word
-    raise Malformed(f"state is one of {', '.join(words)}, not {state!r}")
-
-
-def _texts(costs: Mapping[str, float]) -> tuple[str, ...]:
-    return tuple(f"{name}={cost!r}" for name, cost in costs.items())
-
-
-def _mapped(hosts: Mapping[str, str]) -> tuple[str, ...]:
-    return tuple(f"{host}={other}" for host, other in hosts.items())
+        with (
+            self._session(what, document, strict=strict) as session,
+            PlanLocks(session.name, wait_s, self.notify) as lock,
+        ):
+            yield session, lock
 
 
 _FIRST = """
-activate apply apply_profile bring_up call check close component configure connect create
-deactivate delete disconnect events get host listing live load logs ls manager notify plan
-properties read reset save set snapshot start stop stop_manager teardown timeout_s values wait write
+activate activate_set add_set apply apply_profile bring_up call check close component configure
+connect copy_set create deactivate delete disconnect events follow get goto host listing live load
+logs ls manager notify plan properties read remove_set reset save set snapshot start states stop
+stop_manager teardown timeout_s unfollow values wait write
 """

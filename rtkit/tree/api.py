@@ -168,7 +168,7 @@ class ByPath:
         from rtkit.tree.wiring import find_ends, make_connector
 
         _, (first, second) = find_ends(self, [_port(one), _port(other)])
-        given = {key.replace("__", "."): _value(each, key) for key, each in properties.items()}
+        given = {key.replace("__", "."): value_text(each, key) for key, each in properties.items()}
         connector = make_connector(first, second, connector_id or str(uuid4()), "", given)
         return self.perform(Connect(connector))
 
@@ -188,30 +188,6 @@ class ByPath:
         for result in self.apply([Disconnect(connector.connector_id) for connector in connectors]):
             result.raise_for_error()
         return len(connectors)
-
-    def configure(self: _Calls, path: str, set_id: str = "", **values: Value) -> None:
-        """Change parameters of a configuration set (by default the active one), all or none.
-
-        A component sees a change of its active set within one period.
-
-        Example::
-
-            tree.configure("/localhost/Robot0.rtc", speed=0.5, name="left")
-
-        Raises:
-            NotFound: No such component, set or parameter.
-            Malformed: A value does not fit its parameter.
-        """
-        from rtkit.deployment.actions import ActivateSet, SetParameters
-
-        facts = _facts(self, path)
-        chosen = set_id or facts.active_set
-        texts = {name: _value(value, name) for name, value in values.items()}
-        actions: list[Action] = [SetParameters(facts.instance, chosen, texts)]
-        if chosen == facts.active_set:
-            actions.append(ActivateSet(facts.instance, chosen))
-        for result in self.apply(actions):
-            result.raise_for_error()
 
 
 def as_text(value: object, what: str) -> str:
@@ -238,7 +214,12 @@ def _port(path: str) -> Path:
     return where
 
 
-def _value(value: object, name: str) -> str:
+def value_text(value: object, name: str) -> str:
+    """Return a value of a parameter or property as the text that it is set by.
+
+    Raises:
+        TypeError: It is no value.
+    """
     if isinstance(value, bool):
         return "true" if value else "false"
     return str(value) if isinstance(value, int | float) else as_text(value, f"value of {name}")

@@ -32,8 +32,8 @@ _MOST_IN_A_PART = 50
 class Tree(ByPath, Closing):
     """A connection to one manager, through which everything it knows is read and changed.
 
-    For scripts: `ls component create delete activate deactivate reset connect disconnect
-    configure`, which take paths; `get` and `set` of the manager's properties; `close`, or a
+    For scripts: `ls component create delete activate deactivate reset connect disconnect`, which
+    take paths; `get` and `set` of the manager's properties; `close`, or a
     ``with`` block. The others speak the manager's own language: facts of `rtkit.deployment.facts`,
     actions of `rtkit.deployment.actions`.
 

@@ -4,19 +4,18 @@ from __future__ import annotations
 
 import json
 import sys
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from typing import TYPE_CHECKING, NamedTuple
 
+from rtkit.api import configuring
 from rtkit.cli.shared import json_records, terminal
 from rtkit.cli.shared.app import App, WrongArguments
-from rtkit.errors import InvalidDocument, Malformed, NotFound, Partial, Refused, RtkitError
+from rtkit.errors import InvalidDocument, Malformed, NotFound, Refused
 
 if TYPE_CHECKING:
-    from rtkit.deployment.actions import Action
     from rtkit.deployment.facts import ComponentFacts
     from rtkit.rtc.names import Path
-    from rtkit.static_check.blueprint import ParameterType
 
 
 Sets = Mapping[str, Mapping[str, str]]
@@ -75,11 +74,14 @@ def of_component(app: App, facts: ComponentFacts, asked: ConfRequest) -> int:
     elif asked.verb == "get":
         show_value(argument, sets[set_id], asked)
     elif asked.verb == "act":
-        _activate(app, facts.instance, set_id)
+        configuring.activate(app, facts, set_id)
     elif asked.verb in ("add", "copy"):
-        _add(app, facts, sets, asked)
+        is_copy = asked.verb == "copy"
+        source, new, *given = asked.arguments if is_copy else ("", *asked.arguments)
+        values = {**(sets[source] if is_copy else {}), **pairs_of(given)}
+        configuring.add(app, facts, new, values)
     elif asked.verb == "remove":
-        _remove(app, facts, sets, argument)
+        configuring.remove(app, facts, argument)
     elif asked.verb == "export":
         _export(facts, chosen, argument)
     elif asked.verb == "import":
@@ -87,7 +89,7 @@ def of_component(app: App, facts: ComponentFacts, asked: ConfRequest) -> int:
     elif asked.verb == "diff":
         return _diff(app, list(_differences(facts, sets, asked, argument)), asked)
     else:
-        change(app, facts, {set_id: values_of(asked.arguments)})
+        configuring.change(app, facts, {set_id: values_of(asked.arguments)})
     return 0
 
 
@@ -98,127 +100,19 @@ def seen(facts: ComponentFacts, asked: ConfRequest) -> tuple[Sets, Sets]:
         NotFound: There is no set of the name that was given, or is needed.
     """
     sets = visible(facts.sets, asked)
-    set_id = asked.set_id or facts.active_set
-    if (asked.verb in ("get", "set", "act") or asked.set_id) and set_id not in sets:
-        raise no_set(set_id, sets)
+    is_other = asked.verb in ("copy", "remove")
+    set_id = asked.arguments[0] if is_other else asked.set_id or facts.active_set
+    is_needed = is_other or asked.verb in ("get", "set", "act") or asked.set_id
+    if is_needed and set_id not in sets:
+        raise configuring.no_set(set_id, sets)
     return sets, {asked.set_id: sets[asked.set_id]} if asked.set_id else sets
 
 
 def visible(sets: Sets, asked: ConfRequest) -> Sets:
     """Return the visible sets."""
-    return {name: sets[name] for name in sets if asked.has_hidden or not _hidden(name)}
-
-
-def _hidden(name: str) -> bool:
-    return len(name) > 4 and name.startswith("__") and name.endswith("__")
-
-
-def change(app: App, facts: ComponentFacts, wanted: Sets, active_set: str = "") -> None:
-    """Write parameters of sets, and make a set the active one; all is checked before anything.
-
-    A set that is not there is added.
-
-    Raises:
-        NotFound: No such parameter.
-        Malformed: A text that the parameter cannot have.
-        RtkitError: The component refused.
-    """
-    from rtkit.deployment.actions import MISSING, ActivateSet, SetParameters
-
-    check(facts, wanted, app.verbose)
-    actions: list[Action] = [
-        SetParameters(facts.instance, set_id, values, "" if set_id in facts.sets else MISSING)
-        for set_id, values in wanted.items()
-    ]
-    target = active_set or facts.active_set
-    if target in wanted or target != facts.active_set:
-        actions.append(ActivateSet(facts.instance, target))
-    for result in app.tree.apply(actions) if actions else ():
-        result.raise_for_error()
-
-
-def check(facts: ComponentFacts, wanted: Sets, notify: Callable[[str], object]) -> None:
-    """Refuse parameters that do not exist, and texts that do not fit.
-
-    What the component says of its parameters counts, and what an RTC profile found here says of
-    those of which the component says nothing. `notify` receives places that cannot be read.
-
-    Raises:
-        NotFound: No such parameter.
-        Malformed: A text that the parameter cannot have.
-    """
-    from rtkit.component.constraint_check import misfit, misfit_of, parameter_names
-
-    declared = _declared(facts, wanted, notify)
-    bad: list[tuple[str, RtkitError]] = []
-    for set_id, values in wanted.items():
-        for name, text in values.items():
-            names = facts.sets.get(set_id, parameter_names(facts.sets))
-            if name not in names:
-                raise no_parameter(name, names)
-            # A hidden set holds hints, not values of the parameters.
-            if _hidden(set_id):
-                continue
-            why = misfit(facts.sets, name, text)
-            known = declared.get(name)
-            if known is not None and not why and text != known.default:
-                why = misfit_of(known.declared, text)
-            if why:
-                bad.append((name, Malformed(f"{name} cannot be {text!r}: {why}")))
-    if len(bad) == 1:
-        raise bad[0][1]
-    if bad:
-        raise Partial("nothing was changed", bad)
-
-
-def _declared(
-    facts: ComponentFacts, wanted: Sets, notify: Callable[[str], object]
-) -> Mapping[str, ParameterType]:
-    """Return the constraints that an RTC profile has where the component itself has none."""
-    from rtkit.component.constraint_check import CONSTRAINT_SET
-
-    constraints = facts.sets.get(CONSTRAINT_SET, {})
-    if all(name in constraints for values in wanted.values() for name in values):
-        return {}
-    from rtkit.api.component_profiles import profiles
-
-    found = list(profiles((), notify, with_shipped=False))
-    if not found:
-        return {}
-    from rtkit.static_check.stock import CandidateDocument, stocked
-
-    catalogue, _ = stocked((CandidateDocument(*each) for each in found), {facts.type.type_name})
-    match = catalogue.find(facts.type.id)
-    return match.blueprint.parameters if match is not None else {}
-
-
-def _activate(app: App, instance: str, set_id: str) -> None:
-    from rtkit.deployment.actions import ActivateSet
-
-    app.tree.perform(ActivateSet(instance, set_id))
-
-
-def _add(app: App, facts: ComponentFacts, sets: Sets, asked: ConfRequest) -> None:
-    from rtkit.deployment.actions import NEW, SetParameters
-    from rtkit.rtc.names import check_set_name
-
-    is_copy = asked.verb == "copy"
-    source, set_id, *given = asked.arguments if is_copy else ("", *asked.arguments)
-    if is_copy and source not in sets:
-        raise no_set(source, sets)
-    if set_id in facts.sets:
-        raise Refused(f"configuration set {set_id} exists already")
-    values = {**(sets[source] if is_copy else {}), **(pairs_of(given))}
-    check(facts, {check_set_name(set_id): values}, app.verbose)
-    app.tree.perform(SetParameters(facts.instance, set_id, values, NEW))
-
-
-def _remove(app: App, facts: ComponentFacts, sets: Sets, set_id: str) -> None:
-    from rtkit.deployment.actions import RemoveSet
-
-    if set_id not in sets:
-        raise no_set(set_id, sets)
-    app.tree.perform(RemoveSet(facts.instance, set_id))
+    return {
+        name: sets[name] for name in sets if asked.has_hidden or not configuring.is_hidden(name)
+    }
 
 
 DESCRIPTION = "description"
@@ -243,20 +137,6 @@ def show_sets(facts: ComponentFacts, sets: Sets, asked: ConfRequest) -> None:
     terminal.write(lines)
 
 
-def no_parameter(name: str, known: Iterable[str]) -> NotFound:
-    """Return the error that there is no such parameter, with similar names."""
-    from rtkit.rtc.nearest import did_you_mean
-
-    return NotFound(f"No such configuration parameter: {name}{did_you_mean(name, known)}")
-
-
-def no_set(set_id: str, known: Iterable[str]) -> NotFound:
-    """Return the error that there is no such set, with similar names."""
-    from rtkit.rtc.nearest import did_you_mean
-
-    return NotFound(f"No such configuration set: {set_id}{did_you_mean(set_id, known)}")
-
-
 def show_value(name: str, values: Mapping[str, str], asked: ConfRequest) -> None:
     """Print one value.
 
@@ -264,7 +144,7 @@ def show_value(name: str, values: Mapping[str, str], asked: ConfRequest) -> None
         NotFound: There is none of that name.
     """
     if name not in values:
-        raise no_parameter(name, values)
+        raise configuring.no_parameter(name, values)
     if asked.is_json:
         terminal.write([json_records.line("parameter", {"name": name, "value": values[name]})])
         return
@@ -369,7 +249,7 @@ def _differences(
         yield from _compare(set_id, facts.sets[set_id], other, sets[other])
         return
     if other != STDIN and "/" not in other and not _is_file(other):
-        raise no_set(other, sets)
+        raise configuring.no_set(other, sets)
     saved = _read(other)
     if saved.active not in ("", facts.active_set) and not asked.set_id:
         yield SetDifference("", "", facts.active_set, saved.active)
@@ -417,14 +297,16 @@ def _import(app: App, facts: ComponentFacts, sets: Sets, asked: ConfRequest, sou
         wanted = {asked.set_id: wanted[asked.set_id]}
     active = "" if asked.set_id else saved.active
     for name in (*wanted, *([active] if active else [])):
-        if name not in sets and (_hidden(name) or not wanted.get(name)):
-            raise no_set(name, sets)
+        if name not in sets and (configuring.is_hidden(name) or not wanted.get(name)):
+            raise configuring.no_set(name, sets)
     now = {name: facts.sets.get(name, {}) for name in wanted}
     changed = {
         name: {key: text for key, text in values.items() if now[name].get(key) != text}
         for name, values in wanted.items()
     }
-    change(app, facts, {name: values for name, values in changed.items() if values}, active)
+    configuring.change(
+        app, facts, {name: values for name, values in changed.items() if values}, active
+    )
 
 
 def _read(source: str) -> SavedSets:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from rtkit.api import following
+from rtkit.api import states
 from rtkit.api.starting import start_plan_of
 from rtkit.cli.shared.app import App
 from rtkit.cli.shared.command import command
@@ -38,7 +38,7 @@ def main(
     """
     document = read_document(app, asked.files)
     plan_for = start_plan_of(document, wait=not no_wait)
-    is_followed = not (dry_run or draws) and following.is_wanted(app, document)
+    is_followed = not (dry_run or draws) and states.is_follow_wanted(app, document)
     starting.run(app, document, plan_for, draws=draws, dry_run=dry_run, mapped=asked.mapped)
     if is_followed:
-        following.begin_as_stated(app, document, asked.mapped)
+        states.follow_now(app, document, asked.mapped)

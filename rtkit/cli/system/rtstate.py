@@ -12,10 +12,11 @@ from rtkit.cli.shared.options import COUNT, flag, json_flag, option, together
 from rtkit.cli.system import shared
 from rtkit.cli.system.document import read_document
 from rtkit.cli.system.planning import WAY
-from rtkit.errors import InvalidDocument, Malformed, Refused, UsageProblem
+from rtkit.errors import UsageProblem
 
 if TYPE_CHECKING:
     from rtkit.api.planning import WayOptions
+    from rtkit.api.states import StatesReport
 
 
 @command(
@@ -84,70 +85,47 @@ def main(
         raise UsageProblem("--json is for states and for --follow")
     if dry_run and follow:
         raise UsageProblem("--dry-run and --follow exclude each other")
-    from rtkit.api import following, planning
-    from rtkit.api.states import states_of
-    from rtkit.cli.system.states import as_lines, as_record
-    from rtkit.deployment.planning.rendering import lines
+    from rtkit.api import states
 
     is_led = goto is not None or event is not None
     document = read_document(app, asked.files)
     if follow:
-        following.check_one_manager(app, document)
-    begun = planning.begin(
-        app,
-        document,
-        asked.mapped,
-        way,
-        is_dry=dry_run,
-        starts=is_led,
-        lock=shared.locks(app, asked.files, wait_s) if is_led and not dry_run else None,
-    )
-    states, snapshot = states_of(begun), begun.snapshot
+        states.check_one_manager(app, document)
+    lock = shared.locks(app, asked.files, wait_s) if is_led and not dry_run else None
+    report = states.look(app, document, asked.mapped, way, is_dry=dry_run, starts=is_led, lock=lock)
     if follow:
         from rtkit.cli.system.watching import Watching
 
-        app.ask(following.owner(app))
-        start = partial(following.begin, app, document, states, rolls_back=rollback)
-        Watching(app, states.name, is_json=is_json).run(start, number)
-        return 0
-    followed = following.followed_in(snapshot, states.name)
-    now = states.now(snapshot)
-    if goto is None and event is None:
-        ways = [states.way(state, snapshot) for state in states.machine.table]
-        if is_json:
-            terminal.write(
-                [json_records.line("system-state", as_record(states, now, ways, followed))]
-            )
-        else:
-            terminal.write(map(terminal.printable, as_lines(states, now, ways, followed)))
-        return 0 if now else 1
-    try:
-        if event is None:
-            target = states.machine.check_state(goto or "")
-        elif not now:
-            raise Malformed("the system is in none of its states; --goto leads it to one")
-        else:
-            target = states.machine.next(now, event)
-    except Malformed as error:
-        raise InvalidDocument(f"{begun.document.source}: {error}") from error
-    if dry_run:
-        goal = states.goal(target)
-        terminal.write(map(terminal.printable, lines(goal.plan(snapshot), goal.costs)))
-        return 0
-    from rtkit.api.leading import leader
-    from rtkit.deployment.states.leading import SystemTransition
+        app.ask(states.owner(app))
+        start = partial(states.follow, app, document, report.states, rolls_back=rollback)
+        Watching(app, report.states.name, is_json=is_json).run(start, number)
+    elif not is_led:
+        return _show(report, is_json)
+    elif dry_run:
+        from rtkit.deployment.planning.rendering import lines
 
-    leading = leader(app, states, app.report, rolls_back=rollback)
-    _, _, reached = leading.lead(SystemTransition(now, event or "goto", target))
-    if reached != target:
-        raise Refused(f"{target} was not reached; the system was led to {reached}")
+        goal = report.states.goal(report.target(goto or "", event or ""))
+        terminal.write(map(terminal.printable, lines(goal.plan(report.live), goal.costs)))
+    else:
+        target = report.target(goto or "", event or "")
+        states.lead(app, report, target, event or "", rolls_back=rollback)
     return 0
 
 
+def _show(report: StatesReport, is_json: bool) -> int:
+    from rtkit.cli.system.states import as_lines, as_record
+
+    if is_json:
+        terminal.write([json_records.line("system-state", as_record(report))])
+    else:
+        terminal.write(map(terminal.printable, as_lines(report)))
+    return 0 if report.now else 1
+
+
 def _unfollow(app: App, files: tuple[str, ...], name: str) -> int:
-    from rtkit.api import following, looking
+    from rtkit.api import looking, states
 
     if files:
         raise UsageProblem("--unfollow takes the name of a system, and no FILE")
-    app.report(following.end(app.tree, following.named(looking.snapshot(app), name)))
+    app.report(states.unfollow(app.tree, states.identity_of(looking.snapshot(app), name)))
     return 0

@@ -7,20 +7,19 @@ from typing import TYPE_CHECKING, Any
 from rtkit.cli.shared.json_records import picked, time_text
 
 if TYPE_CHECKING:
+    from rtkit.api.states import StatesReport
     from rtkit.deployment.facts import Followed
     from rtkit.deployment.states.machine import SystemStates
-    from rtkit.deployment.states.states import States, Way
+    from rtkit.deployment.states.states import Way
 
 
-def as_lines(states: States, now: str, ways: list[Way], followed: Followed | None) -> list[str]:
+def as_lines(report: StatesReport) -> list[str]:
     """Return for people: each state with the way there, the events of the present one, who follows.
 
     Args:
-        states: Of the system.
-        now: The present one; empty for none.
-        ways: To each of them.
-        followed: The manager's report if it follows the system.
+        report: Of a look at the system.
     """
+    now, ways, followed = report.now, report.ways(), report.followed
     width = max(len(way.state) for way in ways)
     lines = [
         f"{'*' if way.state == now else ' '} {way.state:<{width}}  {_way_text(way, now)}".rstrip()
@@ -28,7 +27,7 @@ def as_lines(states: States, now: str, ways: list[Way], followed: Followed | Non
     ]
     if not now:
         lines.append("between states")
-    events = _events(states.machine, now)
+    events = _events(report.states.machine, now)
     width = max((len(each["event"]) for each in events), default=0)
     to = max((len(each["to"]) for each in events), default=0)
     for each in events:
@@ -39,12 +38,11 @@ def as_lines(states: States, now: str, ways: list[Way], followed: Followed | Non
     return lines + (_followed_lines(followed) if followed is not None else [])
 
 
-def as_record(
-    states: States, now: str, ways: list[Way], followed: Followed | None
-) -> dict[str, Any]:
+def as_record(report: StatesReport) -> dict[str, Any]:
     """Return the same as a record."""
+    now, followed = report.now, report.followed
     return {
-        "system": states.name,
+        "system": report.states.name,
         "state": now,
         "states": [
             {
@@ -53,9 +51,9 @@ def as_record(
                 "cost": None if way.plan is None else round(way.plan.cost, 6),
                 "impossible": way.why,
             }
-            for way in ways
+            for way in report.ways()
         ],
-        "events": _events(states.machine, now),
+        "events": _events(report.states.machine, now),
         "followed": None if followed is None else _followed(followed),
     }
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING
 
-from rtkit.api.following import followed_in
 from rtkit.api.observers import Observers
+from rtkit.api.states import followed_in
 from rtkit.cli.shared import terminal
 from rtkit.cli.shared.app import App
 from rtkit.cli.shared.json_records import line as json_line

@@ -91,7 +91,6 @@ def test_what_is_no_text_is_a_type_error(tree: Tree, world: FakeManager, nothing
         tree.delete,
         tree.activate,
         tree.disconnect,
-        tree.configure,
         tree.get,
         lambda value: tree.connect(f"{A}:out", value),
         lambda value: tree.disconnect(f"{A}:out", value),
@@ -101,14 +100,6 @@ def test_what_is_no_text_is_a_type_error(tree: Tree, world: FakeManager, nothing
         with pytest.raises(TypeError, match="is text, not"):
             call(nothing)
     assert world.performed == []
-
-
-def test_values_are_text_numbers_or_truth(tree: Tree, world: FakeManager) -> None:
-    for value, text in ((0.5, "0.5"), (7, "7"), (True, "true"), ("x", "x")):
-        tree.configure(A, gain=value)
-        assert world.components["A"].sets["default"]["gain"] == text
-    with pytest.raises(TypeError, match=r"value of gain is text, not NoneType: None"):
-        tree.configure(A, gain=None)  # type: ignore[arg-type]
 
 
 @pytest.mark.parametrize("context", [None, 1.0, True])
@@ -184,19 +175,6 @@ def test_connections(tree: Tree, world: FakeManager) -> None:
     assert tree.disconnect(f"{A}:out") == 0
     with pytest.raises(Refused, match="Wrong port type"):
         tree.connect(f"{A}:in", f"{B}:in")
-
-
-def test_configuration(tree: Tree, world: FakeManager) -> None:
-    tree.configure(A, gain="2")
-    assert world.components["A"].sets["default"] == {"gain": "2"}
-    assert world.performed[-1] == act.ActivateSet("A", "default")
-    tree.configure(A, "fast", gain="10")
-    assert world.components["A"].sets["fast"] == {"gain": "10"}
-    assert world.performed[-1] == act.SetParameters("A", "fast", {"gain": "10"})
-    with pytest.raises(NotFound, match="No such configuration parameter: nix"):
-        tree.configure(A, nix="1")
-    with pytest.raises(NotFound, match="No such configuration set: slow"):
-        tree.configure(A, "slow", gain="1")
 
 
 def test_paths_must_be_readable(tree: Tree) -> None:
