@@ -28,12 +28,17 @@ class _Found(NamedTuple):
     files: Sequence[Path] = ()
 
     def is_again(self, later: _Found) -> bool:
-        """Return whether that is all there is; what a start leaves for a moment may be gone."""
-        gone = {*self.files} - {*later.files}
+        """Return whether that is all there is; what a start leaves for a moment may be gone.
+
+        A manager keeps the endpoint of its own components' port data, which the first connection
+        to another process opens.
+        """
+        gone, new = {*self.files} - {*later.files}, {*later.files} - {*self.files}
+        own = f"manager.{self.facts.pid if self.facts else 0}.data"
         return (
             later.facts == self.facts
             and {*later.processes} <= {*self.processes}
-            and {*later.files} <= {*self.files}
+            and {path.name for path in new} <= {own, f"{own}.lock"}
             and all(path.parent.name == "run" for path in gone)
         )
 

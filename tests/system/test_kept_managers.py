@@ -38,6 +38,8 @@ def test_nothing_of_a_test_is_left(kept: KeptManager) -> None:
     (shell.modules / "More.py").write_text("def MoreInit(manager):\n    print('seen')\n")
     shell.ok(f"rtmgr -l More.py:MoreInit -c ConsoleIn -c ConsoleOut?manager_name=s {MANAGER}")
     shell.ok("rtcon /localhost/ConsoleIn0.rtc:out /localhost/ConsoleOut0.rtc:in")
+    shell.ok(f"rtmgr -c ConsoleIn?manager_name=s -c ConsoleOut {MANAGER}")
+    shell.ok("rtcon /localhost/ConsoleIn1.rtc:out /localhost/ConsoleOut1.rtc:in")
     shell.ok("rtact /localhost/ConsoleIn0.rtc /localhost/ConsoleOut0.rtc")
     shell.ok("rtcryo --all -o saved.xml")
     os.kill(told_pid(shell, "s"), signal.SIGKILL)
