@@ -9,6 +9,7 @@ import time
 from pathlib import Path
 from typing import Any
 
+import jsonrecords
 import pytest
 from waiting import facts_of
 
@@ -63,13 +64,13 @@ CONNECTOR = """<rts:DataPortConnectors rts:connectorId="w" rts:name="w" rts:data
 class Development:
     """A run of rtdev on a profile of two components."""
 
-    def __init__(self, shell: Any) -> None:
+    def __init__(self, shell: Any, options: str = "") -> None:
         self.folder: Path = shell.modules
         self.save("helper.py", "FACTOR = 1\n")
         self.save("Scale.py", MODULE)
         self.profile()
-        self.process = shell.open(f"rtdev {self.folder}/dev.xml")
-        self.until("Ctrl-C ends that")
+        self.process = shell.open(f"rtdev {options} {self.folder}/dev.xml")
+        self.begun = self.until("Ctrl-C ends that")
 
     def save(self, name: str, text: str) -> None:
         """Save a file as many editors do: another one takes its place."""
@@ -110,8 +111,8 @@ class Development:
 
 
 @pytest.fixture
-def development(manager: Any) -> Any:
-    development = Development(manager)
+def development(manager: Any, request: pytest.FixtureRequest) -> Any:
+    development = Development(manager, getattr(request, "param", ""))
     yield development
     if development.process.poll() is None:
         development.end()
@@ -169,6 +170,26 @@ def test_an_error_is_told_with_its_line_and_leaves_the_system(
     development.save("helper.py", "FACTOR = 1\n")
     development.profile()
     development.next()
+
+
+@pytest.mark.parametrize("development", ["--json"], indirect=True)
+def test_what_happens_is_told_as_records(development: Development) -> None:
+    development.profile(factor=5)
+    told = development.begun + development.until('"done"')
+    development.save("dev.xml", "<x")
+    told += development.until('"failed"')
+    development.profile(factor=5)
+    told += development.until('"nothing"')
+    records = jsonrecords.checked("\n".join(x for x in told.splitlines() if x.startswith("{")))
+    assert {jsonrecords.kind_of(each) for each in records} == {"development"}
+    assert [each["event"] for each in records] == [
+        *("plan", "done", "watching"),
+        *("saved", "plan", "done"),
+        *("saved", "failed", "saved", "nothing"),
+    ]
+    assert str(development.folder / "dev.xml") in records[2]["lines"]
+    assert any("A.factor=5" in line for line in records[4]["lines"])
+    assert "dev.xml:1" in records[7]["lines"][0]
 
 
 def test_with_down_it_ends_the_system(manager: Any, tree: Tree) -> None:

@@ -87,7 +87,7 @@ _STEPS = {
         ("rtmgr restart", "End all in order, and make all again as it was."),
         ("rtmgr stop", "End the manager with everything that it holds."),
     ),
-    json=("properties", "instance", "component-type", "manager-status", "replay"),
+    json=("properties", "instance", "component-type", "manager-status", "replay", "built-file"),
     arguments=("manager|word", "manager-name", "file"),
     values={
         "-c": "type",
@@ -102,7 +102,7 @@ def main(
     app: App,
     _steps: None = together(None, _STEPS),
     is_printing: bool = flag("--print", "Print paths of created components; install: the unit."),
-    is_json: bool = json_flag("Lists and status as JSON."),
+    is_json: bool = json_flag("Lists, status and the installed unit's path as JSON."),
     file: str = option("-f --file FILE", "start: the rtc.conf to read.", default=""),
     given: tuple[str, ...] = several("-o --option KEY:VALUE", "start: a property."),
     port: int | None = option(
@@ -152,6 +152,8 @@ def main(
     overrides = (*given, *_endpoint(port, no_door), *faults)
     is_configured = bool(file or overrides or lenient)
     if words and words[0] in WORDS:
+        if words[0] == "install" and is_json and is_printing:
+            raise UsageProblem("--print shows the unit as it is: no --json")
         _check_word(words, bool(asked), is_configured, options)
         properties = (*overrides, *_strict_properties(app.is_strict))
         shows = "json" * is_json or "text" * is_printing

@@ -9,7 +9,7 @@ import sys
 from contextlib import suppress
 from typing import TYPE_CHECKING
 
-from rtkit.cli.shared import terminal
+from rtkit.cli.shared import json_records, terminal
 from rtkit.cli.shared.app import App
 from rtkit.errors import NotFound, Refused
 from rtkit.link import places
@@ -32,11 +32,12 @@ def install(
     wanted: tuple[str, tuple[str, ...], bool],
     options: WordOptions,
     *,
-    is_printing: bool,
+    shows: str,
 ) -> None:
     """Write the unit of a manager, or only show it; tell what starts it.
 
-    `wanted` is its configuration file, properties over it, and whether the file may be missing.
+    `wanted` is its configuration file, properties over it, and whether the file may be missing;
+    `shows` is ``text`` for the unit alone, ``json`` for a record of the file.
 
     Raises:
         Malformed: A word cannot be written.
@@ -45,7 +46,7 @@ def install(
     """
     is_user = _is_user(options)
     service = _service(name, wanted, "" if is_user else _account(options.user))
-    if is_printing:
+    if shows == "text":
         terminal.write(service.text().splitlines())
         return
     path = _path(name, is_user)
@@ -55,7 +56,10 @@ def install(
     except OSError as error:
         raise NotFound(f"cannot write {path}: {error.strerror}") from error
     write_output(service.text().encode("utf-8", "surrogateescape"), path, mode=0o644)
-    terminal.write([terminal.printable(path)])
+    if shows == "json":
+        terminal.write([json_records.line("built-file", json_records.written_file(path))])
+    else:
+        terminal.write([terminal.printable(path)])
     _report_next(app, service, is_new=had is None)
 
 

@@ -37,7 +37,7 @@ def run_word(
     """
     typed = name.removesuffix(MANAGER_SUFFIX)
     if word in ("start", "run", "install"):
-        return _launch(app, word, typed, wanted, options, is_printing=bool(shows))
+        return _launch(app, word, typed, wanted, options, shows)
     chosen = typed or os.environ.get("RTKIT_MANAGER") or "manager"
     from rtkit.tree import managers
 
@@ -66,8 +66,7 @@ def _launch(
     typed: str,
     given: tuple[str, tuple[str, ...], bool],
     options: WordOptions,
-    *,
-    is_printing: bool,
+    shows: str,
 ) -> int:
     from rtkit.manager import launch
     from rtkit.settings import configuration
@@ -83,7 +82,7 @@ def _launch(
     if word == "install":
         from rtkit.cli.managers.service import install
 
-        install(app, name, given, options, is_printing=is_printing)
+        install(app, name, given, options, shows=shows)
         return 0
     if word == "run":
         return launch.run(name, wanted)

@@ -9,10 +9,10 @@ from contextlib import suppress
 from typing import TYPE_CHECKING
 
 from rtkit.api.planning import GoalOptions
-from rtkit.cli.shared import terminal
+from rtkit.cli.shared import json_records, terminal
 from rtkit.cli.shared.app import App
 from rtkit.cli.shared.command import command
-from rtkit.cli.shared.options import flag, together
+from rtkit.cli.shared.options import flag, json_flag, together
 from rtkit.cli.system import shared
 from rtkit.cli.system.document import read_document
 from rtkit.cli.system.planning import AIM
@@ -31,10 +31,12 @@ if TYPE_CHECKING:
         ("rtdev robot.xml", "Apply a profile, and again what is saved, until Ctrl-C."),
         ("rtdev -s inactive robot.xml", "Activate nothing."),
     ),
+    json=("development",),
 )
 def main(
     app: App,
     is_down: bool = flag("--down", "End the components of the profile at the end."),
+    is_json: bool = json_flag("A JSON object for each thing that happens, also for errors."),
     wait_s: float = shared.WAIT,
     aim: GoalOptions = AIM,
     asked: shared.DocumentOptions = together(shared.DocumentOptions),
@@ -59,7 +61,7 @@ def main(
 
     if len(asked.files) != 1 or asked.files == ("-",):
         raise Malformed("One system profile has to be given, as a file.")
-    development = _Development(app, asked, aim, wait_s)
+    development = _Development(app, asked, aim, wait_s, is_json=is_json)
     try:
         with ended_by_sigterm() as ended:
             development.run(ended.is_set)
@@ -81,7 +83,13 @@ class _Development:
     """Applies a profile again and again."""
 
     def __init__(
-        self, app: App, asked: shared.DocumentOptions, aim: GoalOptions, wait_s: float
+        self,
+        app: App,
+        asked: shared.DocumentOptions,
+        aim: GoalOptions,
+        wait_s: float,
+        *,
+        is_json: bool,
     ) -> None:
         from rtkit.api.source_files import SourceFiles
 
@@ -93,6 +101,7 @@ class _Development:
         self._before: WantedSystem | None = None
         self._files: Sequence[str] = asked.files
         self._is_changing = False
+        self._is_json = is_json
 
     def run(self, is_ended: Callable[[], bool]) -> None:
         """Go on until it is ended.
@@ -106,14 +115,15 @@ class _Development:
             raise NotFound(f"no such file: {self._asked.files[0]}")
         self._sources.follow(self._files)
         self._try([])
-        self._print(f"watching {len(self._files)} files; Ctrl-C ends that")
+        told = f"watching {len(self._files)} files; Ctrl-C ends that"
+        self._tell("watching", told, self._files)
         while not is_ended():
             self._app.wait_for([], time.monotonic() + PERIOD_S)
             saved = self._sources.saved()
             if saved:
                 from rtkit.api.source_checks import shown
 
-                self._print(f"saved: {', '.join(map(shown, saved))}")
+                self._tell("saved", f"saved: {', '.join(map(shown, saved))}", saved)
                 self._try(saved)
 
     def _try(self, saved: Sequence[str]) -> None:
@@ -125,7 +135,9 @@ class _Development:
         except RtkitError as error:
             self._app.fail(str(error))
             if not self._is_changing:
-                self._print("the system stays as it was")
+                self._tell("failed", "the system stays as it was", [str(error)])
+            elif self._is_json:
+                self._tell("failed", "the system was changed in part", [str(error)])
         finally:
             self._app.close()  # the next manager of that name may be another one
 
@@ -148,7 +160,7 @@ class _Development:
                 from rtkit.cli.profiles.generated_project import renew_types
 
                 for path in renew_types(file):
-                    self._print(f"written: {os.path.relpath(path)}")
+                    self._tell("written", f"written: {os.path.relpath(path)}", [path])
 
     def _apply(self) -> None:
         from rtkit.api import planning
@@ -167,16 +179,20 @@ class _Development:
             prepared = _without_dropped(prepared, self._before)
             if not prepared.plan.moves:
                 self._before = system
-                self._print("nothing to do: everything is as wanted")
+                self._tell("nothing", "nothing to do: everything is as wanted")
                 return
             _check_imports(prepared)
-            terminal.write_now(map(terminal.printable, lines(prepared.plan, prepared.goal.costs)))
+            plan = [*lines(prepared.plan, prepared.goal.costs)]
+            if self._is_json:
+                self._tell("plan", plan[0], plan[1:])
+            else:
+                terminal.write_now(map(terminal.printable, plan))
             began = time.monotonic()
             self._is_changing, self._before = True, system
             unmet = carry_out(app, prepared)
             self._follow(document, system, app.tree.snapshot())
         done = "done, but for what is told above" if unmet else "done"
-        self._print(f"{done} in {time.monotonic() - began:.2f} s")
+        self._tell("done", f"{done} in {time.monotonic() - began:.2f} s", unmet)
 
     def _follow(self, document: SystemDocument, system: WantedSystem, snapshot: Snapshot) -> None:
         """Watch the profile, and what its components come from or will come from."""
@@ -190,8 +206,13 @@ class _Development:
         self._files = list(dict.fromkeys(map(os.path.abspath, [*named, *files_of(live), *wanted])))
         self._sources.follow(self._files)
 
-    def _print(self, text: str) -> None:
-        terminal.write_now([terminal.printable(f"[{terminal.clock(time.time())}] {text}")])
+    def _tell(self, event: str, text: str, lines: Sequence[str] = ()) -> None:
+        line = terminal.printable(f"[{terminal.clock(time.time())}] {text}")
+        if self._is_json:
+            at = json_records.time_text(time.time_ns())
+            fields = {"time": at, "event": event, "text": text, "lines": [*lines]}
+            line = json_records.line("development", fields)
+        terminal.write_now([line])
 
 
 def _module_files(system: WantedSystem, snapshot: Snapshot) -> list[str]:

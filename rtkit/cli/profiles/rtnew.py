@@ -6,12 +6,11 @@ import keyword
 import os
 import sys
 
-import click
-
+from rtkit.cli.shared import json_records
 from rtkit.cli.shared.app import App, WrongArguments
 from rtkit.cli.shared.command import command
-from rtkit.cli.shared.options import arguments, option
-from rtkit.cli.shared.terminal import printable
+from rtkit.cli.shared.options import arguments, json_flag, option
+from rtkit.cli.shared.terminal import printable, write
 from rtkit.errors import Malformed, Refused
 
 _CODE = {
@@ -35,6 +34,7 @@ def test_it_multiplies(trial: Trial[Subject]) -> None:
 @command(
     "rtnew",
     is_local=True,
+    json=("built-file",),
     examples=(
         ("rtnew Scale", "Begin a project in the new folder Scale."),
         ("rtnew Gain --vendor me -o gain", "Choose who makes it, and the folder."),
@@ -45,6 +45,7 @@ def main(
     app: App,
     output: str | None = option("-o --output DIR", "The folder, which must not be there yet."),
     vendor: str = option("--vendor", "Who makes it (default Me).", default="Me"),
+    is_json: bool = json_flag("A JSON object for each file."),
     names: tuple[str, ...] = arguments("NAME"),
 ) -> None:
     r"""Begin the project of a component, with a test and a system.
@@ -77,8 +78,11 @@ def main(
             os.rename(os.path.join(draft, "project"), folder)
     except OSError as error:
         raise Refused(f"cannot make {folder}: {error.strerror}") from error
-    for path in written:
-        click.echo(printable(f"written    {os.path.join(folder, path)}"))
+    paths = [os.path.join(folder, each) for each in written]
+    if is_json:
+        write(json_records.lines("built-file", map(json_records.written_file, paths)))
+    else:
+        write(printable(f"written    {each}") for each in paths)
     app.report(f"next: cd {folder}; pytest; rtdev system.xml")
 
 

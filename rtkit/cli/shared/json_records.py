@@ -37,6 +37,11 @@ def lines(kind: str, records: Iterable[Mapping[str, Any]]) -> list[str]:
     return [line(kind, each) for each in records]
 
 
+def written_file(path: str) -> dict[str, str | None]:
+    """Return the fields of ``built-file`` for a file that was written."""
+    return {"path": path, "fate": "written", "why": None}
+
+
 def picked(model: object, fields: str) -> dict[str, Any]:
     """Return the fields of a record that are attributes: ``"kind required=is_required"``."""
     named = (each.partition("=") for each in fields.split())

@@ -7,6 +7,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+import jsonrecords
 import pytest
 
 from rtkit.cli.managers import service
@@ -48,6 +49,15 @@ def test_a_unit_is_written_and_what_starts_it_is_told(run: Run, units: Path) -> 
     assert "daemon-reload && systemctl --user restart rtkit-manager.service" in again.err
     assert "-o manager.net_servant:NO" in file.read_text()
     assert [each.name for each in units.iterdir()] == [file.name]
+
+
+def test_a_unit_that_is_written_is_told_as_a_record(run: Run, units: Path) -> None:
+    done = run("rtmgr install --user --json")
+    (record,) = jsonrecords.checked(done.out)
+    assert jsonrecords.kind_of(record) == "built-file"
+    assert (record["path"], record["fate"]) == (str(units / "rtkit-manager.service"), "written")
+    assert is_as_written((units / "rtkit-manager.service").read_text())
+    assert run("rtmgr install --user --json --print").status == 2
 
 
 def test_a_unit_that_was_changed_is_neither_replaced_nor_removed(run: Run, units: Path) -> None:

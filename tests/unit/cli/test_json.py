@@ -60,6 +60,7 @@ ELSEWHERE = {
     "call": "system/test_services.py",
     "operation": "system/test_services.py",
     "built-file": "unit/cli/test_build.py",
+    "development": "system/test_rtdev.py",
     "diagnosis": "unit/cli/test_doctor.py",
     "deviation": "unit/cli/test_system.py",
     "event": "system/test_observers.py",
@@ -78,12 +79,12 @@ ELSEWHERE = {
 """Kinds that other tests hold against their schemas."""
 
 WITHOUT = {
-    "rtact", "rtapply", "rtcomp", "rtcon", "rtdeact", "rtdel", "rtdev", "rtdis", "rtexit",
+    "rtact", "rtapply", "rtcomp", "rtcon", "rtdeact", "rtdel", "rtdis", "rtexit",
     "rtinject", "rtproxy", "rtreset", "rtresurrect", "rtserve", "rtset", "rtstart", "rtstop",
     "rtteardown",  # change, and tell nothing
     "rtcwd",  # prints what a shell is to evaluate
     "rtprofile",  # its words have it
-    "rtdoc", "rtnew", "rtstodot",  # write documents of other forms
+    "rtdoc", "rtstodot",  # write documents of other forms
 }  # fmt: skip
 
 

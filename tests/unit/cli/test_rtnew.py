@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import jsonrecords
 import pytest
 
 from rtkit.cli.profiles.rtnew import main
@@ -44,6 +45,15 @@ def test_what_is_made_is_rtbuild_s(place: Path, capsys: pytest.CaptureFixture[st
     assert rtbuild([str(place / "scale" / "RTC.xml")]) == 0
     assert capsys.readouterr().out == ""  # nothing has changed
     assert {each: (place / "scale" / each).read_text() for each in FILES} == before
+
+
+def test_files_are_told_as_records(place: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["Scale", "--json"]) == 0
+    records = jsonrecords.checked(capsys.readouterr().out)
+    assert {jsonrecords.kind_of(each) for each in records} == {"built-file"}
+    assert {(each["path"], each["fate"]) for each in records} == {
+        (f"Scale/{file}", "written") for file in FILES
+    }
 
 
 @pytest.mark.parametrize(
