@@ -115,15 +115,15 @@ class _Development:
             raise NotFound(f"no such file: {self._asked.files[0]}")
         self._sources.follow(self._files)
         self._try([])
-        told = f"watching {len(self._files)} files; Ctrl-C ends that"
-        self._tell("watching", told, self._files)
+        text = f"watching {len(self._files)} files; Ctrl-C ends that"
+        self._report("watching", text, self._files)
         while not is_ended():
             self._app.wait_for([], time.monotonic() + PERIOD_S)
             saved = self._sources.saved()
             if saved:
                 from rtkit.api.source_checks import shown
 
-                self._tell("saved", f"saved: {', '.join(map(shown, saved))}", saved)
+                self._report("saved", f"saved: {', '.join(map(shown, saved))}", saved)
                 self._try(saved)
 
     def _try(self, saved: Sequence[str]) -> None:
@@ -135,9 +135,9 @@ class _Development:
         except RtkitError as error:
             self._app.fail(str(error))
             if not self._is_changing:
-                self._tell("failed", "the system stays as it was", [str(error)])
+                self._report("failed", "the system stays as it was", [str(error)])
             elif self._is_json:
-                self._tell("failed", "the system was changed in part", [str(error)])
+                self._report("failed", "the system was changed in part", [str(error)])
         finally:
             self._app.close()  # the next manager of that name may be another one
 
@@ -160,7 +160,7 @@ class _Development:
                 from rtkit.cli.profiles.generated_project import renew_types
 
                 for path in renew_types(file):
-                    self._tell("written", f"written: {os.path.relpath(path)}", [path])
+                    self._report("written", f"written: {os.path.relpath(path)}", [path])
 
     def _apply(self) -> None:
         from rtkit.api import planning
@@ -179,12 +179,12 @@ class _Development:
             prepared = _without_dropped(prepared, self._before)
             if not prepared.plan.moves:
                 self._before = system
-                self._tell("nothing", "nothing to do: everything is as wanted")
+                self._report("nothing", "nothing to do: everything is as wanted")
                 return
             _check_imports(prepared)
             plan = [*lines(prepared.plan, prepared.goal.costs)]
             if self._is_json:
-                self._tell("plan", plan[0], plan[1:])
+                self._report("plan", plan[0], plan[1:])
             else:
                 terminal.write_now(map(terminal.printable, plan))
             began = time.monotonic()
@@ -192,7 +192,7 @@ class _Development:
             unmet = carry_out(app, prepared)
             self._follow(document, system, app.tree.snapshot())
         done = "done, but for what is told above" if unmet else "done"
-        self._tell("done", f"{done} in {time.monotonic() - began:.2f} s", unmet)
+        self._report("done", f"{done} in {time.monotonic() - began:.2f} s", unmet)
 
     def _follow(self, document: SystemDocument, system: WantedSystem, snapshot: Snapshot) -> None:
         """Watch the profile, and what its components come from or will come from."""
@@ -206,7 +206,7 @@ class _Development:
         self._files = list(dict.fromkeys(map(os.path.abspath, [*named, *files_of(live), *wanted])))
         self._sources.follow(self._files)
 
-    def _tell(self, event: str, text: str, lines: Sequence[str] = ()) -> None:
+    def _report(self, event: str, text: str, lines: Sequence[str] = ()) -> None:
         line = terminal.printable(f"[{terminal.clock(time.time())}] {text}")
         if self._is_json:
             at = json_records.time_text(time.time_ns())
