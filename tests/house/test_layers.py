@@ -31,3 +31,34 @@ def test_what_runs_a_module_stands_last_in_it() -> None:
             if isinstance(node, ast.If) and "__main__" in ast.unparse(node.test):
                 early.append(f"{file.relative_to(ROOT)}:{node.lineno}")
     assert early == []
+
+
+def test_the_planner_and_its_two_worlds_know_nothing_of_each_other() -> None:
+    """Deployments and manipulation tasks are problems; what solves them imports neither."""
+    forbidden = {
+        ROOT / "rtkit" / "planner": ("rtkit.deployment", "manipulation", "rtkit.component"),
+        ROOT / "rtkit" / "deployment": ("manipulation", "examples"),
+        ROOT / "examples" / "manipulation": ("rtkit.deployment",),
+    }
+    found = []
+    for folder, names in forbidden.items():
+        files = list(folder.rglob("*.py"))
+        assert files, folder
+        for file in files:
+            found += [
+                f"{file.relative_to(ROOT)}: {imported}"
+                for imported in imported_by(file)
+                if imported.startswith(names)
+            ]
+    assert found == []
+
+
+def imported_by(file: Path) -> list[str]:
+    """Return the modules that a file names in its imports, wherever they stand."""
+    names = []
+    for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.Import):
+            names += [alias.name for alias in node.names]
+        elif isinstance(node, ast.ImportFrom):
+            names += [node.module or "", *(f"{node.module}.{each.name}" for each in node.names)]
+    return names

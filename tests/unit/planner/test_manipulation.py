@@ -242,6 +242,21 @@ def test_one_blocker_alone_is_never_enough():
         assert site.take_all([name], take.REGION, direct)(site.state) is None
 
 
+def test_two_ways_through_the_doorway_are_the_cheapest():
+    site = take.doorway_site(Evaluator())
+    direct = site.take("A", (9, 3))
+    costs = {}
+    for (one, other), places in itertools.product(
+        itertools.permutations(["B1", "B2"]), itertools.product(take.REGION, repeat=2)
+    ):
+        first, then = site.take(one, places[0]), site.take(other, places[1])
+        path = first.followed_by(then).followed_by(direct)(site.state)
+        if path is not None:
+            costs[one, *places] = path.cost
+    cheapest = {choice for choice, cost in costs.items() if cost == min(costs.values()) == 39}
+    assert cheapest == {("B1", (5, 6), (5, 1)), ("B2", (5, 1), (5, 6))}
+
+
 def test_an_unknown_object_is_planned_around_and_remembered():
     done = execute(explore.route, explore.TouchWorld([(6, 2)]), plan)
     assert [each.cost for each in done.plans] == [8, 14]
@@ -262,6 +277,7 @@ def test_a_large_space_is_seen_only_where_it_must_be():
     instance = large.Large(2)
     problem = instance.problem()
     assert instance.weights == [4, 2, 4, 4, 3, 4]
+    assert large.Large(1).weights == [1, 5, 3, 4, 2, 3]
     found = plan(problem, instance.heuristic, Limits(states=100_000))
     assert found.cost == 196
     assert found.statistics.expanded < 100_000
