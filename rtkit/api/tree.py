@@ -28,8 +28,9 @@ class Tree(DataTree):
 
     Systems: `plan apply_profile bring_up start stop check save teardown`. Their states: `states
     goto follow unfollow`. Waiting: `wait`. Data: `read values write call`. Observing: `logs events
-    live properties`. Components: `ls component create delete activate deactivate reset connect
-    disconnect load`. Their parameters: `configure add_set copy_set remove_set activate_set`.
+    live properties`. Components: `ls component create delete activate deactivate reset tick
+    connect disconnect load`. Their parameters: `configure add_set copy_set remove_set
+    activate_set`.
 
     Example::
 
@@ -425,5 +426,5 @@ _FIRST = """
 activate activate_set add_set apply apply_profile bring_up call check close component configure
 connect copy_set create deactivate delete disconnect events follow get goto host listing live load
 logs ls manager notify plan properties read remove_set reset save set snapshot start states stop
-stop_manager teardown timeout_s unfollow values wait write
+stop_manager teardown tick timeout_s unfollow values wait write
 """

@@ -324,7 +324,8 @@ class ExecutionContext:
 
     def _tick_once(self) -> tuple[ReturnCode, str]:
         if self.is_periodic:
-            return ReturnCode.UNSUPPORTED, f"execution context {self.id} is periodic"
+            why = f"execution context {self.id} is periodic, it ticks by itself"
+            return ReturnCode.UNSUPPORTED, why
         if not self.is_running:
             return self._not_running()
         self._cycle()

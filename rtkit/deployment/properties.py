@@ -12,7 +12,7 @@ from rtkit.deployment.facts import ComponentFacts, Snapshot
 from rtkit.deployment.metrics import ComponentMetrics
 from rtkit.property.codes import PropertyError
 from rtkit.property.naming import segment_of
-from rtkit.property.property_spec import PropertySpec
+from rtkit.property.property_spec import PropertySpec, RequestParameter
 from rtkit.property.types import Content, parse_type
 from rtkit.property.values import Value, Word
 from rtkit.rtc.enums import PortType, Transition
@@ -148,8 +148,27 @@ def _contexts(facts: ComponentFacts) -> list[Shown]:
             Shown(f"{path}.state", Word(context.state.name), _read_only("word")),
             Shown(f"{path}.is_running", context.is_running, _read_only("boolean")),
             _text(f"{path}.owner", context.owner),
+            Shown(f"{path}.tick", "", _TICK, _tick(facts, context)),
         ]
     return shown
+
+
+_MOST_CYCLES = 1000
+_TICK = PropertySpec(
+    parse_type("element"),
+    doc="Gives a context that is not periodic cycles; the answer comes when they are over",
+    parameters=(RequestParameter("cycles", parse_type("integer"), 1, (), "how many"),),
+    is_functional=True,
+)
+
+
+def _tick(facts: ComponentFacts, context: ExecutionContextProfile) -> Change:
+    def change(value: Content) -> Sequence[Action]:
+        if not isinstance(value, int) or not 1 <= value <= _MOST_CYCLES:
+            raise PropertyError("bad-value", f"cycles are 1 to {_MOST_CYCLES}, not {value!s}")
+        return (_actions().Tick(facts.instance, context.id),) * value
+
+    return change
 
 
 def _rate(facts: ComponentFacts, context: ExecutionContextProfile) -> Change:

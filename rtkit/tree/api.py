@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from rtkit.errors import Malformed, NotFound, Refused
+from rtkit.errors import Malformed, NotFound, Partial, Refused, RtkitError
 
 Value = str | float
 """A value of a parameter or property: text, a number, or true and false."""
@@ -20,6 +20,8 @@ if TYPE_CHECKING:
     from rtkit.tree.view import TreeNode
 
     class _Calls(Protocol):
+        ticks: dict[tuple[str, int | str], Action]
+
         def listing(self) -> Listing: ...
 
         def part(self, instances: Sequence[str]) -> Snapshot: ...
@@ -147,6 +149,42 @@ class ByPath:
         """
         _change(self, path, context, "reset")
 
+    def tick(
+        self: _Calls, *paths: str, context: int | str = 0, timeout_s: float | None = None
+    ) -> None:
+        """Give components one cycle each, in this order; returns when the last one is over.
+
+        Their contexts are not periodic: ``execution_contexts=ExtTrig`` in the create string. A
+        path is looked up at its first tick, and after one that failed.
+
+        Args:
+            paths: The components.
+            context: Number or id of the execution context.
+            timeout_s: Bound on each cycle [s]; None for that of the connection.
+
+        Raises:
+            Refused: The context is periodic, does not run, or the component is a zombie.
+            NotFound: There is no such component, and none had a cycle.
+            Unreachable: The cycle is not over in time: the slave has ended, or was stopped.
+            Partial: That happened to one of several: those before it had their cycle, those
+                after it had none. Its `failures` name it.
+        """
+        asked = [(path, context) for path in paths]
+        for path, _ in asked:
+            if (path, context) not in self.ticks:
+                self.ticks[path, context] = _tick(self, path, context)
+        results = self.apply([self.ticks[each] for each in asked], timeout_s=timeout_s)
+        if all(result.ok for result in results):
+            return
+        failed = asked[len(results) - 1]
+        del self.ticks[failed]
+        try:
+            results[-1].raise_for_error()
+        except RtkitError as error:
+            if len(paths) == 1:
+                raise
+            raise Partial(f"{failed[0]}: {error}", [(failed[0], error)]) from None
+
     def connect(
         self: _Calls, one: str, other: str, connector_id: str = "", **properties: Value
     ) -> str:
@@ -258,6 +296,15 @@ def _change(tree: _Calls, path: str, context: int | str, transition: str) -> Non
     node = _component(tree.listing(), path)
     id = context if isinstance(context, str) else _context(tree, node, context)
     tree.perform(ChangeState(node.instance, id, Transition(transition)))
+
+
+def _tick(tree: _Calls, path: str, context: int | str) -> Action:
+    from rtkit.deployment.actions import Tick
+
+    node = _component(tree.listing(), path)
+    return Tick(
+        node.instance, context if isinstance(context, str) else _context(tree, node, context)
+    )
 
 
 def _context(tree: _Calls, node: TreeNode, index: int) -> str:

@@ -44,6 +44,7 @@ class Tree(ByPath, Closing):
         timeout_s: Bound on every call [s].
         has_ended: Whether the manager's process is known to have ended.
         on_start: Is called with a manager that is started, before any request to it.
+        ticks: The actions of `tick` by path and context.
     """
 
     def __init__(
@@ -55,6 +56,7 @@ class Tree(ByPath, Closing):
         self.timeout_s = timeout_s
         self.has_ended: Callable[[], bool] = lambda: False
         self.on_start: Callable[[Tree], object] = lambda _tree: None
+        self.ticks: dict[tuple[str, int | str], Action] = {}
         self._service = zenoh_keys.service(host, manager)
 
     def __repr__(self) -> str:

@@ -212,13 +212,13 @@ class LiveProperties(_LiveService):
                 self._service.remove(name)
         for each in shown:
             self._changes[each.name] = each.change
-            if each.name in nodes:
-                self._service.update(each.name, each.value)
-            else:
+            if each.name not in nodes:
                 self._add(each)
+            elif not each.spec.is_functional:
+                self._service.update(each.name, each.value)
 
     def _add(self, shown: Shown) -> None:
-        def write(value: Content, _given: dict[str, Value]) -> None:
+        def write(value: Content, _given: object = None) -> None:
             change = self._changes[shown.name]
             if change is not None:
                 for result in self._tree.apply(change(value)):
@@ -227,6 +227,14 @@ class LiveProperties(_LiveService):
                 key = shown.name.removeprefix("settings.")
                 self._tree.set(key, str(value))
 
+        if shown.spec.is_functional:
+            (only,) = shown.spec.parameters
+            default: Content = 1 if only.default is None else only.default
+            function = FunctionalProperty(
+                lambda **given: write(given.get(only.key, default)), shown.spec.parameters
+            )
+            self._service.add(shown.name, spec=shown.spec, function=function)
+            return
         is_set = "w" in shown.spec.access
         self._service.add(shown.name, shown.value, shown.spec, write=write if is_set else None)
 

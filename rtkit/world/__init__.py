@@ -12,6 +12,7 @@ if TYPE_CHECKING:
 
     from rtkit.world.body import Body, Bumper
     from rtkit.world.contact import Contact
+    from rtkit.world.lockstep import Lockstep, ParticipantLost
     from rtkit.world.noise import Noise, Odometry
     from rtkit.world.scene import Scene
     from rtkit.world.shapes import Polygon, Pose, moved
@@ -20,8 +21,10 @@ _HOMES = {
     "Body": "rtkit.world.body",
     "Bumper": "rtkit.world.body",
     "Contact": "rtkit.world.contact",
+    "Lockstep": "rtkit.world.lockstep",
     "Noise": "rtkit.world.noise",
     "Odometry": "rtkit.world.noise",
+    "ParticipantLost": "rtkit.world.lockstep",
     "Polygon": "rtkit.world.shapes",
     "Pose": "rtkit.world.shapes",
     "Scene": "rtkit.world.scene",
@@ -31,8 +34,10 @@ __all__ = [
     "Body",
     "Bumper",
     "Contact",
+    "Lockstep",
     "Noise",
     "Odometry",
+    "ParticipantLost",
     "Polygon",
     "Pose",
     "Scene",

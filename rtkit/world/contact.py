@@ -77,6 +77,8 @@ def _on_short_arc(
     edges: Edges, pose: Pose, radius: float, twist: tuple[float, float, float], dt: float
 ) -> Contact | None:
     vx, vy, omega = twist
+    if abs(omega) * dt < TOLERANCE / 1e3:
+        omega = 0.0
     last = dt if not omega else 2 * math.tan(omega * dt / 2) / omega
     cos, sin = math.cos(pose.theta), math.sin(pose.theta)
     v = np.array((cos * vx - sin * vy, sin * vx + cos * vy))

@@ -15,7 +15,9 @@ EPS = 1e-8
 Segment = tuple[tuple[float, float], tuple[float, float]]
 angles = st.floats(-7.0, 7.0)
 speeds = st.floats(-1.0, 1.0)
-turns = st.one_of(st.just(0.0), st.floats(-1e-7, 1e-7), st.floats(-3.0, 3.0))
+turns = st.one_of(
+    st.sampled_from([0.0, 5e-324, -1e-160]), st.floats(-1e-7, 1e-7), st.floats(-3.0, 3.0)
+)
 
 
 @st.composite

@@ -95,7 +95,7 @@ def test_ticks_from_outside(tree: Tree, notes: Any) -> None:
         tree.perform(act.Tick("T", "sim"))
     assert notes.next(3) == ["T sim -"] * 3
     assert notes.nothing()
-    with pytest.raises(Refused, match="idle is periodic: T"):
+    with pytest.raises(Refused, match="idle is periodic, it ticks by itself: T"):
         tree.perform(act.Tick("T", "idle"))
     with pytest.raises(Refused, match="has no rate: its kind is OTHER"):
         tree.perform(act.SetRate("T", "sim", 5.0))

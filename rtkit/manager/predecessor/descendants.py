@@ -33,6 +33,7 @@ _LOOKS = 5
 
 def bear_mark(manager: str) -> None:
     """Have the manager's own process pass the mark on."""
+    os.environ["RTKIT_MANAGER"] = manager  # for what components connect to, or start
     os.environ[MARK] = f"{places.manager_lock(manager)}:{os.getpid()}:{began_at(os.getpid())}"
 
 
