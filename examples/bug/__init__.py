@@ -1,0 +1,1 @@
+"""Bug navigation: one generic algorithm, variants as data, sensor adaptors, a world."""

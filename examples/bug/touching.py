@@ -1,0 +1,53 @@
+"""Following by touch: what the navigator does where no sensor measures a range."""
+
+from __future__ import annotations
+
+from math import hypot, pi
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from .algorithm import Command, Navigator
+
+_SIDE, _BEHIND = pi / 3, 2 * pi / 3
+"""The bearings of the switches beside the robot: further ahead, further behind."""
+_FELT = 0.105
+"""How far from the centre a place is that is felt [m]."""
+_TRIAL = 0.1
+"""How far a way is tried [m]."""
+
+
+def follow_by_touch(navigator: Navigator, side: float) -> Command:
+    """Return the command along a wall: turn from what is felt ahead, go on, bend to what is lost.
+
+    Args:
+        navigator: Which follows it.
+        side: 1 with the wall on the right, -1 with it on the left.
+    """
+    navigator.trial = None
+    senses, around = navigator.senses, navigator.around
+    on_side = senses.obstacle_on_the_right() if side > 0 else senses.obstacle_on_the_left()
+    before = on_side and senses.free_distance(-side * _SIDE) == 0
+    behind = on_side and senses.free_distance(-side * _BEHIND) == 0
+    if senses.obstacle_in_front_of_the_robot() and not before:
+        ahead = senses.free_distance(0.0) == 0
+        around.touch(0.0 if ahead else side * _SIDE, _FELT)
+        return 0.0, side * 0.9
+    if before:
+        around.touch(-side * (pi / 2 if behind else _SIDE), _FELT)
+        return 0.0, side * 0.35
+    if behind:
+        around.touch(-side * _BEHIND, _FELT)
+        return 0.16, 0.0
+    return 0.14, -side * 1.1
+
+
+def way_free_by_trial(navigator: Navigator) -> bool | Command:
+    """Return whether the way to the goal is free, or the command that tries it."""
+    if navigator.trial is not None:
+        far = hypot(navigator.x - navigator.trial[0], navigator.y - navigator.trial[1])
+        navigator.trial = None
+        return far > 0.9 * _TRIAL and not navigator.obstacle_in_front_of_the_robot()
+    if not navigator.is_facing(navigator.bearing):
+        return navigator.face_goal()
+    navigator.trial = navigator.here
+    return _TRIAL / 0.5, 0.0
