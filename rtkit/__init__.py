@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from rtkit import aio as aio
     from rtkit.api.connect import connect
     from rtkit.api.plan import SystemPlan
-    from rtkit.api.profiles import SystemProfile, load
+    from rtkit.api.system_profiles import SystemProfile, load
     from rtkit.api.tree import Tree
     from rtkit.by_hand import run
     from rtkit.property.annotations import Range, Unit
@@ -27,12 +27,12 @@ _HOMES = {
     "aio": "rtkit.aio",
     "SystemPlan": "rtkit.api.plan",
     "Range": "rtkit.property.annotations",
-    "SystemProfile": "rtkit.api.profiles",
+    "SystemProfile": "rtkit.api.system_profiles",
     "Tree": "rtkit.api.tree",
     "Unit": "rtkit.property.annotations",
     "__version__": "rtkit.version",
     "connect": "rtkit.api.connect",
-    "load": "rtkit.api.profiles",
+    "load": "rtkit.api.system_profiles",
     "run": "rtkit.by_hand",
     "serve": "rtkit.wires.serve",
 }

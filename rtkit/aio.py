@@ -15,8 +15,8 @@ from threading import Thread
 from typing import Any, Generic, TypeVar
 
 from rtkit.api.connect import connect as connect_now
-from rtkit.api.live import Properties
 from rtkit.api.plan import SystemPlan
+from rtkit.api.properties import Properties
 from rtkit.api.tree import Tree
 from rtkit.link import stopping
 from rtkit.tree.client import DEFAULT_TIMEOUT_S
@@ -155,7 +155,7 @@ def _attribute(name: str) -> Any:
 
 
 class AsyncProperties(_Awaited):
-    """Live properties, awaited: see `rtkit.api.live.Properties`."""
+    """Live properties, awaited: see `rtkit.api.properties.Properties`."""
 
 
 class AsyncPlan(_Awaited):

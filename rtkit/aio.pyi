@@ -5,11 +5,11 @@ from typing import Any, Generic, Self, TypeVar, Unpack
 
 from rtkit.api.checking import SystemReport
 from rtkit.api.events import SystemEvent
-from rtkit.api.live import PropertyChange
 from rtkit.api.options import PlanKeywords, WayKeywords
 from rtkit.api.ports import PortValue
-from rtkit.api.profiles import Source, SystemProfile
+from rtkit.api.properties import PropertyChange
 from rtkit.api.states import StatesReport
+from rtkit.api.system_profiles import Source, SystemProfile
 from rtkit.deployment.actions import Action, Result
 from rtkit.deployment.facts import ComponentFacts, Snapshot
 from rtkit.deployment.listing import Listing

@@ -10,7 +10,7 @@ from pathlib import Path
 from types import ModuleType
 
 from rtkit import aio
-from rtkit.api import data_tree, live, plan, tree
+from rtkit.api import data_tree, plan, properties, tree
 from rtkit.tree import api as by_path
 from rtkit.tree import client
 
@@ -72,9 +72,9 @@ def connect(
 
 def text() -> str:
     """Return the stub."""
-    imports = {"SystemProfile": "rtkit.api.profiles", "Mapping": "collections.abc"}
+    imports = {"SystemProfile": "rtkit.api.system_profiles", "Mapping": "collections.abc"}
     applied = _methods(plan, ["apply"], imports)
-    properties = _methods(live, aio.waits(live.Properties), imports)
+    changes = _methods(properties, aio.waits(properties.Properties), imports)
     names = aio.waits(tree.Tree)
     homes = (tree, tree.Tree), (data_tree, data_tree.DataTree), (client, client.Tree)
     parts = []
@@ -83,7 +83,7 @@ def text() -> str:
         names = [each for each in names if each not in vars(cls)]
     lines = sorted(f"from {module} import {name}" for name, module in imports.items())
     whole = [_HEAD.format(imports="\n".join(lines)), *applied, "\nclass AsyncProperties:\n"]
-    return _formatted("".join([*whole, *properties, _TREE, *parts, _TAIL]))
+    return _formatted("".join([*whole, *changes, _TREE, *parts, _TAIL]))
 
 
 def _formatted(text: str) -> str:

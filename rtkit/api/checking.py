@@ -10,8 +10,8 @@ from rtkit.fast_dataclass import dataclass
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from rtkit.api.document import SystemDocument
     from rtkit.api.session import Session
+    from rtkit.api.system_profiles import SystemProfile
     from rtkit.deployment.deviations import Deviation
     from rtkit.deployment.live_index import LiveIndex
     from rtkit.deployment.system import WantedSystem
@@ -52,7 +52,7 @@ class SystemReport:
 
 def compare(
     session: Session,
-    document: SystemDocument,
+    document: SystemProfile,
     state: LifeCycleState | None,
     mapped: tuple[str, ...] = (),
 ) -> SystemReport:
@@ -62,7 +62,7 @@ def compare(
         InvalidDocument: The profile makes no sense.
         Unreachable: A manager does not answer.
     """
-    from rtkit.api.present_code import present_code
+    from rtkit.api.looking import present_code
     from rtkit.deployment.deviations import deviations
     from rtkit.deployment.live_index import LiveIndex
 

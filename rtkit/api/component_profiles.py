@@ -1,11 +1,17 @@
-"""Finds RTC profiles of components: named ones first, then beside modules, then shipped ones."""
+"""Finds RTC profiles of components on this host, and the types that they make known."""
 
 from __future__ import annotations
 
 import os
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from typing import TYPE_CHECKING
 
 from rtkit.errors import NotFound, RtkitError
+
+if TYPE_CHECKING:
+    from rtkit.deployment.facts import Snapshot
+    from rtkit.deployment.system import KnownType
+    from rtkit.profile.rts_model import RtsProfile
 
 MODULE_PATH = "RTKIT_MODULE_PATH"
 SEARCH_PATH = "RTKIT_PROFILE_PATH"
@@ -30,8 +36,8 @@ def profiles(
     Named files and folders, with all below them, come first, shipped ones last. No
     code is run: of a module only a file beside it counts, of the same name or ``RTC.xml``.
     Modules are looked for where a manager that is started here would, in installed packages last.
-    Of the repositories in
-    which `systems` lie ``rtc/NAME/RTC.xml`` counts. `notify` receives unreadable places.
+    Of the repositories in which `systems` lie ``rtc/NAME/RTC.xml`` counts. `notify` receives
+    unreadable places.
 
     Raises:
         NotFound: A file or folder that was named cannot be read.
@@ -151,3 +157,72 @@ def _of_repository(folder: str) -> Iterator[str]:
 
 def _is_module(name: str) -> bool:
     return name.endswith(_MODULE) and not name.startswith(".")
+
+
+def known_types(profile: RtsProfile, snapshot: Snapshot) -> dict[str, KnownType]:
+    """Return the types of components of `profile` whose creation it does not specify itself.
+
+    Profiles are only read for components that do not live, or another one in their place, and that
+    no loaded module makes.
+    """
+    from rtkit.deployment.described import is_same_id
+    from rtkit.deployment.extension import CREATE, stated_id
+
+    alive = {c.instance: stated_id(c) for c in snapshot.components if not c.zombie}
+    unknown = {
+        component.id
+        for component in profile.components
+        if not is_same_id(alive.get(component.instance_name, ""), component.id)
+        and all(each.name != CREATE for each in component.properties)
+    }
+    found = {id: known for id, known in _loaded(snapshot) if id in unknown}
+    missing = unknown - found.keys()
+    if missing:
+        found.update((id, known) for id, known in _described() if id in missing)
+    return found
+
+
+def _loaded(snapshot: Snapshot) -> Iterator[tuple[str, KnownType]]:
+    from rtkit.deployment.system import KnownType
+    from rtkit.rtc.create import CreateString
+
+    modules = (module for each in (snapshot, *snapshot.others) for module in each.modules)
+    for module in modules:
+        for kind in module.types:
+            create = CreateString(
+                kind.type_name, kind.vendor, kind.category, kind.language, kind.version
+            )
+            path = f"{module.path}:{module.init}" if module.init else module.path
+            yield kind.id, KnownType(str(create), path)
+
+
+def _described() -> Iterator[tuple[str, KnownType]]:
+    from rtkit.deployment.extension import MODULE
+    from rtkit.deployment.system import KnownType
+    from rtkit.profile.read import read_bytes, read_rtc
+    from rtkit.profile.words import property_value
+    from rtkit.rtc.create import CreateString
+
+    for path, modules in _files():
+        try:
+            profile = read_rtc(read_bytes(path), path).profile
+        except RtkitError:
+            # A folder of profiles may hold documents of another kind.
+            continue
+        info = profile.basic_info
+        if info is None:
+            continue
+        language = profile.language.kind if profile.language is not None else ""
+        create = CreateString(info.name, info.vendor, info.category, language, info.version)
+        module = modules.get(info.name) or property_value(info.properties, MODULE) or ""
+        id = f"RTC:{info.vendor}:{info.category}:{info.name}:{info.version}"
+        yield id, KnownType(str(create), module)
+
+
+def _files() -> Iterator[tuple[str, Mapping[str, str]]]:
+    """Yield profiles, each with the modules of types where an installed package has it."""
+    from rtkit.resources import resource
+
+    yield from of_packages()
+    for folder in (resource("profiles"), *_listed(SEARCH_PATH)):
+        yield from ((os.path.join(folder, name), {}) for name in _profiles(folder))

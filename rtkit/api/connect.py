@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import cast
 
 from rtkit.api.data_tree import silent
-from rtkit.api.script import Notify
+from rtkit.api.session import Notify
 from rtkit.api.tree import Tree
 from rtkit.errors import Unreachable
 from rtkit.tree import connect as connecting

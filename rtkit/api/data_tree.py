@@ -8,14 +8,14 @@ from typing import TYPE_CHECKING, Any
 
 from rtkit.api import configuring
 from rtkit.api.ports import NotReached, PortReader
-from rtkit.api.script import Notify, ScriptSession, Stream, begun
+from rtkit.api.session import Notify, ScriptSession, Stream, begun
 from rtkit.tree import client
 from rtkit.tree.api import Value, value_text
 
 if TYPE_CHECKING:
     from rtkit.api.events import SystemEvent
-    from rtkit.api.live import Properties
     from rtkit.api.ports import PortValue
+    from rtkit.api.properties import Properties
     from rtkit.link.transport import Link
     from rtkit.tree.logbook import LogEntry
     from rtkit.tree.subscription import ManagerSubscription
@@ -242,7 +242,7 @@ class DataTree(client.Tree):
     @property
     def properties(self) -> Properties:
         """Live properties of components, managers, this host and served objects."""
-        from rtkit.api.live import Properties
+        from rtkit.api.properties import Properties
 
         return Properties(self)
 

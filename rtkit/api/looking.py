@@ -10,10 +10,10 @@ from typing import TYPE_CHECKING
 from rtkit.errors import Malformed, Unreachable, UsageProblem
 
 if TYPE_CHECKING:
-    from rtkit.api.document import SystemDocument
     from rtkit.api.session import Session
+    from rtkit.api.system_profiles import SystemProfile
     from rtkit.deployment.actions import Action
-    from rtkit.deployment.facts import Snapshot
+    from rtkit.deployment.facts import ComponentFacts, Snapshot
     from rtkit.deployment.runner import Count, PlanRunner
     from rtkit.deployment.system import KnownType, WantedSystem
     from rtkit.profile.rts_model import RtsProfile
@@ -38,7 +38,7 @@ def host_map(mapped: tuple[str, ...]) -> dict[str, str]:
 
 def wanted_system(
     session: Session,
-    document: SystemDocument,
+    document: SystemProfile,
     snapshot: Snapshot,
     *,
     stand_in: bool = False,
@@ -190,6 +190,27 @@ def managers_started(session: Session, found: Snapshot, *, dry_run: bool) -> Ite
     except BaseException:
         uninterrupted(session.tree.end_started)
         raise
+
+
+def present_code(components: Iterable[ComponentFacts]) -> dict[str, str]:
+    """Return the CRC-32 of each file that these components come from, as facts tell it.
+
+    A file that cannot be read is left out: whether it has changed is not known.
+    """
+    lines = (line for facts in components for line in facts.code.splitlines())
+    files = {line.partition(" ")[2] for line in lines}
+    if not files:
+        return {}
+    import zlib
+
+    found = {}
+    for file in files:
+        try:
+            with open(file, "rb") as stream:
+                found[file] = f"{zlib.crc32(stream.read()):08x}"
+        except OSError:
+            continue
+    return found
 
 
 def nothing(manager: str) -> Snapshot:

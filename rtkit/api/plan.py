@@ -1,4 +1,4 @@
-"""Plans of scripts: the cheapest steps from what lives to a profile, looked at and carried out."""
+"""Plans: the cheapest steps from what lives to a profile, looked at and carried out."""
 
 from __future__ import annotations
 
@@ -9,8 +9,8 @@ from rtkit.errors import Refused
 
 if TYPE_CHECKING:
     from rtkit.api.planning import Prepared
-    from rtkit.api.profiles import SystemProfile
-    from rtkit.api.script import Notify
+    from rtkit.api.session import Notify, Session
+    from rtkit.api.system_profiles import SystemProfile
     from rtkit.tree.client import Tree
 
 
@@ -86,7 +86,7 @@ class SystemPlan:
             Unreachable: A manager does not answer.
         """
         from rtkit.api import looking
-        from rtkit.api.script import ScriptSession
+        from rtkit.api.session import ScriptSession
         from rtkit.tree.plan_locks import PlanLocks
 
         name = f"script {self.profile.source}"
@@ -99,11 +99,41 @@ class SystemPlan:
             run(session, self._prepared, rollback=rollback, exact=exact)
 
 
-def run(session: Any, prepared: Prepared, *, rollback: bool, exact: bool) -> None:
+def run(session: Session, prepared: Prepared, *, rollback: bool, exact: bool) -> None:
     """Carry a plan out whose locks are taken; see `SystemPlan.apply`."""
-    from rtkit.api.applying import carry_out
-
     is_back = rollback or session.is_strict
     unmet = carry_out(session, prepared, rolls_back=is_back, is_exact=exact)
     if unmet:
         raise Refused("; ".join(unmet))
+
+
+def carry_out(
+    session: Session,
+    prepared: Prepared,
+    *,
+    rolls_back: bool = False,
+    is_exact: bool = False,
+) -> tuple[str, ...]:
+    """Carry a plan out, and have the system followed if its profile wants that.
+
+    Durations of steps are noted. One that is to be carried out exactly is not planned again where
+    the world differs. Returns in what required components are not what is wanted.
+
+    Raises:
+        Refused: A step failed; the message states what is left, or that it went back.
+        Unreachable: The manager does not answer.
+        KeyboardInterrupt: Interrupted; its text states what is left.
+    """
+    from rtkit.api import states, step_times
+    from rtkit.deployment.applying import Applier
+    from rtkit.tree.grace import uninterrupted
+
+    document, goal, snapshot, plan, survey = prepared
+    is_followed = states.is_follow_wanted(session, document)
+    report = session.report
+    with step_times.noting(session, goal.system, snapshot) as taken:
+        applier = Applier(session.tree, goal, report, report, taken, survey, uninterrupted)
+        applier.run(plan, snapshot, rolls_back=rolls_back, is_exact=is_exact)
+    if is_followed:
+        states.follow_from(session, document, goal)
+    return tuple(applier.unmet)

@@ -9,8 +9,8 @@ from rtkit.api import looking
 from rtkit.errors import UsageProblem
 
 if TYPE_CHECKING:
-    from rtkit.api.document import SystemDocument
     from rtkit.api.session import Session
+    from rtkit.api.system_profiles import SystemProfile
     from rtkit.deployment.facts import Snapshot
     from rtkit.deployment.goal import DeploymentGoal
     from rtkit.deployment.planning.deployment_plan import DeploymentPlan
@@ -32,7 +32,7 @@ Make = Callable[["DeploymentGoal", "Snapshot", "Model"], "DeploymentPlan"]
 class Prepared(NamedTuple):
     """The document, the wanted system, the live system, and the plan between them."""
 
-    document: SystemDocument
+    document: SystemProfile
     goal: DeploymentGoal
     snapshot: Snapshot
     plan: DeploymentPlan
@@ -42,7 +42,7 @@ class Prepared(NamedTuple):
 class DeploymentInputs(NamedTuple):
     """The document, the wanted system and the live system."""
 
-    document: SystemDocument
+    document: SystemProfile
     goal: DeploymentGoal
     snapshot: Snapshot
 
@@ -97,7 +97,7 @@ def read_options(record: Mapping[str, Any]) -> tuple[tuple[str, ...], GoalOption
 
 def prepare(
     session: Session,
-    document: SystemDocument,
+    document: SystemProfile,
     mapped: tuple[str, ...],
     aim: GoalOptions,
     *,
@@ -133,7 +133,7 @@ def _cheapest(goal: DeploymentGoal, _snapshot: Snapshot, model: Model) -> Deploy
 
 def begin(
     session: Session,
-    document: SystemDocument,
+    document: SystemProfile,
     mapped: tuple[str, ...],
     way: WayOptions,
     *,
@@ -151,7 +151,7 @@ def begin(
         InvalidDocument: The profile makes no sense.
         Unreachable: No manager answers.
     """
-    from rtkit.api.known_types import known_types
+    from rtkit.api.component_profiles import known_types
     from rtkit.api.preflight import check_reserved, look_ahead
     from rtkit.deployment.goal import DeploymentGoal
 
@@ -248,7 +248,7 @@ def read_costs(
     return costs
 
 
-def _ranks(session: Session, document: SystemDocument, system: WantedSystem) -> dict[str, int]:
+def _ranks(session: Session, document: SystemProfile, system: WantedSystem) -> dict[str, int]:
     """Return the order in which the profile has components activated, if it has one."""
     from rtkit.deployment.conditions import start_orders
     from rtkit.deployment.live_index import LiveIndex

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection, Mapping
 from typing import TYPE_CHECKING
 
-from rtkit.api.present_code import present_code
+from rtkit.api.looking import present_code
 from rtkit.deployment.extension import LIMIT
 from rtkit.errors import Impossible, NotFound, RtkitError
 from rtkit.rtc.create import parse_create

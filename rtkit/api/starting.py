@@ -1,8 +1,8 @@
-"""Starts, stops and tears down systems: plans that are never undone, and tell how far they got."""
+"""Brings systems up, starts, stops and tears them down; what breaks off tells how far it got."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -10,14 +10,15 @@ from rtkit.api import looking
 from rtkit.errors import InvalidDocument, RtkitError
 
 if TYPE_CHECKING:
-    from rtkit.api.document import SystemDocument
     from rtkit.api.session import Session
+    from rtkit.api.system_profiles import SystemProfile
     from rtkit.deployment.conditions import Orders
     from rtkit.deployment.facts import Snapshot
     from rtkit.deployment.layered_plan import LayeredPlan
     from rtkit.deployment.live_index import LiveIndex
     from rtkit.deployment.start_schedule import StartPlan
     from rtkit.deployment.system import WantedSystem
+    from rtkit.tree.plan_locks import PlanLocks
 
 PlanFor = Callable[["WantedSystem", "LiveIndex"], "StartPlan"]
 
@@ -30,7 +31,73 @@ class StartInputs(NamedTuple):
     plan: StartPlan
 
 
-def start_plan_of(document: SystemDocument, *, wait: bool) -> PlanFor:
+def bring_up(
+    session: Session,
+    document: SystemProfile,
+    mapped: tuple[str, ...] = (),
+    *,
+    may_create: bool = True,
+    stand_in: bool = False,
+    transmit: bool = False,
+    is_dry: bool = False,
+    lock: PlanLocks | None = None,
+) -> Sequence[LayeredPlan]:
+    """Make, connect and configure what a profile describes; a dry run returns the plans of that.
+
+    Raises:
+        InvalidDocument: The profile makes no sense.
+        Refused: Something required failed; what was made is removed again.
+        Unreachable: A manager does not answer.
+    """
+    from rtkit.api import states
+    from rtkit.api.component_profiles import known_types
+    from rtkit.api.preflight import check_reserved, missing
+    from rtkit.deployment.creation import bring_up_plans
+
+    is_followed = not is_dry and states.is_follow_wanted(session, document)
+    found = looking.look(session, document.profile, dry_run=is_dry, starts=may_create, lock=lock)
+    with looking.managers_started(session, found, dry_run=is_dry) as before:
+        creates = may_create and not stand_in
+        system = looking.wanted_system(
+            session,
+            document,
+            before,
+            stand_in=stand_in,
+            transmit=transmit,
+            mapped=mapped,
+            known_types=known_types(document.profile, before) if creates else None,
+        )
+        check_reserved(session, system, before)
+        lacks = missing(session, system, before) if may_create else {}
+        with document.naming():
+            if is_dry:
+                return list(bring_up_plans(system, before, may_create=may_create, lacks=lacks))
+            _create(session, system, before, lacks, may_create=may_create)
+    if is_followed:
+        states.follow_now(session, document, mapped, stand_in=stand_in, transmit=transmit)
+    return ()
+
+
+def _create(
+    session: Session,
+    system: WantedSystem,
+    before: Snapshot,
+    lacks: dict[str, str],
+    *,
+    may_create: bool,
+) -> None:
+    from rtkit.api import step_times
+    from rtkit.tree.resurrect import resurrect
+
+    with (
+        step_times.noting(session, system, before) as taken,
+        session.counting("resurrect") as count,
+    ):
+        runner = looking.runner(session, count, taken)
+        resurrect(session.tree, system, before, runner, may_create=may_create, lacks=lacks)
+
+
+def start_plan_of(document: SystemProfile, *, wait: bool) -> PlanFor:
     """Return what makes the plan to start a system.
 
     Raises:
@@ -45,7 +112,7 @@ def start_plan_of(document: SystemDocument, *, wait: bool) -> PlanFor:
     return lambda system, live: start_plan(system, live, orders, wait=wait)
 
 
-def stop_plan_of(session: Session, document: SystemDocument, *, wait: bool) -> PlanFor:
+def stop_plan_of(session: Session, document: SystemProfile, *, wait: bool) -> PlanFor:
     """Return what makes the plan to stop a system.
 
     Raises:
@@ -68,7 +135,7 @@ def stop_plan_of(session: Session, document: SystemDocument, *, wait: bool) -> P
 
 def prepare(
     session: Session,
-    document: SystemDocument,
+    document: SystemProfile,
     plan_for: PlanFor,
     mapped: tuple[str, ...] = (),
     snapshot: Snapshot | None = None,
@@ -119,7 +186,7 @@ def carry_out(session: Session, inputs: StartInputs, timeout_s: float | None = N
 
 def teardown(
     session: Session,
-    document: SystemDocument,
+    document: SystemProfile,
     mapped: tuple[str, ...] = (),
     *,
     ends_components: bool,

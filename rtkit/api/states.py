@@ -12,9 +12,9 @@ from rtkit.errors import InvalidDocument, Malformed, NotFound, Refused
 from rtkit.fast_dataclass import dataclass
 
 if TYPE_CHECKING:
-    from rtkit.api.document import SystemDocument
     from rtkit.api.planning import DeploymentInputs, WayOptions
     from rtkit.api.session import Session
+    from rtkit.api.system_profiles import SystemProfile
     from rtkit.deployment.facts import Followed, Snapshot
     from rtkit.deployment.goal import DeploymentGoal
     from rtkit.deployment.states.leading import SystemTransition
@@ -37,7 +37,7 @@ def states_of(begun: DeploymentInputs) -> States:
     return States(begun.document.profile.id, read_machine(begun.document), begun.goal)
 
 
-def read_machine(document: SystemDocument) -> SystemStates:
+def read_machine(document: SystemProfile) -> SystemStates:
     """Return the states of a system profile, checked.
 
     Raises:
@@ -141,7 +141,7 @@ class StatesReport:
 
 def look(
     session: Session,
-    document: SystemDocument,
+    document: SystemProfile,
     mapped: tuple[str, ...],
     way: WayOptions,
     *,
@@ -189,7 +189,7 @@ def lead(
         raise Refused(f"{target} was not reached; the system was led to {reached}")
 
 
-def is_follow_wanted(session: Session, document: SystemDocument) -> bool:
+def is_follow_wanted(session: Session, document: SystemProfile) -> bool:
     """Return whether the profile wants its system followed as soon as it is brought up.
 
     Raises:
@@ -207,7 +207,7 @@ def is_follow_wanted(session: Session, document: SystemDocument) -> bool:
     return True
 
 
-def check_one_manager(session: Session, document: SystemDocument) -> None:
+def check_one_manager(session: Session, document: SystemProfile) -> None:
     """Refuse a system that no manager knows as a whole.
 
     Raises:
@@ -230,7 +230,7 @@ def owner(session: Session) -> Tree:
 
 
 def follow(
-    session: Session, document: SystemDocument, states: States, *, rolls_back: bool = False
+    session: Session, document: SystemProfile, states: States, *, rolls_back: bool = False
 ) -> None:
     """Have the manager of a system follow its events, from now on and after its restart.
 
@@ -247,7 +247,7 @@ def follow(
     session.verbose(owner(session).set(FOLLOW, f'{{"start": {text}}}'))
 
 
-def follow_from(session: Session, document: SystemDocument, goal: DeploymentGoal) -> None:
+def follow_from(session: Session, document: SystemProfile, goal: DeploymentGoal) -> None:
     """Have the system of a profile followed that was led to a goal.
 
     Raises:
@@ -264,7 +264,7 @@ def follow_from(session: Session, document: SystemDocument, goal: DeploymentGoal
 
 def follow_now(
     session: Session,
-    document: SystemDocument,
+    document: SystemProfile,
     mapped: tuple[str, ...],
     *,
     stand_in: bool = False,
@@ -292,7 +292,7 @@ def unfollow(tree: Tree, name: str) -> str:
     return tree.set(FOLLOW, json.dumps({"stop": name}))
 
 
-def end_if_followed(session: Session, document: SystemDocument, facts: Snapshot) -> bool:
+def end_if_followed(session: Session, document: SystemProfile, facts: Snapshot) -> bool:
     """Stop following a system; return whether it was followed."""
     name = document.profile.id
     managers = [m.manager for m in (facts, *facts.others) if followed_in(m, name) is not None]

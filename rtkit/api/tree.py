@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Unpack
 
 from rtkit.api.data_tree import DataTree
 from rtkit.api.options import NO_MAP, PlanKeywords, WayKeywords, known, mapped, request, takes
-from rtkit.api.profiles import Source, SystemProfile, load
-from rtkit.api.script import ScriptSession
+from rtkit.api.session import ScriptSession
+from rtkit.api.system_profiles import Source, SystemProfile, load
 
 if TYPE_CHECKING:
     from rtkit.api.checking import SystemReport
@@ -143,7 +143,7 @@ class Tree(DataTree):
         Raises:
             Refused: Something required failed.
         """
-        from rtkit.api.bring_up import bring_up
+        from rtkit.api.starting import bring_up
 
         document = load(profile)
         with self._locked("bring up", document, wait_s) as (session, lock):
@@ -266,7 +266,7 @@ class Tree(DataTree):
             unconnected: Also components without connections.
         """
         from rtkit.api.capturing import capture
-        from rtkit.api.profiles import made
+        from rtkit.api.system_profiles import made
 
         about = (name, version, vendor, abstract)
         with ScriptSession(self, self.notify) as session:

@@ -72,7 +72,7 @@ def rtsystem(rtmanager: Tree, request: pytest.FixtureRequest) -> Callable[..., T
         profile: Any, *, stand_in: Any = False, values: Any = None, prefix: str = "", **more: Any
     ) -> Tree:
         __tracebackhide__ = True
-        from rtkit.api.profiles import load
+        from rtkit.api.system_profiles import load
         from rtkit.errors import RtkitError
         from rtkit.testing.system import bring_up
 

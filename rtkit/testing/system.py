@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from rtkit.api.profiles import SystemProfile
+from rtkit.api.system_profiles import SystemProfile
 from rtkit.deployment.extension import STAND_IN
 from rtkit.fast_dataclass import replace
 from rtkit.profile_tools.stating import Statement, stated

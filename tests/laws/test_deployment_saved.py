@@ -10,7 +10,7 @@ from deployments import models
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from rtkit.api.document import is_saved_plan
+from rtkit.api.system_profiles import is_saved_plan
 from rtkit.deployment.planning.deployment_plan import DeploymentPlan, make_plan
 from rtkit.deployment.planning.model import Model
 from rtkit.deployment.planning.saved import changes, from_text, to_text

@@ -17,7 +17,7 @@ from worlds import made
 
 import rtkit
 from rtkit.aio import AsyncPlan, AsyncStream, AsyncTree, in_thread
-from rtkit.api.script import ScriptSession
+from rtkit.api.session import ScriptSession
 from rtkit.api.tree import Tree
 from rtkit.deployment import actions as act
 from rtkit.errors import NotFound

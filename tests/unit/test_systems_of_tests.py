@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from rtkit.api.profiles import load
+from rtkit.api.system_profiles import load
 from rtkit.errors import NotFound
 from rtkit.testing.system import replaced
 

@@ -43,7 +43,7 @@ def read_resolved_document(app: App, file: str | None = None) -> ReadDocument:
         UsageProblem: Values are given, and it is no system or has no such parameter.
         WrongArguments: No file is named, and stdin is a terminal.
     """
-    from rtkit.api.document import read_parametrised
+    from rtkit.api.system_profiles import read_parametrised
     from rtkit.cli.shared.system_values import parameters
     from rtkit.profile.forms import has_parameters, may_be_component
 

@@ -19,8 +19,8 @@ from rtkit.cli.system.planning import AIM
 from rtkit.errors import InvalidDocument, Malformed, NotFound, Refused, RtkitError
 
 if TYPE_CHECKING:
-    from rtkit.api.document import SystemDocument
     from rtkit.api.planning import Prepared
+    from rtkit.api.system_profiles import SystemProfile
     from rtkit.deployment.facts import Snapshot
     from rtkit.deployment.system import WantedSystem
 
@@ -91,7 +91,7 @@ class _Development:
         *,
         is_json: bool,
     ) -> None:
-        from rtkit.api.source_files import SourceFiles
+        from rtkit.api.sources import SourceFiles
 
         self._app = app
         self._asked = asked
@@ -109,7 +109,7 @@ class _Development:
         Raises:
             NotFound: There is no profile.
         """
-        from rtkit.api.source_files import PERIOD_S
+        from rtkit.api.sources import PERIOD_S
 
         if not os.path.isfile(self._asked.files[0]):
             raise NotFound(f"no such file: {self._asked.files[0]}")
@@ -121,7 +121,7 @@ class _Development:
             self._app.wait_for([], time.monotonic() + PERIOD_S)
             saved = self._sources.saved()
             if saved:
-                from rtkit.api.source_checks import shown
+                from rtkit.api.sources import shown
 
                 self._report("saved", f"saved: {', '.join(map(shown, saved))}", saved)
                 self._try(saved)
@@ -147,7 +147,7 @@ class _Development:
         Raises:
             RtkitError: One is wrong; tells file and line.
         """
-        from rtkit.api.source_checks import syntax_errors
+        from rtkit.api.sources import syntax_errors
 
         present = [file for file in saved if os.path.isfile(file)]
         found = list(syntax_errors(file for file in present if file.endswith(".py")))
@@ -164,7 +164,7 @@ class _Development:
 
     def _apply(self) -> None:
         from rtkit.api import planning
-        from rtkit.api.applying import carry_out
+        from rtkit.api.plan import carry_out
         from rtkit.deployment.planning.rendering import lines
         from rtkit.tree.plan_locks import PlanLocks
 
@@ -194,9 +194,9 @@ class _Development:
         done = "done, but for what is told above" if unmet else "done"
         self._report("done", f"{done} in {time.monotonic() - began:.2f} s", unmet)
 
-    def _follow(self, document: SystemDocument, system: WantedSystem, snapshot: Snapshot) -> None:
+    def _follow(self, document: SystemProfile, system: WantedSystem, snapshot: Snapshot) -> None:
         """Watch the profile, and what its components come from or will come from."""
-        from rtkit.api.source_checks import files_of
+        from rtkit.api.sources import files_of
 
         names = {component.instance for component in system.components}
         live = [each for each in snapshot.components if each.instance in names]
@@ -237,7 +237,7 @@ def _check_imports(prepared: Prepared) -> None:
     Raises:
         Refused: One does not import; says where.
     """
-    from rtkit.api.source_checks import check_imports, files_of
+    from rtkit.api.sources import check_imports, files_of
     from rtkit.deployment.loaded_code import changed_code
     from rtkit.rtc.profiles import split_module
 

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from rtkit.api.document import SystemDocument, parse_document
+from rtkit.api.system_profiles import SystemProfile, parse_document
 from rtkit.cli.shared.app import App, check_at_most_one
 from rtkit.cli.shared.profile_files import read_input
 from rtkit.cli.shared.system_values import parameters
 
 
-def read_document(app: App, files: tuple[str, ...]) -> SystemDocument:
+def read_document(app: App, files: tuple[str, ...]) -> SystemProfile:
     """Read the system profile that was named, or stdin; tell repairs when verbose.
 
     Raises:

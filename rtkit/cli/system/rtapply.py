@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import click
 from click.core import ParameterSource
 
-from rtkit.api.document import is_saved_plan, parse_document
+from rtkit.api.system_profiles import is_saved_plan, parse_document
 from rtkit.cli.shared import terminal
 from rtkit.cli.shared.app import App
 from rtkit.cli.shared.command import command
@@ -68,18 +68,20 @@ def main(
     noted: plans made later count with it.
     """
     from rtkit.api import planning
-    from rtkit.api.applying import carry_out
+    from rtkit.api.plan import carry_out
     from rtkit.deployment.planning.rendering import lines
 
     source, data = read_data(asked.files)
     is_saved = is_saved_plan(data)
     lock = None if dry_run else shared.locks(app, asked.files, wait_s)
     if is_saved:
-        from rtkit.api import saving
+        from rtkit.api import saved_plan
 
-        inputs = saving.opened(data, source)
+        inputs = saved_plan.opened(data, source)
         _check_nothing_else(app, inputs.options)
-        prepared = saving.prepare(app, inputs, is_dry=dry_run, parallel=parallel or 0, lock=lock)
+        prepared = saved_plan.prepare(
+            app, inputs, is_dry=dry_run, parallel=parallel or 0, lock=lock
+        )
     else:
         document = parse_document(app, source, data, app.form, parameters(app))
         prepared = planning.prepare(

@@ -72,7 +72,7 @@ def main(
     prepared = planning.prepare(app, document, asked.mapped, aim, is_dry=True)
     goal, plan = prepared.goal, prepared.plan
     if out is not None:
-        from rtkit.api.saving import save
+        from rtkit.api.saved_plan import save
         from rtkit.link.atomic import STDOUT
 
         if out == STDOUT:

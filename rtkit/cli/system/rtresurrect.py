@@ -43,7 +43,7 @@ def main(
     Managers of this host that do not run are started first, as rtmgr start does; with --no-create
     they must run. Only one rtapply, rtresurrect or rtstate works at a manager at a time.
     """
-    from rtkit.api.bring_up import bring_up
+    from rtkit.api.starting import bring_up
 
     if no_create and (stand_in or transmit):
         raise UsageProblem("--no-create makes no stand-ins")

@@ -13,7 +13,7 @@ from rtkit.cli.shared.options import flag
 from rtkit.cli.system import shared
 
 if TYPE_CHECKING:
-    from rtkit.api.document import SystemDocument
+    from rtkit.api.system_profiles import SystemProfile
 
 
 PLAN = flag("--plan", "Print the plan as a graph (dot), and do nothing.")
@@ -28,7 +28,7 @@ def no_wait_flag(state: str) -> Any:
 
 def run(
     app: App,
-    document: SystemDocument,
+    document: SystemProfile,
     plan_for: starting.PlanFor,
     *,
     draws: bool,

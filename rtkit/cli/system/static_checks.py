@@ -114,7 +114,7 @@ def _checked(
 
 def _opened(app: App, data: bytes, name: str, options: Options) -> Opened:
     """Look into a system, with the values that the command line gives."""
-    from rtkit.api.document import read_parametrised
+    from rtkit.api.system_profiles import read_parametrised
     from rtkit.profile.findings import InvalidProfile
     from rtkit.profile.forms import has_parameters
     from rtkit.static_check.verdict import Opened, opened

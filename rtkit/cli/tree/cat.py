@@ -103,7 +103,7 @@ def _limits(facts: ComponentFacts) -> list[tuple[str, str]]:
 def _old_code(facts: ComponentFacts) -> list[tuple[str, str]]:
     if not facts.code:
         return []
-    from rtkit.api.present_code import present_code
+    from rtkit.api.looking import present_code
     from rtkit.deployment.loaded_code import changed_code
 
     file = changed_code(facts, present_code([facts]))

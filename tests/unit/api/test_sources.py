@@ -7,8 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from rtkit.api.source_checks import check_imports, syntax_errors
-from rtkit.api.source_files import SourceFiles
+from rtkit.api.sources import SourceFiles, check_imports, syntax_errors
 from rtkit.errors import Refused
 
 

@@ -135,7 +135,7 @@ def judge(name: str, listing: Listing, facts: Snapshot) -> Iterator[Diagnosis]:
 
 def old_code(facts: Snapshot) -> Iterator[Diagnosis]:
     """Name the components that run other code than their files have now."""
-    from rtkit.api.present_code import present_code
+    from rtkit.api.looking import present_code
     from rtkit.deployment.loaded_code import changed_code
 
     present = present_code(facts.components)

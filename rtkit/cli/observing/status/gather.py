@@ -264,7 +264,7 @@ def _rates(app: App, facts: ComponentFacts) -> RateRow | None:
 
 
 def _warnings(record: Mapping[str, Any], facts: ComponentFacts | None) -> Iterator[str]:
-    from rtkit.api.present_code import present_code
+    from rtkit.api.looking import present_code
     from rtkit.deployment.loaded_code import changed_code
 
     for context in record["contexts"]:

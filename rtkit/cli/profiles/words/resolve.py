@@ -39,7 +39,7 @@ def main(
     be - for stdin; without OUTPUT the result goes to stdout.
     See rtkit help parameters.
     """
-    from rtkit.api.document import read_parametrised
+    from rtkit.api.system_profiles import read_parametrised
     from rtkit.cli.profiles.document import read_bytes_of
     from rtkit.link.atomic import STDOUT, write_output
     from rtkit.profile.write import write_profile

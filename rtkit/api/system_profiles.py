@@ -1,26 +1,26 @@
-"""System profiles of scripts: loaded, validated, checked and written."""
+"""System profiles: read, with faults located by line; validated, checked and written."""
 
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, NamedTuple, cast
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from typing import TYPE_CHECKING, Any, NamedTuple, cast
 
-from rtkit.api.document import SystemDocument, parse_document
+from rtkit.errors import InvalidDocument
 from rtkit.fast_dataclass import dataclass
 
 if TYPE_CHECKING:
     from rtkit.api.session import Session
     from rtkit.profile.parameters import SystemParameters
+    from rtkit.profile.parameters.reading import SystemReading
     from rtkit.profile.rts_model import RtsProfile
     from rtkit.report.finding import Checked
 
-Source = SystemDocument | str | os.PathLike[str]
-"""A system profile, or the path of its file: XML, YAML or JSON."""
-
 
 @dataclass(frozen=True, slots=True)
-class SystemProfile(SystemDocument):
+class SystemProfile:
     """A system profile (RTS profile): components, connections, parameters of a system.
 
     Example::
@@ -35,7 +35,14 @@ class SystemProfile(SystemDocument):
         data: The text that it was read from.
         source: Names it in messages, as a rule the file.
         form: ``xml``, ``yaml`` or ``json`` if that was said; None if name and content tell it.
+        resolved: Knows where its parts stand, if it had parameters; `data` has none of them.
     """
+
+    profile: RtsProfile
+    data: bytes
+    source: str
+    form: str | None
+    resolved: SystemReading | None = None
 
     @property
     def components(self) -> list[str]:
@@ -92,6 +99,95 @@ class SystemProfile(SystemDocument):
         name = os.fspath(path)
         write_output(self.text(form or form_of_name(name) or "xml").encode(), name)
 
+    @contextmanager
+    def naming(self) -> Iterator[None]:
+        """Name the file, and the line of the component, in what is found wrong with the profile.
+
+        Raises:
+            InvalidDocument: What was raised inside.
+        """
+        from rtkit.deployment.system import BadComponent
+
+        try:
+            yield
+        except BadComponent as error:
+            raise InvalidDocument(f"{self._place(error.position)}: {error}") from error
+        except InvalidDocument as error:
+            raise InvalidDocument(f"{self.source}: {error}") from error
+
+    def _place(self, position: int) -> str:
+        """Return file and line in which the component at a position begins."""
+        if self.resolved is not None:
+            at = self.resolved.position((("components", position),), "")
+            return f"{at.file}:{at.line}"
+        from rtkit.profile.read import as_it_stands
+        from rtkit.profile.xmlnames import clark
+
+        root: Any = as_it_stands(self.data, self.source, self.form, "rts")[0]
+        found = root.findall(clark("rts:Components"))
+        element = found[position] if position < len(found) else root
+        return f"{self.source}:{element.sourceline or 1}"
+
+
+Source = SystemProfile | str | os.PathLike[str]
+"""A system profile, or the path of its file: XML, YAML or JSON."""
+
+
+def is_saved_plan(data: bytes) -> bool:
+    """Return whether a file begins as a saved plan does."""
+    return re.match(rb'\s*\{\s*"schema"\s*:\s*"rtkit\.saved-plan/', data) is not None
+
+
+def parse_document(
+    session: Session,
+    source: str,
+    data: bytes,
+    form: str | None = None,
+    parameters: SystemParameters | None = None,
+) -> SystemProfile:
+    """Read a system profile, with values for its parameters; tell repairs when verbose.
+
+    Raises:
+        InvalidDocument: It is no system profile, or its parameters make no sense.
+        UsageProblem: A value is for nothing.
+    """
+    from rtkit.profile import read
+    from rtkit.profile.forms import has_parameters
+
+    if is_saved_plan(data):
+        raise InvalidDocument(f"{source}: is a saved plan; only rtapply takes it")
+    if parameters is not None or has_parameters(data):
+        found = read_parametrised(session, source, data, form, parameters)
+        return SystemProfile(found.profile, found.data, source, found.form, found)
+    reading = read.read_rts(data, source, form=form, strict=session.is_strict)
+    for note in reading.notes:
+        session.verbose(f"{source}:{note.line}: {note.text}")
+    return SystemProfile(reading.profile, data, source, form)
+
+
+def read_parametrised(
+    session: Session,
+    source: str,
+    data: bytes,
+    form: str | None,
+    parameters: SystemParameters | None,
+) -> SystemReading:
+    """Read a system profile that may have parameters; tell repairs when verbose.
+
+    Raises:
+        InvalidDocument: It is no system profile, or its parameters make no sense.
+        UsageProblem: A value is for nothing.
+    """
+    from rtkit.api.component_profiles import SEARCH_PATH
+    from rtkit.profile.parameters.reading import read_system
+
+    folders = os.environ.get(SEARCH_PATH, "").split(os.pathsep)
+    strict = session.is_strict
+    found = read_system(data, source, parameters, form=form, strict=strict, folders=folders)
+    for file, note in found.notes:
+        session.verbose(f"{file}:{note.line}: {note.text}")
+    return found
+
 
 def load(
     source: Source,
@@ -120,14 +216,12 @@ def load(
         return source
     reader = cast("Session", _Reader(strict))
     given = _parameters(values or {}, prefix)
-    if not isinstance(source, SystemDocument):
-        from rtkit.profile.read import read_bytes
+    if isinstance(source, SystemProfile):
+        return parse_document(reader, source.source, source.data, source.form, given)
+    from rtkit.profile.read import read_bytes
 
-        name = os.fspath(source)
-        source = parse_document(reader, name, read_bytes(name), form, given)
-    elif given is not None:
-        source = parse_document(reader, source.source, source.data, source.form, given)
-    return SystemProfile(**{field: getattr(source, field) for field in SystemDocument.__slots__})
+    name = os.fspath(source)
+    return parse_document(reader, name, read_bytes(name), form, given)
 
 
 class _Reader(NamedTuple):

@@ -7,7 +7,7 @@ from collections.abc import Generator, Sequence
 from contextlib import closing
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from rtkit.api.script import ScriptSession, Stream, begun
+from rtkit.api.session import ScriptSession, Stream, begun
 
 if TYPE_CHECKING:
     from rtkit.property.messages import Payload

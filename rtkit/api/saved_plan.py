@@ -10,12 +10,12 @@ from functools import partial
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from rtkit.api import planning
-from rtkit.api.document import is_saved_plan, parse_document
+from rtkit.api.system_profiles import is_saved_plan, parse_document
 from rtkit.errors import InvalidDocument, Malformed, Refused
 
 if TYPE_CHECKING:
-    from rtkit.api.document import SystemDocument
     from rtkit.api.session import Session
+    from rtkit.api.system_profiles import SystemProfile
     from rtkit.deployment.facts import Snapshot
     from rtkit.deployment.goal import DeploymentGoal
     from rtkit.deployment.planning.deployment_plan import DeploymentPlan
@@ -28,7 +28,7 @@ _MOST_PROFILE = 1 << 26
 
 
 def save(
-    output: str, document: SystemDocument, prepared: planning.Prepared, options: dict[str, Any]
+    output: str, document: SystemProfile, prepared: planning.Prepared, options: dict[str, Any]
 ) -> None:
     """Write a plan, with all its inputs, to a file.
 
