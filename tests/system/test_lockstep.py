@@ -308,3 +308,15 @@ def test_a_world_is_killed_in_its_tick(api: rtkit.Tree, manager: Any, notes: Any
     with Lockstep("A", "B", timeout_s=BOUND_S) as lockstep:  # a successor
         lockstep.tick()
     assert notes.next(2) == ["A", "B"]
+
+
+def test_a_world_that_ticks_itself_is_refused_by_time(
+    api: rtkit.Tree, manager: Any, notes: Any
+) -> None:
+    options = "execution_contexts=ExtTrig&instance_name=Arena0"
+    arena = api.create(f"Arena?{options}&manager_name=far")
+    api.configure(arena, participants="Arena0", timeout=0.2)
+    api.activate(arena)
+    api.tick(arena, timeout_s=BOUND_S)
+    log = manager.ok(f"rtvlog --no-follow {arena}")
+    assert "no end of a cycle within 0.2 s: /localhost/Arena0.rtc" in log
