@@ -121,8 +121,7 @@ class _Search:
         self._limits = limits
         self._nodes: dict[State, _Node] = {}
         self._heap: list[tuple[float, float, int, State]] = []
-        # Of equals the first met goes first, or the last met: that is the deepest.
-        self._number = count(-1, -1) if takes_any else count(1)
+        self._number = count(1)
         self._goals: list[State] = []
         self._expanded = 0
         self._generated = 0

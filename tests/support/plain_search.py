@@ -14,11 +14,11 @@ def deep_a_star(
 ) -> tuple[float | None, int]:
     """Return the least cost (None if impossible), and how many states were expanded for it.
 
-    Of equal totals it takes the node that has cost most so far, of these the last one met.
+    Of equal totals it takes the node that has cost most so far, of these the first one met.
     """
     costs: dict[State, float] = {problem.start: 0}
     closed: set[State] = set()
-    number = count(0, -1)
+    number = count()
     heap = [(heuristic(problem.start), 0.0, next(number), problem.start)]
     while heap:
         _, _, _, state = heappop(heap)
