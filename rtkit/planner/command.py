@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import Any, NamedTuple
+
+from rtkit.fast_dataclass import dataclass
 
 State = tuple[Any, ...]
 """One value for each variable, in the order of the problem's variables; each can be hashed."""

@@ -6,10 +6,10 @@ Costs are apart from the model: another table composes the same commands otherwi
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterable, Mapping
-from dataclasses import dataclass, field
 from typing import Any
 
 from rtkit.errors import Malformed
+from rtkit.fast_dataclass import dataclass, field
 from rtkit.planner.command import Command, State
 
 Price = Callable[[Command, State, State], float]

@@ -8,11 +8,11 @@ plan in a cross-section, and equal legs are planned once; `Evaluator` tells whic
 from __future__ import annotations
 
 from collections.abc import Callable, Hashable, Iterable, Mapping, MutableMapping
-from dataclasses import dataclass
 from math import isclose
 from typing import Any, NamedTuple, TypeVar
 
 from rtkit.errors import Impossible
+from rtkit.fast_dataclass import dataclass
 from rtkit.planner.command import State
 from rtkit.planner.problem import Problem
 from rtkit.planner.result import Step

@@ -6,10 +6,10 @@ Observations are recorded as facts, and the record outlives the plan: later plan
 from __future__ import annotations
 
 from collections.abc import Callable, Hashable, Iterable
-from dataclasses import dataclass, field
 from typing import Protocol
 
 from rtkit.errors import LimitReached
+from rtkit.fast_dataclass import dataclass, field
 from rtkit.planner.command import State
 from rtkit.planner.problem import Problem
 from rtkit.planner.result import Plan, Step

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
 from time import perf_counter
 from typing import NamedTuple
 
 from rtkit.errors import LimitReached
+from rtkit.fast_dataclass import dataclass
 from rtkit.planner.command import Command, State
 
 

@@ -8,10 +8,12 @@ for a certain slave.
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Container, Iterable, Iterator, Mapping
-from dataclasses import dataclass, field, replace
 from functools import cached_property
 from math import inf
+
+from rtkit.fast_dataclass import dataclass
 
 DOWN, UP = "down", "up"
 ABSENT, LOADED = "absent", "loaded"
@@ -102,7 +104,7 @@ class ConnectionVariable:
     text: str = ""
 
 
-@dataclass(frozen=True)
+@dataclasses.dataclass(frozen=True)
 class Model:
     """Model of a deployment: all variables, present values, and desired values.
 
@@ -118,11 +120,11 @@ class Model:
 
     managers: Mapping[str, frozenset[str] | None]
     units: Mapping[str, ComponentVariable]
-    connectors: Mapping[str, ConnectionVariable] = field(default_factory=dict)
-    keys: Mapping[str, ParameterVariable] = field(default_factory=dict)
-    live: Facts = field(default_factory=dict)
-    desired: Mapping[str, Wish] = field(default_factory=dict)
-    costs: Mapping[str, float] = field(default_factory=lambda: DEFAULT_COSTS)
+    connectors: Mapping[str, ConnectionVariable] = dataclasses.field(default_factory=dict)
+    keys: Mapping[str, ParameterVariable] = dataclasses.field(default_factory=dict)
+    live: Facts = dataclasses.field(default_factory=dict)
+    desired: Mapping[str, Wish] = dataclasses.field(default_factory=dict)
+    costs: Mapping[str, float] = dataclasses.field(default_factory=lambda: DEFAULT_COSTS)
     slaves_need_modules: bool = False
 
     def usual(self, variable: str) -> str:
@@ -194,7 +196,7 @@ class Model:
 
     def wishing(self, desired: Iterable[tuple[str, Wish]]) -> Model:
         """Return the same with other desired values."""
-        return replace(self, desired=dict(desired))
+        return dataclasses.replace(self, desired=dict(desired))
 
     def variables(self) -> Iterator[str]:
         """Yield every variable."""

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field
 
 from rtkit.component.port_matching import refusal
 from rtkit.deployment.creation import is_loaded
@@ -33,12 +32,13 @@ from rtkit.deployment.system import (
 )
 from rtkit.deployment.wiring import is_same_connector, missing_end, parting
 from rtkit.errors import Impossible
+from rtkit.fast_dataclass import dataclass, field
 from rtkit.rtc.create import CreateString, parse_create
 from rtkit.rtc.enums import LifeCycleState
 from rtkit.rtc.profiles import ConnectorProfile, PortProfile, PortRef, split_module
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, slots=True)
 class BuiltModel:
     """A model of the live system and the wanted one.
 
@@ -52,7 +52,7 @@ class BuiltModel:
     unmet: tuple[str, ...] = ()
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, slots=True)
 class WantedDeployment:
     """A wanted system, and how it is to be reached.
 

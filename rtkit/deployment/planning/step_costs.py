@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass, field
 from math import floor, log10
 from typing import NamedTuple
 
@@ -20,6 +19,7 @@ from rtkit.deployment.facts import ComponentFacts, Snapshot
 from rtkit.deployment.planning.model import DEFAULT_COSTS, INTERRUPTIONS, cost_name
 from rtkit.deployment.system import WantedComponent, WantedSystem
 from rtkit.errors import Malformed
+from rtkit.fast_dataclass import dataclass, field
 from rtkit.rtc.create import parse_create
 from rtkit.rtc.enums import Transition
 
@@ -72,7 +72,7 @@ class Mean(NamedTuple):
         return Mean(count, self.seconds + (seconds - self.seconds) / count)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, slots=True)
 class Times:
     """Measured durations of the steps of this installation.
 
@@ -110,7 +110,7 @@ class Times:
         return found
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, slots=True)
 class Costs:
     """Costs of steps, with their sources.
 

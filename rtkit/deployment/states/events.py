@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 
 from rtkit.deployment.facts import ComponentFacts, Snapshot
 from rtkit.deployment.health import COMPARE
@@ -12,6 +11,7 @@ from rtkit.deployment.metrics import ComponentMetrics
 from rtkit.deployment.shown_ports import OwnEnds
 from rtkit.deployment.states.variants import component_of
 from rtkit.errors import Malformed
+from rtkit.fast_dataclass import dataclass
 
 LOST = "lost"
 _CONDITION = re.compile(r"(\S+?)\s*(<=|>=|!=|<|>|=)\s*(.*)", re.DOTALL)

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
 
 from rtkit.deployment import extension
 from rtkit.deployment.states.events import EventCondition, condition
 from rtkit.deployment.states.variants import StateDifference, differences_of
 from rtkit.errors import Malformed
+from rtkit.fast_dataclass import dataclass, field
 from rtkit.rtc.nearest import did_you_mean
 
 Table = Mapping[str, Mapping[str, str]]
@@ -23,7 +23,7 @@ _ARROW = re.compile(r"\s*(\S+)\s+-\s*(\S+?)\s*->\s*(\S+)\s*|\s*(\S+)\s+(\S+)\s+(
 _ANY = "*"
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, slots=True)
 class SystemStates:
     """The states of one system.
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import NamedTuple
 
 from rtkit.deployment.facts import Snapshot
@@ -11,6 +10,7 @@ from rtkit.deployment.planning.deployment_plan import DeploymentPlan
 from rtkit.deployment.states.machine import SystemStates
 from rtkit.deployment.states.variants import variant
 from rtkit.errors import Impossible
+from rtkit.fast_dataclass import replace
 
 
 class Way(NamedTuple):

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 from rtkit.deployment.properties import parameter_path
 from rtkit.deployment.system import WantedComponent, WantedSystem
 from rtkit.errors import Malformed
+from rtkit.fast_dataclass import dataclass, replace
 from rtkit.rtc.enums import LifeCycleState
 from rtkit.rtc.nearest import did_you_mean
 
@@ -33,7 +33,7 @@ class StateDifference(NamedTuple):
     value: str
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, slots=True)
 class Variant:
     """A system as desired in one of its states.
 

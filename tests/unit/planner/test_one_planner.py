@@ -77,5 +77,5 @@ def test_a_manipulation_loads_nothing_of_deployments_nor_the_reverse():
         check=True,
     )
     loaded, others = map(eval, done.stdout.splitlines())
-    assert {name.split(".")[1] for name in loaded} <= {"planner", "errors"}
+    assert {name.split(".")[1] for name in loaded} <= {"planner", "errors", "fast_dataclass"}
     assert not [name for name in others if "manipulation" in name]
