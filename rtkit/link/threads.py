@@ -8,19 +8,19 @@ from collections.abc import Callable
 from rtkit.errors import Refused
 
 
+class OwnThread(threading.Thread):
+    """A thread of rtkit: not labelled as one of the component whose code may be starting it."""
+
+
 def start_thread(work: Callable[[], object], name: str) -> threading.Thread:
     """Do something on a thread of its own, which does not keep the process from its end.
-
-    It is not labelled as one of the component whose code may be calling.
 
     Raises:
         Refused: None can be had now.
     """
-    from contextvars import Context  # each command loads this module, few begin a thread
-
-    thread = threading.Thread(target=work, name=name, daemon=True)
+    thread = OwnThread(target=work, name=name, daemon=True)
     try:
-        Context().run(thread.start)
+        thread.start()
     except RuntimeError as error:
         raise Refused(f"no thread can be had for {name}: {error}") from error
     return thread

@@ -22,6 +22,7 @@ from typing import Any
 from rtkit.component.current import current
 from rtkit.errors import Malformed, RtkitError
 from rtkit.link import places
+from rtkit.link.threads import OwnThread
 from rtkit.logs.logfile import LogFile, Lossy, Terminal
 from rtkit.logs.outputs import forget_old, redirect
 from rtkit.logs.records import LEVELS, JsonLines, Readable
@@ -266,7 +267,7 @@ _start = threading.Thread.start
 def _start_labelled(thread: threading.Thread) -> None:
     """Start a thread; what it prints or raises bears the name of the component that starts it."""
     instance = current.get()
-    if instance:
+    if instance and not isinstance(thread, OwnThread):
         run = thread.run
 
         def run_labelled() -> None:
