@@ -18,18 +18,11 @@ if TYPE_CHECKING:
 def capture(
     session: Session, servers: Sequence[str], about: Sequence[str], *, takes_all: bool
 ) -> RtsProfile:
-    """Return the profile of what lives; gaps are reported as failures.
-
-    Args:
-        session: Of whom asks.
-        servers: Hosts and managers of this host; none for all of the manager that is asked.
-        about: Name, version, vendor and abstract of the system.
-        takes_all: Also components without connections.
+    """Return the profile of what lives; see `rtkit.Tree.save`. Gaps are reported as failures.
 
     Raises:
-        Malformed: A text that XML cannot hold.
+        Malformed: A text `about` the system that XML cannot hold.
         NotFound: There is no such server.
-        Unreachable: A manager does not answer.
     """
     from datetime import datetime
 

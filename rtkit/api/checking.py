@@ -56,12 +56,7 @@ def compare(
     state: LifeCycleState | None,
     mapped: tuple[str, ...] = (),
 ) -> SystemReport:
-    """Compare what lives with a profile whose components are to be in a state.
-
-    Raises:
-        InvalidDocument: The profile makes no sense.
-        Unreachable: A manager does not answer.
-    """
+    """Compare what lives with a profile; see `rtkit.Tree.check`."""
     from rtkit.api.looking import present_code
     from rtkit.deployment.deviations import deviations
     from rtkit.deployment.live_index import LiveIndex

@@ -27,13 +27,7 @@ def selected(
     text: str | None = None,
     since_s: float | None = None,
 ) -> Wanted:
-    """Return a predicate on records, whatever they are about.
-
-    Args:
-        level: The most talkative level, one of `LEVELS`.
-        sources: Loggers, with those below them; none for all.
-        text: What is in the message or the exception.
-        since_s: Logged in so many last seconds [s].
+    """Return a predicate on records, whatever they are about; see `rtkit.Tree.logs`.
 
     Raises:
         Malformed: There is no such level.

@@ -52,14 +52,9 @@ def streams_of(
     *,
     is_patient: bool = False,
 ) -> tuple[Stream, ...]:
-    """Return the streams of ports that were specified, by name or by pattern.
+    """Return the streams of ports that were specified; see `rtkit.probe.port_spec.find_streams`.
 
-    Args:
-        tree: The manager of the components.
-        ports: Specifications and patterns.
-        wanted: The kind of the ports.
-        unnamed: Names streams; see `rtkit.probe.port_spec.find_streams`.
-        is_patient: Whether a pattern may match nothing as yet.
+    For who is patient a pattern may match nothing as yet.
 
     Raises:
         RtkitError: One of them is not there or not of that kind.
@@ -131,17 +126,9 @@ def writing(
     *,
     lossless: bool = False,
 ) -> Probe:
-    """Return a component that is connected to in ports, and writes to them; close it to end that.
+    """Return a component that writes values of these types to the in ports of streams.
 
-    Args:
-        tree: The manager of the components.
-        name: Of the component, before its number.
-        streams: The ports.
-        types: Of the values, by stream.
-        lossless: Wait where a port has no room for a value.
-
-    Raises:
-        Refused: A connection is not possible.
+    See `reading`; `lossless` waits where a port has no room for a value.
     """
     from rtkit.probe.probe import LOSSLESS, SURE, Probe, out_ports
 
@@ -228,30 +215,14 @@ class PortReader(Closing):
 def values(
     tree: Tree, ports: Sequence[str], number: int | None, until: float | None, *, lossless: bool
 ) -> Generator[PortValue | None, None, None]:
-    """Yield None when connected, then values of out ports as they come.
-
-    Args:
-        tree: The manager of the components.
-        ports: Paths of the ports.
-        number: How many values; None for no bound.
-        until: When to end, monotonic [s]; None for never.
-        lossless: Delay the component that writes, rather than lose a value.
-
-    Raises:
-        Refused: No connection is left.
-    """
+    """Yield None when connected, then what `rtkit.Tree.values` yields, until a moment [s]."""
     with PortReader(tree, ports, lossless=lossless) as reader:
         yield None
         yield from islice(reader.values(until), number)
 
 
 def write(tree: Tree, port: str, data: Iterable[Any], rate: float) -> int:
-    """Write values to an in port and return how many, once all have arrived.
-
-    Raises:
-        Malformed: One is no value of the port's type.
-        Refused: No connection is left, or the other end is silent.
-    """
+    """Write values to an in port and return how many; see `rtkit.Tree.write`."""
     from rtkit.rtc.enums import PortType
 
     streams = _streams(tree, [port], PortType.IN)

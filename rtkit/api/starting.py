@@ -42,13 +42,7 @@ def bring_up(
     is_dry: bool = False,
     lock: PlanLocks | None = None,
 ) -> Sequence[LayeredPlan]:
-    """Make, connect and configure what a profile describes; a dry run returns the plans of that.
-
-    Raises:
-        InvalidDocument: The profile makes no sense.
-        Refused: Something required failed; what was made is removed again.
-        Unreachable: A manager does not answer.
-    """
+    """Bring a system up, see `rtkit.Tree.bring_up`; a dry run returns the plans of that."""
     from rtkit.api import states
     from rtkit.api.component_profiles import known_types
     from rtkit.api.preflight import check_reserved, missing

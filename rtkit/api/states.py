@@ -149,12 +149,7 @@ def look(
     starts: bool = False,
     lock: PlanLocks | None = None,
 ) -> StatesReport:
-    """Look at what lives; see `rtkit.api.planning.begin`.
-
-    Raises:
-        InvalidDocument: The profile tells no states, or they make no sense.
-        Unreachable: No manager answers.
-    """
+    """Look in which state a system is; see `rtkit.Tree.states`, and `rtkit.api.planning.begin`."""
     from rtkit.api import planning
 
     begun = planning.begin(session, document, mapped, way, is_dry=is_dry, starts=starts, lock=lock)

@@ -73,13 +73,7 @@ def goal_of(path: Path, wanted: str = "") -> WaitGoal:
 
 
 def reach(session: Session, goals: Sequence[WaitGoal], until: float) -> Sequence[Problem]:
-    """Wait until all goals hold at once; return what does not when the time is up.
-
-    Args:
-        session: Of whoever waits.
-        goals: What is to hold.
-        until: When the time is up, monotonic [s].
-    """
+    """Wait until all goals hold at once; return what does not when the time [monotonic s] is up."""
     problems = _reach(session, goals, until)
     carried = [goal for goal in goals if goal.wanted == DATA]
     return _await_values(session, carried, until) if carried and not problems else problems
