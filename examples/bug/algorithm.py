@@ -96,6 +96,7 @@ class Navigator:
         self.least = operations.Least()
         self.around: Surroundings | None = None
         self.trial: Point | None = None
+        self.turned_at: tuple[Point, float] | None = None
         self._start: Point | None = None
         self.decided_at: Point | None = None
 
@@ -103,6 +104,11 @@ class Navigator:
     def mode(self) -> str:
         """``follow`` from a hit point until the leave point, else ``goal``."""
         return FOLLOW if self.following else GOAL
+
+    @property
+    def side(self) -> float:
+        """1 with the followed wall on the right, -1 on the left."""
+        return 1.0 if self.direction == LEFT else -1.0
 
     @property
     def state(self) -> str:
@@ -203,13 +209,31 @@ class Navigator:
 
     def wall_following(self) -> Command:
         """Return the command along the wall, which is on the right in direction left."""
-        side = 1.0 if self.direction == LEFT else -1.0
+        side = self.side
         if not self.around.has_ranges:
             return follow_by_touch(self, side)
         self.around.find_contact()
         step = min(self.step, 0.15) if self.around.is_coarse else self.step
-        v, omega = self.arc(self.around.roll(side, step), step)
+        turn = self.around.roll(side, step)
+        v, omega = self._coarse_arc(turn, step) if self.around.is_coarse else self.arc(turn, step)
         return self._to_line(v, omega) if v and self.assembly.leave == LINE else (v, omega)
+
+    def _coarse_arc(self, turn: float, step: float) -> Command:
+        """Return the command to a bearing that is not known well [rad], without turning to and fro.
+
+        Each turn on the spot shows other places, so it may seem right to turn back at once.
+        """
+        if abs(turn) <= 0.25:
+            self.turned_at = None
+            return step / PERIOD, turn / PERIOD
+        if self.turned_at is not None and self.turned_at[0] == self.here:
+            if turn * self.turned_at[1] < 0 and self.around.free(0.0, 0.12) > 0.25:
+                self.turned_at = None
+                return 0.5 * step / PERIOD, 0.0
+            if turn * self.turned_at[1] < 0:
+                turn = self.side * 0.7
+        self.turned_at = (self.here, turn)
+        return self.face(turn)
 
     def on_visited_point(self) -> None:
         """Turn round, once for each hit, at a hit or leave point of earlier."""
@@ -285,7 +309,9 @@ class Navigator:
             dx, dy = contact[0] - self.x, contact[1] - self.y
             far = hypot(dx, dy) or 1.0
             into = (dx * (self.goal[0] - self.x) + dy * (self.goal[1] - self.y)) / far
-            limit = _INTO_WALL if self.around.has_ranges else 0.5
+            limit = _INTO_WALL if self.around.has_ranges else 0.25
+            if self.around.has_ranges and far < 0.8 * self.around.safe:
+                limit = -0.25  # too near to go along it
             if far < self.around.safe + 0.1 and into > limit * self.to_goal:
                 return False
         if not self.around.has_ranges:
@@ -360,4 +386,5 @@ class Navigator:
         dx, dy = self.goal[0] - self.x, self.goal[1] - self.y
         self.to_goal = hypot(dx, dy)
         self.bearing = remainder(atan2(dy, dx) - self.theta, tau)
-        self.around.update((self.x, self.y, self.theta), senses.scan())
+        side = self.side if self.following else 0.0
+        self.around.update((self.x, self.y, self.theta), senses.scan(), side)

@@ -212,9 +212,9 @@ def leave_on_line(navigator: Navigator) -> Command | None:
     """Leave on the m-line, nearer to the goal than what that is held against, if it is free."""
     off, was = navigator.off_line(navigator.here), navigator.was_off
     on_line = abs(off) <= 0.10 or was * off < 0
-    found = leave_by_free_way(navigator, on_line) if on_line else None
+    found = leave_by_free_way(navigator, True) if on_line else None
     if found is None:
-        navigator.was_off = off
+        navigator.was_off, navigator.trial = off, None
     return found
 
 
@@ -243,7 +243,9 @@ def leave_by_free_range(navigator: Navigator) -> Command | None:
     if navigator.to_goal - navigator.around.reach <= max(wanted, 0.0):
         found = navigator.way_to_goal_is_free()
     if found is True and navigator.around.has_ranges:
-        found = navigator.to_goal - navigator.free_range() <= max(wanted, 0.0)
+        room = navigator.free_range()  # to a wall: it stops before
+        rest = navigator.to_goal - room
+        found = rest <= 0 or rest + navigator.around.safe <= wanted
     elif found is True:
         found = navigator.to_goal <= wanted
     return _decided(navigator, found, False)
@@ -278,7 +280,7 @@ def _decided(navigator: Navigator, found: bool | Command, on_line: bool) -> Comm
         return found
     if found:
         navigator.leave_point = navigator.here
-    navigator.decided_at = navigator.here
+    navigator.decided_at, navigator.trial = navigator.here, None
     navigator.least.pass_by(navigator.to_goal, on_line)
     return None
 

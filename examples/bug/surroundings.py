@@ -6,6 +6,7 @@ the wall away, in which the disc does not meet a point. So corners, tips and roo
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from math import asin, atan2, cos, hypot, inf, pi, radians, remainder, sin, tau
 
 import numpy as np
@@ -13,6 +14,7 @@ from numpy.typing import NDArray
 
 Floats = NDArray[np.float64]
 Point = tuple[float, float]
+Pose = tuple[float, float, float]
 
 _KEPT = 1.3
 """How far away a point may be that is remembered [m]."""
@@ -21,6 +23,8 @@ _UNSURE = 0.14
 _WIDEST = radians(13)
 """For how much on each side of its bearing a range speaks at most."""
 _WIDE = radians(5)
+_STEEPEST = radians(35)
+"""How far from the heading a wall beside the robot may lead."""
 _CONTACT = 0.5
 """How far the place of contact may move in one step [m]."""
 _OPPOSITE = 0.24
@@ -50,10 +54,16 @@ class Surroundings:
         self._here = (0.0, 0.0, 0.0)
         self._bearings = self._ranges = self._halves = np.zeros(0)
         self._kept = self._seen = self._guessed = np.zeros((0, 2))
-        self._last: dict[int, Floats] = {}
+        self._last: tuple[float, float, float, float] | None = None
 
-    def update(self, pose: tuple[float, float, float], scan: object) -> None:
-        """Take in the ranges of one step."""
+    def update(self, pose: Pose, scan: Sequence[tuple[float, float]], side: float) -> None:
+        """Take in the ranges of one step.
+
+        Args:
+            pose: Where the robot is (m, m, rad).
+            scan: Bearings [rad] and ranges [m].
+            side: 1 while it follows a wall on the right, -1 on the left, else 0.
+        """
         self._here = pose
         values = np.array(scan, dtype=np.float64).reshape(-1, 2)
         self.has_ranges = bool(len(values))
@@ -68,13 +78,60 @@ class Surroundings:
         self.is_coarse = bool(self._halves.max() > _WIDE)
         self.reach = max(self.reach, float(self._ranges.max()))
         echo = self._ranges < self.reach - 1e-6
+        self._guessed = np.zeros((0, 2))
         angles = self._bearings + pose[2]
+        if self.is_coarse and side:
+            angles = angles + self._shifts(echo, side)
         places = np.stack((np.cos(angles), np.sin(angles)), 1) * self._ranges[:, None] + pose[:2]
-        limit = np.minimum(_KEPT, _UNSURE / np.sin(self._halves))
-        near = echo & (self._ranges <= limit)
+        near = echo & (self._ranges <= np.minimum(_KEPT, _UNSURE / np.sin(self._halves)))
         self._seen = places[echo]
         self._kept = np.concatenate((self._remembered(), places[near]))
-        self._guess(places, near)
+
+    def _shifts(self, echo: NDArray[np.bool_], side: float) -> Floats:
+        """Return by how much beside the middle of each cone its place is [rad].
+
+        A range is that of the nearest place in a cone. Of a wall that is followed that is, ahead,
+        the side of the cone next to it. What is beside the robot then tells where the wall goes,
+        and that is drawn a little further.
+        """
+        shifts = np.zeros(len(echo))
+        beside = int(abs(self._bearings + side * pi / 2).argmin())
+        ahead = int(abs(self._bearings).argmin())
+        last, self._last = self._last, None
+        far = self._ranges[beside]
+        if beside == ahead or not echo[beside] or far > 2 * self.safe:
+            return shifts
+        x, y, theta = self._here
+        bearing, front = float(self._bearings[beside]), float(self._ranges[ahead])
+        place = np.array((far * cos(bearing), far * sin(bearing)))  # in the frame of the robot
+        off, length = 0.0, 0.14
+        if echo[ahead] and front > 0.38:
+            shifts[ahead] = -side * self._halves[ahead]
+            edge = float(self._bearings[ahead] + shifts[ahead])
+            along = np.array((front * cos(edge), front * sin(edge))) - place
+            if abs(atan2(along[1], along[0])) < _STEEPEST:
+                off, length = atan2(along[1], along[0]), 0.28
+        elif last is not None:
+            back = np.array(
+                (
+                    cos(theta) * (last[0] - x) + sin(theta) * (last[1] - y),
+                    cos(theta) * (last[1] - y) - sin(theta) * (last[0] - x),
+                )
+            )
+            along = place - back
+            is_moved = hypot(last[2] - x, last[3] - y) > 0.08
+            if is_moved and hypot(*along) < 0.35:
+                off = max(-_STEEPEST, min(_STEEPEST, atan2(along[1], along[0])))
+        half = self._halves[beside]
+        shifts[beside] = max(-half, min(half, off))
+        bearing += float(shifts[beside])
+        place = np.array((far * cos(bearing), far * sin(bearing)))
+        turn = np.array(((cos(theta), -sin(theta)), (sin(theta), cos(theta))))
+        along = np.array((cos(off), sin(off)))
+        steps = np.arange(0.07, length + 0.01, 0.07)[:, None]
+        self._guessed = (place + along * steps) @ turn.T + (x, y)
+        self._last = (*(turn @ place + (x, y)), x, y)
+        return shifts
 
     def _remembered(self) -> Floats:
         """Return the earlier points that are near and not in sight again."""
@@ -92,21 +149,6 @@ class Surroundings:
         again = inside & (far < self._ranges[at] + 0.05)
         return self._kept[(far < _KEPT) & ~again]
 
-    def _guess(self, places: Floats, near: NDArray[np.bool_]) -> None:
-        """Draw a wall beside the robot a little further ahead, where ranges are coarse."""
-        guessed: list[Floats] = []
-        ahead = np.array((cos(self._here[2]), sin(self._here[2])))
-        last, self._last = self._last, {}
-        for at in np.flatnonzero(near & (self._halves > _WIDE) & (abs(self._bearings) > 0.5)):
-            place = places[at]
-            self._last[int(at)] = place
-            along = place - last[int(at)] if int(at) in last else np.zeros(2)
-            length = hypot(*along)
-            along = along / length if 0.03 < length < 0.35 else ahead
-            if along @ ahead > 0.5:
-                guessed += [place + along * each for each in (0.07, 0.14)]
-        self._guessed = np.array(guessed).reshape(-1, 2)
-
     def touch(self, bearing: float, radius: float) -> None:
         """Take in that something is felt at a bearing [rad] and a distance [m]."""
         x, y, theta = self._here
@@ -118,7 +160,11 @@ class Surroundings:
 
     def free(self, bearing: float, width: float) -> float:
         """Return how far a way of some width to each side [m] is free of all known points [m]."""
-        return float(self.all_free(np.array([bearing]), width)[0])
+        found = float(self.all_free(np.array([bearing]), width)[0])
+        at = int(abs(self._bearings - bearing).argmin())
+        if abs(self._bearings[at] - bearing) <= self._halves[at]:
+            found = min(found, float(self._ranges[at]))
+        return found
 
     def all_free(self, bearings: Floats, width: float) -> Floats:
         """Return that for several bearings of the robot's frame [rad]; at most the reach [m]."""

@@ -23,7 +23,6 @@ def follow_by_touch(navigator: Navigator, side: float) -> Command:
         navigator: Which follows it.
         side: 1 with the wall on the right, -1 with it on the left.
     """
-    navigator.trial = None
     senses, around = navigator.senses, navigator.around
     on_side = senses.obstacle_on_the_right() if side > 0 else senses.obstacle_on_the_left()
     before = on_side and senses.free_distance(-side * _SIDE) == 0
@@ -33,10 +32,10 @@ def follow_by_touch(navigator: Navigator, side: float) -> Command:
         around.touch(0.0 if ahead else side * _SIDE, _FELT)
         return 0.0, side * 0.9
     if before:
-        around.touch(-side * (pi / 2 if behind else _SIDE), _FELT)
+        around.touch(-side * pi / 2, _FELT)
         return 0.0, side * 0.35
     if behind:
-        around.touch(-side * _BEHIND, _FELT)
+        around.touch(-side * pi / 2, _FELT)  # a wall goes on as it did
         return 0.16, 0.0
     return 0.14, -side * 1.1
 

@@ -224,7 +224,9 @@ class Scene:
         seen = (height > TOLERANCE) | (leads_in & (height > -TOLERANCE))
         seen = seen & (low <= high + TOLERANCE)
         place = np.clip(foot, low, high) - foot
-        found: Floats = np.where(seen, np.sqrt(height * height + place * place), np.inf).min(1)
+        with np.errstate(over="ignore"):  # where a side is all but parallel to a wall
+            far = np.sqrt(height * height + place * place)
+        found: Floats = np.where(seen, far, np.inf).min(1)
         return found
 
     def _squares(self, point: Sequence[float]) -> tuple[Floats, Floats]:
