@@ -10,10 +10,11 @@ report = $(if $(REPORTS),--junitxml=$(REPORTS)/$(1).xml)
 BIN := .venv/bin
 READY := .venv/.ready
 
-.PHONY: help venv demo test test-pure test-real campaign campaign-faults laws lint bench commands man docs pictures bench-page first-value clean
+.PHONY: help venv demo demo-bug test test-pure test-real campaign campaign-faults laws lint bench commands man docs pictures bench-page first-value clean
 
 help:
 	@echo "make demo    bring up a small robot, break it, repair it, take it down"
+	@echo "make demo-bug  21 deployments of Bug navigation, with tables and pictures in build/bug"
 	@echo "make test    linters, types, layers and all tests"
 	@echo "make campaign  200 random faults on a system at work, their recovery times in docs/campaign.md"
 	@echo "              (a quarter of an hour; SEED=N repeats one, FAULTS=N only so many)"
@@ -40,6 +41,11 @@ $(READY): pyproject.toml
 
 demo: $(READY)
 	@$(BIN)/python examples/demo.py
+
+demo-bug: $(READY)
+	@$(BIN)/rtbug run --all --sensors laser --out build/bug
+	@cat build/bug/table.md
+	@ls build/bug/*.svg
 
 test: test-pure test-real
 

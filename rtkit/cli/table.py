@@ -19,6 +19,9 @@ TOPICS: dict[str, dict[str, str]] = {
         "rtprint": "Print the values that come out of ports, as they come.",
         "rttype": "List and show types of ports, and find the ports that carry one.",
     },
+    "examples": {
+        "rtbug": "Run Bug navigation, an example of one system in many deployments.",
+    },
     "managers": {
         "rtconfig": "Show settings, and the files and variables that they are from.",
         "rtdoctor": "Tell what is wrong with this set-up, and what helps.",

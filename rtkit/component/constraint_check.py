@@ -110,12 +110,13 @@ def misfit_of(declared: Declared, text: str) -> str:
         return why  # a truth value has more spellings than a constraint would list
     if not declared.type and _is_remark(declared.constraint):
         return ""
-    from rtkit.profile.constraint_value import allows
+    from rtkit.profile.constraint_value import allows, broken_sentence
 
     value = _elements(text) if is_vector or declared.is_list else text
     wants_number = base in _INTEGERS or base in _NUMBERS
-    is_fine = allows(declared.constraint, value, wants_number=wants_number)
-    return "" if is_fine else f"it is to be {declared.rule}"
+    if allows(declared.constraint, value, wants_number=wants_number):
+        return ""
+    return broken_sentence(declared.constraint, value) or f"it is to be {declared.rule}"
 
 
 def _elements(text: str) -> list[str]:

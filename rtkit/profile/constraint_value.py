@@ -46,6 +46,24 @@ def allows(
     return _verdict(constraint, items, wants_number) is not False
 
 
+def broken_sentence(constraint: c.Constraint, value: str | Sequence[str]) -> str:
+    """Return the sentence of what `value` breaks; empty where the author gave none.
+
+    In ``and(or("Sentence.", c1), …)`` a text that ends with a full stop stands before what it says:
+    no value is such a text.
+    """
+    content = constraint.content
+    test = content.test if isinstance(content, c.ConstraintUnit) else None
+    if not isinstance(test, c.Logical) or allows(constraint, value):
+        return ""
+    if test.kind == "And":
+        return next(filter(None, (broken_sentence(each, value) for each in test.constraints)), "")
+    first = test.constraints[0].content if test.kind == "Or" else None
+    stated = first.test if isinstance(first, c.ConstraintUnit) else None
+    is_sentence = isinstance(stated, c.Comparison) and stated.literal.endswith(".")
+    return stated.literal.removesuffix(".") if is_sentence else ""  # type: ignore[union-attr]
+
+
 def _verdict(constraint: c.Constraint, items: tuple[str, ...], wants_number: bool) -> bool | None:
     """Return whether it holds, None where it says nothing."""
     content = constraint.content
@@ -76,12 +94,15 @@ def _only_names_values(group: c.ConstraintGroup) -> bool:
 
 
 def _entries(items: tuple[str, ...]) -> Iterable[tuple[str, str]]:
-    """Yield key and value of each ``key:value`` of a text or list, brackets or none."""
+    """Yield key and value of each ``key:value`` of a text or list, brackets or none.
+
+    They may stand in double quotes: as JSON writes an object of texts.
+    """
     for item in items:
         for part in item.strip().removeprefix("{").removesuffix("}").split(","):
             key, colon, value = part.partition(":")
             if colon:
-                yield key.strip(), value.strip()
+                yield key.strip().strip('"'), value.strip().strip('"')
 
 
 def _entry(group: c.ConstraintGroup, entry: tuple[str, str], wants_number: bool) -> bool | None:

@@ -136,7 +136,8 @@ def _misfit(
     declared = known.declared
     is_type = bool(misfit_of(Declared(declared.type), value))
     rule = "parameter-type" if is_type else "parameter-constraint"
-    allowed = declared.type if is_type else declared.rule
+    stated = declared.rule if declared.rule in why else ""  # else its author's sentence is enough
+    allowed = declared.type if is_type else stated
     text = f"{name} of {part.name} cannot be {value!r}: {why}"
     is_default = value == known.default and part.blueprint is not None
     if is_default:

@@ -15,7 +15,8 @@ from pagekit import MARK, ROOT, pages, script
 
 from rtkit.cli.shared.commands import COMMANDS, TABLE
 
-WITH_EXAMPLES = [page for page in pages() if script(page).text]
+EXAMPLE = ROOT / "examples" / "bug" / "README.md"
+WITH_EXAMPLES = [page for page in (*pages(), EXAMPLE) if script(page).text]
 HERE = {"EXAMPLES": str(ROOT / "examples")}
 
 

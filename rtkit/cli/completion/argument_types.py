@@ -379,11 +379,29 @@ def _profile_values(asked: CursorMeaning, _live: CompletionSource) -> Found:
     return those(found, asked.typed)
 
 
+def _keys(file: str) -> Maker:
+    """Return what offers the keys of a file of the example of Bug navigation."""
+
+    def make(asked: CursorMeaning, _live: CompletionSource) -> Found:
+        import json
+
+        from rtkit.resources import resource
+
+        with open(resource("examples", "bug", file), encoding="utf-8") as stream:
+            return those(json.load(stream), asked.typed)
+
+    return make
+
+
 _PORT = WantedPath(with_row(lambda row: bool(row.ins + row.outs + row.services)), has_port=True)
 _MAKERS: dict[str, Maker] = {
     "active": _changeable("Active"),
     "anything": _all(WantedPath(lambda node: not node.is_directory, takes_folders=True)),
     "anything:": _all(WantedPath(lambda node: not node.is_directory, True, None)),
+    "bug-sensors": lambda asked, _: those(("laser", "ir", "laser+ir", "bumper"), asked.typed),
+    "bug-side": lambda asked, _: those(("left", "right"), asked.typed),
+    "bug-variant": _keys("variants.json"),
+    "bug-world": _keys("worlds.json"),
     "class": _classes,
     "component": _all(WantedPath(living)),
     "component:": _all(WantedPath(living, has_port=None)),

@@ -59,6 +59,8 @@ ELSEWHERE = {
     "activity": "system/test_observers.py",
     "call": "system/test_services.py",
     "operation": "system/test_services.py",
+    "bug-run": "unit/bug/test_records.py",
+    "bug-word": "unit/bug/test_rtbug.py",
     "built-file": "unit/cli/test_build.py",
     "development": "system/test_rtdev.py",
     "diagnosis": "unit/cli/test_doctor.py",
