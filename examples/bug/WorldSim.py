@@ -50,7 +50,9 @@ class WorldSim(Component):
     body = OutPort(Body, doc="Where the robot is, and what happened to it")
     run = Parameter("run", doc="Name of the run; another one begins the world anew")
     world = Parameter("one-box", doc="Which of the worlds")
-    sensors = Parameter("laser", doc="Which sensors it has: laser, ir, laser+ir, bumper")
+    sensors = Parameter(
+        "laser", constraint="(laser,ir,laser+ir,bumper)", doc="Which sensors the robot has"
+    )
     environments = Parameter("", doc="Files of further worlds, with : between them")
     drives = Parameter("", doc="Components that get a cycle in each step, in this order")
     noise = Parameter(0.0, unit="m", constraint="0<=x<=1", doc="Sigma of ranges and odometry")
