@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 
-from rtkit.drawing.frames import Nested, nested
+from rtkit.drawing.nesting import Nested, nested
 from rtkit.drawing.scene import LEFT, RIGHT, SERVICE, Box, Scene, WireEnd
 
 _NAME = re.compile(r"[A-Za-z_]\w*", re.ASCII)

@@ -6,29 +6,11 @@ A wire that leaves a frame does so at a port of the frame, which leads on to the
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import NamedTuple
 
 from rtkit.drawing.layout import laid_out
+from rtkit.drawing.nesting import parents_in
 from rtkit.drawing.scene import Box, Inside, PortPin, Scene, Wire, WireEnd
 from rtkit.drawing.sides import with_sides
-
-
-class Nested(NamedTuple):
-    """A box with those inside it, by index."""
-
-    box: int
-    inside: tuple[Nested, ...]
-
-
-def nested(scene: Scene) -> tuple[Nested, ...]:
-    """Return the boxes that are in no frame, each with those inside it."""
-    parents = _parents(scene)
-
-    def within(frame: int | None) -> tuple[Nested, ...]:
-        found = (i for i in range(len(scene.boxes)) if parents.get(i) == frame)
-        return tuple(Nested(index, within(index)) for index in found)
-
-    return within(None)
 
 
 def framed(scene: Scene) -> Scene:
@@ -42,7 +24,7 @@ class _Nesting:
     def __init__(self, scene: Scene) -> None:
         self._boxes = [list(box.ports) for box in scene.boxes]
         self._flat = scene
-        self._parents = _parents(scene)
+        self._parents = parents_in(scene)
         self._wires: dict[int | None, list[Wire]] = {}
         self._links: dict[int, dict[WireEnd, int]] = {}
         for box, parent in self._parents.items():
@@ -109,19 +91,6 @@ class _Nesting:
             shown = port._replace(name="" if is_group else self._name(end, port))
             self._boxes[frame].append(shown)
         return WireEnd(frame, links[end])
-
-
-def _parents(scene: Scene) -> dict[int, int]:
-    """Return the frame of each box; a box that would be inside itself is in none."""
-    parents: dict[int, int] = {}
-    for frame in scene.frames:
-        for member in frame.members:
-            above: int | None = frame.box
-            while above is not None and above != member:
-                above = parents.get(above)
-            if above is None:
-                parents.setdefault(member, frame.box)
-    return parents
 
 
 def _moved(wire: Wire, places: dict[int, int]) -> Wire:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from rtkit.drawing.frames import Nested, nested
+from rtkit.drawing.nesting import Nested, nested
 from rtkit.drawing.scene import SERVICE, Scene, Wire, one_line
 
 WIDTH = 80

@@ -6,6 +6,7 @@ import os.path
 import re
 import shutil
 import subprocess
+import sys
 from itertools import combinations, pairwise
 from typing import Any
 
@@ -438,3 +439,11 @@ def test_graphviz_takes_clusters() -> None:
 def test_the_name_of_a_file_says_its_form(file: str, form: str) -> None:
     assert form_of(file) == form
     assert exported(grouped(), form, "t")
+
+
+def test_forms_without_places_load_no_layout() -> None:
+    forms = "dot, mermaid, outline"
+    code = f"import sys; from rtkit.drawing import {forms}; print(*sys.modules)"
+    loaded = subprocess.run([sys.executable, "-c", code], capture_output=True, check=True)
+    assert b"rtkit.drawing.scene" in loaded.stdout.split()
+    assert b"rtkit.drawing.layout" not in loaded.stdout.split()
