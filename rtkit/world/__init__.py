@@ -10,48 +10,38 @@ TYPE_CHECKING = False
 if TYPE_CHECKING:
     from typing import Any
 
-    from rtkit.world.body import Body, Bumper
-    from rtkit.world.contact import Contact
-    from rtkit.world.lockstep import Lockstep, ParticipantLost
-    from rtkit.world.noise import Noise, Odometry
-    from rtkit.world.scene import Scene
-    from rtkit.world.shapes import Polygon, Pose, moved
+    from rtkit.world.body import Body as Body
+    from rtkit.world.body import Bumper as Bumper
+    from rtkit.world.contact import Contact as Contact
+    from rtkit.world.lockstep import Lockstep as Lockstep
+    from rtkit.world.lockstep import ParticipantLost as ParticipantLost
+    from rtkit.world.noise import Noise as Noise
+    from rtkit.world.noise import Odometry as Odometry
+    from rtkit.world.scene import Scene as Scene
+    from rtkit.world.shapes import Polygon as Polygon
+    from rtkit.world.shapes import Pose as Pose
+    from rtkit.world.shapes import moved as moved
 
-_HOMES = {
-    "Body": "rtkit.world.body",
-    "Bumper": "rtkit.world.body",
-    "Contact": "rtkit.world.contact",
-    "Lockstep": "rtkit.world.lockstep",
-    "Noise": "rtkit.world.noise",
-    "Odometry": "rtkit.world.noise",
-    "ParticipantLost": "rtkit.world.lockstep",
-    "Polygon": "rtkit.world.shapes",
-    "Pose": "rtkit.world.shapes",
-    "Scene": "rtkit.world.scene",
-    "moved": "rtkit.world.shapes",
+_NAMES = {
+    "body": "Body Bumper",
+    "contact": "Contact",
+    "lockstep": "Lockstep ParticipantLost",
+    "noise": "Noise Odometry",
+    "scene": "Scene",
+    "shapes": "Polygon Pose moved",
 }
-__all__ = [
-    "Body",
-    "Bumper",
-    "Contact",
-    "Lockstep",
-    "Noise",
-    "Odometry",
-    "ParticipantLost",
-    "Polygon",
-    "Pose",
-    "Scene",
-    "moved",
-]
+_HOMES = {name: home for home, names in _NAMES.items() for name in names.split()}
 
 
 def __getattr__(name: str) -> Any:
+    if name == "__all__":
+        return __dir__()
     if name not in _HOMES:
         raise AttributeError(f"module 'rtkit.world' has no attribute {name!r}")
     from importlib import import_module
 
     try:
-        return getattr(import_module(_HOMES[name]), name)
+        return getattr(import_module(f"rtkit.world.{_HOMES[name]}"), name)
     except ModuleNotFoundError as error:
         if error.name != "numpy":
             raise
@@ -59,4 +49,4 @@ def __getattr__(name: str) -> Any:
 
 
 def __dir__() -> list[str]:
-    return sorted(__all__)
+    return sorted(_HOMES)

@@ -89,7 +89,11 @@ def _on_short_arc(
     u = _entering(c * (omega * omega / 4) + edges.normal @ turned, edges.normal @ v, c, last)
     # A wall that the body is behind is not entered where it stands.
     u[(u == 0) & (height < -2 * TOLERANCE)] = np.inf
-    u = _within(edges, away, u, v, turned, omega, 0.0 if radius else TOLERANCE)
+    # Where the centre is then beside the line of an edge only, a corner is met, or nothing.
+    at = np.where(np.isfinite(u), u, 0.0)[:, None]
+    place = ((away + _shift(at, v, turned, omega)) * edges.along).sum(1)
+    slack = 0.0 if radius else TOLERANCE
+    u[(place < -slack) | (place > edges.length + slack)] = np.inf
     row = int(u.argmin())
     first, normal = float(u[row]), edges.normal[row]
     if radius:
@@ -107,7 +111,7 @@ def _on_short_arc(
     return Contact(min(time, dt), (float(normal[0]), float(normal[1])), row)
 
 
-def _shift(u: float, v: Floats, turned: Floats, omega: float) -> Floats:
+def _shift(u: float | Floats, v: Floats, turned: Floats, omega: float) -> Floats:
     shift: Floats = (v * u + turned * (u * u)) / (1 + omega * omega * u * u / 4)
     return shift
 
@@ -127,18 +131,4 @@ def _entering(a: Floats, b: Floats, c: Floats, last: float) -> Floats:
         u = np.where(b < 0, np.maximum(2 * c / (root - b), 0.0), -(b + root) / (2 * a))
     comes_up = (under >= 0) | (c > -2 * TOLERANCE)
     found: Floats = np.where((lowest < -TOLERANCE) & comes_up & (u >= 0) & (u <= last), u, np.inf)
-    return found
-
-
-def _within(
-    edges: Edges, away: Floats, u: Floats, v: Floats, turned: Floats, omega: float, slack: float
-) -> Floats:
-    """Return `u` where the centre is then beside the edge, not beside its line only."""
-    rows = np.flatnonzero(np.isfinite(u))
-    at = u[rows, None]
-    shift = (v * at + turned * (at * at)) / (1 + omega * omega * at * at / 4)
-    place = ((away[rows] + shift) * edges.along[rows]).sum(1)
-    inside = (place >= -slack) & (place <= edges.length[rows] + slack)
-    found = np.full_like(u, np.inf)
-    found[rows[inside]] = u[rows[inside]]
     return found

@@ -5,13 +5,10 @@ from __future__ import annotations
 import threading
 from collections.abc import Callable
 from queue import Empty, SimpleQueue
-from types import TracebackType
-from typing import TYPE_CHECKING, Self
+from typing import Self
 
+import rtkit
 from rtkit.errors import Malformed, Partial, RtkitError, Unreachable
-
-if TYPE_CHECKING:
-    import rtkit
 
 _PATIENCE_S = 3600.0
 """How long a cycle may take until it is given up for good; a tick is answered long before [s]."""
@@ -82,7 +79,7 @@ class Lockstep:
         self.is_under_way = False
         self._context = context
         self._manager = manager
-        self._tree: rtkit.Tree | None = _connected(manager, timeout_s)
+        self._tree: rtkit.Tree | None = rtkit.connect(manager, timeout_s)
         self._left = self.participants
         self._calls: SimpleQueue[Callable[[], RtkitError | None] | None] = SimpleQueue()
         self._answers: SimpleQueue[RtkitError | None] = SimpleQueue()
@@ -125,18 +122,13 @@ class Lockstep:
     def __enter__(self) -> Self:
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *_raised: object) -> None:
         self.close()
 
     def _give_cycles(self) -> RtkitError | None:
         try:
             if self._tree is None:
-                self._tree = _connected(self._manager, self.timeout_s)
+                self._tree = rtkit.connect(self._manager, self.timeout_s)
             self._tree.tick(*self._left, context=self._context, timeout_s=_PATIENCE_S)
         except RtkitError as error:
             if isinstance(error, Unreachable) and self._tree is not None:
@@ -170,12 +162,6 @@ def _serve(
     """Make calls on a thread of their own, so that the caller's wait has a bound."""
     while (call := calls.get()) is not None:
         answers.put(call())
-
-
-def _connected(manager: str, timeout_s: float) -> rtkit.Tree:
-    import rtkit
-
-    return rtkit.connect(manager, timeout_s)
 
 
 def _path(name: str) -> str:

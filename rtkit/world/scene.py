@@ -97,9 +97,7 @@ class Scene:
 
     def gap(self, point: Sequence[float]) -> float:
         """Return the distance of a point from the nearest edge [m], inside of a solid, too."""
-        if not len(self._edges.length):
-            return math.inf
-        return math.sqrt(float(self._squares(point)[1].min()))
+        return math.sqrt(float(self._squares(point)[1].min(initial=math.inf)))
 
     def nearest(self, point: Sequence[float]) -> Point:
         """Return the place on a wall that is nearest to a point [m].
@@ -138,8 +136,6 @@ class Scene:
         """
         angles = np.asarray(bearings, dtype=np.float64)
         edges = self._edges
-        if not len(edges.length):
-            return np.full(angles.shape, reach)
         away = edges.begin - (point[0], point[1])
         height = (away * edges.normal).sum(1)  # of the wall over the point, against its normal
         ahead = (away * edges.along).sum(1)
@@ -150,7 +146,7 @@ class Scene:
         place = length * slide - ahead
         hit = (rise < 0) & (length > -TOLERANCE) & (length < reach)
         hit &= (place >= -TOLERANCE) & (place <= edges.length + TOLERANCE)
-        found: Floats = np.where(hit, length, reach).min(1)
+        found: Floats = np.where(hit, length, reach).min(1, initial=reach)
         return np.maximum(found, 0.0, out=found)
 
     def cone(self, point: Sequence[float], bearing: float, width: float, reach: float) -> float:
@@ -201,8 +197,6 @@ class Scene:
 
     def _narrow_cones(self, point: Sequence[float], bearings: Floats, width: float) -> Floats:
         edges = self._edges
-        if not len(edges.length):
-            return np.full(bearings.shape, np.inf)
         begin = edges.begin - (point[0], point[1])
         foot = -(begin * edges.along).sum(1)
         height = -(begin * edges.normal).sum(1)
@@ -223,10 +217,8 @@ class Scene:
             high = np.where((slope == 0) & (at < 0), -1.0, high)
         seen = (height > TOLERANCE) | (leads_in & (height > -TOLERANCE))
         seen = seen & (low <= high + TOLERANCE)
-        place = np.clip(foot, low, high) - foot
-        with np.errstate(over="ignore"):  # where a side is all but parallel to a wall
-            far = np.sqrt(height * height + place * place)
-        found: Floats = np.where(seen, far, np.inf).min(1)
+        place = np.clip(foot, low, high) - foot  # huge where a side is all but parallel to a wall
+        found: Floats = np.where(seen, np.hypot(height, place), np.inf).min(1, initial=np.inf)
         return found
 
     def _squares(self, point: Sequence[float]) -> tuple[Floats, Floats]:
@@ -241,8 +233,6 @@ class Scene:
 
     def _solids_at(self, point: Sequence[float]) -> list[int]:
         """Return the numbers of the polygons that a point lies in."""
-        if not len(self._edges.length):
-            return []
         x, y = point
         below, above = self._edges.begin[:, 1] > y, self._ends[:, 1] > y
         height = -((self._edges.begin - (x, y)) * self._edges.normal).sum(1)

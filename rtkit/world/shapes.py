@@ -90,12 +90,8 @@ class Polygon:
 
     def at(self, pose: Pose) -> Polygon:
         """Return this polygon, drawn in the frame of an object, where the object is at a pose."""
-        return Polygon(*_rings_at(self, pose))
-
-
-def _rings_at(polygon: Polygon, pose: Pose) -> tuple[Ring, tuple[Ring, ...]]:
-    outer, *holes = (tuple(map(pose.of, ring)) for ring in polygon.rings)
-    return outer, tuple(holes)
+        outer, *holes = (tuple(map(pose.of, ring)) for ring in self.rings)
+        return Polygon(outer, holes)
 
 
 def _ring(corners: Sequence[Sequence[float]], turning: float) -> Ring:

@@ -72,6 +72,13 @@ def test_a_cone_sees_the_nearest_place_within_it() -> None:
     assert scene.cone((0, 0), math.pi, 0.0, 2.0) == 2.0
 
 
+def test_a_cone_with_a_side_all_but_parallel_to_a_wall_sees_it() -> None:
+    scene = Scene([BOX])
+    for off in (0.0, 1e-308, 1e-200, 1e-17):
+        assert scene.cone((0, 1 - 1e-9), 0.2 + off, 0.4, 9.0) == pytest.approx(1.0)
+        assert scene.cone((0, 0), math.pi / 2 - 0.2 + off, 0.4, 9.0) == 9.0
+
+
 def test_nothing_is_seen_or_met_in_an_empty_scene() -> None:
     scene = Scene()
     assert scene.distance((0, 0)) == math.inf
