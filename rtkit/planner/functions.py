@@ -11,7 +11,7 @@ from collections.abc import Callable, Hashable, Iterable, Mapping, MutableMappin
 from math import isclose
 from typing import Any, NamedTuple, TypeVar
 
-from rtkit.errors import Impossible
+from rtkit.errors import Impossible, Malformed
 from rtkit.fast_dataclass import dataclass
 from rtkit.planner.command import State
 from rtkit.planner.problem import Problem
@@ -142,7 +142,12 @@ class Evaluator:
                 this object, a shelf (each key a string then), or the like. A value is None for
                 "impossible", or the cost and the way; it can be pickled if the values of the
                 variables can.
+
+        Raises:
+            Malformed: `known` is no mapping.
         """
+        if not isinstance(known, MutableMapping | None):
+            raise Malformed(f"known answers are kept in a mapping, not in {known!r}")
         self._own: dict[Hashable, Path | None] = {}
         # Known by their identity, they must live as long as what is known of them.
         self._problems: dict[int, Problem] = {}
@@ -167,6 +172,10 @@ class Evaluator:
             goal: What is desired of them.
             heuristic: Never too high, and consistent; 0 if None.
             key: By what the cache knows the leg; see `Evaluator`.
+
+        Raises:
+            Malformed: There is no such variable; from the function: the cache takes no such key, or
+                has something else than an answer.
         """
         section = restrict(problem, free)
         self._problems[id(problem)] = problem
@@ -191,11 +200,17 @@ class Evaluator:
         heuristic: Heuristic | None,
     ) -> Path | None:
         alike = key if isinstance(key, Alike) else Alike(key, tuple, tuple)
-        if alike.key in self._known:
-            kept = self._known[alike.key]
+        try:
+            is_known = alike.key in self._known
+            kept = self._known[alike.key] if is_known else None
+            cost, shared = kept if kept is not None else (0, ())
+        except (AttributeError, TypeError, ValueError) as error:
+            raise Malformed(
+                f"the cache has no answers for keys like {alike.key!r}: {error}"
+            ) from error
+        if is_known:
             if kept is None:
                 return None
-            cost, shared = kept
             path = _walked(section.replaced(start=state, goal=goal), alike.back(shared), cost)
             if path is not None:
                 return path
@@ -229,11 +244,11 @@ def _values(section: Problem, state: State) -> State:
 
 def _walked(section: Problem, way: Way, cost: float) -> Path | None:
     """Return the path through these values of the free variables, if it leads to the goal so."""
-    first, *then = map(tuple, way)
+    states = [*map(tuple, way)]
     state, steps = section.start, list[Step]()
-    if _values(section, state) != first:
+    if states[:1] != [_values(section, state)]:
         return None
-    for values in then:
+    for values in states[1:]:
         found = [
             Step(command, state, after, price)
             for command, after, price in section.successors(state)

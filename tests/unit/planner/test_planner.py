@@ -349,6 +349,16 @@ def test_keys_of_the_caller_are_not_those_of_the_evaluator():
     assert bare.evaluations == 1
 
 
+def test_a_cache_that_is_none_is_told(tmp_path):
+    with pytest.raises(Malformed, match="known answers are kept in a mapping, not in 7"):
+        Evaluator(known=7)
+    with shelve.open(tmp_path / "known") as shelf:
+        for known, key in ((shelf, lambda s: s), ({}, lambda s: [s]), ({1: 0}, lambda _: 1)):
+            leg = Evaluator(known=known).leg(grid({}), ["x"], {"x": 3}, key=key)
+            with pytest.raises(Malformed, match="the cache has no answers for keys like"):
+                leg((0, 0))
+
+
 def test_a_world_that_never_behaves_is_given_up():
     class Slippery:
         def look(self):
