@@ -29,7 +29,7 @@ class Manipulator(Component):
         0.5,
         unit="places",
         constraint="0<=x<=0.5",
-        doc="How far things lie from where they are told",
+        doc="How far off things lie at most",
     )
     speed = Parameter(0.2, unit="m/s", constraint="0.001<=x<=20", doc="Of travel")
     turning = Parameter(2.0, unit="rad/s", constraint="0.01<=x<=200", doc="Of turns")

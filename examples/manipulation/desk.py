@@ -17,6 +17,7 @@ from rtkit.property.property_spec import PropertySpec
 from rtkit.property.service import Service
 from rtkit.property.types import Content, parse_type
 from rtkit.property.values import Value, Word
+from rtkit.wires.serve import ServedObject
 
 _PICTURES = ("site", "explored", "way", "tree")
 Shown = dict[str, tuple[PropertySpec, Content, Any]]
@@ -46,7 +47,7 @@ class Desk:
         for each in _PICTURES:
             spec = PropertySpec(parse_type("text"), "r", doc=f"SVG: {drawing.TITLES[each]}")
             self._service.add(f"picture.{each}", spec=spec, read=self._drawn(each))
-        self._served: rtkit.wires.serve.ServedObject | None = None  # type: ignore[name-defined]
+        self._served: ServedObject | None = None
         self.publish()
         self._served = rtkit.serve(self._service, name)
 
@@ -114,7 +115,7 @@ class Desk:
 
 
 def shown(dialogue: Dialogue) -> Shown:
-    """Return all properties: what is declared, the value, and what a SET calls, if it may be set."""
+    """Return all properties: what is declared, the value, and what a SET calls, if it may."""
     site = dialogue.site
     found: Shown = {}
 
@@ -182,7 +183,7 @@ def _show_questions(dialogue: Dialogue, show: Callable[..., None]) -> None:
         kind = "any" if choices else "text"
         show(f"questions.{id}", kind, "", question.text, act, choices=choices)
         details = question.details
-        show(f"questions.{id}.details", "list", details, "what the choices mean")
+        show(f"questions.{id}.details", "text", "\n".join(details), "what the choices mean")
 
 
 def _word(text: str) -> Value:

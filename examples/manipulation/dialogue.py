@@ -11,6 +11,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 from manipulation.execution import CELL, QUARTER, Execution
+from manipulation.knowledge import Pose, Prices, Site, Thing
 from manipulation.language import (
     Cancel,
     Define,
@@ -19,15 +20,16 @@ from manipulation.language import (
     PickUp,
     Place,
     Sentence,
+    Take,
     Task,
     body_of,
+    called_by,
     endless,
     parse,
     text_of,
 )
 from manipulation.legs import Legs, Search
 from manipulation.orders import Order, Report
-from manipulation.site import Prices, Site, Thing
 from manipulation.ways import (
     Alternative,
     Blocked,
@@ -239,9 +241,8 @@ class Dialogue:
 
     def _forget(self, name: str) -> None:
         if name in self.definitions:
-            users = [
-                n for n, (_, body) in self.definitions.items() if n != name and name in body.split()
-            ]
+            known = self.definitions
+            users = [each for each in known if name in called_by(known, each)]
             if users:
                 raise Refused(f"{name} is used by {' and '.join(users)}")
             del self.definitions[name]
@@ -290,10 +291,8 @@ class Dialogue:
         details: Sequence[str] = (),
     ) -> str:
         """Ask; a question about the same is replaced and keeps its id."""
-        for id, each in self.asked.items():
-            if each.about == about:
-                break
-        else:
+        id = next((id for id, each in self.asked.items() if each.about == about), "")
+        if not id:
             self.numbers["question"] += 1
             id = f"q{self.numbers['question']}"
         self.asked[id] = Asked(id, kind, text, tuple(choices), about, tuple(details))
@@ -337,7 +336,7 @@ class Dialogue:
         else:
             self._withdraw(job.number)
             job.goals = [
-                goal._replace(into=text) if hasattr(goal, "into") else goal for goal in job.goals
+                goal._replace(into=text) if isinstance(goal, Take) else goal for goal in job.goals
             ]
             self._consider(job)
 
@@ -353,8 +352,7 @@ class Dialogue:
         try:
             offered, tied = alternatives(self.site, self.legs, job.left)
         except Blocked as blocked:
-            names = " and ".join(blocked.things)
-            text = f"in the way to {job.left[0]}: {names}; into which region may they go?"
+            text = f"{blocked}; into which region may it go?"
             job.is_ready = False
             self._ask("clear", text, (*self.site.regions, NONE), job.number)
             return
@@ -443,7 +441,7 @@ class Dialogue:
         """Compare what was known before a restart with what is seen."""
         site = self.site
         place = (round(report.x / CELL), round(report.y / CELL))
-        site.hand = (*place, round(report.theta / QUARTER) % 2)
+        before, site.hand = site.hand, (*place, round(report.theta / QUARTER) % 2)
         off = max(abs(report.x / CELL - place[0]), abs(report.y / CELL - place[1]))
         self._is_off = off > _OFF
         if not report.is_gripping:
@@ -455,9 +453,19 @@ class Dialogue:
         if site.holding:
             thing = site.things[site.holding]
             thing.pose = (*place, site.hand[2] if thing.is_bar else thing.pose[2])
+        if self.current is not None:
+            self.current.spent += self._price_between(before, site.hand)
         if report.outcome == "touched":
             met = (report.contact_x / CELL, report.contact_y / CELL)
             self._found((round(met[0]), round(met[1])))
+
+    def _price_between(self, before: Pose, now: Pose) -> float:
+        """Return what the one step cost that was under way when it was killed."""
+        site = self.site
+        step = site.prices.carry if site.holding else site.prices.move
+        far = abs(now[0] - before[0]) + abs(now[1] - before[1])
+        turn = site.prices.turn if now[2] != before[2] else 0.0
+        return far * (step + site.risk_at(now[:2])) + turn
 
     def _found(self, place: Place) -> None:
         """Make a thing known that was touched, and ask what it is."""

@@ -7,9 +7,9 @@ from dataclasses import dataclass, field
 from html import escape
 
 from manipulation.dialogue import Dialogue
+from manipulation.knowledge import Pose, Site, cells_of
 from manipulation.language import Place
 from manipulation.legs import Search
-from manipulation.site import Pose, Site, cells_of
 from manipulation.ways import Alternative, View, Way
 
 TITLES = {
@@ -187,11 +187,10 @@ def way_picture(site: Site, view: View, way: Way) -> str:
     last = way.parts[-1].after.poses if way.parts else view.poses
     _ends(sheet, site, {n: pose for n, pose in last.items() if pose != view.poses.get(n)})
     _named(sheet, site)
-    before, marks, number = view.hand, [], 0
+    before, marks = view.hand, []
     runs: list[tuple[bool, list[tuple[float, float]]]] = []
     is_loaded = bool(view.holding)
-    for part in way.parts:
-        number += 1
+    for number, part in enumerate(way.parts, 1):
         off = ((number * 5) % 11 - 5) * 1.9
         for step in part.steps:
             if step.kind in ("grip", "release"):
@@ -215,7 +214,8 @@ def way_picture(site: Site, view: View, way: Way) -> str:
     for (x, y), kind in marks:
         fill = {"grip": _CARRY, "release": "white", "turn": "#7c3aed"}[kind]
         sheet.parts.append(
-            f"<circle cx='{x:.1f}' cy='{y:.1f}' r='5.5' fill='{fill}' stroke='{_CARRY}' stroke-width='2'/>"
+            f"<circle cx='{x:.1f}' cy='{y:.1f}' r='5.5' fill='{fill}' stroke='{_CARRY}'"
+            " stroke-width='2'/>"
         )
     _jaws(sheet, view.hand)
     _legend(sheet, way, lines)
@@ -248,8 +248,7 @@ def _arrow(sheet: _Sheet, points: Sequence[tuple[float, float]], fill: str) -> N
 
 
 def _legend(sheet: _Sheet, way: Way, lines: Sequence[str]) -> None:
-    width, height = sheet.size
-    y = height - 17 * len(lines) - 26
+    y = sheet.size[1] - 17 * len(lines) - 26
     left = _EDGE
     sheet.line([(left, y), (left + 28, y)], _WALK, stroke_width=3.5, stroke_dasharray="2 6")
     sheet.text(left + 34, y + 4, "empty", text_anchor="start", font_size=12)
@@ -321,7 +320,8 @@ def _drawn(node: _Node, level: int, row: int, column: int, parts: list[str]) -> 
     text = escape(node.text)
     size = _fitting(node.text, column - 95) if level else 13
     parts.append(
-        f"<text x='{x}' y='{y + 4}' font-size='{size:.1f}' fill='{_INK}' font-weight='{weight}'>{text}</text>"
+        f"<text x='{x}' y='{y + 4}' font-size='{size:.1f}' fill='{_INK}'"
+        f" font-weight='{weight}'>{text}</text>"
     )
     if level:
         parts.append(

@@ -10,9 +10,9 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable
 
+from manipulation.knowledge import UNIT, Pose, Site, Thing, cells_of, swept
 from manipulation.language import Place
 from manipulation.orders import Order, Report
-from manipulation.site import UNIT, Pose, Site, Thing, cells_of, swept
 from manipulation.ways import PlanStep
 
 CELL = 0.1

@@ -7,8 +7,9 @@ defined command each argument is a place or one word; a name of several words st
 from __future__ import annotations
 
 import re
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from difflib import get_close_matches
+from itertools import pairwise
 from typing import NamedTuple
 
 from rtkit.errors import Malformed
@@ -199,7 +200,7 @@ def command_of(tokens: Sequence[Token], defined: Mapping[str, Sequence[str]]) ->
     verb, rest = tokens[0], list(tokens[1:])
     if verb in defined:
         return _call(verb, rest, defined[verb])
-    parsers = {
+    parsers: dict[str, Callable[[list[Token]], Sentence]] = {
         "designate": _designate, "forget": lambda r: Forget(_name(r, "forget")), "go": _go,
         "pick": _pick, "take": _take, "leave": _leave, "put": _leave, "cancel": _cancel,
     }  # fmt: skip
@@ -236,9 +237,10 @@ def _designate(rest: list[Token]) -> Designate:
         raise Malformed(f"designate one of: {', '.join(KINDS)}")
     if rest and rest[0] == "at":
         rest.pop(0)
-    places = []
+    places: list[Place] = []
     while rest and isinstance(rest[0], tuple):
-        places.append(rest.pop(0))
+        places.append(rest[0])
+        rest = rest[1:]
     if not places:
         raise Malformed(f"designate {kind} at (x y) NAME: there is no place")
     if kind == "wall":
@@ -329,7 +331,7 @@ def endless(definitions: Mapping[str, tuple[Sequence[str], str]], name: str) -> 
     def follow(called: str, way: list[str]) -> list[str]:
         if called in way:
             return [*way, called] if called == name else []
-        for following in sorted(_called(definitions, called)):
+        for following in sorted(called_by(definitions, called)):
             found = follow(following, [*way, called])
             if found:
                 return found
@@ -338,10 +340,9 @@ def endless(definitions: Mapping[str, tuple[Sequence[str], str]], name: str) -> 
     return follow(name, [])
 
 
-def _called(definitions: Mapping[str, tuple[Sequence[str], str]], name: str) -> Collection[str]:
+def called_by(definitions: Mapping[str, tuple[Sequence[str], str]], name: str) -> Collection[str]:
+    """Return the defined commands that one calls."""
     tokens = [";", *tokens_of(definitions[name][1])]
     return {
-        str(second)
-        for first, second in zip(tokens, tokens[1:], strict=False)
-        if first == ";" and second in definitions
+        str(second) for first, second in pairwise(tokens) if first == ";" and second in definitions
     }

@@ -11,8 +11,8 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
+from manipulation.knowledge import Cells, Pose, cells_of, swept
 from manipulation.language import Place
-from manipulation.site import Cells, Pose, cells_of, swept
 from rtkit.errors import Impossible
 from rtkit.planner import Command, Condition, Problem, plan
 
@@ -147,7 +147,8 @@ def _heuristic(question: Question) -> Any:
     def estimate(state: Any) -> float:
         pose = state[0]
         turn = question.turn if turned not in (None, pose[2]) else 0
-        return question.step * (abs(pose[0] - x) + abs(pose[1] - y)) + turn
+        far: int = abs(pose[0] - x) + abs(pose[1] - y)
+        return question.step * far + turn
 
     return estimate
 

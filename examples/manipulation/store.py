@@ -9,9 +9,9 @@ from pathlib import Path
 from typing import Any
 
 from manipulation.dialogue import Dialogue, Job
+from manipulation.knowledge import Prices, Site, Thing
 from manipulation.language import Go, PickUp, Take, parse
 from manipulation.legs import Leg, Question
-from manipulation.site import Prices, Site, Thing
 from rtkit.errors import Malformed
 
 _FORM = 1
@@ -44,8 +44,11 @@ def saved(dialogue: Dialogue) -> dict[str, Any]:
         "numbers": dialogue.numbers,
         "evaluations": dialogue.legs.evaluations,
         "remembered": dialogue.legs.remembered,
-        "legs": [[key, leg.poses, leg.cost, sorted(leg.blocked)] for key, leg in dialogue.legs.known.items()],
-    }  # fmt: skip
+        "legs": [
+            [key, leg.poses, leg.cost, sorted(leg.blocked)]
+            for key, leg in dialogue.legs.known.items()
+        ],
+    }
 
 
 def _job(job: Job) -> dict[str, Any]:

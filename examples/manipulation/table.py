@@ -13,12 +13,11 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from rtkit.world import Polygon, Pose, Scene, moved
-
 from manipulation.execution import CELL
+from manipulation.knowledge import UNIT, cells_of
 from manipulation.language import Place
 from manipulation.orders import Order, Report
-from manipulation.site import UNIT, cells_of
+from rtkit.world import Polygon, Pose, Scene, moved
 
 _HAND, _LOAD, _THING = 0.025, 0.026, 0.018
 """Radius of the empty jaws, of each place of a load, half the width of a thing [m]."""

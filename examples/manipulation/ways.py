@@ -10,9 +10,9 @@ from collections.abc import Iterator, Mapping, Sequence
 from itertools import combinations, permutations
 from typing import NamedTuple
 
+from manipulation.knowledge import UNIT, Pose, Site, cells_of
 from manipulation.language import Call, Go, PickUp, Place, Take, Target, Task, body_of
 from manipulation.legs import Legs, Question, risks_of
-from manipulation.site import UNIT, Pose, Site, cells_of
 from rtkit.errors import LimitReached, Malformed, Refused
 
 CRITERIA = ("move", "carry", "turn", "risk")
@@ -99,15 +99,7 @@ class Way(NamedTuple):
 
 
 class Blocked(Refused):
-    """Things block the way, and no region is named for them.
-
-    Attributes:
-        things: The fewest that would have to go.
-    """
-
-    def __init__(self, text: str, things: tuple[str, ...]) -> None:
-        super().__init__(text)
-        self.things = things
+    """Things block the way, and no region is named for them; the message names the fewest."""
 
 
 def view_of(site: Site) -> View:
@@ -249,8 +241,8 @@ class Ways:
             return
         into = goal.into if isinstance(goal, Take) else ""
         if not into:
-            names = tuple(dict.fromkeys(name for _, subset in found for name in subset))
-            raise Blocked(f"{' and '.join(names)} in the way to {goal}", names)
+            sets = dict.fromkeys(" and ".join(subset) for _, subset in found)
+            raise Blocked(f"in the way to {goal}: {', or '.join(sets)}")
         for each, subset in found:
             yield from self._in_any_order(each, subset, into, of, view, busy)
 
@@ -358,7 +350,8 @@ class Ways:
         return all(self._site.is_inside(place) for place in cells)
 
     def _price(self, criterion: str) -> float:
-        return getattr(self._site.prices, criterion) * self._weights.get(criterion, 1)
+        price: float = getattr(self._site.prices, criterion)
+        return price * self._weights.get(criterion, 1)
 
     def _walked(self, view: View, way: Sequence[Pose], name: str) -> list[PlanStep]:
         """Return a walk to a thing: what enters its places goes above it."""

@@ -88,7 +88,7 @@ class Site:
     things: dict[str, Thing] = field(default_factory=dict)
     places: dict[str, Place] = field(default_factory=dict)
     regions: dict[str, tuple[Place, ...]] = field(default_factory=dict)
-    prices: Prices = Prices()
+    prices: Prices = field(default_factory=lambda: Prices())
     risks: dict[str, float] = field(default_factory=dict)
 
     @property
@@ -166,7 +166,7 @@ class Site:
             raise Malformed(f"{name} is in the jaws")
         for group in (self.things, self.places, self.regions):
             if name in group:
-                del group[name]  # type: ignore[arg-type]
+                del group[name]
                 self.risks.pop(name, None)
                 return
         raise NotFound(self.missing(name))

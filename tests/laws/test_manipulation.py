@@ -1,0 +1,91 @@
+"""Laws of the supervised manipulator: memory never lies, kills change nothing, words come back."""
+
+from __future__ import annotations
+
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from manipulation.knowledge import UNIT
+from manipulation.language import Go, PickUp, Take, Target, parse
+from manipulation.legs import Legs, Question, passed
+from manipulationkit import DOORWAY, SWITCH, Bench
+
+WIDTH, HEIGHT = 6, 5
+places = st.tuples(st.integers(1, WIDTH), st.integers(1, HEIGHT))
+cells = st.frozensets(places, max_size=12)
+names = st.sampled_from(["A", "red block", "B2", "light switch"])
+targets = st.one_of(
+    places.map(lambda place: Target("at", place)),
+    st.builds(
+        Target,
+        st.sampled_from(["in", "was", "near", "beside", "left of", "right of", "above", "below"]),
+        st.none(),
+        names,
+    ),
+)
+goals = st.one_of(
+    st.builds(Go, targets),
+    st.builds(PickUp, names),
+    st.builds(Take, names, targets, st.sampled_from(["", "aside"])),
+)
+
+
+@given(goals)
+def test_what_is_meant_is_written_so_that_it_means_the_same(goal: Go | PickUp | Take) -> None:
+    assert parse(str(goal), {}) == goal
+
+
+@given(
+    st.lists(cells, min_size=2, max_size=5),
+    places,
+    places,
+    st.sampled_from([UNIT, ((0, 0), (1, 0)), ((0, 0), (0, 1))]),
+    st.sampled_from([0.0, 1.0, 3.0]),
+    st.dictionaries(places, st.integers(1, 4), max_size=4),
+)
+def test_memory_answers_as_a_fresh_search_would(
+    grounds: list[frozenset[tuple[int, int]]],
+    start: tuple[int, int],
+    goal: tuple[int, int],
+    shape: tuple[tuple[int, int], ...],
+    turn: float,
+    risks: dict[tuple[int, int], int],
+) -> None:
+    told = tuple(sorted(risks.items()))
+    question = Question(shape, 1.0, turn, told, (*start, 0), (*goal, None))
+    legs = Legs(WIDTH, HEIGHT)
+    for blocked in grounds:
+        found = legs.find(question, blocked)
+        assert found.cost == Legs(WIDTH, HEIGHT).find(question, blocked).cost
+        assert passed(question, found).isdisjoint(blocked)
+
+
+@settings(max_examples=25)
+@given(
+    st.integers(0, 500),
+    st.dictionaries(st.integers(1, 60), st.booleans(), max_size=3),
+    st.sampled_from("abcdefghi"),
+)
+def test_kills_at_any_step_change_nothing_of_the_end(
+    seed: int, kills: dict[int, bool], choice: str
+) -> None:
+    bench = Bench("doorway", *DOORWAY, "take A to (9 3) clearing into aside", seed=seed)
+    bench.answer(choice)
+    cost = next(e.way.cost for e in bench.dialogue.shown if e.letter == choice)
+    number = 1
+    while bench.step(is_seen=kills.get(number, True)):
+        if number in kills:  # perhaps without a word of what became of its last order
+            bench.restart()
+        number += 1
+    assert bench.dialogue.results[-1][1] == "done"
+    assert bench.dialogue.results[-1][2] == cost
+    assert bench.lies("thing1") == (9, 3)
+
+
+@settings(max_examples=25)
+@given(st.integers(0, 500), st.sampled_from("abcdef"))
+def test_the_switch_comes_to_its_end_wherever_the_objects_lie(seed: int, choice: str) -> None:
+    bench = Bench("switch", *SWITCH, "switch A B X Y", seed=seed)
+    bench.answer(choice)
+    assert "done" in bench.run()
+    assert (bench.lies("thing1"), bench.lies("thing2")) == ((7, 4), (3, 4))
+    assert bench.dialogue.legs.evaluations <= 19
