@@ -183,7 +183,12 @@ def _show_questions(dialogue: Dialogue, show: Callable[..., None]) -> None:
         kind = "any" if choices else "text"
         show(f"questions.{id}", kind, "", question.text, act, choices=choices)
         details = question.details
-        show(f"questions.{id}.details", "text", "\n".join(details), "what the choices mean")
+        show(
+            f"questions.{id}.details",
+            "text",
+            "".join(f"{each}\n" for each in details),
+            "what the choices mean",
+        )
 
 
 def _word(text: str) -> Value:

@@ -8,7 +8,7 @@ from html import escape
 
 from manipulation.dialogue import Dialogue
 from manipulation.knowledge import Pose, Site, cells_of
-from manipulation.language import Place
+from manipulation.language import Go, Place
 from manipulation.legs import Search
 from manipulation.ways import Alternative, View, Way
 
@@ -105,7 +105,14 @@ def _ground(site: Site, poses: Mapping[str, Pose], legend: float = 0) -> _Sheet:
     return sheet
 
 
-def _things(sheet: _Sheet, site: Site, poses: Mapping[str, Pose], opacity: float = 1) -> None:
+def _things(
+    sheet: _Sheet,
+    site: Site,
+    poses: Mapping[str, Pose],
+    opacity: float = 1,
+    *,
+    is_labelled: bool = True,
+) -> None:
     for number, (name, thing) in enumerate(site.things.items()):
         if name not in poses:
             continue
@@ -119,8 +126,11 @@ def _things(sheet: _Sheet, site: Site, poses: Mapping[str, Pose], opacity: float
             f"<rect x='{left:g}' y='{top:g}' width='{right - left:g}' height='{low - top:g}' rx='5'"
             f" fill='{fill}' stroke='{_INK}' stroke-width='1.5' opacity='{opacity}'{dash}/>"
         )
-        middle = ((left + right) / 2, (top + low) / 2 + 4)
-        sheet.text(*middle, name if thing.is_named else "?", font_size=_fitting(name, right - left))
+        if not is_labelled:
+            continue
+        label = name if thing.is_named else "?"
+        size = _fitting(label, right - left) if thing.is_named else 18
+        sheet.text((left + right) / 2, (top + low) / 2 + 5, label, font_size=size)
 
 
 def _fitting(name: str, width: float) -> float:
@@ -132,11 +142,12 @@ def _named(sheet: _Sheet, site: Site) -> None:
         x, y = sheet.at(*place)
         sheet.parts.append(f"<circle cx='{x:g}' cy='{y:g}' r='5' fill='#facc15' stroke='{_INK}'/>")
         sheet.text(x, y - 9, name, font_size=_fitting(name, 40))
-    for number, (name, places) in enumerate(site.regions.items()):
+    for name, places in site.regions.items():
         for place in places:
             x, y = sheet.at(*place)
-            fill = _PALE if number >= 0 else _INK
-            sheet.text(x, y + _CELL / 2 - 4, name, font_size=9, fill=fill)
+            sheet.text(
+                x - 21, y + _CELL / 2 - 4, name, font_size=9, fill=_PALE, text_anchor="start"
+            )
 
 
 def _jaws(sheet: _Sheet, hand: Pose) -> None:
@@ -180,54 +191,73 @@ def explored_picture(site: Site, view: View, searches: Sequence[Search]) -> str:
 
 
 def way_picture(site: Site, view: View, way: Way) -> str:
-    """Return the steps of a way: dashed where the hand is empty, solid where it carries."""
-    lines = _wrapped(str(way), site.width * _CELL / 6.5)
-    sheet = _ground(site, view.poses, 44 + 17 * len(lines))
-    _things(sheet, site, view.poses, 0.45)
+    """Return a way: dashed where the hand is empty, solid where it carries, parts numbered."""
+    sheet = _ground(site, view.poses, 44 + 17 * len(way.parts))
+    _things(sheet, site, view.poses, 0.5, is_labelled=False)
     last = way.parts[-1].after.poses if way.parts else view.poses
-    _ends(sheet, site, {n: pose for n, pose in last.items() if pose != view.poses.get(n)})
+    ends = {name: pose for name, pose in last.items() if pose != view.poses.get(name)}
+    _ends(sheet, site, ends)
     _named(sheet, site)
-    before, marks = view.hand, []
-    runs: list[tuple[bool, list[tuple[float, float]]]] = []
-    is_loaded = bool(view.holding)
+    before, is_loaded = view.hand, bool(view.holding)
+    marks: list[tuple[float, float, str, str]] = []
     for number, part in enumerate(way.parts, 1):
         off = ((number * 5) % 11 - 5) * 1.9
+        run = [_shifted(sheet, before, off)]
         for step in part.steps:
+            here = _shifted(sheet, step.pose, off)
             if step.kind in ("grip", "release"):
-                is_loaded = step.kind == "grip"
-                marks.append((_shifted(sheet, step.pose, off), step.kind))
+                _run(sheet, run, is_loaded)
+                run, is_loaded = [here], step.kind == "grip"
+                marks.append((*here, str(number) if is_loaded else "", _CARRY))
             elif step.kind == "turn":
-                marks.append((_shifted(sheet, step.pose, off), "turn"))
+                marks.append((*here, "t", "#7c3aed"))
             else:
-                if (
-                    not runs
-                    or runs[-1][0] != is_loaded
-                    or runs[-1][1][-1] != _shifted(sheet, before, off)
-                ):
-                    runs.append((is_loaded, [_shifted(sheet, before, off)]))
-                runs[-1][1].append(_shifted(sheet, step.pose, off))
+                run.append(here)
             before = step.pose
-    for loaded, points in runs:
-        dash = {} if loaded else {"stroke_dasharray": "2 6"}
-        sheet.line(points, _CARRY if loaded else _WALK, stroke_width=3.5, **dash)
-        _arrow(sheet, points, _CARRY if loaded else _WALK)
-    for (x, y), kind in marks:
-        fill = {"grip": _CARRY, "release": "white", "turn": "#7c3aed"}[kind]
-        sheet.parts.append(
-            f"<circle cx='{x:.1f}' cy='{y:.1f}' r='5.5' fill='{fill}' stroke='{_CARRY}'"
-            " stroke-width='2'/>"
-        )
+        _run(sheet, run, is_loaded)
+        if isinstance(part.goal, Go):
+            marks.append((*_shifted(sheet, before, off), str(number), _WALK))
+    for x, y, text, colour in sorted(marks, key=lambda mark: bool(mark[2])):  # numbers on top
+        _mark(sheet, x, y, text, colour)
+    _labels(sheet, site, view.poses, ends)
     _jaws(sheet, view.hand)
-    _legend(sheet, way, lines)
+    _legend(sheet, way)
     return sheet.svg(TITLES["way"])
+
+
+def _mark(sheet: _Sheet, x: float, y: float, text: str, colour: str) -> None:
+    """Draw where a thing is gripped or a walk ends, with its number; a ring where one is left."""
+    fill, radius = (colour, 8) if text else ("white", 5)
+    sheet.parts.append(
+        f"<circle cx='{x:g}' cy='{y:g}' r='{radius}' fill='{fill}' stroke='{colour}'"
+        " stroke-width='2'/>"
+    )
+    if text:
+        sheet.text(x, y + 4, text, font_size=11, fill="white", font_weight="bold")
+
+
+def _run(sheet: _Sheet, points: Sequence[tuple[float, float]], is_loaded: bool) -> None:
+    if len(points) > 1:
+        colour, dash = (_CARRY, {}) if is_loaded else (_WALK, {"stroke_dasharray": "2 6"})
+        sheet.line(points, colour, stroke_width=3.5, **dash)
+        _arrow(sheet, points, colour)
 
 
 def _ends(sheet: _Sheet, site: Site, poses: Mapping[str, Pose]) -> None:
     for name, pose in poses.items():
         for cell in cells_of(site.things[name].shape, pose):
             sheet.cell(cell, "none", 7, stroke=_INK, stroke_dasharray="5 4", stroke_width=1.5, rx=5)
+
+
+def _labels(sheet: _Sheet, site: Site, poses: Mapping[str, Pose], ends: Mapping[str, Pose]) -> None:
+    """Write names beside the ways: above the left corner, and with a dash where things end."""
+    for name, pose in poses.items():
+        top = max(cells_of(site.things[name].shape, pose), key=lambda cell: (cell[1], -cell[0]))
+        x, y = sheet.at(*top)
+        sheet.text(x - 20, y - 18, name, text_anchor="start", font_size=11, font_weight="bold")
+    for name, pose in ends.items():
         x, y = sheet.at(*pose[:2])
-        sheet.text(x + 11, y + 15, name, font_size=_fitting(name, 26))
+        sheet.text(x + 21, y + 22, f"{name}\u2032", text_anchor="end", font_size=11)
 
 
 def _shifted(sheet: _Sheet, pose: Pose, off: float) -> tuple[float, float]:
@@ -237,18 +267,16 @@ def _shifted(sheet: _Sheet, pose: Pose, off: float) -> tuple[float, float]:
 
 
 def _arrow(sheet: _Sheet, points: Sequence[tuple[float, float]], fill: str) -> None:
-    if len(points) < 2:
-        return
     (x0, y0), (x, y) = points[-2], points[-1]
     dx, dy = (x > x0) - (x < x0), (y > y0) - (y < y0)
-    tip, back = (x - 4 * dx, y - 4 * dy), (x - 15 * dx, y - 15 * dy)
+    tip, back = (x - 7 * dx, y - 7 * dy), (x - 18 * dx, y - 18 * dy)
     corners = [tip, (back[0] - 6 * dy, back[1] + 6 * dx), (back[0] + 6 * dy, back[1] - 6 * dx)]
     told = " ".join(f"{a:.1f},{b:.1f}" for a, b in corners)
     sheet.parts.append(f"<polygon points='{told}' fill='{fill}'/>")
 
 
-def _legend(sheet: _Sheet, way: Way, lines: Sequence[str]) -> None:
-    y = sheet.size[1] - 17 * len(lines) - 26
+def _legend(sheet: _Sheet, way: Way) -> None:
+    y = sheet.size[1] - 17 * len(way.parts) - 22
     left = _EDGE
     sheet.line([(left, y), (left + 28, y)], _WALK, stroke_width=3.5, stroke_dasharray="2 6")
     sheet.text(left + 34, y + 4, "empty", text_anchor="start", font_size=12)
@@ -257,14 +285,10 @@ def _legend(sheet: _Sheet, way: Way, lines: Sequence[str]) -> None:
     costs = ", ".join(f"{name} {cost:g}" for name, cost in way.costs.items() if cost)
     told = f"cost {way.cost:g} ({costs})" if costs else "nothing to do"
     sheet.text(left + 186, y + 4, told, text_anchor="start", font_weight="bold", font_size=12)
-    for number, line in enumerate(lines):
-        sheet.text(left, y + 24 + 17 * number, line, text_anchor="start", font_size=12)
-
-
-def _wrapped(text: str, width: float) -> list[str]:
-    from textwrap import wrap
-
-    return wrap(text, max(30, int(width)))
+    for number, part in enumerate(way.parts, 1):
+        cost = sum(step.price + step.risk for step in part.steps)
+        line = f"{number}  {part.goal}: {cost:g}"
+        sheet.text(left, y + 7 + 17 * number, line, text_anchor="start", font_size=12)
 
 
 @dataclass
@@ -349,4 +373,4 @@ def as_text(site: Site) -> str:
     lines = (
         "".join(rows[x, y] for x in range(1, site.width + 1)) for y in range(site.height, 0, -1)
     )
-    return "\n".join(lines)
+    return "".join(f"{line}\n" for line in lines)

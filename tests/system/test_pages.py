@@ -15,8 +15,8 @@ from pagekit import MARK, ROOT, pages, script
 
 from rtkit.cli.shared.commands import COMMANDS, TABLE
 
-EXAMPLE = ROOT / "examples" / "bug" / "README.md"
-WITH_EXAMPLES = [page for page in (*pages(), EXAMPLE) if script(page).text]
+TAUGHT = [ROOT / "examples" / name / "README.md" for name in ("bug", "manipulation")]
+WITH_EXAMPLES = [page for page in (*pages(), *TAUGHT) if script(page).text]
 HERE = {"EXAMPLES": str(ROOT / "examples")}
 
 

@@ -21,7 +21,7 @@ say 'designate object at (6 3) B2'
 say 'designate region at (5 1) (5 6) (4 1) (4 6) aside'
 say 'take A to (9 3)'
 answer aside
-rtget "$desk.questions.$(question).details" | head -n 2
+rtget --raw "$desk.questions.$(question).details" | head -n 2
 answer b
-rtlisten "$desk.state" | grep -q idle
+until rtget "$desk.state" | grep -q idle; do sleep 0.1; done
 rtget "$desk.said"
