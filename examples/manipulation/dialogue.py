@@ -11,13 +11,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 from manipulation.execution import CELL, QUARTER, Execution
-from manipulation.knowledge import Pose, Prices, Site, Thing
+from manipulation.jobs import Asked, Job
+from manipulation.knowledge import Prices, Site, Thing
 from manipulation.language import (
     Cancel,
     Define,
     Designate,
     Forget,
-    PickUp,
     Place,
     Sentence,
     Take,
@@ -33,7 +33,6 @@ from manipulation.orders import Order, Report
 from manipulation.ways import (
     Alternative,
     Blocked,
-    Goal,
     Part,
     PlanStep,
     Way,
@@ -48,61 +47,6 @@ _OFF = 0.01
 """How far from the middle of a place the hand counts as being off it [places]."""
 NONE = "none"
 """The choice that drops what was asked for."""
-
-
-@dataclass
-class Asked:
-    """A question to the operator.
-
-    Attributes:
-        kind: ``choice`` of an alternative, ``clear`` (into which region), ``name`` of a thing, or
-            ``lost`` (a thing was not found).
-        choices: The only answers; any name where there are none.
-        about: The number of the task, or the thing.
-        details: What the choices mean, a line each.
-    """
-
-    id: str
-    kind: str
-    text: str
-    choices: tuple[str, ...]
-    about: int | str
-    details: tuple[str, ...] = ()
-
-
-@dataclass
-class Job:
-    """A task that was given.
-
-    Attributes:
-        goals: What it comes to; targets may be fuzzy.
-        chosen: Concrete goals, with the number of the goal that each serves.
-        done: How many of `chosen` are done.
-        is_ready: It waits for no answer.
-        spent: What it has cost up to now.
-        evaluations: Evaluations that it took.
-    """
-
-    number: int
-    text: str
-    goals: list[Goal]
-    chosen: list[tuple[Goal, int]] = field(default_factory=list)
-    done: int = 0
-    is_ready: bool = False
-    spent: float = 0.0
-    evaluations: int = 0
-
-    @property
-    def names(self) -> set[str]:
-        """Return the names in what is to be done."""
-        goals = [*self.goals, *(goal for goal, _ in self.chosen)]
-        own = {getattr(goal, key, "") for goal in goals for key in ("name", "into")}
-        return own | {goal.target.name for goal in goals if not isinstance(goal, PickUp)}
-
-    @property
-    def left(self) -> list[Goal]:
-        """Return the goals that are not done yet."""
-        return self.goals[self.chosen[self.done][1] if self.done < len(self.chosen) else 0 :]
 
 
 @dataclass
@@ -454,18 +398,10 @@ class Dialogue:
             thing = site.things[site.holding]
             thing.pose = (*place, site.hand[2] if thing.is_bar else thing.pose[2])
         if self.current is not None:
-            self.current.spent += self._price_between(before, site.hand)
+            self.current.spent += site.price_between(before, site.hand)
         if report.outcome == "touched":
             met = (report.contact_x / CELL, report.contact_y / CELL)
             self._found((round(met[0]), round(met[1])))
-
-    def _price_between(self, before: Pose, now: Pose) -> float:
-        """Return what the one step cost that was under way when it was killed."""
-        site = self.site
-        step = site.prices.carry if site.holding else site.prices.move
-        far = abs(now[0] - before[0]) + abs(now[1] - before[1])
-        turn = site.prices.turn if now[2] != before[2] else 0.0
-        return far * (step + site.risk_at(now[:2])) + turn
 
     def _found(self, place: Place) -> None:
         """Make a thing known that was touched, and ask what it is."""

@@ -108,6 +108,13 @@ class Site:
         """Return what entering a place costs more."""
         return sum(cost for name, cost in self.risks.items() if place in self.regions[name])
 
+    def price_between(self, before: Pose, now: Pose) -> float:
+        """Return what one step costs, for the hand as it is."""
+        step = self.prices.carry if self.holding else self.prices.move
+        far = abs(now[0] - before[0]) + abs(now[1] - before[1])
+        turn = self.prices.turn if now[2] != before[2] else 0.0
+        return far * (step + self.risk_at(now[:2])) + turn
+
     def blocked(self, poses: Mapping[str, Pose], ignored: Iterable[str] = ()) -> Cells:
         """Return the places taken by walls and by things at these poses."""
         taken = set(self.walls)

@@ -8,7 +8,8 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from manipulation.dialogue import Dialogue, Job
+from manipulation.dialogue import Dialogue
+from manipulation.jobs import Job
 from manipulation.knowledge import Prices, Site, Thing
 from manipulation.language import Go, PickUp, Take, parse
 from manipulation.legs import Leg, Question
