@@ -66,10 +66,14 @@ class ExecutionContexts:
 
     def _tick(self, message: Message) -> object:
         component, context = self._of(message)
-        context.request_tick(
-            lambda code, why: self._later(message, code, _of_component(code, why, component)),
-            partial(in_time, message),
-        )
+
+        def done(code: ReturnCode, why: str) -> None:
+            why = _of_component(code, why, component)
+            if code is ReturnCode.OK and (why := _idle(component, context)):
+                code = ReturnCode.PRECONDITION_NOT_MET
+            self._later(message, code, why)
+
+        context.request_tick(done, partial(in_time, message))
         return LATER
 
     def _attach(self, message: Message) -> object:
@@ -135,6 +139,16 @@ class ExecutionContexts:
 def _of_component(code: ReturnCode, why: str, component: Component) -> str:
     """Return why a component refused, with its name; what was done needs none."""
     return why if code is ReturnCode.OK else f"{why}: {component.instance}"
+
+
+def _idle(component: Component, context: ExecutionContext) -> str:
+    """Return why a cycle was none of this component: it failed, or all are at rest."""
+    state = context.state_of(component)
+    if state is LifeCycleState.ERROR:
+        return f"{component.instance} is in Error: {component.cause}"
+    if any(context.state_of(each) is LifeCycleState.ACTIVE for each in context.participants):
+        return ""
+    return f"{component.instance} is {state}: nothing in execution context {context.id} is active"
 
 
 def release(

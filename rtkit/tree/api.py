@@ -163,7 +163,8 @@ class ByPath:
             timeout_s: Bound on each cycle [s]; None for that of the connection.
 
         Raises:
-            Refused: The context is periodic, does not run, or the component is a zombie.
+            Refused: The context is periodic or does not run; or the component is a zombie, is not
+                active, or fails in the cycle.
             NotFound: There is no such component, and none had a cycle.
             Unreachable: The cycle is not over in time: the slave has ended, or was stopped.
             Partial: That happened to one of several: those before it had their cycle, those

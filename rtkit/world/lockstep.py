@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import threading
+import time
 from collections.abc import Callable
 from queue import Empty, SimpleQueue
 from typing import Self
@@ -13,17 +14,22 @@ from rtkit.errors import Malformed, Partial, RtkitError, Unreachable
 _PATIENCE_S = 3600.0
 """How long a cycle may take until it is given up for good; a tick is answered long before [s]."""
 
+_BREATH_S = 0.1
+"""Time between two tries with one that is lost [s]."""
+
 
 class ParticipantLost(Unreachable):
     """Components of a lockstep had no cycle; simulated time stands still.
 
     Attributes:
         participants: Their paths.
+        is_new: Whether it is another trouble than that of the call before.
     """
 
-    def __init__(self, message: str, participants: tuple[str, ...]) -> None:
+    def __init__(self, message: str, participants: tuple[str, ...], *, is_new: bool) -> None:
         super().__init__(message)
         self.participants = participants
+        self.is_new = is_new
 
 
 class Lockstep:
@@ -44,7 +50,8 @@ class Lockstep:
             try:
                 self.lockstep.tick()
             except ParticipantLost as lost:
-                self.report(str(lost))
+                if lost.is_new:
+                    self.report(str(lost))
 
         def on_deactivated(self, context):
             self.lockstep.close()
@@ -84,18 +91,21 @@ class Lockstep:
         self._calls: SimpleQueue[Callable[[], RtkitError | None] | None] = SimpleQueue()
         self._answers: SimpleQueue[RtkitError | None] = SimpleQueue()
         self._is_pending = False
+        self._trouble = ""
         threading.Thread(target=_serve, args=(self._calls, self._answers), daemon=True).start()
 
     def tick(self) -> None:
         """Give each participant one cycle; returns when the last one is over.
 
         Raises:
-            ParticipantLost: One had none, because it is gone, refused, or is not ready in time.
+            ParticipantLost: One had none: it is gone, not active, fails, or is not ready in time.
                 The next call goes on with it. A cycle that is only late is waited for, not
                 asked for again.
         """
         self.is_under_way = True
         if not self._is_pending:
+            if self._trouble:
+                time.sleep(_BREATH_S)
             self._is_pending = True
             self._calls.put(self._give_cycles)
         try:
@@ -104,14 +114,14 @@ class Lockstep:
             raise self._late() from None
         self._is_pending = False
         if error is None:
-            self._left, self.is_under_way = self.participants, False
+            self._left, self.is_under_way, self._trouble = self.participants, False, ""
             return
         if isinstance(error, Partial):
             name, error = error.failures[0]
             self._left = self._left[self._left.index(name) :]
-            raise ParticipantLost(f"no cycle of {name}: {error}", (name,)) from None
+            raise self._lost(f"no cycle of {name}: {error}", (name,)) from None
         names = tuple(name for name in self._left if name in str(error)) or self._left
-        raise ParticipantLost(f"no cycle of {' '.join(names)}: {error}", names) from None
+        raise self._lost(f"no cycle of {' '.join(names)}: {error}", names) from None
 
     def close(self) -> None:
         """End the connection; a cycle that is under way goes on."""
@@ -152,7 +162,11 @@ class Lockstep:
         names = tuple(found) or self._left
         reasons = "; ".join(f"{name}: {why}" for name, why in found.items())
         text = f"no end of a cycle within {self.timeout_s:g} s: {reasons or ' '.join(names)}"
-        return ParticipantLost(text, names)
+        return self._lost(text, names)
+
+    def _lost(self, text: str, names: tuple[str, ...]) -> ParticipantLost:
+        is_new, self._trouble = text != self._trouble, text
+        return ParticipantLost(text, names, is_new=is_new)
 
 
 def _serve(

@@ -272,6 +272,30 @@ def test_one_that_is_killed_in_its_cycle_is_named_and_its_successor_goes_on(
     assert notes.next(7) == ["A", "B", "B", "C", "A", "B", "C"]
 
 
+def test_one_that_is_not_active_or_fails_is_named_and_awaited(
+    api: rtkit.Tree, manager: Any, notes: Any
+) -> None:
+    _, b, _ = notes_of(api, "manager_name=far", "", "manager_name=far")
+    api.deactivate(b)
+    with Lockstep("A", "B", "C", timeout_s=BOUND_S) as lockstep:
+        for is_new in (True, False):
+            with pytest.raises(ParticipantLost, match=f"no cycle of {b}: B is Inactive") as lost:
+                lockstep.tick()
+            assert (lost.value.participants, lost.value.is_new) == ((b,), is_new)
+        api.activate(b)
+        lockstep.tick()
+        assert notes.next(3) == ["A", "B", "C"]
+        (Path(manager.environment["RTKIT_STATE_DIR"]) / "B").mkdir()  # cannot be opened
+        with pytest.raises(ParticipantLost, match=f"no cycle of {b}: B is in Error: .*B'"):
+            lockstep.tick()
+        (Path(manager.environment["RTKIT_STATE_DIR"]) / "B").rmdir()
+        assert notes.next(2) == ["A", "B"]
+        api.reset(b)
+        api.activate(b)
+        lockstep.tick()
+        assert notes.next(2) == ["B", "C"]
+
+
 def test_a_world_is_deactivated_while_a_participant_does_not_answer(
     api: rtkit.Tree, manager: Any, notes: Any
 ) -> None:
