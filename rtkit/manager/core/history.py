@@ -101,8 +101,8 @@ def _asked(action: act.Action, instance: str) -> str:
         case act.Create(create):
             is_own = f"instance_name={instance}" in create.replace("?", "&").split("&")
             return f"create {create}"[:_MOST_TEXT] if is_own else ""
-    if getattr(action, "instance", None) != instance:
-        return ""
+    if getattr(action, "instance", None) != instance or isinstance(action, act.Tick):
+        return ""  # a world asks for so many ticks that nothing else would be seen
     match action:
         case act.ChangeState():
             return f"{action.transition.value} in {action.context}"

@@ -90,6 +90,7 @@ def test_what_changed_in_a_profile_is_told_with_its_composite():
         (asked(act.SetRate("A0", "0", 5.0)), ("ASKED", "", "rate 5 Hz in 0")),
         (asked(act.Delete("A0")), ("ASKED", "", "exit")),
         (asked(act.Delete("B")), None),
+        (asked(act.Tick("A0", "0")), None),
         (ev.ContainerReported(1, {"facts": {"instance": "A0"}}), None),
         (ev.ContainerReported(1, {"facts": 3}), None),
     ],
