@@ -31,7 +31,7 @@ text{font-family:'Noto Sans','DejaVu Sans','Helvetica Neue',Arial,sans-serif;fil
 .hit{fill:#c53030;stroke:#fff;stroke-width:1}
 .leave{fill:#fff;stroke:#2f855a;stroke-width:2}
 .end{fill:none;stroke:#1a202c;stroke-width:1.5}
-.name{font-weight:bold;paint-order:stroke;stroke:#fff;stroke-width:3;stroke-linejoin:round}
+.name{font-weight:bold;paint-order:stroke;stroke:#fff;stroke-width:2.4;stroke-linejoin:round}
 .wrong{fill:#c53030;font-weight:bold}
 .lead{stroke:#a0aec0;stroke-width:0.8;fill:none}
 .cell{fill:#fff;stroke:#cbd5e0}
@@ -244,13 +244,17 @@ def _places(record: Record, view: _View) -> Iterator[str]:
     busy = [view.place((row.x, row.y)) for row in record.rows]
     corners = [p for each in world.obstacles for ring in each for p in ring]
     busy += [view.place(point) for point in corners]
-    yield from _names([(name, view.place(point)) for name, point, _ in named], busy, view.font)
+    places = [(name, view.place(point)) for name, point, _ in named]
+    yield from _names(places, (x, y), busy, view.font)
 
 
-def _names(named: Sequence[tuple[str, Point]], busy: Sequence[Point], font: float) -> Iterator[str]:
-    """Yield names beside their places, where they cover least."""
+def _names(
+    named: Sequence[tuple[str, Point]], end: Point, busy: Sequence[Point], font: float
+) -> Iterator[str]:
+    """Yield names beside their places, where they cover least: not the end of the path."""
     taken: list[tuple[float, float, float, float]] = []
     marks = [place for _, place in named]
+    marks += [(end[0] + dx, end[1] + dy) for dx in (-4, 0, 4) for dy in (-4, 0, 4)]
     for name, (x, y) in named:
         wide = font * 0.66 * len(name)
 

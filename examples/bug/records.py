@@ -219,6 +219,8 @@ def table_md(records: Sequence[Record]) -> str:
     """Return the table of some runs as Markdown, with what it says on the whole above it."""
     right = sum(record.is_right for record in records)
     lines = [
+        f"# {len(records)} runs of Bug navigation",
+        "",
         f"{right} of {len(records)} runs gave the right answer without a collision. Lengths in"
         " metres, times in simulated seconds;",
         "ratio: to the shortest path of a point robot.",

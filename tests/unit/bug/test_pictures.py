@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from pathlib import Path
 
 import pytest
 from bug import pictures
@@ -92,3 +93,19 @@ def test_a_run_of_one_row_is_drawn() -> None:
     first = [Row(0.0, 0.0, -4.0, 0.0, "goal")]
     assert "@" in "".join(drawn(record().environment, first, 20, 5).text(has_colour=False))
     assert "<svg" in pictures.run_svg(record(rows=first, hits=[], leaves=[]))
+
+
+def test_a_png_is_beside_it_where_a_renderer_is_installed(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    svg = tmp_path / "a.svg"
+    svg.write_text(pictures.run_svg(record()))
+    monkeypatch.setenv("PATH", str(tmp_path))
+    pictures.rendered(svg)
+    assert [each.name for each in tmp_path.iterdir()] == ["a.svg"]
+    renderer = tmp_path / "rsvg-convert"
+    renderer.write_text('#!/bin/sh\necho "$4" > "$4"\n')
+    renderer.chmod(0o755)
+    pictures.rendered(svg)
+    assert (tmp_path / "a.png").is_file()
+    assert not (tmp_path / ".a.png").exists()
