@@ -64,6 +64,8 @@ class _Kept:
 class MobileRobotProperty(Component):
     """Show a robot as live properties of a service with the name of the instance.
 
+    There is a slash in the name of the service where the instance has a dot.
+
     It keeps each row of the run, too.
 
     Attributes:
@@ -87,7 +89,7 @@ class MobileRobotProperty(Component):
         self.kept: list[PathRow] = []
         self.outcome = Outcome()
         self._shown = Shown(self.kept)
-        self._served = rtkit.serve(self._shown, self.instance)
+        self._served = rtkit.serve(self._shown, self.instance.replace(".", "/"))
 
     def on_finalize(self) -> None:
         """Close the service."""

@@ -211,7 +211,7 @@ class Runner:
 
     def _wait(self, choice: Choice) -> str:
         """Wait until the run is over; return why it will not be, empty when it is."""
-        name = f"{self._options.prefix}MobileRobot0.status"
+        name = f"{self._options.prefix.replace('.', '/')}MobileRobot0.status"
         label = f"{choice}-{choice.seed}"
         period_s = _LOOK_S if self._look is None else _DRAWN_S
         while True:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import shutil
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from itertools import pairwise
+from itertools import groupby, pairwise
 from math import ceil, cos, hypot, sin
 from typing import TYPE_CHECKING
 
@@ -62,10 +62,19 @@ class Canvas:
 
     def text(self, *, has_colour: bool) -> list[str]:
         """Return the picture, a text for each line."""
-        return [
-            "".join(self._cell((x, y), has_colour) for x in range(self._columns)).rstrip()
-            for y in range(self._lines)
-        ]
+        lines = []
+        for y in range(self._lines):
+            cells = [self._cell((x, y)) for x in range(self._columns)]
+            parts = (
+                (kind, "".join(shown for _, shown in some))
+                for kind, some in groupby(cells, key=lambda cell: cell[0])
+            )
+            coloured = (
+                f"{_COLOURS[kind]}{text}{_RESET}" if has_colour and kind else text
+                for kind, text in parts
+            )
+            lines.append("".join(coloured).rstrip())
+        return lines
 
     def _place(self, point: Point) -> tuple[int, int]:
         x = int((point[0] - self._left) * self._scale)
@@ -77,11 +86,12 @@ class Canvas:
         self._dots[cell] = self._dots.get(cell, 0) | _DOTS[y % 4][x % 2]
         self._kinds[cell] = kind
 
-    def _cell(self, at: tuple[int, int], has_colour: bool) -> str:
+    def _cell(self, at: tuple[int, int]) -> tuple[str, str]:
+        """Return what is in a cell: its kind, and a character."""
         letter = self._names.get(at)
-        kind = "name" if letter else self._kinds.get(at, "")
-        shown = letter or (chr(0x2800 + self._dots[at]) if at in self._dots else " ")
-        return f"{_COLOURS[kind]}{shown}{_RESET}" if has_colour and kind else shown
+        if letter:
+            return "name", letter
+        return self._kinds.get(at, ""), chr(0x2800 + self._dots[at]) if at in self._dots else " "
 
 
 class Watcher:

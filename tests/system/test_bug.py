@@ -19,10 +19,11 @@ from bug.environments import shipped
 from bug.records import Row, trajectory_csv
 from bug.simulation import simulate
 from shells import ROOT, Shell
+from terminal import opened
 
 FOLDER = ROOT / "examples" / "bug"
-WORLDS = ("one-box", "visited", "closed")
-NAMES = ("bug2", "alg1")
+WORLDS = ("one-box", "closed")
+NAMES = ("bug2", "alg2", "distbug")
 ONE = "rtbug run --world one-box --variant bug2 --sensors laser"
 
 
@@ -59,12 +60,12 @@ def test_a_dozen_deployments_are_right_and_as_without_processes(shell: Shell) ->
     assert table[1:] == sorted(table[1:])
     assert {p.name for p in (shell.folder / "runs").glob("*.svg")} == {f"{w}.svg" for w in WORLDS}
     # Another variant is set while it is inactive; other sensors are another adaptor.
-    variant_change = outcome.err.partition("one-box/alg1-laser-left: ")[2].splitlines()
+    variant_change = outcome.err.partition("one-box/alg2-laser-left: ")[2].splitlines()
     assert variant_change[0].startswith("10 steps: deactivate 3, set 4, activate 3")
-    assert "set BugNavigator0.variant=alg1" in outcome.err
+    assert "set BugNavigator0.variant=alg2" in outcome.err
     assert "delete LaserAdaptor0" in outcome.err
     assert "create IrAdaptor0" in outcome.err
-    assert outcome.err.count(" create ") == 6
+    assert outcome.err.count("] create ") == 6
 
 
 @pytest.mark.timeout(120)
@@ -121,15 +122,42 @@ def test_who_is_ended_leaves_nothing_half_done(shell: Shell, number: signal.Sign
 
 
 @pytest.mark.timeout(120)
+def test_a_run_is_drawn_live_and_ctrl_c_ends_it(shell: Shell) -> None:
+    line = shell.command("rtbug run --world visited --variant rev1 --sensors laser --watch")
+    environment = {**shell.environment, "TERM": "xterm"}
+    with opened(line, environment, shell.folder) as terminal:
+        terminal.until(r"\x1b\[Hvisited/rev1-laser-left: [0-9.]+ s, going to the goal")
+        terminal.until("[\u2801-\u28ff]{5}")
+        terminal.until("H1")
+        terminal.type("\x03")
+        assert "Traceback" not in terminal.rest()
+        assert terminal.status() == -signal.SIGINT
+    assert not list((shell.folder / "run").glob("*.sock"))
+
+
+@pytest.mark.timeout(120)
+def test_two_of_them_do_not_meet(shell: Shell) -> None:
+    """The second one takes another manager, and a prefix for all names."""
+    first = shell.open(f"{ONE} --speedup 10 --json")
+    shell.environment = {**shell.environment, "RTKIT_MANAGER": "bug"}
+    _until(lambda: shell.run("rtwait -t 1 /localhost/WorldSim0.rtc active").status == 0)
+    second = shell.end_of(shell.open(f"{ONE} --json"), 60.0)
+    assert shell.run("rtget bug2/MobileRobot0.status").status == 1
+    outcome = shell.end_of(first, 60.0)
+    assert (outcome.status, second.status) == (0, 0), outcome.err + second.err
+    assert outcome.out == second.out
+
+
+@pytest.mark.timeout(120)
 def test_the_plain_commands_do_the_same(shell: Shell) -> None:
     """What rtbug does, by hand, and in one process instead of five."""
     (shell.folder / "rtc.conf").write_text("")
     shell.environment = {**shell.environment, "RTKIT_MODULE_PATH": str(FOLDER)}
     shell.ok("rtmgr start")
     system = FOLDER / "system.yaml"
-    assert shell.run(f"rtapply {system} --set variant=alg1").status == 0
+    assert shell.run(f"rtapply {system} --set variant=alg1 --set world=visited").status == 0
     assert _status(shell) == "reached"
-    assert _rows(shell) == _pure("one-box", "alg1", "laser")
+    assert _rows(shell) == _pure("visited", "alg1", "laser")
     wrong = shell.run("rtconf /localhost/BugNavigator0.rtc set variant bug9")
     assert (wrong.status, wrong.out) == (1, "")
     assert re.match(r"rtconf: variant cannot be 'bug9': it is one of bug1, [^\n]*\n$", wrong.err)

@@ -120,7 +120,10 @@ def main(
     if words[0] == _WHERE:
         terminal.write([str(running.FOLDER)])
         return 0
-    worlds = running.read_worlds(asked.files)
+    try:
+        worlds = running.read_worlds(asked.files)
+    except ImportError as error:  # numpy is missing; the text says so
+        raise Refused(str(error)) from error
     if words[0] == _LIST:
         return _list(running, worlds, is_json)
     choices = _choices(running, worlds, asked)
@@ -146,20 +149,13 @@ def main(
 
 
 def _running() -> Any:
-    """Import the example, which is no part of this package.
-
-    Raises:
-        Refused: numpy is missing.
-    """
+    """Import the example, which is no part of this package."""
     from rtkit.resources import resource
 
     folder = resource("examples")
     if folder not in sys.path:
         sys.path.insert(0, folder)
-    try:
-        return import_module("bug.running")
-    except ImportError as error:
-        raise Refused(f"{error}") from error
+    return import_module("bug.running")
 
 
 def _choices(running: Any, worlds: Any, asked: Asked) -> list[Any]:
@@ -204,7 +200,7 @@ def _run(
 
     records: list[Any] = []
     try:
-        with metered(app, "runs", is_writing=not is_quiet) as show:
+        with metered(app, "runs", is_writing=True) as show:
             for number, choice in enumerate(choices):
                 counted(show)(number, len(choices))
                 record = runner.run(choice)
