@@ -37,9 +37,11 @@ class Manipulator(Component):
     def on_activated(self, context: str) -> None:
         """Put the things on the table, unless they lie there."""
         self._since = 0.0
-        if getattr(self, "_table", None) is None:
+        wanted = (self.site, self.seed, self.displaced)
+        if getattr(self, "_wanted", None) != wanted:
             sites = json.loads(SITES.read_text(encoding="utf-8"))
             self._table = table_of(sites[self.site], seed=self.seed, displaced=self.displaced)
+            self._wanted = wanted
 
     def on_execute(self, context: str) -> None:
         """Go on with the order; report what is new, and now and then what is not."""

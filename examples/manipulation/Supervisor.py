@@ -30,13 +30,14 @@ class Supervisor(Component):
     order = OutPort(Order, doc="What the manipulator is to do")
     site = Parameter("switch", doc="Which site of sites.json it knows the walls of")
     service = Parameter("table", doc="Name of its live properties")
-    memory = Parameter("", doc="File that keeps what it knows; by default in the folder of states")
+    memory = Parameter("", doc="File of what it knows; by default in the folder of states")
 
     def on_activated(self, context: str) -> None:
         """Recall what was known, and listen to the operator."""
         self._lock = threading.Lock()
         self._sent: tuple[int, float] = (0, 0.0)
-        self._path = Path(self.memory or f"{state_dir()}/manipulation/{self.instance}.json")
+        usual = f"{state_dir()}/manipulation/{self.instance}-{self.site}.json"
+        self._path = Path(self.memory or usual)
         dialogue = store.read(self._path)
         if dialogue is None:
             sites = json.loads(SITES.read_text(encoding="utf-8"))
@@ -47,11 +48,13 @@ class Supervisor(Component):
 
     def on_execute(self, context: str) -> None:
         """Take reports, and give the next order."""
+        reports = self.felt.read_all()
         with self._lock:
-            for report in self.felt.read_all():
+            for report in reports:
                 self._dialogue.see(report)
             self._heard()
-        self._desk.publish()
+        if reports:
+            self._desk.publish()
 
     def _heard(self) -> None:
         """Give what order there is, and keep what was learnt."""

@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 
 from manipulation.execution import CELL, QUARTER, Execution
 from manipulation.jobs import Asked, Job
-from manipulation.knowledge import Prices, Site, Thing
+from manipulation.knowledge import Site, Thing
 from manipulation.language import (
     Cancel,
     Define,
@@ -141,16 +141,7 @@ class Dialogue:
             Malformed: It is not greater than 0 (a risk: not below 0).
             NotFound: There is no such price or region.
         """
-        if name in Prices._fields:
-            if not 0 < value < float("inf"):
-                raise Malformed(f"a price is a number greater than 0: {value:g}")
-            self.site.prices = self.site.prices._replace(**{name: value})
-        elif name in self.site.regions:
-            if not 0 <= value < float("inf"):
-                raise Malformed(f"a risk is a number not below 0: {value:g}")
-            self.site.risks[name] = value
-        else:
-            raise NotFound(self.site.missing(name, [*Prices._fields, *self.site.regions]))
+        self.site.set_price(name, value)
         self.said = f"{name} costs {value:g}"
         self._reconsider()
         self.revision += 1
@@ -194,8 +185,7 @@ class Dialogue:
             if any(name in job.names for job in self.jobs):
                 raise Refused(f"{name} is part of a task: cancel it first")
             self.site.forget(name)
-            for id in [id for id, each in self.asked.items() if each.about == name]:
-                del self.asked[id]
+            self._waited_for(name)
         self.said = f"forgot {name}"
         self._reconsider()
 
@@ -249,6 +239,12 @@ class Dialogue:
             self.offered.pop(id, None)
             self.ties.pop(id, None)
 
+    def _waited_for(self, thing: str) -> None:
+        """Go on where a task was stopped by a thing."""
+        self._withdraw(thing)
+        for job in self.jobs:
+            job.waits_for = "" if job.waits_for == thing else job.waits_for
+
     def _unknown_name(self) -> str:
         self.numbers["thing"] += 1
         return f"unknown{self.numbers['thing']}"
@@ -259,7 +255,7 @@ class Dialogue:
     def _named(self, question: Asked, text: str) -> None:
         name = " ".join(text.split())
         self.site.rename(str(question.about), name)
-        self._withdraw(question.about)
+        self._waited_for(str(question.about))
         self.said = f"{text_of(self.site.things[name].pose[:2])} is {name}"
         self._reconsider()
 
@@ -353,10 +349,7 @@ class Dialogue:
     @property
     def is_stopped(self) -> bool:
         """Return whether a thing that was found by touch waits for its name."""
-        return any(
-            each.kind == "name" and not self.site.things[str(each.about)].is_named
-            for each in self.asked.values()
-        )
+        return any(job.waits_for for job in self.jobs)
 
     @property
     def order(self) -> Order | None:
@@ -368,6 +361,10 @@ class Dialogue:
         if self.last is None:
             if report.outcome == "busy":
                 return  # it does what was ordered before a restart: look when it stands
+            self._find_oneself(report)
+        elif report.number < self.last.number:
+            self.running = None  # the manipulator has begun anew
+            self._is_changed = True
             self._find_oneself(report)
         self.last = report
         if self.running is None:
@@ -397,13 +394,13 @@ class Dialogue:
         if site.holding:
             thing = site.things[site.holding]
             thing.pose = (*place, site.hand[2] if thing.is_bar else thing.pose[2])
-        if self.current is not None:
+        if self.current is not None and self.last is None:
             self.current.spent += site.price_between(before, site.hand)
         if report.outcome == "touched":
             met = (report.contact_x / CELL, report.contact_y / CELL)
-            self._found((round(met[0]), round(met[1])))
+            self._found((round(met[0]), round(met[1])), self.current)
 
-    def _found(self, place: Place) -> None:
+    def _found(self, place: Place, job: Job | None) -> None:
         """Make a thing known that was touched, and ask what it is."""
         poses = {name: each.pose for name, each in self.site.things.items()}
         if place in self.site.blocked(poses) or not self.site.is_inside(place):
@@ -411,6 +408,8 @@ class Dialogue:
         name = self._unknown_name()
         self.site.add(name, Thing((*place, 0), is_named=False))
         self._ask_name(name, place)
+        if job is not None:
+            job.waits_for = name
         self.said = f"stopped: something is at {text_of(place)}; its name?"
 
     def _stepped(self, price: float) -> None:
@@ -431,7 +430,7 @@ class Dialogue:
         self.revision += 1
         job = self._at_work
         if running.event == "touched" and running.unknown is not None:
-            self._found(running.unknown)
+            self._found(running.unknown, job if job in self.jobs else None)
         elif job is None or job not in self.jobs:
             return
         elif running.event == "lost":

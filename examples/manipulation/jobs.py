@@ -36,7 +36,8 @@ class Job:
         goals: What it comes to; targets may be fuzzy.
         chosen: Concrete goals, with the number of the goal that each serves.
         done: How many of `chosen` are done.
-        is_ready: It waits for no answer.
+        is_ready: A way is chosen.
+        waits_for: A thing that stopped it and has no name yet.
         spent: What it has cost up to now.
         evaluations: Evaluations that it took.
     """
@@ -47,6 +48,7 @@ class Job:
     chosen: list[tuple[Goal, int]] = field(default_factory=list)
     done: int = 0
     is_ready: bool = False
+    waits_for: str = ""
     spent: float = 0.0
     evaluations: int = 0
 

@@ -108,6 +108,24 @@ class Site:
         """Return what entering a place costs more."""
         return sum(cost for name, cost in self.risks.items() if place in self.regions[name])
 
+    def set_price(self, name: str, value: float) -> None:
+        """Set a price, or the risk of a region.
+
+        Raises:
+            Malformed: It is not greater than 0 (a risk: not below 0).
+            NotFound: There is no such price or region.
+        """
+        if name in Prices._fields:
+            if not 0 < value < float("inf"):
+                raise Malformed(f"a price is a number greater than 0: {value:g}")
+            self.prices = self.prices._replace(**{name: value})
+        elif name in self.regions:
+            if not 0 <= value < float("inf"):
+                raise Malformed(f"a risk is a number not below 0: {value:g}")
+            self.risks[name] = value
+        else:
+            raise NotFound(self.missing(name, [*Prices._fields, *self.regions]))
+
     def price_between(self, before: Pose, now: Pose) -> float:
         """Return what one step costs, for the hand as it is."""
         step = self.prices.carry if self.holding else self.prices.move

@@ -138,5 +138,5 @@ def read(path: Path) -> Dialogue | None:
         return None
     try:
         return restored(json.loads(path.read_text(encoding="utf-8")))
-    except (KeyError, TypeError, ValueError) as error:
+    except (AttributeError, KeyError, TypeError, ValueError) as error:
         raise Malformed(f"{path}: {error}: move it away to begin anew") from error

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
-from hypothesis import given, settings
+from hypothesis import assume, given, settings
 from hypothesis import strategies as st
+from manipulation import store, take
+from manipulation.dialogue import Dialogue
 from manipulation.knowledge import UNIT
 from manipulation.language import Go, PickUp, Take, Target, parse
 from manipulation.legs import Legs, Question, passed
+from manipulation.table import table_of
 from manipulationkit import DOORWAY, SWITCH, Bench
 
 WIDTH, HEIGHT = 6, 5
@@ -89,3 +92,32 @@ def test_the_switch_comes_to_its_end_wherever_the_objects_lie(seed: int, choice:
     assert "done" in bench.run()
     assert (bench.lies("thing1"), bench.lies("thing2")) == ((7, 4), (3, 4))
     assert bench.dialogue.legs.evaluations <= 19
+
+
+@settings(max_examples=60)
+@given(
+    st.frozensets(places, max_size=9),
+    st.lists(places, min_size=4, max_size=4, unique=True),
+    st.integers(0, 99),
+)
+def test_a_take_costs_what_another_planner_says_and_is_done_by_touch(
+    walls: frozenset[tuple[int, int]], at: list[tuple[int, int]], seed: int
+) -> None:
+    hand, a, b, goal = at
+    assume(walls.isdisjoint(at))
+    site = {"width": WIDTH, "height": HEIGHT, "walls": walls, "hand": hand}
+    site["things"] = [{"at": a}, {"at": b}]
+    bench = Bench("switch")
+    bench.table = table_of(site, seed=seed)
+    bench.table.speed = 2.0
+    bench.dialogue = Dialogue(store.site_of(site))
+    bench.say(f"designate object at ({a[0]} {a[1]}) A", f"designate object at ({b[0]} {b[1]}) B")
+    bench.dialogue.see(bench.table.report)
+    other = take.Site(WIDTH, HEIGHT, walls, {take.HAND: hand, "A": a, "B": b})
+    expected = other.take("A", goal)(other.state)
+    bench.say(f"take A to ({goal[0]} {goal[1]})")
+    if expected is None:
+        assert "B" in bench.dialogue.said or "impossible" in bench.dialogue.said
+        return
+    assert bench.run() == f"take A to ({goal[0]} {goal[1]}): done, cost {expected.cost:g}"
+    assert bench.lies("thing1") == goal

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import pytest
-from manipulation import explore, take
+from manipulation import explore, store, take
 from manipulation.execution import SEARCH
 from manipulation.orders import Report
 from manipulationkit import DOORWAY, SWITCH, Bench
@@ -270,6 +272,35 @@ def test_an_unknown_object_is_felt_shown_named_and_planned_with() -> None:
     assert bench.lies("thing2") == (9, 5)
 
 
+def test_a_name_that_never_comes_holds_nothing_up_for_ever() -> None:
+    bench = Bench("corridor", "go to (9 2)")
+    bench.run()
+    bench.say("go to (1 1)")
+    assert bench.run() == "a: cost 5 (move 5): go to (1 1)"  # it waits for the name
+    bench.say("cancel", "go to (1 1)")
+    assert bench.run() == "go to (1 1): done, cost 5"
+    assert "q1" in bench.dialogue.asked
+    bench.say("forget unknown1")
+    assert bench.dialogue.asked == {}
+
+
+def test_a_thing_without_a_name_stops_nothing() -> None:
+    bench = Bench("switch", "designate object at (3 4)", "go to (2 1)")
+    assert bench.run() == "go to (2 1): done, cost 1"
+    assert bench.dialogue.state == "asking"
+
+
+def test_a_manipulator_that_begins_anew_is_looked_at_anew() -> None:
+    bench = Bench("switch", *SWITCH, "take A to (8 1)")
+    while not bench.table.held:
+        bench.step()
+    bench.table = Bench("switch").table
+    bench.dialogue.see(bench.table.report)
+    assert (bench.dialogue.site.hand, bench.dialogue.site.holding) == ((1, 1, 0), "")
+    assert bench.run() == "take A to (8 1): done, cost 26"
+    assert bench.lies("thing1") == (8, 1)
+
+
 def test_a_thing_that_is_not_in_the_middle_is_searched_in_order() -> None:
     for seed in range(1, 8):
         bench = Bench("switch", *SWITCH, "pick up A", seed=seed)
@@ -352,6 +383,31 @@ def test_a_task_solved_before_is_answered_from_memory() -> None:
     bench.say("cancel", "designate wall at (5 4)")
     bench.say("switch A B X Y")
     assert bench.dialogue.legs.evaluations > first
+
+
+def test_what_is_kept_comes_back_as_it_was() -> None:
+    bench = Bench("room", "designate bar at (2 6) (3 6) rod", "designate region at (5 3) door")
+    bench.say("designate place at (10 7) light switch", "define home = go to (1 1)", "home")
+    bench.dialogue.set_price("turn", 7)
+    bench.dialogue.set_price("door", 4)
+    bench.run()
+    before = store.saved(bench.dialogue)
+    bench.restart()
+    assert store.saved(bench.dialogue) == before
+
+
+def test_a_file_that_is_no_memory_is_refused(tmp_path: Path) -> None:
+    file = tmp_path / "table.json"
+    assert store.read(file) is None
+    for text in ("", "[]", "{}", '{"form": 9}', '{"form": 1}'):
+        file.write_text(text, encoding="utf-8")
+        with pytest.raises(Malformed, match="begin anew"):
+            store.read(file)
+    bench = Bench("switch", *SWITCH)
+    store.write(bench.dialogue, file)
+    again = store.read(file)
+    assert again is not None
+    assert store.saved(again) == store.saved(bench.dialogue)
 
 
 def test_a_report_that_belongs_to_nothing_changes_nothing() -> None:
