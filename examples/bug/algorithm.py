@@ -6,7 +6,7 @@ One control step is `Navigator.control`. Its words are those of Kchir, Ziadi, Zi
 
 from __future__ import annotations
 
-from math import atan2, cos, hypot, remainder, sin, tau
+from math import atan2, cos, dist, hypot, inf, remainder, sin, tau
 from typing import TYPE_CHECKING
 
 from rtkit.errors import Malformed
@@ -39,6 +39,8 @@ _FACING = 0.05
 _ARC = 0.37
 _INTO_WALL = sin(0.1)
 _STOP = 0.45
+_NARROW = 0.28
+"""How far a way is free at least where another obstacle is next to the one that is followed [m]."""
 _BODY = 0.2
 
 
@@ -97,6 +99,9 @@ class Navigator:
         self.around: Surroundings | None = None
         self.trial: Point | None = None
         self.turned_at: tuple[Point, float] | None = None
+        self.went_from: Point | None = None
+        self.narrow: tuple[float, Point, float] | None = None
+        self.narrowest = inf
         self._start: Point | None = None
         self.decided_at: Point | None = None
 
@@ -134,7 +139,7 @@ class Navigator:
         if self.is_leave_point_found() and self.research_complete():
             return self.go_to_leave_point(command)
         if self.complete_cycle_around_obstacle() and not self.is_leave_point_found():
-            return self.stop(UNREACHABLE)
+            return self.try_narrow_place(command)
         return command
 
     def goal_reached(self) -> bool:
@@ -181,6 +186,7 @@ class Navigator:
         if not self.assembly.is_complete and self._goes_in_circles():
             return self.stop(GAVE_UP)
         self.hits.append(self.here)
+        self.narrow = None
         self.ways.append(self.direction)
         self.following, self.task, self.leave_point = True, SEARCHING, None
         self.has_turned = False
@@ -223,6 +229,8 @@ class Navigator:
 
         Each turn on the spot shows other places, so it may seem right to turn back at once.
         """
+        if self.around.beside < 0.7 * self.around.safe:
+            turn = self.side * max(turn * self.side, 0.2)
         if abs(turn) <= 0.25:
             self.turned_at = None
             return step / PERIOD, turn / PERIOD
@@ -271,21 +279,40 @@ class Navigator:
 
     def go_to_leave_point(self, command: Command) -> Command:
         """Return the command to the leave point, or away from the obstacle where it is there."""
-        if self.assembly.research != CIRCUIT:
+        if not self.is_going_back and self.assembly.research != CIRCUIT:
             return self.leave()
         if not self.is_going_back:
-            self.task = GOING_BACK
-            if self.circuit.is_shorter_back():
-                self.turn_round()
-            self.circuit.go_to_nearest()
+            self.go_back()
         if not self.circuit.is_at_nearest(self.here):
             return command
-        found = self.way_to_goal_is_free()
-        if found is None or isinstance(found, tuple):
-            return found or _STILL
+        found = self.way_to_goal_is_free(_NARROW)
+        if isinstance(found, tuple):
+            return found
+        self.decided_at = self.here
         if found:
             return self.leave()
         return self.stop(UNREACHABLE) if self.circuit.has_passed(self.here) else command
+
+    def go_back(self) -> None:
+        """Begin the shorter way along the boundary to the leave point."""
+        self.task = GOING_BACK
+        if self.circuit.is_shorter_back():
+            self.turn_round()
+        self.circuit.go_to_nearest()
+
+    def try_narrow_place(self, command: Command) -> Command:
+        """Go back where something stood so near that it did not leave, or report unreachable."""
+        if self.narrow is None or self.narrow[0] > self.narrowest - 0.05:
+            return self.stop(UNREACHABLE)
+        self.circuit.nearest = self.narrow
+        self.narrowest, self.leave_point = self.narrow[0], self.narrow[1]
+        self.go_back()
+        return command
+
+    def note_narrow_place(self) -> None:
+        """Remember the place nearest to the goal at which the way is free for a little only."""
+        if self.following and (self.narrow is None or self.to_goal < self.narrow[0]):
+            self.narrow = (self.to_goal, self.here, self.circuit.length)
 
     def leave(self) -> Command:
         """Leave the obstacle here and face the goal."""
@@ -302,8 +329,8 @@ class Navigator:
 
     # What operations ask
 
-    def way_to_goal_is_free(self) -> bool | Command:
-        """Return whether nothing is next to the robot towards the goal; a command to look there."""
+    def way_to_goal_is_free(self, least: float = _STOP + 0.02) -> bool | Command:
+        """Return whether the way to the goal is free so far [m]; a command to look there."""
         contact = self.around.contact
         if contact is not None:
             dx, dy = contact[0] - self.x, contact[1] - self.y
@@ -319,7 +346,9 @@ class Navigator:
         if not self.around.sees(self.bearing):
             return self._look()
         free = self.around.free(self.bearing, 0.22)
-        return free > min(_STOP + 0.02, self.to_goal)
+        if free > _NARROW:
+            self.note_narrow_place()
+        return free > min(least, self.to_goal)
 
     def free_range(self) -> float | Command:
         """Return the range towards the goal [m], or a command to look there."""
@@ -331,11 +360,11 @@ class Navigator:
 
     def _look(self) -> Command | bool:
         """Turn to the goal, once at each place."""
-        if self.decided_at is not None:
-            far = hypot(self.decided_at[0] - self.x, self.decided_at[1] - self.y)
-            if far < 0.1:
-                return False
-        return self.face_goal()
+        return False if self.was_decided() else self.face_goal()
+
+    def was_decided(self) -> bool:
+        """Return whether it has just looked from here, in vain."""
+        return self.decided_at is not None and dist(self.decided_at, self.here) < 0.1
 
     def _to_line(self, v: float, omega: float) -> Command:
         """Shorten a step that would lead across the m-line."""

@@ -57,7 +57,7 @@ class Circuit:
             self.turning += remainder(course - self._course, tau)
         self._course, self._last = course, here
         self.length += moved
-        is_round = abs(abs(self.turning) - tau) <= pi
+        is_round = abs(self.turning) >= pi  # half a turn less than one; more where H was missed
         self.is_complete = self.is_complete or (self.farthest > 0.6 and far <= 0.40 and is_round)
 
     def has_returned(self, here: Point) -> bool:
@@ -92,10 +92,12 @@ class Least:
 
     def __init__(self) -> None:
         self.ever = self.on_line = self.at_hit = self.since_hit = inf
+        self.in_vain = 0
 
     def hit(self, to_goal: float, on_line: bool) -> None:
         """Take in a hit point."""
-        self.at_hit = self.since_hit = to_goal
+        self.in_vain += to_goal > self.since_hit - 0.05
+        self.at_hit = to_goal  # a leave that led nowhere is no progress: since_hit stays
         self.pass_by(to_goal, on_line)
 
     def leave(self, to_goal: float) -> None:
@@ -123,12 +125,13 @@ class Least:
 # Motions to the goal: the bearing to go to, or None at a hit point.
 
 
-def go_straight(navigator: Navigator) -> float | None:
-    """Aim at the goal, until something is in front."""
+def go_straight(navigator: Navigator, aim: float | None = None) -> float | None:
+    """Aim at the goal, or at a bearing [rad], until something is in front."""
     navigator.least.pass_by(navigator.to_goal, False)
-    if navigator.is_facing(navigator.bearing) and navigator.obstacle_in_front_of_the_robot():
+    aim = navigator.bearing if aim is None else aim
+    if navigator.is_facing(aim) and navigator.obstacle_in_front_of_the_robot():
         return None
-    return navigator.bearing
+    return aim
 
 
 def go_along_line(navigator: Navigator) -> float | None:
@@ -147,8 +150,9 @@ def go_along_line(navigator: Navigator) -> float | None:
 def go_by_tangents(navigator: Navigator) -> float | None:
     """Aim at the node of the local tangent graph with the shortest way, until none gets nearer."""
     around = navigator.around
-    if not around.has_ranges:
-        return go_straight(navigator)
+    if not around.has_ranges or around.is_coarse:  # no tangent is known: it acts as by contact
+        place = _seen_place(navigator)
+        return go_straight(navigator, navigator.bearing if place is None else place)
     if navigator.to_goal < navigator.least.ever - 0.02:
         navigator.stale = 0
     navigator.least.pass_by(navigator.to_goal, False)
@@ -265,7 +269,11 @@ def leave_by_visible_points(navigator: Navigator) -> Command | None:
     ways = np.clip(navigator.to_goal * np.cos(off), 0.0, np.maximum(room, 0.0))
     far = np.hypot(navigator.to_goal - ways * np.cos(off), ways * np.sin(off))
     best = int(far.argmin())
-    found = bool(far[best] < least - navigator.assembly.gain)
+    # What was seen and could not be reached makes it ask for more.
+    wanted = min(navigator.assembly.gain * (1 + navigator.least.in_vain), 0.6 * least)
+    found = bool(far[best] < least - wanted)
+    if not found and navigator.to_goal < least and around.sees(navigator.bearing):
+        navigator.way_to_goal_is_free()  # it notes a narrow place
     if found:
         angle = navigator.theta + float(bearings[best])
         x, y = navigator.here

@@ -42,6 +42,7 @@ class Surroundings:
         has_ranges: Whether its sensors measure ranges.
         is_coarse: Whether a range may be of a place far beside its bearing.
         reach: Longest range seen until now [m].
+        beside: Range on the side of the followed wall, where ranges are coarse [m].
         contact: The place of the wall that is followed; None before.
     """
 
@@ -50,6 +51,7 @@ class Surroundings:
         self.has_ranges = False
         self.is_coarse = False
         self.reach = 0.0
+        self.beside = inf
         self.contact: Point | None = None
         self._here = (0.0, 0.0, 0.0)
         self._bearings = self._ranges = self._halves = np.zeros(0)
@@ -78,7 +80,7 @@ class Surroundings:
         self.is_coarse = bool(self._halves.max() > _WIDE)
         self.reach = max(self.reach, float(self._ranges.max()))
         echo = self._ranges < self.reach - 1e-6
-        self._guessed = np.zeros((0, 2))
+        self._guessed, self.beside = np.zeros((0, 2)), inf
         angles = self._bearings + pose[2]
         if self.is_coarse and side:
             angles = angles + self._shifts(echo, side)
@@ -99,6 +101,7 @@ class Surroundings:
         ahead = int(abs(self._bearings).argmin())
         last, self._last = self._last, None
         far = self._ranges[beside]
+        self.beside = float(far) if echo[beside] else inf
         if beside == ahead or not echo[beside] or far > 2 * self.safe:
             return shifts
         x, y, theta = self._here
@@ -109,9 +112,10 @@ class Surroundings:
             shifts[ahead] = -side * self._halves[ahead]
             edge = float(self._bearings[ahead] + shifts[ahead])
             along = np.array((front * cos(edge), front * sin(edge))) - place
-            if abs(atan2(along[1], along[0])) < _STEEPEST:
-                off, length = atan2(along[1], along[0]), 0.28
-        elif last is not None:
+            closing = side * atan2(along[1], along[0])  # one that recedes may be another wall
+            if 0 < closing < _STEEPEST:
+                off, length = side * closing, 0.28
+        if not off and last is not None:
             back = np.array(
                 (
                     cos(theta) * (last[0] - x) + sin(theta) * (last[1] - y),

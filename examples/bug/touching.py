@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import hypot, pi
+from math import dist, hypot, pi
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
@@ -31,12 +31,17 @@ def follow_by_touch(navigator: Navigator, side: float) -> Command:
         ahead = senses.free_distance(0.0) == 0
         around.touch(0.0 if ahead else side * _SIDE, _FELT)
         return 0.0, side * 0.9
-    if before:
+    went_from, navigator.went_from = navigator.went_from, None
+    is_blocked = went_from is not None and dist(went_from, navigator.here) < 0.01
+    if before and not behind:
+        around.touch(-side * _SIDE, _FELT)
+        return 0.0, side * 0.5
+    if on_side:
         around.touch(-side * pi / 2, _FELT)
-        return 0.0, side * 0.35
-    if behind:
-        around.touch(-side * pi / 2, _FELT)  # a wall goes on as it did
-        return 0.16, 0.0
+        if is_blocked:
+            return 0.0, side * 0.35
+        navigator.went_from = navigator.here
+        return 0.2, (0.0 if before else -side * 0.4)
     return 0.14, -side * 1.1
 
 
@@ -46,6 +51,8 @@ def way_free_by_trial(navigator: Navigator) -> bool | Command:
         far = hypot(navigator.x - navigator.trial[0], navigator.y - navigator.trial[1])
         navigator.trial = None
         return far > 0.9 * _TRIAL and not navigator.obstacle_in_front_of_the_robot()
+    if navigator.was_decided():
+        return False
     if not navigator.is_facing(navigator.bearing):
         return navigator.face_goal()
     navigator.trial = navigator.here
