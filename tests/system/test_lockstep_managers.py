@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from waiting import BOUND_S, told_pid
+from waiting import BOUND_S, told_pid, until
 
 import rtkit
 from rtkit.world import Lockstep, ParticipantLost
@@ -75,6 +75,7 @@ def test_a_tick_goes_on_with_the_next_manager(manager: Any, folder: Path) -> Non
         with pytest.raises(ParticipantLost, match=r"no end of a cycle within 0\.3 s"):
             lockstep.tick()
         lockstep.timeout_s = BOUND_S
+        until((folder / "cycles").exists, "A has begun its cycle")
         os.kill(told_pid(manager), signal.SIGKILL)
         with pytest.raises(ParticipantLost, match="manager 'manager' ended before it answered"):
             lockstep.tick()
