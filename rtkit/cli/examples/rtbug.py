@@ -48,7 +48,10 @@ class Asked(NamedTuple):
     )
     seed: int = option("--seed N", "Seed of the noise (default 0).", int, default=0)
     noise: float = option(
-        "--noise METRES", "Sigma of ranges and odometry.", NumberChoice(min=0, max=1), default=0.0
+        "--noise METRES",
+        "Sigma of ranges and odometry (default 0).",
+        NumberChoice(min=0, max=1),
+        default=0.0,
     )
     speedup: float | None = option(
         "--speedup X",
