@@ -7,7 +7,7 @@ from rtkit.component import Component, InPort, Manager, Parameter, Point2D, Serv
 from rtkit.errors import Refused
 
 from .messages import ONE_EACH_TICK, Body, Navigation, Outcome, PathRow, Record, seconds
-from .records import GAVE_UP
+from .records import GAVE_UP, GOAL
 
 
 class Shown:
@@ -127,9 +127,8 @@ class MobileRobotProperty(Component):
 
     def _note(self, body: Body, navigation: Navigation) -> None:
         odometry = (navigation.x, navigation.y, navigation.theta)
-        self.kept.append(
-            PathRow(seconds(body.tm), body.x, body.y, body.theta, navigation.mode, *odometry)
-        )
+        mode = navigation.mode if self.kept else GOAL  # a hit at the start shows from the next step
+        self.kept.append(PathRow(seconds(body.tm), body.x, body.y, body.theta, mode, *odometry))
 
     def _show(self, body: Body, navigation: Navigation, status: str) -> None:
         shown = self._shown

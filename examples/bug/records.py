@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 
 SCHEMA = "rtkit.bug-run/1"
 REACHED, UNREACHABLE, GAVE_UP = "reached", "unreachable", "gave-up"
+GOAL, FOLLOW = "goal", "follow"
 COLUMNS = ("t", "x", "y", "theta", "mode")
 ODOMETRY = ("odom_x", "odom_y", "odom_theta")
 TABLE = (

@@ -21,6 +21,8 @@ from .assembly import variants
 from .environments import Environment, bound, read_environments, shipped, shortest
 from .pictures import multiples_svg, rendered, run_svg
 from .records import (
+    FOLLOW,
+    GOAL,
     Choice,
     Record,
     Row,
@@ -260,15 +262,15 @@ class Runner:
             )
             for row in kept
         ]
-        modes = [("goal", rows[0]), *((a.mode, b) for a, b in pairwise(rows))]
+        changes = [(a.mode, b.mode, (b.x, b.y)) for a, b in pairwise(rows)]
         environment, assembly = self._worlds[choice.environment], self._variants[choice.variant]
         return Record(
             choice=choice,
             environment=environment,
             status=outcome.status,
             rows=rows,
-            hits=[(b.x, b.y) for before, b in modes if (before, b.mode) == ("goal", "follow")],
-            leaves=[(b.x, b.y) for before, b in modes if (before, b.mode) == ("follow", "goal")],
+            hits=[place for a, b, place in changes if (a, b) == (GOAL, FOLLOW)],
+            leaves=[place for a, b, place in changes if (a, b) == (FOLLOW, GOAL)],
             reversals=outcome.reversals,
             collisions=outcome.collisions,
             min_clearance=outcome.min_clearance,

@@ -201,8 +201,9 @@ def simulate(
     while True:
         command = navigator.control(senses_of(sensors, world.raw()), world.t)
         before = rows[-1].mode if rows else "goal"
-        rows.append(Row(world.t, *world.pose, navigator.mode))
-        if navigator.mode != before:
+        mode = navigator.mode if rows else before  # a hit at the start shows from the next step on
+        rows.append(Row(world.t, *world.pose, mode))
+        if mode != before:
             (hits if before == "goal" else leaves).append(world.pose[:2])
         if navigator.status or world.steps >= step_limit:
             break

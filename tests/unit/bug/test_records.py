@@ -109,3 +109,18 @@ def test_the_length_is_that_of_the_rows_as_written() -> None:
         ((b[0] - a[0]) ** 2 + (b[1] - a[1]) ** 2) ** 0.5 for a, b in itertools.pairwise(places)
     )
     assert record().path_length == pytest.approx(total, abs=1e-9)
+
+
+@pytest.mark.parametrize(("variant", "sensors"), [("tangentbug", "ir"), ("alg1", "laser")])
+def test_as_many_changes_of_mode_are_in_the_rows_as_hits_and_leaves(
+    variant: str, sensors: str
+) -> None:
+    from bug.assembly import variants
+    from bug.environments import shipped
+    from bug.simulation import simulate
+
+    run = simulate(shipped()["visited"], variants()[variant], sensors)
+    assert run.rows[0].mode == "goal"
+    changes = [(a.mode, b.mode) for a, b in pairwise(run.rows)]
+    assert changes.count(("goal", "follow")) == len(run.hits)
+    assert changes.count(("follow", "goal")) == len(run.leaves)
