@@ -6,6 +6,7 @@ import csv
 import io
 import itertools
 import json
+from itertools import pairwise
 from math import pi
 
 import jsonrecords
