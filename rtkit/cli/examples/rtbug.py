@@ -10,6 +10,8 @@ from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+import click
+
 from rtkit.cli.shared import terminal
 from rtkit.cli.shared.app import App, WrongArguments, check_at_most_one, no_such
 from rtkit.cli.shared.command import command
@@ -33,6 +35,7 @@ _MOST = 100
 """How many managers of this command may run at once."""
 _RIGHT, _WRONG, _UNREACHABLE, _GAVE_UP = 0, 1, 7, 8
 _WATCHED_SPEEDUP = 10.0
+SEED = click.IntRange(min=0, max=2**31 - 1)
 
 
 class Asked(NamedTuple):
@@ -46,7 +49,7 @@ class Asked(NamedTuple):
     directions: tuple[str, ...] = several(
         "--direction SIDE", "Turning left (default) or right at a wall."
     )
-    seed: int = option("--seed N", "Seed of the noise (default 0).", int, default=0)
+    seed: int = option("--seed N", "Seed of the noise (default 0).", SEED, default=0)
     noise: float = option(
         "--noise METRES",
         "Sigma of ranges and odometry (default 0).",
@@ -55,7 +58,7 @@ class Asked(NamedTuple):
     )
     speedup: float | None = option(
         "--speedup X",
-        "X times as fast as real time; 0, the default, does not wait.",
+        "X times as fast as real time (default 0: no waiting; 10 with --watch).",
         NumberChoice(min=0),
     )
     step_limit: int | None = option(
