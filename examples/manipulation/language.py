@@ -20,6 +20,8 @@ _TOKEN = re.compile(
 )
 _ARTICLES = ("the", "a", "an")
 RELATIONS = ("near", "beside", "left of", "right of", "above", "below")
+TURNS = {"lengthwise": 0, "crosswise": 1}
+"""How a bar may lie: as it was designated, or a quarter turn from that."""
 KINDS = ("object", "bar", "wall", "place", "region")
 _BUILT_IN = ("designate", "forget", "define", "go", "pick", "take", "leave", "cancel")
 _IT = "it"
@@ -31,18 +33,21 @@ class Target(NamedTuple):
     Attributes:
         relation: ``at``, ``in``, ``was``, or one of `RELATIONS`.
         name: What it is relative to; empty where a place is given.
+        turn: How a bar is to lie, one of `TURNS`; empty for either.
     """
 
     relation: str
     place: Place | None = None
     name: str = ""
+    turn: str = ""
 
     def __str__(self) -> str:
+        turn = f" {self.turn}" if self.turn else ""
         if self.relation == "at":
-            return text_of(self.place) if self.place else self.name
-        return (
-            f"where {self.name} was" if self.relation == "was" else f"{self.relation} {self.name}"
-        )
+            return f"{text_of(self.place) if self.place else self.name}{turn}"
+        if self.relation == "was":
+            return f"where {self.name} was{turn}"
+        return f"{self.relation} {self.name}{turn}"
 
 
 class Go(NamedTuple):
@@ -297,6 +302,8 @@ _FIRSTS = tuple(relation.split()[0] for relation in RELATIONS)
 
 def _target(rest: list[Token], verb: str) -> Target:
     words = [str(each) for each in rest]
+    if len(words) > 1 and words[-1] in TURNS:
+        return _target(rest[:-1], verb)._replace(turn=words[-1])
     if words and words[0] in ("to", "at", "in", "into"):
         rest, words = rest[1:], words[1:]
     if not rest:

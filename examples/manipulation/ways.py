@@ -11,7 +11,7 @@ from itertools import combinations, permutations
 from typing import NamedTuple
 
 from manipulation.knowledge import UNIT, Pose, Site, cells_of
-from manipulation.language import Call, Go, PickUp, Place, Take, Target, Task, body_of
+from manipulation.language import TURNS, Call, Go, PickUp, Place, Take, Target, Task, body_of
 from manipulation.legs import Legs, Question, risks_of
 from rtkit.errors import LimitReached, Malformed, Refused
 
@@ -137,7 +137,7 @@ def goals_of(
         target = first.target
         if target.relation == "was":
             site.thing(target.name)
-            target = Target("at", poses[target.name][:2])
+            target = Target("at", poses[target.name][:2], "", target.turn)
         site.resolve(target, poses)
         if isinstance(first, Take):
             if first.name == "it" and not held:
@@ -146,7 +146,11 @@ def goals_of(
             if first.into and first.into not in site.regions:
                 raise Malformed(f"{first.into} is no region")
             first = first._replace(name=held)
+            if target.turn and not site.things[held].is_bar:
+                raise Malformed(f"{held} is no bar: it is not turned")
             held = ""
+        elif target.turn:
+            raise Malformed("the hand turns for bars only")
         goals.append(first._replace(target=target))
     return goals
 
@@ -214,7 +218,8 @@ class Ways:
             return [goal]
         places = self._site.resolve(goal.target, view.poses)
         into = {"into": ""} if isinstance(goal, Take) else {}
-        return [goal._replace(target=Target("at", place), **into) for place in places]
+        turn = goal.target.turn
+        return [goal._replace(target=Target("at", each, "", turn), **into) for each in places]
 
     def _reason_of_hand(self, goal: Goal, view: View) -> str:
         if isinstance(goal, Go) or view.holding in ("", goal.name):
@@ -283,7 +288,8 @@ class Ways:
         thing = self._site.things[goal.name]
         pose = view.poses[goal.name]
         place = goal.target.place if isinstance(goal, Take) else None
-        if place == pose[:2] and not view.holding:
+        turned = TURNS.get(goal.target.turn) if isinstance(goal, Take) else None
+        if place == pose[:2] and turned in (None, pose[2]) and not view.holding:
             return Part(goal, (), view)
         steps: list[PlanStep] = []
         if view.holding != goal.name:
@@ -305,7 +311,8 @@ class Ways:
     ) -> Part | None:
         thing, name = self._site.things[view.holding], view.holding
         turn = self._price("turn") if thing.is_bar else 0.0
-        pose, wanted = view.poses[name], (*place, None)
+        turned = TURNS.get(goal.target.turn) if isinstance(goal, Take) else None
+        pose, wanted = view.poses[name], (*place, turned)
         way = self._leg(thing.shape, "carry", turn, view, pose, wanted, {name, *without})
         if way is None:
             return None

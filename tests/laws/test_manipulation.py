@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
+from typing import Any
+
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from manipulation import store, take
@@ -12,17 +15,21 @@ from manipulation.legs import Legs, Question, passed
 from manipulation.table import table_of
 from manipulationkit import DOORWAY, SWITCH, Bench
 
+from rtkit.errors import RtkitError
+
 WIDTH, HEIGHT = 6, 5
 places = st.tuples(st.integers(1, WIDTH), st.integers(1, HEIGHT))
 cells = st.frozensets(places, max_size=12)
 names = st.sampled_from(["A", "red block", "B2", "light switch"])
+turns = st.sampled_from(["", "lengthwise", "crosswise"])
 targets = st.one_of(
-    places.map(lambda place: Target("at", place)),
+    st.builds(Target, st.just("at"), places, st.just(""), turns),
     st.builds(
         Target,
         st.sampled_from(["in", "was", "near", "beside", "left of", "right of", "above", "below"]),
         st.none(),
         names,
+        turns,
     ),
 )
 goals = st.one_of(
@@ -121,3 +128,90 @@ def test_a_take_costs_what_another_planner_says_and_is_done_by_touch(
         return
     assert bench.run() == f"take A to ({goal[0]} {goal[1]}): done, cost {expected.cost:g}"
     assert bench.lies("thing1") == goal
+
+
+sentences = st.sampled_from(
+    [
+        "take red block to (9 2)",
+        "take the red block near light switch",
+        "take cup to door",
+        "take rod to (8 6)",
+        "take rod beside cup",
+        "pick up red block",
+        "pick up ghost",
+        "leave it near the light switch",
+        "leave it at (2 2)",
+        "go to (9 6)",
+        "go to (1 1)",
+        "go to door",
+        "swap red block cup",
+        "cancel",
+        "designate wall at (5 6)",
+        "designate object at (7 3)",
+        "designate object at (4 4) ghost",
+        "forget ghost",
+        "forget box1",
+        "designate region at (9 1) (10 1) (10 2) corner",
+    ]
+)
+events = st.one_of(
+    st.tuples(st.just("say"), sentences),
+    st.tuples(st.just("answer"), st.integers(0, 9)),
+    st.tuples(st.just("price"), st.sampled_from(["move", "carry", "turn", "door"])),
+    st.tuples(st.just("steps"), st.integers(1, 25)),
+    st.tuples(st.just("kill"), st.booleans()),
+)
+
+
+@settings(max_examples=40)
+@given(st.integers(0, 50), st.lists(events, min_size=4, max_size=20))
+def test_whatever_the_operator_says_the_model_is_what_is(
+    seed: int, happened: list[tuple[str, Any]]
+) -> None:
+    bench = Bench(
+        "room",
+        "designate object at (3 3) red block",
+        "designate object at (8 5) cup",
+        "designate bar at (2 6) (3 6) rod",
+        "designate region at (5 3) (5 6) door",
+        "designate place at (10 7) light switch",
+        "define swap A B = take A beside B; go to where A was; take B to where A was",
+        seed=seed,
+    )
+    for kind, told in happened:
+        _happen(bench, kind, told)
+    for _ in range(1000):
+        if not bench.step():
+            break
+    else:
+        raise AssertionError("it never ends")
+    site, report = bench.dialogue.site, bench.table.report
+    assert site.hand[:2] == (round(report.x * 10), round(report.y * 10))
+    assert bool(site.holding) == report.is_gripping
+    for name, thing in (("red block", "thing1"), ("cup", "thing2"), ("rod", "thing3")):
+        known, true = site.things[name].pose, bench.lies(thing)
+        assert max(abs(known[0] - true[0]), abs(known[1] - true[1])) <= 0.5
+
+
+def _happen(bench: Bench, kind: str, told: Any) -> None:
+    dialogue = bench.dialogue
+    if kind == "say":
+        with suppress(RtkitError):
+            bench.say(told)
+    elif kind == "price":
+        dialogue.set_price(told, 5.0 if seed_of(dialogue) else 1.0)
+    elif kind == "kill":
+        bench.step(is_seen=told)
+        bench.restart()
+    elif kind == "steps":
+        for _ in range(told):
+            bench.step()
+    elif dialogue.asked:
+        question = list(dialogue.asked.values())[told % len(dialogue.asked)]
+        choices = question.choices or (f"box{len(dialogue.site.things)}",)
+        with suppress(RtkitError):
+            bench.answer(choices[told % len(choices)], question.id)
+
+
+def seed_of(dialogue: Dialogue) -> int:
+    return dialogue.revision % 2

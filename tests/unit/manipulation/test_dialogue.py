@@ -194,6 +194,24 @@ def test_a_bar_is_turned_to_pass_and_that_has_its_price() -> None:
     assert "impossible" in bench.say("take rod to (2 6)")
 
 
+def test_how_a_bar_lies_may_be_told_and_is_weighed_against_a_detour() -> None:
+    bench = Bench("room", "designate bar at (2 6) (3 6) rod", "designate object at (7 3) box")
+    bench.say("designate object at (8 5) cup", "designate object at (3 3) block")
+    bench.say("take rod to (7 6) crosswise")
+    assert bench.dialogue.way.costs == {"move": 6, "carry": 10, "turn": 3, "risk": 0}
+    assert "done" in bench.run()
+    assert bench.lies("thing3") == (7, 6)
+    assert bench.table.things["thing3"].turned == pytest.approx(1.5707963)
+    assert bench.dialogue.site.things["rod"].pose == (7, 6, 1)
+    bench.say("take rod to (2 2) lengthwise")  # gripped crosswise, so the jaws turn first
+    assert bench.run().startswith("take rod to (2 2) lengthwise: done")
+    assert bench.dialogue.site.things["rod"].pose == (2, 2, 0)
+    with pytest.raises(Malformed, match="cup is no bar"):
+        bench.say("take cup to (9 5) crosswise")
+    with pytest.raises(Malformed, match="for bars only"):
+        bench.say("go to (1 1) crosswise")
+
+
 # questions
 
 
