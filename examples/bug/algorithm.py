@@ -100,6 +100,7 @@ class Navigator:
         self.trial: Point | None = None
         self.turned_at: tuple[Point, float] | None = None
         self.went_from: Point | None = None
+        self.looks_from: Point | None = None
         self.narrow: tuple[float, Point, float] | None = None
         self.narrowest = inf
         self._start: Point | None = None
@@ -288,7 +289,6 @@ class Navigator:
         found = self.way_to_goal_is_free(_NARROW)
         if isinstance(found, tuple):
             return found
-        self.decided_at = self.here
         if found:
             return self.leave()
         return self.stop(UNREACHABLE) if self.circuit.has_passed(self.here) else command
@@ -329,8 +329,11 @@ class Navigator:
 
     # What operations ask
 
-    def way_to_goal_is_free(self, least: float = _STOP + 0.02) -> bool | Command:
-        """Return whether the way to the goal is free so far [m]; a command to look there."""
+    def way_to_goal_is_free(self, least: float = _STOP + 0.02) -> bool | Command | None:
+        """Return whether the way to the goal is free so far [m]; a command to look there.
+
+        It looks once at each place: None where it has just looked from next to here.
+        """
         contact = self.around.contact
         if contact is not None:
             dx, dy = contact[0] - self.x, contact[1] - self.y
@@ -340,27 +343,26 @@ class Navigator:
             if self.around.has_ranges and far < 0.8 * self.around.safe:
                 limit = -0.25  # too near to go along it
             if far < self.around.safe + 0.1 and into > limit * self.to_goal:
+                if self.looks_from == self.here:  # turned here, it feels the wall in the way
+                    self.decided_at = self.here
                 return False
         if not self.around.has_ranges:
             return way_free_by_trial(self)
         if not self.around.sees(self.bearing):
             return self._look()
+        self.decided_at = self.here
         free = self.around.free(self.bearing, 0.22)
         if free > _NARROW:
             self.note_narrow_place()
         return free > min(least, self.to_goal)
 
-    def free_range(self) -> float | Command:
-        """Return the range towards the goal [m], or a command to look there."""
-        if not self.around.has_ranges:
-            return 0.0
-        if not self.around.sees(self.bearing):
-            return self._look()
+    def free_range(self) -> float:
+        """Return the range towards the goal [m], which is in the field of view."""
         return self.around.free(self.bearing, _BODY)
 
-    def _look(self) -> Command | bool:
+    def _look(self) -> Command | None:
         """Turn to the goal, once at each place."""
-        return False if self.was_decided() else self.face_goal()
+        return None if self.was_decided() else self.face_goal()
 
     def was_decided(self) -> bool:
         """Return whether it has just looked from here, in vain."""

@@ -231,7 +231,7 @@ def leave_at_nearest(navigator: Navigator) -> Command | None:
 
 def leave_by_free_way(navigator: Navigator, on_line: bool = False) -> Command | None:
     """Leave where the robot itself is nearer, and the way to the goal is free."""
-    found: bool | Command = False
+    found: bool | Command | None = False
     if navigator.to_goal < navigator.least.of(navigator.assembly.nearer_than) - 1e-3:
         found = navigator.way_to_goal_is_free()
     return _decided(navigator, found, on_line)
@@ -243,7 +243,7 @@ def leave_by_free_range(navigator: Navigator) -> Command | None:
     if not navigator.around.has_ranges:  # a wall that is felt, not ranged: F is 0
         least = navigator.least.at_hit
     wanted = least - navigator.assembly.gain
-    found: bool | Command = False
+    found: bool | Command | None = False
     if navigator.to_goal - navigator.around.reach <= max(wanted, 0.0):
         found = navigator.way_to_goal_is_free()
     if found is True and navigator.around.has_ranges:
@@ -282,13 +282,15 @@ def leave_by_visible_points(navigator: Navigator) -> Command | None:
     return _decided(navigator, found, False)
 
 
-def _decided(navigator: Navigator, found: bool | Command, on_line: bool) -> Command | None:
+def _decided(navigator: Navigator, found: bool | Command | None, on_line: bool) -> Command | None:
     """Note what was found at this place; a command means that it is not known yet."""
     if isinstance(found, tuple):
         return found
     if found:
         navigator.leave_point = navigator.here
-    navigator.decided_at, navigator.trial = navigator.here, None
+    navigator.trial = None
+    if found is None:  # it was looked at from too near to look again
+        return None
     navigator.least.pass_by(navigator.to_goal, on_line)
     return None
 

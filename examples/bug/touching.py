@@ -45,15 +45,16 @@ def follow_by_touch(navigator: Navigator, side: float) -> Command:
     return 0.14, -side * 1.1
 
 
-def way_free_by_trial(navigator: Navigator) -> bool | Command:
+def way_free_by_trial(navigator: Navigator) -> bool | Command | None:
     """Return whether the way to the goal is free, or the command that tries it."""
     if navigator.trial is not None:
         far = hypot(navigator.x - navigator.trial[0], navigator.y - navigator.trial[1])
-        navigator.trial = None
+        navigator.trial, navigator.decided_at = None, navigator.here
         return far > 0.9 * _TRIAL and not navigator.obstacle_in_front_of_the_robot()
     if navigator.was_decided():
-        return False
+        return None
     if not navigator.is_facing(navigator.bearing):
+        navigator.looks_from = navigator.here
         return navigator.face_goal()
     navigator.trial = navigator.here
     return _TRIAL / 0.5, 0.0

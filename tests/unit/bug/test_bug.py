@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
+import inspect
 import sys
+from collections.abc import Sequence
+from dataclasses import dataclass
+from math import pi, radians
 from pathlib import Path
 
 import pytest
@@ -11,9 +15,11 @@ pytest.importorskip("numpy")
 EXAMPLES = Path(__file__).parents[3] / "examples"
 sys.path.insert(0, str(EXAMPLES))
 
-from bug.assembly import variants  # noqa: E402
+from bug.algorithm import Navigator  # noqa: E402
+from bug.assembly import read_assembly, variants  # noqa: E402
 from bug.environments import shipped, shortest  # noqa: E402
-from bug.simulation import simulate  # noqa: E402
+from bug.senses import Located, Scan  # noqa: E402
+from bug.simulation import Simulation, simulate  # noqa: E402
 
 SIX = ("bug1", "bug2", "alg1", "alg2", "rev1", "distbug")
 IDEAL = {
@@ -46,6 +52,122 @@ def test_box_is_passed_on_the_way_of_an_ideal_walker(variant: str, direction: st
     assert run.collisions == 0
     assert 0.85 <= run.path_length / ideal <= 1.25
     assert len(run.hits) == len(run.leaves) == 1
+
+
+@pytest.mark.parametrize(
+    ("world", "sensors"),
+    [("closed", "ir"), ("closed", "laser+ir"), ("one-box", "ir"), ("one-box", "bumper")],
+)
+def test_other_sensors_tell_the_same(world: str, sensors: str) -> None:
+    run = simulate(shipped()[world], variants()["bug2"], sensors)
+
+    ideal = IDEAL[world][1][0]
+    assert run.status == ("unreachable" if world == "closed" else "reached")
+    assert run.collisions == 0
+    assert len(run.hits) == 1
+    assert 0.85 <= run.path_length / ideal <= {"ir": 1.4, "laser+ir": 1.25, "bumper": 1.7}[sensors]
+
+
+@pytest.mark.parametrize(
+    ("variant", "direction", "reversals"),
+    [("alg1", "left", 1), ("alg2", "left", 1), ("bug2", "left", 0), ("rev1", "left", 0)],
+)
+def test_earlier_hit_point_turns_it_round_once(
+    variant: str, direction: str, reversals: int
+) -> None:
+    run = simulate(shipped()["visited"], variants()[variant], "ir", direction)
+
+    ideal = IDEAL["visited"][SIX.index(variant)][direction == "right"]
+    assert run.status == "reached"
+    assert run.reversals == reversals
+    assert 0.85 <= run.path_length / ideal <= 1.4
+
+
+@pytest.mark.campaign
+@pytest.mark.timeout(3600)
+@pytest.mark.parametrize("direction", ["left", "right"])
+@pytest.mark.parametrize("sensors", ["laser", "ir", "laser+ir", "bumper"])
+@pytest.mark.parametrize("world", IDEAL)
+@pytest.mark.parametrize("variant", SIX)
+def test_each_run_is_that_of_an_ideal_walker(
+    variant: str, world: str, sensors: str, direction: str
+) -> None:
+    run = simulate(shipped()[world], variants()[variant], sensors, direction)
+
+    ideal = IDEAL[world][SIX.index(variant)][direction == "right"]
+    assert run.status == ("unreachable" if world == "closed" else "reached")
+    assert run.collisions == 0
+    if (world, variant) not in {("visited", "distbug"), ("spiral", "distbug")}:  # by the stand-off
+        most = {"ir": 1.4, "bumper": 1.75}.get(sensors, 1.25)
+        assert 0.85 <= run.path_length / ideal <= most
+
+
+def test_eighth_variant_is_ten_lines_of_data() -> None:
+    careful = read_assembly(
+        {
+            "motion": "m-line",
+            "leave": "m-line",
+            "nearer_than": "hit point",
+            "direction": "alternate",
+            "memory": "turn round",
+            "source": "bug2 that turns round, and alternates",
+        },
+        "careful",
+    )
+
+    run = simulate(shipped()["visited"], careful)
+
+    assert run.status == "reached"
+    assert run.path_length < 20
+
+
+@dataclass(frozen=True, slots=True)
+class SonarSenses(Located):
+    """Made of the ranges of eight sonars, from the left to the right, 20 degrees wide, to 3 m."""
+
+    ranges: Sequence[float]
+
+    def scan(self) -> Scan:
+        return tuple((pi / 2 - k * pi / 7, r) for k, r in enumerate(self.ranges))
+
+    def free_distance(self, bearing: float) -> float | None:
+        for middle, found in self.scan():
+            if abs(bearing - middle) <= radians(10):
+                return found
+        return None
+
+    def left_distance(self) -> float:
+        return self.ranges[0]
+
+    def right_distance(self) -> float:
+        return self.ranges[-1]
+
+    def obstacle_on_the_left(self) -> bool:
+        return self.ranges[0] < 0.6
+
+    def obstacle_on_the_right(self) -> bool:
+        return self.ranges[-1] < 0.6
+
+    def obstacle_in_front_of_the_robot(self) -> bool:
+        return min(self.ranges[3:5]) < 0.47
+
+
+@pytest.mark.parametrize("world", ["closed", "one-box"])
+def test_new_sensor_takes_an_adaptor_of_forty_lines(world: str) -> None:
+    assert len(inspect.getsource(SonarSenses).splitlines()) <= 40
+    environment = shipped()[world]
+    simulation = Simulation(environment)
+    navigator = Navigator(variants()["bug2"], environment.goal)
+    middles = [pi / 2 - k * pi / 7 for k in range(8)]
+
+    while not navigator.status and simulation.t < 600:
+        pose = simulation.pose
+        cones = [pose.theta + b for b in middles]
+        ranges = environment.scene.cones(pose[:2], cones, radians(20), 3.0)
+        simulation.step(*navigator.control(SonarSenses(pose, tuple(ranges)), simulation.t))
+
+    assert navigator.status == ("unreachable" if world == "closed" else "reached")
+    assert simulation.collisions == 0
 
 
 def test_same_seed_gives_the_same_rows() -> None:
