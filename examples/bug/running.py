@@ -6,9 +6,10 @@ variant is set while its component is inactive, other sensors are another adapto
 
 from __future__ import annotations
 
+import json
 import re
 from collections import Counter
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from itertools import pairwise, product
 from pathlib import Path
 from time import monotonic, sleep
@@ -17,7 +18,8 @@ from typing import TYPE_CHECKING, NamedTuple
 import rtkit
 from rtkit.errors import InvalidDocument, NotFound, Refused, RtkitError
 
-from .assembly import variants
+from . import assembly
+from .assembly import Assembly, variants
 from .environments import Environment, bound, read_environments, shipped, shortest
 from .pictures import multiples_svg, rendered, run_svg
 from .records import (
@@ -81,6 +83,13 @@ class Options(NamedTuple):
     prefix: str = ""
 
 
+class Variant(NamedTuple):
+    """A variant: the value of the parameter that chooses it, and its assembly."""
+
+    value: str
+    assembly: Assembly
+
+
 def read_worlds(files: Sequence[str]) -> dict[str, Environment]:
     """Return the shipped worlds and those of files by name; a later one wins.
 
@@ -93,20 +102,44 @@ def read_worlds(files: Sequence[str]) -> dict[str, Environment]:
     for file in files:
         if ":" in file:
             raise Refused(f"{file}: a file of worlds cannot have : in its name")
-        try:
-            text = Path(file).read_text("utf-8")
-        except OSError as error:
-            raise NotFound(f"{file}: {error.strerror}") from None
-        except UnicodeDecodeError as error:
-            raise InvalidDocument(f"{file}: it is no UTF-8: {error.reason}") from None
-        found = read_environments(text, file)
-        for name in found:
-            if not _NAME.fullmatch(name):
-                raise InvalidDocument(
-                    f"{file}: {name!r}: a world's name has letters, digits, _ . + -"
-                )
+        found = read_environments(_text(file), file)
+        _check_names(file, "world", found)
         worlds |= found
     return worlds
+
+
+def read_variants(files: Sequence[str]) -> dict[str, Variant]:
+    """Return the shipped variants and those of files by name; a later one wins.
+
+    Raises:
+        NotFound: A file cannot be read.
+        InvalidDocument: It is no UTF-8, or a name is none.
+        Refused: An assembly cannot work; one sentence says why.
+    """
+    known = {name: Variant(name, each) for name, each in variants().items()}
+    for file in files:
+        text = _text(file)
+        found = assembly.read_variants(text, file)
+        _check_names(file, "variant", found)
+        data = json.loads(text)
+        known |= {name: Variant(json.dumps(data[name]), each) for name, each in found.items()}
+    return known
+
+
+def _text(file: str) -> str:
+    try:
+        return Path(file).read_text("utf-8")
+    except OSError as error:
+        raise NotFound(f"{file}: {error.strerror}") from None
+    except UnicodeDecodeError as error:
+        raise InvalidDocument(f"{file}: it is no UTF-8: {error.reason}") from None
+
+
+def _check_names(file: str, what: str, names: Iterable[str]) -> None:
+    for name in names:
+        if not _NAME.fullmatch(name):
+            why = f"a {what}'s name has letters, digits, _ . + -"
+            raise InvalidDocument(f"{file}: {name!r}: {why}")
 
 
 def combinations(
@@ -130,6 +163,7 @@ class Runner:
     Args:
         tree: The connection to the manager.
         worlds: Worlds by name.
+        known: Variants by name.
         options: How runs are done.
         notify: Receives progress, a line each.
         look: Is called now and then while a run is under way, and when it is over.
@@ -139,6 +173,7 @@ class Runner:
         self,
         tree: rtkit.Tree,
         worlds: Mapping[str, Environment],
+        known: Mapping[str, Variant],
         options: Options,
         notify: Notify,
         look: Callable[[Runner, Choice], object] | None = None,
@@ -148,7 +183,7 @@ class Runner:
         self._options = options
         self._notify = notify
         self._look = look
-        self._variants = variants()
+        self._variants = known
 
     def run(self, choice: Choice) -> Record:
         """Do a run to its end; where a component is lost on the way, from its beginning again.
@@ -194,6 +229,8 @@ class Runner:
         values = {
             **choice._asdict(),
             "world": choice.environment,
+            "variant": self._variants[choice.variant].value,
+            "run": f"{choice}-{choice.seed}",
             "goal": "{!r},{!r}".format(*environment.goal),
             "goal_margin": environment.goal_margin,
             "speedup": options.speedup,
@@ -263,7 +300,8 @@ class Runner:
             for row in kept
         ]
         changes = [(a.mode, b.mode, (b.x, b.y)) for a, b in pairwise(rows)]
-        environment, assembly = self._worlds[choice.environment], self._variants[choice.variant]
+        environment = self._worlds[choice.environment]
+        assembly = self._variants[choice.variant].assembly
         return Record(
             choice=choice,
             environment=environment,

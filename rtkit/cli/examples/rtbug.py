@@ -42,6 +42,7 @@ class Asked(NamedTuple):
     """Says which runs are meant, and how they are done."""
 
     files: tuple[str, ...] = several("--environments FILE", "Worlds of this file, too.")
+    own: tuple[str, ...] = several("--variants FILE", "Variants of this file, too.")
     is_all: bool = flag("--all", "The 42 runs: seven variants, laser and ir, three worlds.")
     worlds: tuple[str, ...] = several("--world NAME", "In this world.")
     variants: tuple[str, ...] = several("--variant NAME", "With this variant.")
@@ -83,6 +84,7 @@ class Asked(NamedTuple):
     words=_WORDS,
     values={
         "--environments": "file",
+        "--variants": "file",
         "--world": "bug-world",
         "--variant": "bug-variant",
         "--sensors": "bug-sensors",
@@ -128,11 +130,12 @@ def main(
         return 0
     try:
         worlds = running.read_worlds(asked.files)
+        known = running.read_variants(asked.own)
     except ImportError as error:  # numpy is missing; the text says so
         raise Refused(str(error)) from error
     if words[0] == _LIST:
-        return _list(running, worlds, is_json)
-    choices = _choices(running, worlds, asked)
+        return _list(running, worlds, known, is_json)
+    choices = _choices(running, worlds, known, asked)
     out = None if asked.out is None else Path(asked.out)
     if out is not None:
         running.check_writable(out)
@@ -144,7 +147,7 @@ def main(
             asked.files, speedup, asked.noise, asked.step_limit or running.STEP_LIMIT, prefix
         )
         look = _watcher(app, worlds) if is_watched else None
-        runner = running.Runner(tree, worlds, options, app.verbose, look)
+        runner = running.Runner(tree, worlds, known, options, app.verbose, look)
         records = _run(app, running, runner, choices, out, is_json=is_json, is_quiet=is_quiet)
     if out is not None:
         running.write_tables(out, records)
@@ -164,7 +167,7 @@ def _running() -> Any:
     return import_module("bug.running")
 
 
-def _choices(running: Any, worlds: Any, asked: Asked) -> list[Any]:
+def _choices(running: Any, worlds: Any, known: Any, asked: Asked) -> list[Any]:
     """Return the runs that are meant.
 
     Raises:
@@ -172,14 +175,14 @@ def _choices(running: Any, worlds: Any, asked: Asked) -> list[Any]:
     """
     names = {
         "world": (asked.worlds, tuple(worlds)),
-        "variant": (asked.variants, tuple(running.variants())),
+        "variant": (asked.variants, tuple(known)),
         "sensors": (asked.sensors, running.SENSORS),
         "direction": (asked.directions or ("left",), running.DIRECTIONS),
     }
-    for what, (typed, known) in names.items():
+    for what, (typed, there) in names.items():
         for word in typed:
-            if word not in known:
-                raise UsageProblem(f"--{what}: {no_such(what, word, known)}")
+            if word not in there:
+                raise UsageProblem(f"--{what}: {no_such(what, word, there)}")
     of_paper = running.PAPER if asked.is_all else ((), (), ())
     wanted = [asked.worlds or of_paper[0], asked.variants or of_paper[1]]
     wanted.append(asked.sensors or of_paper[2])
@@ -228,10 +231,10 @@ def _run(
     return records
 
 
-def _list(running: Any, worlds: Any, is_json: bool) -> int:
+def _list(running: Any, worlds: Any, known: Any, is_json: bool) -> int:
     from rtkit.cli.shared import json_records
 
-    found = [("variant", name, each.source) for name, each in running.variants().items()]
+    found = [("variant", name, each.assembly.source) for name, each in known.items()]
     found += [("sensors", name, about) for name, about in running.SENSORS.items()]
     found += [("world", name, each.note) for name, each in worlds.items()]
     if is_json:

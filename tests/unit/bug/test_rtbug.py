@@ -85,6 +85,24 @@ def test_a_file_that_does_not_fit_is_refused_with_its_place(
     assert not (tmp_path / "out").exists()
 
 
+@pytest.mark.parametrize(
+    ("content", "why"),
+    [
+        ('{"x": {"leave": "m-line"}}', "x: leave and motion are both m-line or neither"),
+        ('{"x": {"laeve": "m-line"}}', "x: no key 'laeve'; did you mean leave?"),
+        ('{"a/b": {}}', "'a/b': a variant's name has"),
+        ("[]", "an object of assemblies by their names is needed"),
+    ],
+)
+def test_a_variant_that_cannot_work_is_refused(
+    content: str, why: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "own.json").write_text(content)
+    status, text = _said([*ONE, "--variants", str(tmp_path / "own.json")], capsys)
+    assert status == 1
+    assert why in text
+
+
 def test_what_it_takes_is_listed(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["list", "--json"]) == 0
     words = jsonrecords.checked(capsys.readouterr().out)
