@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
-import json
-from pathlib import Path
-
 from manipulation.orders import Order, Report
+from manipulation.sites import site_named
 from manipulation.table import table_of
 from rtkit.component import Component, InPort, Manager, OutPort, Parameter
 
-SITES = Path(__file__).parent / "sites.json"
 _AGAIN_S = 0.2
 
 
@@ -39,8 +36,8 @@ class Manipulator(Component):
         self._since = 0.0
         wanted = (self.site, self.seed, self.displaced)
         if getattr(self, "_wanted", None) != wanted:
-            sites = json.loads(SITES.read_text(encoding="utf-8"))
-            self._table = table_of(sites[self.site], seed=self.seed, displaced=self.displaced)
+            site = site_named(self.site)
+            self._table = table_of(site, seed=self.seed, displaced=self.displaced)
             self._wanted = wanted
 
     def on_execute(self, context: str) -> None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import threading
 import time
 from pathlib import Path
@@ -10,8 +9,8 @@ from pathlib import Path
 from manipulation import store
 from manipulation.desk import Desk
 from manipulation.dialogue import Dialogue
-from manipulation.Manipulator import SITES
 from manipulation.orders import Order, Report
+from manipulation.sites import site_named
 from rtkit.component import Component, InPort, Manager, OutPort, Parameter
 from rtkit.link.places import state_dir
 
@@ -34,14 +33,14 @@ class Supervisor(Component):
 
     def on_activated(self, context: str) -> None:
         """Recall what was known, and listen to the operator."""
+        self._desk: Desk | None = None
         self._lock = threading.Lock()
         self._sent: tuple[int, float] = (0, 0.0)
         usual = f"{state_dir()}/manipulation/{self.instance}-{self.site}.json"
         self._path = Path(self.memory or usual)
         dialogue = store.read(self._path)
         if dialogue is None:
-            sites = json.loads(SITES.read_text(encoding="utf-8"))
-            dialogue = Dialogue(store.site_of(sites[self.site]))
+            dialogue = Dialogue(store.site_of(site_named(self.site)))
         self._dialogue = dialogue
         self._kept = -1
         self._desk = Desk(dialogue, self.service, self._lock, self._heard)
@@ -53,7 +52,7 @@ class Supervisor(Component):
             for report in reports:
                 self._dialogue.see(report)
             self._heard()
-        if reports:
+        if reports and self._desk is not None:
             self._desk.publish()
 
     def _heard(self) -> None:
@@ -70,7 +69,8 @@ class Supervisor(Component):
 
     def on_deactivated(self, context: str) -> None:
         """Listen no longer."""
-        self._desk.close()
+        if self._desk is not None:
+            self._desk.close()
 
     on_aborting = on_deactivated
 

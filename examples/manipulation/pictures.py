@@ -5,19 +5,15 @@ They are the same each time: no clock, no process, one seed.
 
 from __future__ import annotations
 
-import json
 import sys
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import Any
 
 from manipulation import drawing, store
 from manipulation.dialogue import Dialogue
+from manipulation.sites import site_named
 from manipulation.table import Table, table_of
 
-SITES: Mapping[str, Any] = json.loads(
-    (Path(__file__).parent / "sites.json").read_text(encoding="utf-8")
-)
 SCENES: Mapping[str, tuple[str, Sequence[str]]] = {
     "switch": (
         "switch",
@@ -69,8 +65,8 @@ def perform(dialogue: Dialogue, table: Table) -> None:
 def dialogue_of(scene: str) -> tuple[Dialogue, Table]:
     """Return a dialogue in which the sentences of a scene were said, and the table it is about."""
     site, sentences = SCENES[scene]
-    table = table_of(SITES[site], seed=1)
-    dialogue = Dialogue(store.site_of(SITES[site]))
+    table = table_of(site_named(site), seed=1)
+    dialogue = Dialogue(store.site_of(site_named(site)))
     dialogue.see(table.report)
     for sentence in sentences:
         dialogue.hear(sentence)

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import json
-from pathlib import Path
 
 from manipulation import store
 from manipulation.dialogue import Dialogue
+from manipulation.sites import sites
 from manipulation.table import Table, table_of
 
-EXAMPLES = Path(__file__).parents[2] / "examples"
-SITES = json.loads((EXAMPLES / "manipulation" / "sites.json").read_text(encoding="utf-8"))
+SITES = sites()
 SWITCH = (
     "designate object at (3 4) A",
     "designate object at (7 4) B",

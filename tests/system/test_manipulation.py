@@ -13,7 +13,8 @@ import pytest
 from shells import ROOT, Shell
 
 FOLDER = ROOT / "examples" / "manipulation"
-PATIENCE_S = 20.0
+PATIENCE_S = 40.0
+pytestmark = pytest.mark.timeout(150)  # dozens of commands each, on a busy machine
 
 
 @pytest.fixture
@@ -53,7 +54,7 @@ def operator(shell: Shell, *command: str) -> str:
         env={**shell.environment, "PATH": path},
         capture_output=True,
         text=True,
-        timeout=50,
+        timeout=120,
         check=False,
     )
     assert done.returncode == 0, done.stderr
