@@ -153,7 +153,8 @@ class DataTree(client.Tree):
         Raises:
             NotFound: There is no such operation.
             Malformed: An argument is of another type.
-            Refused: It raised an exception.
+            Refused: It raised an exception. One that the interface declares has the name of its
+                class, and what it carries: ``error.members["seconds"]``.
             Unreachable: There was no answer in time.
         """
         from rtkit.api.ports import call

@@ -44,6 +44,9 @@ class SystemProfile:
     form: str | None
     resolved: SystemReading | None = None
 
+    def __repr__(self) -> str:
+        return f"<SystemProfile {self.source}: {len(self.profile.components)} components>"
+
     @property
     def components(self) -> list[str]:
         """The instance names of its components."""

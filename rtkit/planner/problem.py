@@ -199,6 +199,9 @@ def _check_kinds(variables: Any, start: Any, goal: Any, commands: Any) -> None:
     for each in commands:
         if not isinstance(each, Command):
             raise Malformed(f"no command: {each!r}")
+        if not isinstance(each.conditions, Sequence):
+            kind = _kind(each.conditions)
+            raise Malformed(f"conditions of {each} are a tuple of Condition, not {kind}")
 
 
 def _kind(value: object) -> str:

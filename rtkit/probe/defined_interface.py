@@ -9,7 +9,7 @@ from functools import cache
 from typing import Any, NamedTuple
 
 from rtkit.component.interface import Interface, raises
-from rtkit.errors import NotFound
+from rtkit.errors import NotFound, Refused
 from rtkit.idl.model import Definitions, Direction, Operation, StructDeclaration
 from rtkit.idl.read import read_idl
 from rtkit.probe.defined import _Maker
@@ -36,8 +36,8 @@ class DefinedInterface(NamedTuple):
     operations: Mapping[str, DefinedOperation]
 
 
-class RaisedByProvider(Exception):
-    """An exception that an operation declares, and a provider raised; has what it carries."""
+class RaisedByProvider(Refused):
+    """An exception that an operation declares, and a provider raised, with what it carries."""
 
     def __init__(self, **members: Any) -> None:
         super().__init__(", ".join(f"{name}={value!r}" for name, value in members.items()))

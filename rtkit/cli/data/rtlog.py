@@ -110,6 +110,8 @@ def main(
         raise UsageProblem("only one of -p, -d and --export can be used")
     if (is_play or is_info or exported) and filename is None:
         raise Malformed("No log file specified.")
+    if exported and ports:
+        raise UsageProblem("--export takes no ports: it writes all streams, each by its name")
     if form is not None:
         _check_form(form)
     chosen = form or ("text" if str(filename).endswith(".txt") else "mcap")

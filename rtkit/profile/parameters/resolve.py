@@ -206,6 +206,7 @@ class _System:
             if not fits and each.default is None:
                 about = f" ({each.description})" if each.description else ""
                 text = f"variable {each.name}{about} has no value, and none is given"
+                text += f" (--set {each.name}=VALUE)"
                 raise self._wrong(steps, "rtkit:name", text)
             default = self._text(each.default or "", steps, "rtkit:default")
             self._values[each.name] = fits[-1].value.value if fits else default

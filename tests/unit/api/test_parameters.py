@@ -19,6 +19,7 @@ def test_values_and_a_prefix_are_given() -> None:
     assert made.profile.components[0].configuration_sets[0].data[0].data == "3"
     assert rtkit.load(made) is made
     assert made.check().is_valid
+    assert repr(made) == f"<SystemProfile {PAIRS}: 2 components>"
 
 
 def test_a_profile_that_includes_others_is_whole_without_values() -> None:

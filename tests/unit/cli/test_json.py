@@ -229,6 +229,9 @@ def test_exports(tmp_path: Path, run: Run) -> None:
         f"rtlog: warning: End index {told} 0 to 2\n",
     )
     assert run(f"rtlog --export csv -d -f {file}").status == 2
+    done = run(f"rtlog --export csv -f {file} In0.rtc:out")
+    assert (done.status, done.out) == (2, "")
+    assert "--export takes no ports" in done.err
 
 
 def test_values_and_their_statistics() -> None:

@@ -412,6 +412,10 @@ def test_of_a_conflict_nothing_can_be_left_out():
         ({"commands": ["push"]}, "no command: 'push'"),
         ({"costs": {"push": "3"}}, "cost of push is no number: '3'"),
         (
+            {"commands": [Command("push", lambda _state: ("on",), lambda _state: True)]},
+            "conditions of push are a tuple of Condition, not function",
+        ),
+        (
             {"commands": [Command("push", lambda _state: ("on", 1))]},
             "an effect returned ('on', 1), which is not a tuple of 1 values that can be hashed",
         ),

@@ -15,7 +15,7 @@ from rtkit.component.geometry import Point2D
 from rtkit.component.interface import Interface
 from rtkit.component.interface_definition import definition_of
 from rtkit.component.types import Long, Octet, ULong, WString
-from rtkit.errors import Malformed, NotFound
+from rtkit.errors import Malformed, NotFound, Refused
 from rtkit.probe.calling import ProvidedOperation, chosen
 from rtkit.probe.defined_interface import RaisedByProvider, interface_of
 from rtkit.rtc.names import parse_path
@@ -134,6 +134,7 @@ def test_declared_exceptions_arrive_with_what_they_carry(error, shown, members):
     assert sent is not None
     raised = DEFINED.interface.methods["close"].decode_exception(*sent)
     assert isinstance(raised, RaisedByProvider)
+    assert isinstance(raised, Refused)
     assert (type(raised).__name__, str(raised), raised.members) == (
         type(error).__name__,
         shown,

@@ -223,7 +223,10 @@ def test_a_value_for_nothing_is_refused(given: dict[str, str], why: str) -> None
 @pytest.mark.parametrize(
     ("parts", "why"),
     [
-        ((camera("Camera0"), variable("noise")), ":15: variable noise has no value"),
+        (
+            (camera("Camera0"), variable("noise")),
+            r":15: variable noise has no value, .* \(--set noise=VALUE\)",
+        ),
         ((camera("Camera0", "${nose}"), variable("noise", "1")), ":11: no variable nose"),
         ((variable("a", "1"), variable("a", "2")), ":8: variable a is declared twice"),
         ((variable("a b", "1"),), ":7: not a name of a variable: 'a b'"),
