@@ -87,7 +87,7 @@ class SourceFiles:
     def _present(self) -> dict[str, Stamp | None]:
         folders = {os.path.dirname(file) for file in self._files if file.endswith(_NEIGHBOURS)}
         beside: set[str] = set()
-        for folder in folders:
+        for folder in folders | {os.path.join(folder, "idl") for folder in folders}:
             with suppress(OSError):
                 beside.update(
                     os.path.join(folder, name)

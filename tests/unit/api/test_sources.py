@@ -69,11 +69,12 @@ def test_a_file_that_is_missing_for_a_moment_is_waited_for(
 def test_sources_beside_it_are_watched_too_and_hidden_ones_are_not(
     sources: SourceFiles, module: Path
 ) -> None:
-    for name in ("helper.py", "Robot.idl", "part.xml", ".#Scale.py", "notes.txt"):
+    (module.parent / "idl").mkdir()
+    for name in ("helper.py", "Robot.idl", "idl/Hand.idl", "part.xml", ".#Scale.py", "notes.txt"):
         (module.parent / name).write_text("x")
     assert sources.saved() == []
     assert sources.saved() == [
-        str(module.parent / name) for name in ("Robot.idl", "helper.py", "part.xml")
+        str(module.parent / name) for name in ("Robot.idl", "helper.py", "idl/Hand.idl", "part.xml")
     ]
 
 
