@@ -348,11 +348,11 @@ class ExecutionContext:
         for _ in range(len(self._requests)):
             self._requests.popleft()()
 
-    def _not_running(self) -> tuple[ReturnCode, str]:
-        return (
-            ReturnCode.PRECONDITION_NOT_MET,
-            f"precondition not met (execution context {self.id} is not running)",
-        )
+    def _not_running(self, composite: DrivenComponent | None = None) -> tuple[ReturnCode, str]:
+        why = f"execution context {self.id} is not running"
+        if composite is not None:
+            why = f"a member of {composite.instance} changes its state with that"
+        return ReturnCode.PRECONDITION_NOT_MET, f"precondition not met ({why})"
 
     def perform(self, component: DrivenComponent, transition: Transition) -> tuple[ReturnCode, str]:
         """Perform a transition now and return its outcome; only for the ticking thread."""
@@ -361,7 +361,7 @@ class ExecutionContext:
         except NotFound as error:
             return ReturnCode.BAD_PARAMETER, str(error)
         if not self.is_running:
-            return self._not_running()
+            return self._not_running(component.composite)
         if transition is Transition.RESET and component.member_components:
             return self._reset_all(each)
         return self._apply(each, transition)

@@ -21,6 +21,10 @@ class DrivenComponent(Protocol):
     report: Callable[[str], None]
 
     @property
+    def composite(self) -> DrivenComponent | None:
+        """The composite that it is a member of."""
+
+    @property
     def member_components(self) -> tuple[DrivenComponent, ...]:
         """Its members, if it is a composite."""
 

@@ -120,6 +120,8 @@ class Problem:
                     break
             else:
                 after = command.effect(state)
+                if not isinstance(after, tuple):
+                    raise self._no_state(after)
                 if frozen and any(after[place] != state[place] for place in frozen):
                     continue
                 try:
@@ -144,9 +146,12 @@ class Problem:
                 if new is not old and new not in domain:
                     return True
         except (TypeError, ValueError) as error:
-            what = f"a tuple of {len(self.names)} values that can be hashed"
-            raise Malformed(f"an effect returned {after!r}, which is not {what}") from error
+            raise self._no_state(after) from error
         return False
+
+    def _no_state(self, after: object) -> Malformed:
+        what = f"a tuple of {len(self.names)} values that can be hashed"
+        return Malformed(f"an effect returned {after!r}, which is not {what}")
 
     def replaced(self, **changes: Any) -> Self:
         """Return the same problem with another start, goal, costs, or frozen places."""

@@ -113,7 +113,7 @@ def test_a_member_is_not_activated_on_its_own_meanwhile(house):
     a = house.find("A")
     code, why = a.contexts["0"].perform(a, Transition.ACTIVATE)
     assert code is ReturnCode.PRECONDITION_NOT_MET
-    assert "execution context 0 is not running" in why
+    assert why == "precondition not met (a member of W changes its state with that)"
 
 
 def test_who_joins_while_active_comes_to_rest_first_and_works_on_in_an_active_composite(house):

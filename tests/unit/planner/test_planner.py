@@ -420,6 +420,10 @@ def test_of_a_conflict_nothing_can_be_left_out():
             "an effect returned ('on', 1), which is not a tuple of 1 values that can be hashed",
         ),
         (
+            {"commands": [Command("push", lambda _state: ["on"])]},
+            "an effect returned ['on'], which is not a tuple of 1 values that can be hashed",
+        ),
+        (
             {"commands": [Command("push", lambda _state: None)]},
             "an effect returned None, which is not a tuple of 1 values that can be hashed",
         ),
