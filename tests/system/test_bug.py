@@ -154,6 +154,16 @@ def test_two_of_them_do_not_meet(shell: Shell) -> None:
 
 
 @pytest.mark.timeout(120)
+def test_it_runs_beside_a_system_of_the_user(shell: Shell) -> None:
+    shell.environment = {**shell.environment, "RTKIT_MODULE_PATH": str(FOLDER)}
+    shell.ok("rtmgr start")
+    assert shell.run(f"rtapply {FOLDER / 'system.yaml'}").status == 0
+    assert shell.run(f"{ONE} -q", timeout_s=60.0) == (0, "", "")
+    assert _status(shell) == "reached"
+    shell.ok("rtmgr stop")
+
+
+@pytest.mark.timeout(120)
 def test_the_plain_commands_do_the_same(shell: Shell) -> None:
     """What rtbug does, by hand, and in one process instead of five."""
     (shell.folder / "rtc.conf").write_text("")

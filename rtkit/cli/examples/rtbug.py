@@ -283,6 +283,7 @@ def _manager(app: App) -> Iterator[tuple[Tree, str]]:
         ENDS_WITH: f"{os.getpid()}:{began_at(os.getpid())}",
     }
     os.environ.update(own)
+    is_alone = not managers()
     for number in range(1, _MOST):
         name = "bug" if number == 1 else f"bug{number}"
         if name in managers():
@@ -297,7 +298,7 @@ def _manager(app: App) -> Iterator[tuple[Tree, str]]:
         break
     with connect(name, app.timeout_s, notify=app.verbose) as tree:
         try:
-            yield tree, "" if number == 1 else f"{name}."
+            yield tree, "" if is_alone and number == 1 else f"{name}."
         finally:
             try:
                 tree.stop_manager()
