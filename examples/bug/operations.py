@@ -21,6 +21,8 @@ STOP_AHEAD = 0.45
 """How far before a wall the robot stops [m]."""
 _NEARER = 0.03
 _FALLING = radians(86)
+_ROUND = 1.4 * pi
+"""More than the half turn to the other side of a thin wall, or of a narrow corridor [rad]."""
 _SEEN = np.radians(np.arange(-90.0, 91.0, 3.0))
 
 
@@ -41,6 +43,7 @@ class Circuit:
         self._last = begin
         self._course: float | None = None
         self._closest = inf
+        self._not_before = 0.0
 
     def add(self, here: Point, to_goal: float) -> None:
         """Take in the place of a step, and how far the goal is from it [m]."""
@@ -55,9 +58,11 @@ class Circuit:
         course = atan2(dy, dx)
         if self._course is not None:
             self.turning += remainder(course - self._course, tau)
-        self._course, self._last = course, here
+        if self.farthest > 0.25:  # before, it may still be turning along the wall
+            self._course = course
+        self._last = here
         self.length += moved
-        is_round = abs(self.turning) >= pi  # half a turn less than one; more where H was missed
+        is_round = abs(self.turning) >= _ROUND
         self.is_complete = self.is_complete or (self.farthest > 0.6 and far <= 0.40 and is_round)
 
     def has_returned(self, here: Point) -> bool:
@@ -73,9 +78,13 @@ class Circuit:
     def go_to_nearest(self) -> None:
         """Begin the way to the nearest point."""
         self._closest = inf
+        rest = min(self.nearest[2], self.length - self.nearest[2])
+        self._not_before = self.length + 0.85 * rest - 0.5  # what is near before is another side
 
     def is_at_nearest(self, here: Point) -> bool:
         """Return whether this is the nearest point, or where it was just passed."""
+        if self.length < self._not_before:
+            return False
         x, y = self.nearest[1]
         far = hypot(here[0] - x, here[1] - y)
         self._closest = min(self._closest, far)

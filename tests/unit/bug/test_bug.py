@@ -17,7 +17,7 @@ sys.path.insert(0, str(EXAMPLES))
 
 from bug.algorithm import Navigator  # noqa: E402
 from bug.assembly import read_assembly, variants  # noqa: E402
-from bug.environments import shipped, shortest  # noqa: E402
+from bug.environments import read_environments, shipped, shortest  # noqa: E402
 from bug.senses import Located, Scan  # noqa: E402
 from bug.simulation import Simulation, simulate  # noqa: E402
 
@@ -81,6 +81,35 @@ def test_earlier_hit_point_turns_it_round_once(
     assert run.status == "reached"
     assert run.reversals == reversals
     assert 0.85 <= run.path_length / ideal <= 1.4
+
+
+THIN_WALL = [[-2, 3], [2, 3], [2, 3.05], [-2, 3.05]]
+DEAD_END = [
+    [-3.3, -0.75],
+    [3, -0.75],
+    [3, -0.45],
+    [-3, -0.45],
+    [-3, 0.45],
+    [3, 0.45],
+    [3, 0.75],
+    [-3.3, 0.75],
+]
+
+
+@pytest.mark.parametrize("variant", ["bug1", "bug2"])
+@pytest.mark.parametrize(
+    ("outer", "sensors"), [(THIN_WALL, "bumper"), (DEAD_END, "laser"), (DEAD_END, "ir")]
+)
+def test_other_side_of_a_hit_point_is_not_the_hit_point(
+    outer: list[list[float]], sensors: str, variant: str
+) -> None:
+    world = {"start": [0, 0], "goal": [0.5, 6], "obstacles": [{"outer": outer}]}
+    environment = read_environments({"narrow": world}, "worlds")["narrow"]
+
+    run = simulate(environment, variants()[variant], sensors)
+
+    assert run.status == "reached"
+    assert len(run.hits) == len(run.leaves) == 1
 
 
 @pytest.mark.campaign
