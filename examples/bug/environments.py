@@ -257,6 +257,8 @@ def _minima(goal: Point, ring: Ring) -> int:
 
 def _is_free(p: Point, q: Point, edges: list[tuple[Point, Point]], scene: Scene) -> bool:
     """Return whether a point may go straight from one place to another, also along walls."""
+    if p == q:
+        return True
     cuts = {0.0, 1.0}
     for a, b in edges:
         pa, pb, ap, aq = _turn(p, q, a), _turn(p, q, b), _turn(a, b, p), _turn(a, b, q)

@@ -214,6 +214,13 @@ def test_shortest_path_is_that_of_the_visibility_graph(name: str, length: float 
     assert shortest(shipped()[name]) == (length and pytest.approx(length, abs=5e-4))
 
 
+@pytest.mark.parametrize(("goal", "length"), [([0, 0], 0.0), ([3, 0], 3.0)])
+def test_goal_may_be_the_start_or_a_corner(goal: list[float], length: float) -> None:
+    world = {"start": [0, 0], "goal": goal, "obstacles": [{"outer": [[3, 0], [4, 1], [4, -1]]}]}
+
+    assert shortest(read_environments({"here": world}, "worlds")["here"]) == length
+
+
 def test_no_name_of_a_variant_occurs_in_code() -> None:
     for path in (EXAMPLES / "bug").glob("*.py"):
         words = set(path.read_text("utf-8").lower().replace("_", " ").split())
