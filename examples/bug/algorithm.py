@@ -39,6 +39,8 @@ _FACING = 0.05
 _ARC = 0.37
 _INTO_WALL = sin(0.1)
 _STOP = 0.45
+_MET = 0.65
+"""How far from the boundary a hit point may be to be met again along it [m]."""
 _NARROW = 0.28
 """How far a way is free at least where another obstacle is next to the one that is followed [m]."""
 _BODY = 0.2
@@ -193,6 +195,7 @@ class Navigator:
         self.has_turned = False
         self.around.find_contact(self.bearing if self.around.has_ranges else None)
         self.circuit = operations.Circuit(self.here)
+        self.has_met = self.is_at_boundary()
         self.was_off = self.off_line(self.here)
         self.least.hit(self.to_goal, self.assembly.leave == LINE)
         self.aimed_at = self.decided_at = self.trial = None
@@ -211,8 +214,16 @@ class Navigator:
         return command
 
     def compute_data(self) -> None:
-        """Measure the way along the boundary."""
+        """Measure the way along the boundary, from where it is met if the hit point is far."""
+        if not self.has_met:
+            self.has_met = self.is_at_boundary()
+            self.circuit = operations.Circuit(self.here)
         self.circuit.add(self.here, self.to_goal)
+
+    def is_at_boundary(self) -> bool:
+        """Return whether the way along the boundary leads by this place."""
+        contact = self.around.contact
+        return contact is None or dist(contact, self.here) <= _MET
 
     def wall_following(self) -> Command:
         """Return the command along the wall, which is on the right in direction left."""

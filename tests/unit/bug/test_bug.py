@@ -112,6 +112,18 @@ def test_other_side_of_a_hit_point_is_not_the_hit_point(
     assert len(run.hits) == len(run.leaves) == 1
 
 
+def test_circuit_ends_where_the_robot_switched_far_from_the_wall() -> None:
+    ring, hole = ([[-r, -r], [r, -r], [r, r], [-r, r]] for r in (4.3, 4.0))
+    box = [[-0.5, -1], [0.6, -1], [0.6, 1.3], [-0.5, 1.3]]
+    obstacles = [{"outer": ring, "holes": [hole]}, {"outer": box}]
+    world = {"start": [-2, 0], "goal": [8, 0.2], "obstacles": obstacles}
+    environment = read_environments({"room": world}, "worlds")["room"]
+
+    run = simulate(environment, variants()["tangentbug"], step_limit=1000)
+
+    assert run.status == "unreachable"
+
+
 @pytest.mark.campaign
 @pytest.mark.timeout(3600)
 @pytest.mark.parametrize("direction", ["left", "right"])
