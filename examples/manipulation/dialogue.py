@@ -192,7 +192,7 @@ class Dialogue:
     def _define(self, said: Define) -> None:
         definitions = {**self.definitions, said.name: (said.parameters, said.body)}
         parameters = {name: each[0] for name, each in definitions.items()}
-        body_of(said.body, said.parameters, said.parameters, parameters)
+        body_of(said.body, said.parameters, said.parameters, parameters, said.name)
         if cycle := endless(definitions, said.name):
             raise Refused(f"{said.name} cannot end: {' calls '.join(cycle)}")
         self.definitions = definitions

@@ -171,8 +171,11 @@ def body_of(
     parameters: Sequence[str],
     arguments: Sequence[Token],
     defined: Mapping[str, Sequence[str]],
+    new: str = "",
 ) -> list[Task]:
     """Return the commands of a definition with its arguments in place of its parameters.
+
+    `new` is the name that is just being defined: no hint names it.
 
     Raises:
         Malformed: One of them is no command that moves anything.
@@ -186,7 +189,7 @@ def body_of(
             continue
         if not part:
             raise Malformed("there is no command between two ';' or at an end")
-        command = command_of(part, defined)
+        command = command_of(part, defined, new)
         if isinstance(command, Designate | Forget | Define | Cancel):
             raise Malformed(f"{part[0]} is for the operator, not for a definition")
         commands.append(command)
@@ -194,7 +197,9 @@ def body_of(
     return commands
 
 
-def command_of(tokens: Sequence[Token], defined: Mapping[str, Sequence[str]]) -> Sentence:
+def command_of(
+    tokens: Sequence[Token], defined: Mapping[str, Sequence[str]], new: str = ""
+) -> Sentence:
     """Return the command that tokens make.
 
     Raises:
@@ -210,7 +215,8 @@ def command_of(tokens: Sequence[Token], defined: Mapping[str, Sequence[str]]) ->
         "pick": _pick, "take": _take, "leave": _leave, "put": _leave, "cancel": _cancel,
     }  # fmt: skip
     if verb not in parsers:
-        near = get_close_matches(verb, [*_BUILT_IN, *defined], 1)
+        known = [each for each in (*_BUILT_IN, *defined) if each != new]
+        near = get_close_matches(verb, known, 1)
         hint = f" (did you mean {near[0]}?)" if near else ""
         raise Malformed(f"no such command: {verb}{hint}")
     return parsers[verb](rest)

@@ -250,6 +250,8 @@ def test_a_command_that_cannot_end_is_refused() -> None:
         bench.say("define one = two")
     with pytest.raises(Malformed, match="no such command: jump"):
         bench.say("define three = jump")
+    with pytest.raises(Malformed, match=r"no such command: pong$"):
+        bench.say("define ping A = pong A")
     with pytest.raises(Refused, match="used by two"):
         bench.say("forget one")
     bench.say("two")
