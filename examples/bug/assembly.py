@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from difflib import get_close_matches
 from functools import cache
+from math import nan
 from pathlib import Path
 from typing import Any
 
@@ -38,8 +39,11 @@ WORDS: Mapping[str, Sequence[str]] = {
     "memory": (NO_MEMORY, TURN_ROUND),
 }
 """The operations by what they are for; the first of each is taken where nothing is said."""
-_OVER = ("m-line", "disc")
-_OTHER = ("gain", "bound", "source")
+KEYS = (*WORDS, "gain", "bound", "source", "summary")
+"""All that an assembly may say."""
+MOST_GAIN = 10
+OVER = ("m-line", "disc")
+PERIMETERS = ("each", "crossing", "minimum")
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,6 +79,7 @@ class Assembly:
         gain: How much nearer at least [m].
         bound: Published bound of the path; None where there is none.
         source: Where it was published.
+        summary: What it does, in a few words.
     """
 
     motion: str = STRAIGHT
@@ -87,6 +92,7 @@ class Assembly:
     gain: float = 0.0
     bound: Bound | None = None
     source: str = ""
+    summary: str = ""
 
     @property
     def is_complete(self) -> bool:
@@ -106,17 +112,22 @@ def read_assembly(value: Mapping[str, Any], name: str = "assembly") -> Assembly:
     """
     if not isinstance(value, Mapping):
         raise Refused(f"{name}: operations by their names are needed, not {value!r}")
+    value = {key: word.strip() if isinstance(word, str) else word for key, word in value.items()}
     for key, word in value.items():
         if key in WORDS:
             _known(name, key, word, WORDS[key])
         else:
-            _known(name, "key", key, (*WORDS, *_OTHER))
+            _known(name, "key", key, KEYS)
     words = {key: value.get(key, choices[0]) for key, choices in WORDS.items()}
-    gain, source = value.get("gain", 0.0), value.get("source", "")
-    if isinstance(gain, bool) or not isinstance(gain, (int, float)) or not 0 <= gain <= 10:
-        raise Refused(f"{name}: gain is from 0 to 10 m, not {gain!r}")
+    gain = _number(value.get("gain", 0.0))
+    if not 0 <= gain <= MOST_GAIN:
+        raise Refused(f"{name}: gain is from 0 to {MOST_GAIN} m, not {value['gain']!r}")
     made = Assembly(
-        **words, gain=float(gain), bound=_bound(name, value.get("bound")), source=str(source)
+        **words,
+        gain=gain,
+        bound=_bound(name, value["bound"]) if "bound" in value else None,
+        source=str(value.get("source", "")),
+        summary=str(value.get("summary", "")),
     )
     for is_broken, why in _rules(made):
         if is_broken:
@@ -181,18 +192,25 @@ def _rules(made: Assembly) -> tuple[tuple[bool, str], ...]:
     )
 
 
-def _bound(name: str, value: Any) -> Bound | None:
-    if value is None:
-        return None
+def _bound(name: str, value: Any) -> Bound:
     if not isinstance(value, Mapping) or "over" not in value:
-        raise Refused(f"{name}: a bound says over what, {' or '.join(_OVER)}")
+        raise Refused(f"{name}: a bound says over what, {' or '.join(OVER)}")
     for key, number in value.items():
-        _known(name, "key of bound", key, ("over", "each", "crossing", "minimum"))
-        if key == "over":
-            _known(name, "over", number, _OVER)
-        elif isinstance(number, bool) or not isinstance(number, (int, float)) or number < 0:
+        _known(name, "key of bound", key, ("over", *PERIMETERS))
+        if key != "over" and not _number(number) >= 0:
             raise Refused(f"{name}: {key} of bound is a number of perimeters, not {number!r}")
-    return Bound(**value)
+    _known(name, "over", value["over"], OVER)
+    return Bound(value["over"], **{k: _number(value[k]) for k in PERIMETERS if k in value})
+
+
+def _number(value: Any) -> float:
+    """Return a number, also of a text, as constraints compare them; NaN for what is none."""
+    if isinstance(value, bool) or not isinstance(value, (int, float, str)):
+        return nan
+    try:
+        return float(value)
+    except (ValueError, OverflowError):
+        return nan
 
 
 def _known(name: str, what: str, word: Any, choices: Sequence[str]) -> None:
@@ -231,7 +249,8 @@ def assembly_of(text: str) -> Assembly:
         Refused: The JSON is none, or what it says cannot work.
         NotFound: There is no such name.
     """
-    if text.lstrip().startswith("{"):
+    text = text.strip()
+    if text.startswith("{"):
         try:
             return read_assembly(json.loads(text))
         except ValueError as error:

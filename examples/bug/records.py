@@ -224,7 +224,9 @@ def table_md(records: Sequence[Record]) -> str:
         "",
         f"{right} of {len(records)} runs gave the right answer without a collision. Lengths in"
         " metres, times in simulated seconds;",
-        "ratio: to the shortest path of a point robot.",
+        "ratio: to the shortest path of a point robot to the goal itself. A run ends at the"
+        " goal_margin of its world before the goal,",
+        "so a ratio may be below 1.",
         "",
         "| " + " | ".join(name.replace("_", " ") for name in TABLE) + " |",
         "| " + " | ".join("---" if i < 5 else "---:" for i in range(len(TABLE))) + " |",

@@ -12,8 +12,11 @@ from collections.abc import Iterable, Iterator, Mapping
 from itertools import combinations, product
 from math import prod
 
-from .assembly import WORDS, Assembly, _rules, variants
+from .assembly import KEYS, MOST_GAIN, OVER, PERIMETERS, WORDS, Assembly, _rules, variants
 
+_ANY = 'like("*")'
+_NEVER = f"not({_ANY})"
+_BOUND_IS = f"over {' or '.join(OVER)}, and perimeters {', '.join(PERIMETERS)} from 0 on"
 _GAINS = (0.0, 0.5)
 _CHOICES: Mapping[str, tuple[object, ...]] = {
     **{key: tuple(words) for key, words in WORDS.items()},
@@ -26,17 +29,41 @@ Words = tuple[tuple[str, tuple[object, ...]], ...]
 def constraint_of_variants() -> str:
     """Return what the parameter ``variant`` may be: a name, or an assembly as JSON."""
     names = ", ".join(variants())
-    quoted = ",".join(map(_quoted, variants()))
-    parts = [_said(f"it is one of {names}, or an assembly in braces", f'({quoted}),like("{{*")')]
+    parts = [
+        _said(
+            f"it is one of {names}, or an assembly in braces",
+            f'{_one_of(variants())},like("{{*")',
+        ),
+        _said("what is in braces is no JSON object", _always(f'key("",{_NEVER})')),
+        _said(f"an assembly has no other keys than {', '.join(KEYS)}", _always(_closed(KEYS))),
+    ]
     for key, words in WORDS.items():
         known = ", ".join(map(str, words))
-        choice = ",".join(map(_quoted, words))
-        fits = f"not({_present(key)}),hash(key({key},({choice})))"
-        parts.append(_said(f"{key} is one of {known}", fits))
+        parts.append(_said(f"{key} is one of {known}", _always(f"key({key},{_one_of(words)})")))
+    parts.append(_said(f"gain is from 0 to {MOST_GAIN} m", _always(f"key(gain,0<=x<={MOST_GAIN})")))
+    parts.append(_said(f"a bound is {_BOUND_IS}", _always(f"key(bound,{_bound()})")))
     for why, refused in _refused().items():
         broken = _any("or", [_any("and", [_atom(*each) for each in words]) for words in refused])
-        parts.append(_said(why, f'not(like("{{*")),not({broken})'))
+        parts.append(_said(why, f"not({broken})"))
     return f"and({','.join(parts)})"
+
+
+def _bound() -> str:
+    over = f"not({_always(f'key(over,not({_one_of(OVER)}))')})"
+    numbers = ",".join(f"key({key},x>=0)" for key in PERIMETERS)
+    keys = _closed(("over", *PERIMETERS))
+    return f'and(like("{{*"),{over},{_always(numbers)},{_always(keys)})'
+
+
+def _closed(keys: Iterable[str]) -> str:
+    """Return that there are no other keys than these."""
+    named = ",".join(f"key({key},{_ANY})" for key in keys)
+    return f'{named},key("*",{_NEVER})'
+
+
+def _always(keys: str) -> str:
+    """Return what holds of keys, true where they are absent: a hash alone says nothing then."""
+    return f"and({_ANY},hash({keys}))"
 
 
 def _refused() -> dict[str, list[Words]]:
@@ -83,17 +110,17 @@ def _matters(at: int, broken: set[tuple[object, ...]]) -> bool:
 def _atom(key: str, words: tuple[object, ...]) -> str:
     """Return that an assembly has one of these, also where it says nothing: then the default."""
     if key == "gain":
-        positive = f"and({_present(key)},hash(key(gain,x>0)))"
-        return positive if words[0] else f"not({positive})"
-    choice = ",".join(map(_quoted, words))
-    holds = f"hash(key({key},{choice if len(words) == 1 else f'({choice})'}))"
-    if WORDS[key][0] in words:
-        return f"or(not({_present(key)}),{holds})"
-    return f"and({_present(key)},{holds})"
+        is_default, holds = not words[0], "x>0" if words[0] else "0"
+    else:
+        is_default, holds = WORDS[key][0] in words, _one_of(words)
+    if is_default:
+        return _always(f"key({key},{holds})")
+    return f"not({_always(f'key({key},not({holds}))')})"
 
 
-def _present(key: str) -> str:
-    return f'like("*\\"{key}\\"*")'
+def _one_of(words: Iterable[object]) -> str:
+    """Return that it is one of these words, letter by letter."""
+    return f"({','.join(map(_exact, words))})"
 
 
 def _said(sentence: str, rest: str) -> str:
@@ -107,3 +134,7 @@ def _any(word: str, parts: Iterable[str]) -> str:
 
 def _quoted(text: object) -> str:
     return json.dumps(str(text))
+
+
+def _exact(text: object) -> str:
+    return f"'{text}'"

@@ -7,10 +7,12 @@ is left out of the constraint around it.
 
 from __future__ import annotations
 
+import json
 import re
 from collections.abc import Callable, Iterable, Sequence
 
 from rtkit.profile import constraint_model as c
+from rtkit.rtc.nearest import did_you_mean
 
 _Number = int | float
 _Order = Callable[[_Number, _Number], bool]
@@ -22,6 +24,7 @@ _ORDERS: dict[str, _Order] = {
 }
 _LEAST = _ORDERS["propertyIsGreaterThanOrEqualTo"]
 _MOST = _ORDERS["propertyIsLessThanOrEqualTo"]
+_OTHERS = "*"
 _EQUAL = "propertyIsEqualTo"
 _TRUTHS = {"true": True, "yes": True, "on": True, "false": False, "no": False, "off": False}
 _SPELLINGS = {**_TRUTHS, "1": True, "0": False}
@@ -35,7 +38,8 @@ def allows(
 
     One test holds for each element; a list of constraints holds element by element, as far as
     both go, unless it only names values: then it lists what each may be, as authors mean it.
-    A hash holds for ``key:value`` elements whose key it names, and says nothing of others.
+    A hash holds for ``key:value`` elements whose key it names, and says nothing of others; the key
+    ``*`` names all others, the empty one a text that begins with a brace and is no JSON object.
 
     Args:
         constraint: What must hold.
@@ -60,8 +64,20 @@ def broken_sentence(constraint: c.Constraint, value: str | Sequence[str]) -> str
         return next(filter(None, (broken_sentence(each, value) for each in test.constraints)), "")
     first = test.constraints[0].content if test.kind == "Or" else None
     stated = first.test if isinstance(first, c.ConstraintUnit) else None
-    is_sentence = isinstance(stated, c.Comparison) and stated.literal.endswith(".")
-    return stated.literal.removesuffix(".") if is_sentence else ""  # type: ignore[union-attr]
+    if not isinstance(stated, c.Comparison) or not stated.literal.endswith("."):
+        return ""
+    hint = did_you_mean(value, _choices(test.constraints[1:])) if isinstance(value, str) else ""
+    return stated.literal.removesuffix(".") + hint
+
+
+def _choices(parts: Iterable[c.Constraint]) -> Iterable[str]:
+    """Yield the values that these name, of which one is enough."""
+    for part in parts:
+        test = part.content.test if isinstance(part.content, c.ConstraintUnit) else None
+        if isinstance(test, c.Comparison) and test.kind == _EQUAL:
+            yield test.literal
+        elif isinstance(test, c.Logical) and test.kind == "Or":
+            yield from _choices(test.constraints)
 
 
 def _verdict(constraint: c.Constraint, items: tuple[str, ...], wants_number: bool) -> bool | None:
@@ -96,9 +112,18 @@ def _only_names_values(group: c.ConstraintGroup) -> bool:
 def _entries(items: tuple[str, ...]) -> Iterable[tuple[str, str]]:
     """Yield key and value of each ``key:value`` of a text or list, brackets or none.
 
-    They may stand in double quotes: as JSON writes an object of texts.
+    Those of a JSON object are texts, or JSON again.
     """
     for item in items:
+        if item.lstrip().startswith("{"):
+            try:
+                found = json.loads(item)
+            except (ValueError, RecursionError):
+                yield "", item
+            else:
+                for key, value in found.items():
+                    yield key, value if isinstance(value, str) else json.dumps(value)
+                continue
         for part in item.strip().removeprefix("{").removesuffix("}").split(","):
             key, colon, value = part.partition(":")
             if colon:
@@ -108,7 +133,10 @@ def _entries(items: tuple[str, ...]) -> Iterable[tuple[str, str]]:
 def _entry(group: c.ConstraintGroup, entry: tuple[str, str], wants_number: bool) -> bool | None:
     key, value = entry
     units = [part.content for part in group.constraints]
-    tests = [unit.test for unit in units if isinstance(unit, c.ConstraintUnit) and unit.key == key]
+    keyed = [unit for unit in units if isinstance(unit, c.ConstraintUnit)]
+    if key and not any(unit.key == key for unit in keyed):
+        key = _OTHERS
+    tests = [unit.test for unit in keyed if unit.key == key]
     return _all(_holds(test, value, wants_number) for test in tests)
 
 

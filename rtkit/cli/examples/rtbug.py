@@ -106,7 +106,8 @@ def main(
 
     \b
     rtbug run    deploy and run each combination of what is named, to its end
-    rtbug list   variants, sensors and worlds that there are
+    rtbug list   variants, sensors and worlds that there are, and which --all runs;
+                 with -v where a variant was published
     rtbug where  the folder of the example: components, profiles, README.md
 
     A run is a deployment of system.yaml at a manager of this command, which ends with it: every
@@ -134,7 +135,7 @@ def main(
     except ImportError as error:  # numpy is missing; the text says so
         raise Refused(str(error)) from error
     if words[0] == _LIST:
-        return _list(running, worlds, known, is_json)
+        return _list(app, running, worlds, known, is_json)
     choices = _choices(running, worlds, known, asked)
     out = None if asked.out is None else Path(asked.out)
     if out is not None:
@@ -231,18 +232,29 @@ def _run(
     return records
 
 
-def _list(running: Any, worlds: Any, known: Any, is_json: bool) -> int:
+def _list(app: App, running: Any, worlds: Any, known: Any, is_json: bool) -> int:
     from rtkit.cli.shared import json_records
 
-    found = [("variant", name, each.assembly.source) for name, each in known.items()]
-    found += [("sensors", name, about) for name, about in running.SENSORS.items()]
-    found += [("world", name, each.note) for name, each in worlds.items()]
+    of_all = {word for words in running.PAPER for word in words}
+    found = [
+        ("variant", name, each.assembly.summary or each.assembly.source, each.assembly.source)
+        for name, each in known.items()
+    ]
+    found += [("sensors", name, about, "") for name, about in running.SENSORS.items()]
+    found += [("world", name, each.note, "") for name, each in worlds.items()]
     if is_json:
-        keys = ("kind", "name", "about")
-        records = (dict(zip(keys, each, strict=True)) for each in found)
+        keys = ("kind", "name", "about", "source")
+        records = (
+            {**dict(zip(keys, each, strict=True)), "is_of_all": each[1] in of_all} for each in found
+        )
         terminal.write(json_records.lines("bug-word", records))
-    else:
-        terminal.write(terminal.table([tuple(map(terminal.printable, each)) for each in found]))
+        return 0
+    shown = [
+        (kind, name, "--all" if name in of_all else "", about)
+        + ((source,) if app.is_verbose else ())
+        for kind, name, about, source in found
+    ]
+    terminal.write(terminal.table([tuple(map(terminal.printable, each)) for each in shown]))
     return 0
 
 

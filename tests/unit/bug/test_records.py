@@ -91,6 +91,7 @@ def test_a_table_is_sorted_by_its_columns_from_the_left() -> None:
     )
     assert lines[1:] == sorted(lines[1:])
     assert records.table_md(made).count("\n| one-box") == 6
+    assert "ends at the goal_margin of its world before the goal" in records.table_md(made)
     assert "\n6 of 6 runs gave the right answer" in records.table_md(made)
 
 

@@ -122,6 +122,30 @@ def test_what_it_takes_is_listed(capsys: pytest.CaptureFixture[str]) -> None:
     assert by_kind["world"][:3] == ["closed", "one-box", "visited"]
 
 
+def test_the_list_says_what_each_does_and_which_all_runs(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    assert main(["list"]) == 0
+    out = capsys.readouterr().out
+    assert "Algorithmica" not in out
+    assert all(len(line) <= 110 for line in out.splitlines())
+    marked = [line.split()[1] for line in out.splitlines() if line.split()[2] == "--all"]
+    assert marked == [*running.PAPER[1], *running.PAPER[2], *running.PAPER[0]]
+    assert main(["list", "--json"]) == 0
+    words = jsonrecords.checked(capsys.readouterr().out)
+    assert [each["name"] for each in words if each["is_of_all"]] == marked
+    assert main(["list", "-v"]) == 0
+    assert "Algorithmica" in capsys.readouterr().out
+
+
+def test_a_variant_of_a_file_without_summary_is_listed_by_its_source(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "own.json").write_text('{"own": {"source": "an exercise"}}')
+    assert main(["list", "--variants", str(tmp_path / "own.json")]) == 0
+    assert "an exercise" in capsys.readouterr().out
+
+
 def test_worlds_of_a_file_are_listed_and_win(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

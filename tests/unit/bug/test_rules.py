@@ -66,6 +66,65 @@ def test_a_single_fault_has_its_own_sentence() -> None:
         assert _why(json.dumps(value)) == _refusal(value)
 
 
+def test_a_name_that_is_nearly_one_has_a_hint() -> None:
+    assert _why("bugg2").endswith(" (did you mean bug2?)")
+    assert "(did you mean bug2" in _why("Bug2")
+
+
+_LINE = {"motion": "m-line", "leave": "m-line"}
+_BOUND = {"over": "disc"}
+
+
+@pytest.mark.parametrize(
+    "value",
+    [
+        {"leav": "m-line"},
+        {**_LINE, "Memory": "turn round"},
+        {**_LINE, "": "m-line"},
+        {"by": "free range", "gain": 11},
+        {"by": "free range", "gain": -1},
+        {"by": "free range", "gain": "0.5"},
+        {"by": "free range", "gain": True},
+        {"by": "free range", "gain": None},
+        {"by": "free range", "gain": 0.5},
+        {"motion": "M-line", "leave": "m-line"},
+        {"motion": " m-line", "leave": "m-line"},
+        {"motion": ["m-line"], "leave": "m-line"},
+        {"motion": None},
+        {"source": 'leave: m-line, "motion", {"x": 1}', "summary": "motion"},
+        {"bound": _BOUND},
+        {"bound": {**_BOUND, "each": 1.5, "crossing": 0, "minimum": 2}},
+        {"bound": {**_BOUND, "each": -1}},
+        {"bound": {**_BOUND, "each": "1"}},
+        {"bound": {**_BOUND, "eech": 1}},
+        {"bound": {"over": "disk"}},
+        {"bound": {"each": 1}},
+        {"bound": {}},
+        {"bound": None},
+        {"bound": "over"},
+        {},
+    ],
+    ids=json.dumps,
+)
+def test_any_object_is_refused_by_both_or_by_none(value: dict[str, object]) -> None:
+    refusal, why = _refusal(value), _why(json.dumps(value))
+    assert bool(refusal) is bool(why), (refusal, why)
+
+
+def test_a_key_that_is_none_is_refused() -> None:
+    assert _why('{"leav": "m-line"}') == (
+        "an assembly has no other keys than motion, leave, nearer_than, by, research, direction,"
+        " memory, gain, bound, source, summary"
+    )
+
+
+@pytest.mark.parametrize(
+    "text", ['{"motion": ', "{motion: m-line, leave: m-line}", "{'motion': 'm-line'}", "{"]
+)
+def test_what_is_no_json_is_told_so(text: str) -> None:
+    assert _why(text) == "what is in braces is no JSON object"
+
+
 def test_a_word_that_is_none_is_refused() -> None:
     assert _why('{"leave": "anytime"}') == "leave is one of anywhere, m-line, nearest point"
 

@@ -14,7 +14,7 @@ from rtkit.profile.constraint_model import (
 )
 from rtkit.profile.constraint_model import ConstraintGroup as Group
 from rtkit.profile.constraint_text import parse_constraint
-from rtkit.profile.constraint_value import allows
+from rtkit.profile.constraint_value import allows, broken_sentence
 
 
 def unit(test: Comparison | Like | IsNull | Logical) -> Constraint:
@@ -98,6 +98,51 @@ def test_a_hash_says_nothing_of_a_value_without_keys() -> None:
     named = parse_constraint("{a:x>0}")
     assert named is not None
     assert allows(named, "0")
+
+
+@pytest.mark.parametrize(
+    ("text", "is_allowed"),
+    [
+        ('{"a": 1}', True),
+        ("{}", True),
+        ("", True),
+        ("a:1", True),
+        ('{"a": 1, "other": 1}', False),
+        ("a:1,other:1", False),
+        ('{"a": "0, other: 1"}', False),
+        ('{"b": "1, other: 1"}', True),
+        ('{"b": {"a": 0}}', True),
+    ],
+)
+def test_the_key_of_a_star_names_all_others(text: str, is_allowed: bool) -> None:
+    closed = parse_constraint('hash(key(a,x>0),key(b,like("*")),key("*",not(like("*"))))')
+    assert closed is not None
+    assert allows(closed, text) is is_allowed
+
+
+@pytest.mark.parametrize(
+    ("text", "is_allowed"),
+    [
+        ('{"a": 1}', True),
+        ("{}", True),
+        ("word", True),
+        ('{"a": ', False),
+        ("{a: 1}", False),
+        ("[" * 9 + "{", True),
+        ('{"a":' + "[" * 100_000, False),
+    ],
+)
+def test_the_empty_key_names_what_is_in_braces_and_no_object(text: str, is_allowed: bool) -> None:
+    rule = parse_constraint('hash(key("",not(like("*"))))')
+    assert rule is not None
+    assert allows(rule, text) is is_allowed
+
+
+def test_a_sentence_has_the_word_that_was_meant() -> None:
+    rule = parse_constraint('or("It is one of one, three.",(one,three),like("{*"))')
+    assert rule is not None
+    assert broken_sentence(rule, "thre") == "It is one of one, three (did you mean three?)"
+    assert broken_sentence(rule, "zzz") == "It is one of one, three"
 
 
 def test_forms_that_only_documents_have() -> None:
