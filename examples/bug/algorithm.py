@@ -44,6 +44,8 @@ _MET = 0.65
 _NARROW = 0.28
 """How far a way is free at least where another obstacle is next to the one that is followed [m]."""
 _BODY = 0.2
+_TOUCHED = 0.125
+"""How far from the centre a place is at most that is felt now [m]."""
 
 
 class Navigator:
@@ -103,6 +105,7 @@ class Navigator:
         self.turned_at: tuple[Point, float] | None = None
         self.went_from: Point | None = None
         self.looks_from: Point | None = None
+        self.seeks: Point | None = None
         self.narrow: tuple[float, Point, float] | None = None
         self.narrowest = inf
         self._start: Point | None = None
@@ -198,7 +201,7 @@ class Navigator:
         self.has_met = self.is_at_boundary()
         self.was_off = self.off_line(self.here)
         self.least.hit(self.to_goal, self.assembly.leave == LINE)
-        self.aimed_at = self.decided_at = self.trial = None
+        self.aimed_at = self.decided_at = self.trial = self.seeks = None
         return self.wall_following()
 
     def identify_leave_point(self) -> Command:
@@ -267,6 +270,7 @@ class Navigator:
     def turn_round(self) -> None:
         """Follow the boundary the other way from here."""
         self.direction = RIGHT if self.direction == LEFT else LEFT
+        self.seeks = None if self.around.has_ranges else self.around.contact
 
     def find_leave_point(self) -> Command | None:
         """Look whether this is a leave point; return a command if that needs a motion."""
@@ -354,7 +358,9 @@ class Navigator:
             if self.around.has_ranges and far < 0.8 * self.around.safe:
                 limit = -0.25  # too near to go along it
             if far < self.around.safe + 0.1 and into > limit * self.to_goal:
-                if self.looks_from == self.here:  # turned here, it feels the wall in the way
+                if self.assembly.leave == LINE and not self.around.has_ranges and far > _TOUCHED:
+                    return None  # a wall not felt now may be passed before it is off the line
+                if self.looks_from == self.here:  # turned here, it finds the wall in the way
                     self.decided_at = self.here
                 return False
         if not self.around.has_ranges:
@@ -373,7 +379,10 @@ class Navigator:
 
     def _look(self) -> Command | None:
         """Turn to the goal, once at each place."""
-        return None if self.was_decided() else self.face_goal()
+        if self.was_decided():
+            return None
+        self.looks_from = self.here
+        return self.face_goal()
 
     def was_decided(self) -> bool:
         """Return whether it has just looked from here, in vain."""

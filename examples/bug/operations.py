@@ -43,6 +43,7 @@ class Circuit:
         self._last = begin
         self._course: float | None = None
         self._closest = inf
+        self._passed = inf
         self._not_before = 0.0
 
     def add(self, here: Point, to_goal: float) -> None:
@@ -62,8 +63,10 @@ class Circuit:
             self._course = course
         self._last = here
         self.length += moved
-        is_round = abs(self.turning) >= _ROUND
-        self.is_complete = self.is_complete or (self.farthest > 0.6 and far <= 0.40 and is_round)
+        if self.farthest > 0.6 and far <= 0.40 and abs(self.turning) >= _ROUND:
+            # Next to the beginning is not there: what lies before it may be the leave point.
+            self._passed = min(self._passed, far)
+        self.is_complete = self.is_complete or self._passed <= 0.15 or far > self._passed
 
     def has_returned(self, here: Point) -> bool:
         """Return whether it has come back to its beginning after a turn-round."""

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from math import dist, hypot, pi
+from math import atan2, dist, hypot, pi, remainder, tau
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from .algorithm import Command, Navigator
+    from .algorithm import Command, Navigator, Point
 
 _SIDE, _BEHIND = pi / 3, 2 * pi / 3
 """The bearings of the switches beside the robot: further ahead, further behind."""
@@ -29,8 +29,14 @@ def follow_by_touch(navigator: Navigator, side: float) -> Command:
     behind = on_side and senses.free_distance(-side * _BEHIND) == 0
     if senses.obstacle_in_front_of_the_robot() and not before:
         ahead = senses.free_distance(0.0) == 0
-        around.touch(0.0 if ahead else side * _SIDE, _FELT)
+        beside = pi / 2 if senses.free_distance(side * _BEHIND) == 0 else _SIDE
+        around.touch(0.0 if ahead else side * beside, _FELT)
+        navigator.seeks = None
         return 0.0, side * 0.9
+    if on_side:
+        navigator.seeks = None
+    elif navigator.seeks is not None:
+        return _seek(navigator, navigator.seeks)
     went_from, navigator.went_from = navigator.went_from, None
     is_blocked = went_from is not None and dist(went_from, navigator.here) < 0.01
     if before and not behind:
@@ -43,6 +49,15 @@ def follow_by_touch(navigator: Navigator, side: float) -> Command:
         navigator.went_from = navigator.here
         return 0.2, (0.0 if before else -side * 0.4)
     return 0.14, -side * 1.1
+
+
+def _seek(navigator: Navigator, place: Point) -> Command:
+    """Return the command to where the wall was felt, which a turn-round left on the other side."""
+    x, y = navigator.here
+    if dist(place, navigator.here) < _FELT:  # the wall is not there: it bends to it again
+        navigator.seeks = None
+    bearing = remainder(atan2(place[1] - y, place[0] - x) - navigator.theta, tau)
+    return (0.2, 0.0) if navigator.is_facing(bearing) else navigator.face(bearing)
 
 
 def way_free_by_trial(navigator: Navigator) -> bool | Command | None:

@@ -21,6 +21,7 @@ from bug.environments import read_environments, shipped, shortest  # noqa: E402
 from bug.senses import Located, Scan  # noqa: E402
 from bug.simulation import Simulation, simulate  # noqa: E402
 
+Place = tuple[float, float]
 SIX = ("bug1", "bug2", "alg1", "alg2", "rev1", "distbug")
 IDEAL = {
     "closed": [(25.1, 25.1)] * 6,
@@ -120,6 +121,46 @@ def test_circuit_ends_where_the_robot_switched_far_from_the_wall() -> None:
     environment = read_environments({"room": world}, "worlds")["room"]
 
     run = simulate(environment, variants()["tangentbug"], step_limit=1000)
+
+    assert run.status == "unreachable"
+
+
+@pytest.mark.parametrize(
+    ("start", "goal", "corners", "sensors"),
+    [
+        ((-2.72, 1.34), (8, 2.86), ((-2.04, 1.70), (-1.54, 3.05)), "ir"),
+        ((0.97, -0.58), (8, -2.42), ((2.14, -0.80), (3.14, -0.21)), "bumper"),
+    ],
+)
+@pytest.mark.parametrize("variant", ["bug2", "alg1"])
+def test_leave_point_next_to_the_hit_point_is_found_before_the_circuit_ends(
+    start: Place, goal: Place, corners: tuple[Place, Place], sensors: str, variant: str
+) -> None:
+    (left, low), (right, high) = corners
+    box = [(left, low), (right, low), (right, high), (left, high)]
+    world = {"start": start, "goal": goal, "obstacles": [{"outer": box}]}
+    environment = read_environments({"corner": world}, "worlds")["corner"]
+
+    run = simulate(environment, variants()[variant], sensors, step_limit=1000)
+
+    assert run.status == "reached"
+    assert len(run.hits) == len(run.leaves) == 1
+
+
+def test_wall_is_found_again_where_it_turned_round_out_of_touch() -> None:
+    run = simulate(shipped()["one-box"], variants()["rev2"], "bumper", step_limit=500)
+
+    assert run.status == "reached"
+    assert run.reversals == 1
+
+
+@pytest.mark.parametrize(("variant", "half"), [("distbug", 0.7), ("bug1", 0.75)])
+def test_looking_for_the_goal_in_a_corner_of_a_small_room_ends(variant: str, half: float) -> None:
+    ring, hole = ([[-r, -r], [r, -r], [r, r], [-r, r]] for r in (half + 0.3, half))
+    world = {"start": [0, 0], "goal": [0, 11], "obstacles": [{"outer": ring, "holes": [hole]}]}
+    environment = read_environments({"room": world}, "worlds")["room"]
+
+    run = simulate(environment, variants()[variant], "ir", step_limit=1000)
 
     assert run.status == "unreachable"
 
