@@ -141,7 +141,20 @@ def _rings(value: Any, at: str) -> tuple[Ring, ...]:
             Polygon(rings[-1])
         except Malformed as error:
             raise InvalidDocument(f"{place}: {error}") from None
+        if len(rings) > 1 and not _is_in(rings[-1], rings[:-1]):
+            raise InvalidDocument(f"{place}: a hole is inside of outer, and touches no other ring")
     return tuple(rings)
+
+
+def _is_in(hole: Ring, rings: Sequence[Ring]) -> bool:
+    """Return whether a ring lies in what the outer one and the holes before it leave solid."""
+    from rtkit.world import Polygon, Scene
+
+    solid = Scene([Polygon(rings[0], rings[1:])])
+    edges = [edge for ring in rings for edge in _edges(ring)]
+    return all(solid.distance(corner) < -_EPS for corner in hole) and not any(
+        _crosses(*one, *other) for one in _edges(hole) for other in edges
+    )
 
 
 def _point(value: Any, at: str) -> Point:

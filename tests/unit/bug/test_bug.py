@@ -21,6 +21,8 @@ from bug.environments import read_environments, shipped, shortest  # noqa: E402
 from bug.senses import Located, Scan  # noqa: E402
 from bug.simulation import Simulation, simulate  # noqa: E402
 
+from rtkit.errors import InvalidDocument  # noqa: E402
+
 Place = tuple[float, float]
 SIX = ("bug1", "bug2", "alg1", "alg2", "rev1", "distbug")
 IDEAL = {
@@ -163,6 +165,20 @@ def test_looking_for_the_goal_in_a_corner_of_a_small_room_ends(variant: str, hal
     run = simulate(environment, variants()[variant], "ir", step_limit=1000)
 
     assert run.status == "unreachable"
+
+
+@pytest.mark.parametrize("at", [(5, 1), (3.5, 1), (1.5, 1.5)])
+def test_hole_that_is_not_inside_its_obstacle_is_refused_with_its_place(at: Place) -> None:
+    outer, inner, hole = (
+        [(x, y), (x + d, y), (x + d, y + d), (x, y + d)]
+        for (x, y), d in (((0, 0), 4), ((1, 1), 1), (at, 1))
+    )
+    world = {"start": [-1, 0], "goal": [9, 0], "obstacles": [{"outer": outer, "holes": [inner]}]}
+    read_environments({"w": world}, "f.json")
+    world["obstacles"][0]["holes"].append(hole)
+
+    with pytest.raises(InvalidDocument, match=r"f\.json: w\.obstacles\[0\]\.holes\[1\]: a hole is"):
+        read_environments({"w": world}, "f.json")
 
 
 @pytest.mark.campaign
