@@ -44,6 +44,8 @@ _MET = 0.65
 _NARROW = 0.28
 """How far a way is free at least where another obstacle is next to the one that is followed [m]."""
 _BODY = 0.2
+_TURN_OFF = 0.45
+"""By how much it turns from a wall that may be anywhere in what one range covers [rad]."""
 _TOUCHED = 0.125
 """How far from the centre a place is at most that is felt now [m]."""
 
@@ -202,6 +204,8 @@ class Navigator:
         self.was_off = self.off_line(self.here)
         self.least.hit(self.to_goal, self.assembly.leave == LINE)
         self.aimed_at = self.decided_at = self.trial = self.seeks = None
+        if self.around.is_coarse:  # the wall may be on either side of what it sees: it turns off
+            return self.face(self.side * _TURN_OFF)
         return self.wall_following()
 
     def identify_leave_point(self) -> Command:

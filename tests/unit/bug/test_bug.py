@@ -167,6 +167,18 @@ def test_looking_for_the_goal_in_a_corner_of_a_small_room_ends(variant: str, hal
     assert run.status == "unreachable"
 
 
+@pytest.mark.parametrize("y", [-1.19, -1.2])
+def test_infra_red_passes_a_corner_at_the_edge_of_its_range_ahead(y: float) -> None:
+    box = [[-0.153, -1.275], [2.004, -1.275], [2.004, -0.791], [-0.153, -0.791]]
+    world = {"start": [-2.1, y], "goal": [8, -2.09], "obstacles": [{"outer": box}]}
+    environment = read_environments({"corner": world}, "worlds")["corner"]
+
+    run = simulate(environment, variants()["bug1"], "ir", step_limit=1000)
+
+    assert run.status == "reached"
+    assert run.collisions == 0
+
+
 @pytest.mark.parametrize("at", [(5, 1), (3.5, 1), (1.5, 1.5)])
 def test_hole_that_is_not_inside_its_obstacle_is_refused_with_its_place(at: Place) -> None:
     outer, inner, hole = (
