@@ -15,6 +15,8 @@ import threading
 import time
 from typing import NamedTuple
 
+from rtkit.link.places import of_pid
+
 CALLBACKS = (
     "",
     "on_initialize",
@@ -48,7 +50,7 @@ STACKS_AT = _SIZE
 
 def heartbeats_path(pattern: str, pid: int) -> str:
     """Return where a process keeps its heartbeats; `pattern` is that of its data socket."""
-    return pattern.replace("%p", str(pid)).removesuffix(".data") + ".beats"
+    return of_pid(pattern, pid).removesuffix(".data") + ".beats"
 
 
 def guest_pattern(pattern: str) -> str:

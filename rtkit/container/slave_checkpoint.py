@@ -14,6 +14,8 @@ import os
 from collections.abc import Mapping
 from typing import Any, NamedTuple
 
+from rtkit.link.places import of_pid
+
 SUFFIX = ".held"
 _SLACK = 64 * 1024
 _MOST = 4
@@ -91,7 +93,7 @@ class CheckpointWriter:
 
 def checkpoint_path(pattern: str, pid: int) -> str:
     """Return the path of a slave's checkpoint; `pattern` is that of its data socket."""
-    return pattern.replace("%p", str(pid)).removesuffix(".data") + SUFFIX
+    return of_pid(pattern, pid).removesuffix(".data") + SUFFIX
 
 
 def read_checkpoint(path: str) -> SlaveCheckpoint | None:

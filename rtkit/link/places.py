@@ -117,6 +117,12 @@ def zygote_pattern(manager: str) -> str:
     return os.path.join(runtime_dir(), f"{manager}.%p.zygote")
 
 
+def of_pid(pattern: str, pid: int | str) -> str:
+    """Return the path that a pattern stands for; a manager named ``%p`` keeps its name."""
+    before, found, after = pattern.rpartition("%p")
+    return f"{before}{pid}{after}" if found else pattern
+
+
 def log_file(manager: str, slave: str = "", folder: str = "") -> str:
     """Return the path of a manager's log, or of the log of a slave of it."""
     return f"{folder or state_dir()}/{_of_process(manager, slave)}.log"

@@ -21,6 +21,7 @@ import zenoh
 from rtkit.errors import Unreachable
 from rtkit.link import zenoh as control
 from rtkit.link.ends import CallerEnd, Deliver, Fetcher, Inlet, Outlet, ProviderEnd
+from rtkit.link.places import of_pid
 
 
 class _Sender:
@@ -153,7 +154,7 @@ class Streams:
 
     @property
     def _path(self) -> str:
-        return self._pattern.replace("%p", str(os.getpid()))
+        return of_pid(self._pattern, os.getpid())
 
     @property
     def _endpoint(self) -> str:

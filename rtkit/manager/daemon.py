@@ -328,7 +328,7 @@ def _container(
     loader = Loader(manager_properties.load_paths(state), imports_untried=False)
     configure(manager_properties.message(state), loader)
     add_log_files(state.settings, state.name)
-    own_data = data.replace("%p", str(state.pid))
+    own_data = places.of_pid(data, state.pid)
     stack.callback(remove_socket, own_data)
     heartbeats = Heartbeats(heartbeats_path(data, state.pid))
     container = ComponentContainer(

@@ -102,7 +102,7 @@ def test_members_work_together_in_the_process_that_they_are_in(
     change(tree, "W", Transition.ACTIVATE)
     assert notes.next(4) == ["B W/0 activated", "A W/0 activated", "B executed", "A executed"]
     assert facts_of(tree, "A").state == "Active"
-    with pytest.raises(Refused, match="execution context 0 is not running"):
+    with pytest.raises(Refused, match="a member of W changes its state with that"):
         change(tree, "A", Transition.ACTIVATE)
     shown = manager.ok("rtcat -l /localhost/W.rtc")
     for line in ("Type           Composite", "-Composition W", "Member  /localhost/B.rtc"):

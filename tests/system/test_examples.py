@@ -220,6 +220,7 @@ BEFORE: dict[str, tuple[str, ...]] = {
 """What is typed before an example, so that it can do what it says."""
 
 ENDLESS = {
+    "rtbug run --all --out runs",  # over a minute
     "rtdev robot.xml",
     "rtdev -s inactive robot.xml",
     "rtlisten robot.speed",
@@ -244,6 +245,7 @@ ENDLESS = {
     "rtwatch --json / > events.jsonl",
 }
 STATUS = {
+    "rtbug run --world visited --variant alg1 --sensors laser --watch": (1,),  # no terminal
     "rtcheck --diff robot.xml": (0, 1),
     "rtconf /localhost/Robot0.rtc diff careful": (1,),
     "rtdoctor": (0, 1),

@@ -16,6 +16,7 @@ from rtkit.container.control_channel import ControlChannel
 from rtkit.deployment.message import Message
 from rtkit.errors import Malformed
 from rtkit.link import unix
+from rtkit.link.places import of_pid
 from rtkit.link.processes import ProcessWatch
 
 _END_S = 1.0
@@ -46,7 +47,7 @@ class FormerZygotes:
     def find(self) -> list[ControlChannel]:
         """Connect to those that listen now; their first message names their children."""
         found = []
-        for path in glob.glob(glob.escape(self._pattern).replace("%p", "*")):
+        for path in glob.glob(of_pid(glob.escape(self._pattern), "*")):
             try:
                 channel = ControlChannel(unix.connect(path))
             except OSError:

@@ -26,6 +26,7 @@ from rtkit.container.orphans import (
     reap_orphans,
 )
 from rtkit.container.slave_checkpoint import SlaveCheckpoint, checkpoint_path
+from rtkit.link.places import of_pid
 from rtkit.link.segments import remove_orphans
 from rtkit.link.streams import remove_socket
 from rtkit.manager.child_process import ENDS, STOPS, exit_reason
@@ -406,7 +407,7 @@ class SlaveSupervisor:
     def _remove_files(self, pid: int) -> None:
         """Remove what a process that was killed could not remove itself."""
         pattern = self.data_pattern
-        remove_socket(pattern.replace("%p", str(pid)))
+        remove_socket(of_pid(pattern, pid))
         remove_traces(pattern, pid)
         held = checkpoint_path(pattern, pid)
         for path in (held, f"{held}.new"):

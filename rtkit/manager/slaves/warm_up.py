@@ -29,6 +29,7 @@ from rtkit.container.manager_connection import ManagerConnection
 from rtkit.container.port_wiring import PortWiring
 from rtkit.container.slave_checkpoint import CheckpointWriter
 from rtkit.deployment.message import Message
+from rtkit.link.places import of_pid
 from rtkit.link.streams import Streams
 from rtkit.logs.logs import Log
 from rtkit.modules.loader import Loader
@@ -66,7 +67,7 @@ def warm_up(log: Log, settings: Any) -> None:
         RuntimeError: Something failed that slaves do all the time.
     """
     pattern, pid = settings["data"], os.getpid()
-    place = pattern.replace("%p", str(pid))
+    place = of_pid(pattern, pid)
     stem = place.removesuffix(".data")
     paths = [place, heartbeats_path(pattern, pid), f"{stem}.rehearsal", f"{stem}.rehearsed"]
     modules, search_path = set(sys.modules), list(sys.path)

@@ -30,6 +30,7 @@ from rtkit.container.control_channel import ControlChannel
 from rtkit.container.orphans import become_subreaper, end_orphans
 from rtkit.container.slave import Slave
 from rtkit.deployment.message import Message
+from rtkit.link.places import of_pid
 from rtkit.logs.logs import Log, share_log
 from rtkit.manager.child_process import ENDS, STOPS, exit_reason
 from rtkit.manager.slaves.code_together import put_together
@@ -74,7 +75,7 @@ class Zygote:
         self._settings = settings
         self._log = log
         self._slave = Slave(settings, log)
-        self._path = settings["zygote"].replace("%p", str(os.getpid()))
+        self._path = of_pid(settings["zygote"], os.getpid())
         self._listener: socket.socket | None = None
         self._children: dict[int, str] = {}
         self._reports: list[Message] = []

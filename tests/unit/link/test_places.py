@@ -173,3 +173,15 @@ def test_who_holds_the_lock(folder: Path, monkeypatch: pytest.MonkeyPatch) -> No
     lock.unlink()
     lock.symlink_to(folder / "elsewhere")
     assert places.owner("manager") is None
+
+
+@pytest.mark.parametrize(
+    ("pattern", "path"),
+    [
+        ("/run/manager.%p.data", "/run/manager.7.data"),
+        ("/run/%p.%p.data", "/run/%p.7.data"),
+        ("/run/manager.8.data", "/run/manager.8.data"),
+    ],
+)
+def test_the_last_mark_of_a_pattern_is_the_pid(pattern: str, path: str) -> None:
+    assert places.of_pid(pattern, 7) == path
