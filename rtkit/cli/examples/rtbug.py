@@ -143,11 +143,11 @@ def main(
     speedup = asked.speedup
     if speedup is None:
         speedup = _WATCHED_SPEEDUP if is_watched else 0.0
+    look = _watcher(app, worlds) if is_watched else None  # refused before a manager is started
     with _manager(app) as (tree, prefix):
         options = running.Options(
             asked.files, speedup, asked.noise, asked.step_limit or running.STEP_LIMIT, prefix
         )
-        look = _watcher(app, worlds) if is_watched else None
         runner = running.Runner(tree, worlds, known, options, app.verbose, look)
         records = _run(app, running, runner, choices, out, is_json=is_json, is_quiet=is_quiet)
     if out is not None:

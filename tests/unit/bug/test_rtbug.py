@@ -46,8 +46,13 @@ def _said(arguments: list[str], capsys: pytest.CaptureFixture[str]) -> tuple[int
     ],
 )
 def test_what_cannot_be_run_is_refused_before_anything_runs(
-    typed: list[str], status: int, why: str, capsys: pytest.CaptureFixture[str]
+    typed: list[str],
+    status: int,
+    why: str,
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
 ) -> None:
+    monkeypatch.setattr("rtkit.cli.examples.rtbug._manager", None)
     found, text = _said(typed, capsys)
     assert found == status
     assert why in text
