@@ -1,0 +1,1 @@
+"""Standard services of robots: mobile robot, sensor, vision, resource, group and others."""
