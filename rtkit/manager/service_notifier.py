@@ -110,7 +110,8 @@ def status_text(state: ManagerState) -> str:
 
     facts = list(state.components.values())
     zombies = sum(bool(each.zombie) for each in facts)
-    slaves = sum(each.is_slave and each.is_alive for each in list(state.processes.values()))
+    alive = [each for each in list(state.processes.values()) if each.is_slave and each.is_alive]
+    slaves = sum(not state.is_leaving(each) for each in alive)
     lost = f" ({counted(zombies, 'zombie')})" if zombies else ""
     return f"{counted(len(facts), 'component')}{lost}, {counted(slaves, 'slave')}"
 

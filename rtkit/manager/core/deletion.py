@@ -6,7 +6,6 @@ with everything else in it. Slaves that hold nothing any more end, too; at the e
 
 from __future__ import annotations
 
-import contextlib
 import signal
 from collections.abc import Generator, Iterable
 from contextlib import suppress
@@ -200,8 +199,11 @@ def end_slaves(slaves: Iterable[Process], term_s: float = TERM_S) -> Procedure:
         for process in meant:
             if process.is_alive:
                 yield SendSignal(process, signal.SIGKILL)
-        with contextlib.suppress(Unreachable):
+        try:
             yield WaitForEnds(meant, term_s)
+        except Unreachable:
+            for process in meant:
+                process.is_overdue = process.is_alive
     return Result()
 
 

@@ -31,6 +31,7 @@ class Process:
         last: Its exit diagnostics.
         verdict: Why it is ended though what it holds is wanted; that takes precedence over how.
         is_wanted: False once its end was requested.
+        is_overdue: It was killed, and has not ended.
         is_guest: It came by itself with components of its own and ends by itself.
         trial_of: The module of which it only tries whether it can be imported; it is not shown.
         failure: Why that module cannot be imported.
@@ -48,6 +49,7 @@ class Process:
     last: str = ""
     verdict: str = ""
     is_wanted: bool = True
+    is_overdue: bool = False
     is_guest: bool = False
     trial_of: str = ""
     failure: RtkitError | None = None
@@ -316,6 +318,12 @@ class ManagerState:
         """Replace fields of a component's facts."""
         self.components[instance] = replace(self.components[instance], **changes)  # type: ignore[arg-type]
 
+    def is_leaving(self, process: Process) -> bool:
+        """Return whether a process ends as it was told to, so that nobody need look at it."""
+        ends = process.is_slave and process.is_alive and not process.is_wanted
+        is_odd = process.is_overdue or self.trouble_in(process)
+        return ends and not is_odd and not self.held_by(process.key)
+
     def snapshot(self) -> Snapshot:
         """Return all facts, for clients."""
         return Snapshot(
@@ -333,7 +341,7 @@ class ManagerState:
                     p.is_guest,
                 )
                 for p in self.processes.values()
-                if not p.is_trial
+                if not (p.is_trial or self.is_leaving(p))
             ),
             components=tuple(self.components.values()),
             connectors=tuple(self.connectors.values()),

@@ -279,3 +279,22 @@ def test_a_slave_in_which_another_was_made_meanwhile_is_not_ended(shell):
     assert not shell.signals
     assert shell.state.components["A"].process == "s"
     assert shell.state.processes[key].is_alive
+
+
+def test_a_slave_that_ends_as_it_was_told_to_is_listed_no_longer(shell):
+    shell.state.settings.change("manager.shutdown_on_nortcs", "YES")
+    shell.make("A", "s")
+    asked = shell.ask(Delete("A"))
+    shell.serve()
+    assert not asked.replies
+    assert [each.name for each in shell.state.snapshot().processes] == [shell.state.name]
+
+
+def test_a_slave_that_outlives_its_kill_is_listed_again(shell):
+    shell.state.settings.change("manager.shutdown_on_nortcs", "YES")
+    key = shell.make("A", "s")
+    shell.ask(Delete("A"), timeout_s=60.0)
+    shell.serve()
+    shell.wait(2 * TERM_S)
+    assert (key, KILL) in shell.signals
+    assert "s" in [each.name for each in shell.state.snapshot().processes]
