@@ -20,12 +20,14 @@ if TYPE_CHECKING:
     from rtkit.api.tree import Tree
     from rtkit.by_hand import run
     from rtkit.property.annotations import Range, Unit
+    from rtkit.property.codes import PropertyError
     from rtkit.version import __version__
     from rtkit.wires.serve import serve
 
 _HOMES = {
     "aio": "rtkit.aio",
     "SystemPlan": "rtkit.api.plan",
+    "PropertyError": "rtkit.property.codes",
     "Range": "rtkit.property.annotations",
     "SystemProfile": "rtkit.api.system_profiles",
     "Tree": "rtkit.api.tree",
@@ -37,6 +39,7 @@ _HOMES = {
     "serve": "rtkit.wires.serve",
 }
 __all__ = [
+    "PropertyError",
     "Range",
     "SystemPlan",
     "SystemProfile",
