@@ -21,13 +21,18 @@ if TYPE_CHECKING:
     from rtkit.by_hand import run
     from rtkit.property.annotations import Range, Unit
     from rtkit.property.codes import PropertyError
+    from rtkit.property.marker import Marker
+    from rtkit.property.values import Element, Word
     from rtkit.version import __version__
     from rtkit.wires.serve import serve
 
 _HOMES = {
     "aio": "rtkit.aio",
-    "SystemPlan": "rtkit.api.plan",
+    "Element": "rtkit.property.values",
+    "Marker": "rtkit.property.marker",
     "PropertyError": "rtkit.property.codes",
+    "Word": "rtkit.property.values",
+    "SystemPlan": "rtkit.api.plan",
     "Range": "rtkit.property.annotations",
     "SystemProfile": "rtkit.api.system_profiles",
     "Tree": "rtkit.api.tree",
@@ -39,12 +44,15 @@ _HOMES = {
     "serve": "rtkit.wires.serve",
 }
 __all__ = [
+    "Element",
+    "Marker",
     "PropertyError",
     "Range",
     "SystemPlan",
     "SystemProfile",
     "Tree",
     "Unit",
+    "Word",
     "__version__",
     "aio",
     "connect",

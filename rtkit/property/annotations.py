@@ -14,10 +14,10 @@ from enum import Enum
 from functools import lru_cache
 from typing import Any, NamedTuple, get_args, get_origin
 
-from rtkit.property.conversion import to_value
+from rtkit.property.conversion import has_element, to_value
 from rtkit.property.property_spec import PropertySpec
 from rtkit.property.types import Type, parse_type
-from rtkit.property.values import Value, Word, is_number
+from rtkit.property.values import Element, Value, Word, is_number
 
 
 class Unit(NamedTuple):
@@ -142,8 +142,12 @@ def type_of(hint: Any) -> Type:
     """Return the declared type for an annotation; ``any`` for what is not known."""
     if hint in _BASES:
         return parse_type(_BASES[hint])
-    if isinstance(hint, type) and issubclass(hint, Enum):
-        return parse_type("word")
+    if isinstance(hint, type):
+        if issubclass(hint, Enum | Word):
+            return parse_type("word")
+        if issubclass(hint, Element) or has_element(hint):
+            name = hint.__name__.lower()
+            return parse_type("marker" if name == "marker" else "element")
     origin = get_origin(hint)
     if origin is typing.Literal and all(isinstance(each, str) for each in get_args(hint)):
         return parse_type("string")
@@ -177,7 +181,11 @@ def _type_of_value(present: object) -> Type:
     if isinstance(present, list | tuple) and present:
         is_numeric = all(is_number(each) for each in present)
         return parse_type("vector" if is_numeric else "list")
-    return parse_type("any")
+    return (
+        type_of(type(present))
+        if isinstance(present, Word | Element) or (has_element(present))
+        else parse_type("any")
+    )
 
 
 def _range_and_unit(hint: Any) -> tuple[Range, str]:

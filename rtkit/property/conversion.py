@@ -15,6 +15,7 @@ from rtkit.property.types import Content
 from rtkit.property.values import Element, Value, Word
 
 _DEEPEST = 32
+_OWN = "rtkit.property.marker"
 
 
 def to_value(thing: object, depth: int = 0) -> Content:
@@ -29,6 +30,8 @@ def to_value(thing: object, depth: int = 0) -> Content:
         return ()
     if isinstance(thing, bool | Word | Element):
         return thing
+    if has_element(thing):
+        return thing.__element__()  # type: ignore[attr-defined,no-any-return]
     if isinstance(thing, int):
         return int(thing)
     if isinstance(thing, float):
@@ -72,19 +75,24 @@ def _item(thing: object, depth: int) -> Value:
     return Element("bytes", {"length": str(len(value))}) if isinstance(value, bytes) else value
 
 
+def has_element(thing: object) -> bool:
+    """Return whether an object, or a class, says itself which element stands for it."""
+    return hasattr(thing if isinstance(thing, type) else type(thing), "__element__")
+
+
 def is_array(thing: object) -> bool:
     """Return whether something is an array or a number of numpy."""
     module = type(thing).__module__
     return module.partition(".")[0] == "numpy" and hasattr(thing, "tolist")
 
 
-_BUILTIN = frozenset({int, float, bool, str, bytes, bytearray, type(None), Word})
+_BUILTIN = frozenset({int, float, bool, str, bytes, bytearray, type(None), Word, Element})
 
 
 def is_builtin(thing: object) -> bool:
     """Return whether no code of a user is called to make a value of an object."""
     kind = type(thing)
-    if kind in _BUILTIN or isinstance(thing, Enum):
+    if kind in _BUILTIN or isinstance(thing, Enum) or kind.__module__ == _OWN:
         return True
     if kind in (list, tuple, set, frozenset):
         return all(map(is_builtin, thing))  # type: ignore[call-overload]

@@ -12,11 +12,11 @@ from collections.abc import Set as AbstractSet
 from enum import Enum
 from typing import Any, get_args, get_origin
 
-from rtkit.property.annotations import bare
+from rtkit.property.annotations import bare, type_of
 from rtkit.property.codes import PropertyError
-from rtkit.property.conversion import is_array, to_value
-from rtkit.property.types import Content
-from rtkit.property.values import Value, Word, is_number, kind_of
+from rtkit.property.conversion import has_element, is_array, to_value
+from rtkit.property.types import Content, check
+from rtkit.property.values import Element, Value, Word, is_number, kind_of
 from rtkit.property.writing import write
 
 _SCALARS = (bool, int, float, str, bytes)
@@ -41,6 +41,10 @@ def from_value(value: Content, hint: Any, present: object) -> Any:
         return _scalar(hint, value)
     if hint is type(None):
         return _nothing(value)
+    if hint in (Word, Element):
+        return check(type_of(hint), value)
+    if isinstance(hint, type) and has_element(hint):
+        return _structured(hint, value)
     if isinstance(origin, type) and get_args(hint) and not is_array(present):
         if issubclass(origin, Mapping):
             return _mapping(get_args(hint), value)
@@ -55,6 +59,8 @@ def _like(present: object, value: Content) -> Any:
         return _member(type(present), value)
     if is_array(present):
         return _array(present, value)
+    if has_element(present):
+        return _structured(type(present), value)
     if isinstance(value, tuple):
         return _sequence(value, present)
     return str(value) if isinstance(value, Word) else value
@@ -73,6 +79,13 @@ def _scalar(hint: type, value: Content) -> object:
     if isinstance(value, hint) and isinstance(value, bool) is (hint is bool):
         return value
     raise _refusal(hint.__name__, value)
+
+
+def _structured(kind: type, value: Content) -> Any:
+    """Return the object of a class that knows its element."""
+    if not isinstance(value, Element):
+        raise _refusal(type_of(kind).name, value)
+    return kind.from_element(value)  # type: ignore[attr-defined]
 
 
 def _nothing(value: Content) -> None:

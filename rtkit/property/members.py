@@ -16,11 +16,13 @@ from types import MappingProxyType, MemberDescriptorType, ModuleType
 from typing import Any, NamedTuple
 
 from rtkit.property.annotations import bare, hints_of, is_final, returned, taken
-from rtkit.property.conversion import is_array
+from rtkit.property.conversion import has_element, is_array
+from rtkit.property.values import Element
 
 _ACCESSOR = re.compile(r"(get|set)(?:_(.+)|([A-Z].*))")
 _PLAIN_MAPPINGS = (dict, MappingProxyType)
-_PLAIN = (bool, int, float, str, bytes, bytearray, Enum, type(None), list, tuple, set, frozenset)
+_PLAIN = (bool, int, float, str, bytes, bytearray, Enum, type(None), list, tuple, set, frozenset,
+          Element)  # fmt: skip
 
 
 class Member(NamedTuple):
@@ -189,7 +191,7 @@ def is_nested(value: object) -> bool:
     """
     if isinstance(value, Mapping):
         return all(isinstance(key, str) for key in value)
-    if isinstance(value, _PLAIN) or is_array(value) or callable(value):
+    if is_data(value) or callable(value):
         return False
     if dataclasses.is_dataclass(value):
         return True
@@ -199,7 +201,7 @@ def is_nested(value: object) -> bool:
 
 def is_data(value: object) -> bool:
     """Return whether an object that is not nested can be shown as a value."""
-    if isinstance(value, _PLAIN) or is_array(value):
+    if isinstance(value, _PLAIN) or is_array(value) or has_element(value):
         return True
     return type(value).__module__ in ("datetime", "decimal", "fractions", "pathlib", "uuid")
 

@@ -54,6 +54,15 @@ def as_item(name: str) -> str:
     return write(Word(name))
 
 
+def worded(value: Value) -> Value:
+    """Return a value with words in it for the texts that need no quotes."""
+    if isinstance(value, tuple):
+        return tuple(map(worded, value))
+    if isinstance(value, str) and not _word(value).startswith('"'):
+        return Word(value)
+    return value
+
+
 def _number(value: float) -> str:
     try:
         return repr(value)

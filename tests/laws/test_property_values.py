@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 from rtkit.property import components
 from rtkit.property.codes import PropertyError
 from rtkit.property.limits import ValueLimits
+from rtkit.property.marker import _KNOWN, Marker
 from rtkit.property.naming import canonical, escape, parse_parameters, unescape, write_parameters
 from rtkit.property.reading import read
 from rtkit.property.values import Element, Value, Word, is_number
@@ -189,3 +190,25 @@ def test_a_part_that_is_replaced_is_the_part(
     assert isinstance(replaced, tuple)
     assert sum(not same(a, b) for a, b in zip(vector, replaced, strict=True)) <= 1
     assert is_number(components.get(vector, [name]))
+
+
+KNOWN = st.sampled_from(["id", "name", "type", "frame", "source"])
+PART = _elements(ATOM).filter(lambda each: each.name not in _KNOWN)
+COORDINATES = st.sampled_from([2, 3, 6]).flatmap(lambda n: st.tuples(*[st.floats()] * n))
+
+
+@given(COORDINATES, st.dictionaries(KNOWN, XTEXT), st.lists(PART, max_size=4))
+def test_markers_lose_nothing(
+    location: tuple[float, ...], told: dict[str, str], parts: list[Element]
+) -> None:
+    marker = Marker(location, **told)  # type: ignore[arg-type]
+    whole = Element("marker", {"by": "x"}, (*parts, *marker.element.children))
+    read_again = Marker.from_element(read(write(whole)))  # type: ignore[arg-type]
+    assert same(read_again.element, read(write(whole)))
+    assert same(read_again.location or (), location)
+    for name in told:
+        assert getattr(marker, name) == told[name]
+        assert getattr(read_again, name).strip() == told[name].strip()
+    assert set(read_again.features) == {part.name for part in parts}
+    changed = read_again.with_(confidence=0.5)
+    assert changed.with_(confidence=None).element.children == read_again.element.children
