@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from typing import Any
 
     from rtkit import aio as aio
+    from rtkit.api.client import Ask, Client
     from rtkit.api.connect import connect
     from rtkit.api.plan import SystemPlan
     from rtkit.api.system_profiles import SystemProfile, load
@@ -27,6 +28,8 @@ if TYPE_CHECKING:
     from rtkit.wires.serve import serve
 
 _HOMES = {
+    "Ask": "rtkit.api.client",
+    "Client": "rtkit.api.client",
     "aio": "rtkit.aio",
     "Element": "rtkit.property.values",
     "Marker": "rtkit.property.marker",
@@ -44,6 +47,8 @@ _HOMES = {
     "serve": "rtkit.wires.serve",
 }
 __all__ = [
+    "Ask",
+    "Client",
     "Element",
     "Marker",
     "PropertyError",

@@ -13,6 +13,7 @@ from rtkit.tree import client
 from rtkit.tree.api import Value, value_text
 
 if TYPE_CHECKING:
+    from rtkit.api.client import Client
     from rtkit.api.events import SystemEvent
     from rtkit.api.ports import PortValue
     from rtkit.api.properties import Properties
@@ -43,6 +44,7 @@ class DataTree(client.Tree):
         """Use a link to a manager; `rtkit.connect` makes it."""
         super().__init__(link, host, manager, timeout_s)
         self.notify = notify
+        self._client: Client | None = None
 
     # Waiting
 
@@ -243,9 +245,18 @@ class DataTree(client.Tree):
     @property
     def properties(self) -> Properties:
         """Live properties of components, managers, this host and served objects."""
+        from rtkit.api.client import Client
         from rtkit.api.properties import Properties
 
-        return Properties(self)
+        if self._client is None:
+            self._client = Client(self.timeout_s)
+        return Properties(self, self._client)
+
+    def close(self) -> None:
+        """End the connection."""
+        if self._client is not None:
+            self._client.close()
+        super().close()
 
     def logs(
         self,

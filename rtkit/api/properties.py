@@ -7,6 +7,7 @@ from collections.abc import Generator, Sequence
 from contextlib import closing
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+from rtkit.api.client import Ask, Client
 from rtkit.api.session import ScriptSession, Stream, begun
 
 if TYPE_CHECKING:
@@ -36,9 +37,10 @@ class Properties:
     dot, or an address (``rtkit help wires``), as ``rtget`` takes them.
     """
 
-    def __init__(self, tree: Tree) -> None:
+    def __init__(self, tree: Tree, client: Client) -> None:
         """Ask as long as calls of a tree may take."""
         self._tree = tree
+        self._client = client
 
     def get(self, target: str) -> Any:
         """Return the value of a property.
@@ -46,11 +48,7 @@ class Properties:
         Raises:
             PropertyError: It cannot be got; its code tells how.
         """
-        from rtkit.tree.property_connections import asked
-
-        with self._places() as places:
-            place, end = places.find(target)
-            return _plain(asked(lambda: end.ask(place.target()), place.typed))
+        return _plain(self._client.payload(Ask(target), self._tree.timeout_s))
 
     def set(self, target: str, value: Any) -> None:
         """Set a property; a text is read as ``rtset`` does. It is in force when this returns.
@@ -59,15 +57,9 @@ class Properties:
             PropertyError: It cannot be set; its code tells how.
         """
         from rtkit.property.plain import from_plain
-        from rtkit.property.writing import write
-        from rtkit.tree.property_connections import asked, bound_of
 
         content = value if isinstance(value, str | bytes) else from_plain(value)
-        payload = content if isinstance(content, str | bytes) else write(content)
-        with self._places() as places:
-            place, end = places.find(target)
-            bound = bound_of(end, place.parameters, (), self._tree.timeout_s)
-            asked(lambda: end.ask(place.target("&".join(bound)), payload), place.typed)
+        self._client.payload(Ask(target, content), self._tree.timeout_s)
 
     def listen(
         self, *targets: str, timeout_s: float | None = None, every_s: float = 0.0

@@ -9,7 +9,7 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Iterable, Sequence
 from functools import cached_property, partial
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Literal, NamedTuple
 
 from rtkit.property.codes import PropertyError
 from rtkit.property.messages import Answer, Payload
@@ -168,46 +168,31 @@ class PropertyConnections:
         place = parse(path, cwd, endpoint.services, _hostname())
         if not place.service:
             name = place.name if path == typed else ""
-            raise _no_service(service or name, endpoint.services)
+            raise no_service(service or name, endpoint.services)
         return place._replace(typed=typed), endpoint.of_service(place.service)
 
     def _here(self, typed: str) -> tuple[PropertyTarget, PropertyClient]:
         """Return a property of a service, component or manager of this host, or of the host."""
-        place = parse(typed, self._cwd, self._services, _hostname())
-        if place.service:
+        place, kind = place_here(typed, self._cwd, self._services)
+        if kind == "host":
+            return place, self._host
+        if place.service not in self._ends:
+            self._ends[place.service] = self._opened(place.service, kind)
+        return place, self._ends[place.service]
+
+    def _opened(self, owner: str, kind: str) -> PropertyClient:
+        if kind == "service":
             from rtkit.link.places import service_socket
             from rtkit.wires.line.client import connect_unix
 
-            if place.service not in self._ends:
-                socket = service_socket(place.service)
-                self._ends[place.service] = connect_unix(socket, self._timeout_s)
-            return place, self._ends[place.service]
-        from rtkit.tree.live_place import name_of_host, open_live, split
+            return connect_unix(service_socket(owner), self._timeout_s)
+        from rtkit.tree.live_place import open_live
 
-        path = place.typed.partition("?")[0]
-        node, name = split(path, self._cwd)
-        if node:
-            if node not in self._ends:
-                self._ends[node] = open_live(node, self._timeout_s)
-            return place._replace(service=node, name=name), self._ends[node]
-        of_host = name_of_host(path, self._cwd, _hostname())
-        if of_host is None:
-            raise _no_service(place.name, self._services)
-        host = self._host
-        first = of_host.partition(".")[0]
-        if of_host and first not in host.names and first not in EXTENSIONS:
-            known = f"this host has {' '.join(host.names)}"
-            if path.endswith(f".{of_host}"):
-                raise PropertyError("unknown", f"no such property: {of_host} ({known})")
-            raise _no_service(first, self._services, f"; {known}")
-        return place._replace(service=LOCAL, name=of_host), host
+        return open_live(owner, self._timeout_s)
 
     @cached_property
     def _host(self) -> ThisHost:
-        from rtkit.link.running import managers
-        from rtkit.tree.live_properties import ThisHost
-
-        return ThisHost(self._services, managers())
+        return this_host()
 
     @cached_property
     def _services(self) -> list[str]:
@@ -225,7 +210,46 @@ class PropertyConnections:
         self._endpoints.clear()
 
 
-def _no_service(name: str, known: Sequence[str], more: str = "") -> PropertyError:
+def place_here(
+    typed: str, cwd: str, services: Sequence[str]
+) -> tuple[PropertyTarget, Literal["service", "node", "host"]]:
+    """Return where a property of this host is, and what owns it; a node is named by its path.
+
+    Raises:
+        PropertyError: ``no-service``; ``unknown``: the host has no such property.
+    """
+    place = parse(typed, cwd, services, _hostname())
+    if place.service:
+        return place, "service"
+    from rtkit.tree.live_place import name_of_host, split
+
+    path = place.typed.partition("?")[0]
+    node, name = split(path, cwd)
+    if node:
+        return place._replace(service=node, name=name), "node"
+    of_host = name_of_host(path, cwd, _hostname())
+    if of_host is None:
+        raise no_service(place.name, services)
+    first = of_host.partition(".")[0]
+    if of_host and first not in EXTENSIONS and first not in (names := this_host().names):
+        known = f"this host has {' '.join(names)}"
+        if path.endswith(f".{of_host}"):
+            raise PropertyError("unknown", f"no such property: {of_host} ({known})")
+        raise no_service(first, services, f"; {known}")
+    return place._replace(service=LOCAL, name=of_host), "host"
+
+
+def this_host() -> ThisHost:
+    """Return this host, as a client."""
+    from rtkit.link.places import services
+    from rtkit.link.running import managers
+    from rtkit.tree.live_properties import ThisHost
+
+    return ThisHost(services(), managers())
+
+
+def no_service(name: str, known: Sequence[str], more: str = "") -> PropertyError:
+    """Return the error that no service present has such a name."""
     there = f"there is {' '.join(known) or 'none'}{more}"
     first = name.partition(".")[0]
     return PropertyError("no-service", f"no service named {first} ({there})" if first else there)

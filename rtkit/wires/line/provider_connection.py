@@ -37,8 +37,12 @@ class LineConnection(ProviderConnection, IOHandler):
     Args:
         end: A connected socket, of somebody who knows already who asks.
         service: Which one is meant; empty for that of the endpoint.
+
+    Attributes:
+        is_overtaking: A request that is sent while others wait has an id.
     """
 
+    is_overtaking = False
     _key_of = staticmethod(slot)
     _subscriptions: dict[str, EventHandler | None]
 
@@ -71,7 +75,7 @@ class LineConnection(ProviderConnection, IOHandler):
         if len(self._out) > _MOST_OUT:
             answer(Answer("the owner takes nothing more", "busy"))
             return
-        if not id and "?" in target:
+        if not id and ("?" in target or (self.is_overtaking and self._is_waited_for)):
             id = f"~{next(self._count)}"
         if not self._is_waited_for:
             self._silence.end()

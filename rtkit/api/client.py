@@ -1,0 +1,286 @@
+"""Client of property services: asks, sets, calls and listens over lasting connections."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable, Mapping, Sequence
+from functools import partial
+from math import inf
+from time import monotonic
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from rtkit.closing import Closing
+from rtkit.errors import RtkitError
+from rtkit.property.codes import PropertyError
+from rtkit.property.conversion import to_value
+from rtkit.property.messages import Answer, Payload
+from rtkit.property.naming import write_parameters
+from rtkit.property.reading import read
+from rtkit.property.values import Element, Value
+from rtkit.property.writing import write
+from rtkit.serving.event_loop import PropertyEventLoop
+from rtkit.tree.property_connections import printed_error
+from rtkit.wires.property_client import failure
+
+if TYPE_CHECKING:
+    from rtkit.api.owners import Owner
+
+UNSET: Any = object()
+"""Stands for no value: the request is a GET."""
+
+
+class Ask(NamedTuple):
+    """One of several requests that are made at once.
+
+    Attributes:
+        target: The property, as `Client.get` takes it.
+        value: To set it to; a GET without.
+        parameters: Of the request.
+    """
+
+    target: str
+    value: Any = UNSET
+    parameters: Mapping[str, Any] = MappingProxyType({})
+
+
+class _Asked:
+    """Answers to requests that were made at once; those who ask wait for them."""
+
+    def __init__(self, count: int) -> None:
+        self.answers: list[Answer | None] = [None] * count
+        self._left = count
+        self.is_complete = threading.Event()
+
+    def take(self, index: int, answer: Answer) -> None:
+        """Take the answer to a request; under the lock of the host."""
+        self.answers[index] = answer
+        self._left -= 1
+        if not self._left:
+            self.is_complete.set()
+
+
+class Client(Closing):
+    """Asks, sets and calls properties, wherever their owners are; safe for any thread.
+
+    A target is ``SERVICE.NAME``, or the path of a component, manager or host with the name behind
+    a dot, or an address (``rtkit help wires``), as ``rtget`` takes them. One connection for each
+    owner is kept, and made anew after it broke. No manager is needed for served objects.
+
+    Values are numbers, booleans, texts, tuples, bytes, markers, and other elements as `Element`.
+
+    Example::
+
+        with rtkit.Client() as client:
+            client.set("light.level", 0.5)
+            client.call("robot.behaviors.moveto", marker)
+
+    Args:
+        timeout_s: Bound on each request that states no other [s].
+    """
+
+    def __init__(self, timeout_s: float = 2.0) -> None:
+        from rtkit.api.owners import Owners
+
+        self.timeout_s = timeout_s
+        self._host = PropertyEventLoop()
+        self._owners = Owners(self._host, timeout_s)
+        self._start_lock = threading.Lock()
+        self._is_started = self._is_closed = False
+
+    def get(self, target: str, **parameters: Any) -> Any:
+        """Return the value of a property.
+
+        Raises:
+            PropertyError: It cannot be got; its code tells how.
+        """
+        return _object(self.payload(Ask(target, parameters=parameters), self.timeout_s))
+
+    def set(self, target: str, value: Any = "", **parameters: Any) -> None:
+        """Set a property; a text is read as ``rtset`` does. It is in force when this returns.
+
+        Raises:
+            PropertyError: It cannot be set, or is not in time; its code tells how.
+        """
+        self.payload(Ask(target, value, parameters), self.timeout_s)
+
+    def call(self, target: str, *args: Any, timeout_s: float | None = None, **named: Any) -> Any:
+        """Call an action, and return its result once it has ended.
+
+        Args:
+            target: The action.
+            args: Its arguments by place.
+            timeout_s: How long it may take [s]; None for no bound. It goes on when that is over.
+            named: Its arguments by name.
+
+        Raises:
+            PropertyError: It is busy, or refuses its arguments; ``timeout``; or as it failed.
+        """
+        bound_s = inf if timeout_s is None else timeout_s
+        value = write(tuple(map(_value, args))) if args else ""
+        answer = _object(self.payload(Ask(target, value, {**named, "echo": 1}), bound_s))
+        if not isinstance(answer, Element) or answer.name != "call":
+            return answer
+        parts = {each.name: each for each in answer.children}
+        if "error" in parts:
+            code = parts["error"].attributes.get("code", "internal")
+            raise printed_error(target, PropertyError(code, str(parts["error"].leaf)))
+        result = parts.get("result")
+        return None if result is None else _content(result)
+
+    def ask_all(self, asks: Sequence[Ask], deadline_s: float) -> list[Any]:
+        """Make requests of any number of owners at once; none waits for another owner.
+
+        Args:
+            asks: What is got or set.
+            deadline_s: When to wait no longer, from now on [s].
+
+        Returns:
+            For each request the value (empty for what was set) or its `PropertyError`: ``timeout``
+            of an owner that has not answered by then.
+        """
+        return [
+            answer if isinstance(answer, PropertyError) else _object(answer)
+            for answer in self._answers(asks, deadline_s)
+        ]
+
+    def payload(self, ask: Ask, timeout_s: float) -> Payload:
+        """Return what a request leads to, as it travels.
+
+        Raises:
+            PropertyError: It cannot be done; its code tells why.
+        """
+        answer = self._answers((ask,), timeout_s)[0]
+        if isinstance(answer, PropertyError):
+            raise answer
+        return answer
+
+    def close(self) -> None:
+        """End all connections; requests under way are answered ``no-service``."""
+        with self._start_lock:
+            self._is_closed = True
+        with self._host.lock:
+            self._owners.close()
+        self._host.close()
+
+    # Requests
+
+    def _answers(self, asks: Sequence[Ask], bound_s: float) -> list[Payload | PropertyError]:
+        if not asks:
+            return []
+        self._start()
+        until = monotonic() + bound_s
+        asked = _Asked(len(asks))
+        ready: list[tuple[Owner, str, Payload | None, Callable[[Answer], None]]] = []
+        for index, ask in enumerate(asks):
+            take = partial(asked.take, index)
+            path = ask.target.partition("?")[0]
+            if self._owners.is_far(path):
+                # Whoever is behind an address is asked for the services there: nobody waits.
+                arguments = (ask, path, take, until)
+                threading.Thread(target=self._ask_far, args=arguments, daemon=True).start()
+                continue
+            try:
+                ready.append((*self._prepared(ask, path), take))
+            except RtkitError as error:
+                with self._host.lock:
+                    take(failure(error))
+        with self._host.lock:
+            for owner, target, payload, take in ready:
+                owner.ask(target, payload, take, until)
+        asked.is_complete.wait(None if bound_s == inf else until - monotonic())
+        with self._host.lock:
+            answers = list(asked.answers)
+        late = Answer(f"no answer within {bound_s:g} s", "timeout")
+        return [self._outcome(ask, each or late) for ask, each in zip(asks, answers, strict=True)]
+
+    def _start(self) -> None:
+        if self._is_started and not self._is_closed:
+            return
+        with self._start_lock:
+            if self._is_closed:
+                raise PropertyError("no-service", "the client has been closed")
+            if not self._is_started:
+                self._is_started = True
+                self._host.start()
+
+    def _ask_far(
+        self, ask: Ask, path: str, take: Callable[[Answer], None], until: float
+    ) -> None:
+        try:
+            owner, target, payload = self._prepared(ask, path)
+        except RtkitError as error:
+            with self._host.lock:
+                take(failure(error))
+            return
+        with self._host.lock:
+            owner.ask(target, payload, take, until)
+
+    def _prepared(self, ask: Ask, path: str) -> tuple[Owner, str, Payload | None]:
+        place, owner = self._owners.find(path)
+        owner.begin()
+        _, mark, tail = ask.target.partition("?")
+        given = {key: _parameter(each) for key, each in ask.parameters.items()}
+        more = [each for each in (tail, write_parameters(given)) if each]
+        target = place.target("&".join(more)) if more or not mark else f"{place.target()}?"
+        return owner, target, None if ask.value is UNSET else _payload(ask.value)
+
+    def _outcome(self, ask: Ask, answer: Answer) -> Payload | PropertyError:
+        if not answer.error:
+            return answer.payload
+        if answer.error in ("no-service", "unknown"):
+            self._owners.forget(ask.target.partition("?")[0])
+        try:
+            answer.value()
+        except RtkitError as error:
+            return printed_error(ask.target, error)
+        raise AssertionError
+
+
+def _parameter(given: Any) -> str:
+    return given if isinstance(given, str) else write(_value(given))
+
+
+def _value(given: Any) -> Value:
+    value = to_value(given)
+    if isinstance(value, bytes):
+        raise PropertyError("bad-value", "bytes stand alone")
+    return value
+
+
+def _payload(given: Any) -> Payload:
+    if isinstance(given, str | bytes):
+        return given
+    value = to_value(given)
+    return value if isinstance(value, bytes) else write(value)
+
+
+def _object(payload: Payload) -> Any:
+    """Return the object that a payload stands for; what is no value is a text."""
+    if isinstance(payload, bytes):
+        return payload
+    try:
+        return _of_value(read(payload))
+    except PropertyError:
+        return payload
+
+
+def _of_value(value: Value) -> Any:
+    if isinstance(value, tuple):
+        return tuple(map(_of_value, value))
+    if isinstance(value, Element) and value.name == "marker":
+        from rtkit.property.marker import Marker
+
+        try:
+            return Marker.from_element(value)
+        except PropertyError:
+            return value  # of another make
+    return str(value) if isinstance(value, str) else value
+
+
+def _content(holder: Element) -> Any:
+    """Return what an element holds."""
+    if holder.children:
+        found = tuple(map(_of_value, holder.children))
+        return found[0] if len(found) == 1 else found
+    return None if holder.leaf is None else _of_value(holder.leaf)

@@ -1,0 +1,186 @@
+"""Clients of services: one connection for each owner, whatever the wire; many asked at once."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+import threading
+from collections.abc import Iterator
+from time import monotonic
+
+import pytest
+
+import rtkit
+from rtkit.property.codes import PropertyError
+from rtkit.wires.serve import ServedObject, serve
+
+_BOUND_S = 20.0
+_OWNER = """
+import rtkit, sys
+class Light:
+    level = 1
+with rtkit.serve(Light(), 'l'):
+    print('up', flush=True)
+    sys.stdin.read()
+"""
+
+
+class Light:
+    """Light that can be dimmed."""
+
+    def __init__(self) -> None:
+        self.level = 0.5
+        self.name = "lamp"
+        self.pose = (1.0, 2.0, 3.0)
+        self._go = threading.Event()
+
+    def get_slow(self) -> int:
+        assert self._go.wait(_BOUND_S)
+        return 1
+
+    def add(self, a: float, b: float = 1.0) -> float:
+        return a + b
+
+    def wait(self) -> str:
+        assert self._go.wait(_BOUND_S)
+        return "ready"
+
+    def go(self) -> None:
+        self._go.set()
+
+    def fail(self) -> None:
+        raise ValueError("no such thing")
+
+    def get_scaled(self, by: float = 1.0) -> float:
+        return self.level * by
+
+
+@pytest.fixture
+def light(place: str) -> Iterator[ServedObject]:
+    with serve(Light(), "house/light", port=0, http=0) as served:
+        yield served
+
+
+@pytest.fixture
+def client(light: ServedObject) -> Iterator[rtkit.Client]:
+    with rtkit.Client(timeout_s=_BOUND_S) as client:
+        yield client
+
+
+def _error(work: object) -> str:
+    with pytest.raises(PropertyError) as caught:
+        work()  # type: ignore[operator]
+    return caught.value.code
+
+
+@pytest.mark.parametrize("wire", ["unix", "tcp", "http", "zenoh"])
+def test_gets_sets_and_calls_over_each_wire(
+    wire: str, light: ServedObject, client: rtkit.Client
+) -> None:
+    at = {
+        "unix": "house/light.",
+        "tcp": f"tcp:localhost:{light.port}/house/light/",
+        "http": f"http://localhost:{light.http}/ps/house/light/",
+        "zenoh": "zenoh:house/light.",
+    }[wire]
+    assert (client.get(f"{at}level"), client.get(f"{at}name")) == (0.5, "lamp")
+    client.set(f"{at}level", 0.25)
+    assert client.get(f"{at}level") == 0.25
+    client.set(f"{at}level", "0.75")
+    assert client.get(f"{at}scaled", by=2) == client.get(f"{at}scaled?by=2") == 1.5
+    assert client.get(f"{at}pose") == (1.0, 2.0, 3.0)
+    assert client.call(f"{at}add", 1) == 2
+    assert client.call(f"{at}add", 1, b=2.5) == 3.5
+    assert _error(lambda: client.call(f"{at}fail")) == "bad-value"
+    assert _error(lambda: client.call(f"{at}add")) == "bad-value"
+    assert _error(lambda: client.get(f"{at}none")) == "unknown"
+    assert _error(lambda: client.set(f"{at}level", "red")) == "bad-value"
+    assert _error(lambda: client.get(f"{at}level", of=1)) == "bad-parameter"
+
+
+def test_what_takes_long_delays_no_other_request_of_the_same_client(client: rtkit.Client) -> None:
+    results: list[object] = []
+    work = [
+        threading.Thread(target=lambda: results.append(client.call("house/light.wait"))),
+        threading.Thread(target=lambda: results.append(client.get("house/light.slow"))),
+    ]
+    for each in work:
+        each.start()
+    while client.get("house/light.wait.state") != "running":
+        pass
+    assert client.get("house/light.level") == 0.5
+    assert _error(lambda: client.call("house/light.wait", timeout_s=_BOUND_S)) == "busy"
+    client.call("house/light.go")
+    for each in work:
+        each.join(_BOUND_S)
+    assert sorted(map(str, results)) == ["1", "ready"]
+
+
+def test_a_call_that_outlasts_its_bound_goes_on(client: rtkit.Client) -> None:
+    began = monotonic()
+    assert _error(lambda: client.call("house/light.wait", timeout_s=0.05)) == "timeout"
+    assert monotonic() - began < _BOUND_S / 2
+    assert client.get("house/light.wait.state") == "running"
+    client.call("house/light.go")
+
+
+def test_an_owner_that_has_returned_is_asked_anew(place: str) -> None:
+    with rtkit.Client(timeout_s=_BOUND_S) as client:
+        for level in (1, 2):
+            light = Light()
+            light.level = level
+            with serve(light, "light"):
+                assert client.get("light.level") == level
+            assert _error(lambda: client.get("light.level")) == "no-service"
+    assert _error(lambda: client.get("light.level")) == "no-service"
+
+
+def test_all_are_asked_at_once_and_the_dead_and_the_slow_are_named(place: str) -> None:
+    lights = [serve(Light(), f"l{index}", is_on_zenoh=False) for index in range(10)]
+    with rtkit.Client() as client:
+        asks = [rtkit.Ask(f"l{index}.level") for index in range(10)]
+        assert client.ask_all(asks, _BOUND_S) == [0.5] * 10
+        lights[3].close()
+        asks[4] = rtkit.Ask("l4.slow")
+        asks[5] = rtkit.Ask("l5.level", 0.125)
+        asks[6] = rtkit.Ask("l6.scaled", parameters={"by": 4})
+        asks[7] = rtkit.Ask("tcp:localhost:1/none/x")
+        began = monotonic()
+        got = client.ask_all(asks, 0.5)
+        took = monotonic() - began
+        codes = [each.code if isinstance(each, PropertyError) else each for each in got]
+        assert codes[:3] == [0.5] * 3
+        assert codes[3:8] == ["no-service", "timeout", "", 2.0, "no-service"]
+        assert took < 5.0
+        assert client.get("l5.level") == 0.125
+        client.call("l4.go")
+        assert client.ask_all([], 1.0) == []
+    for each in lights:
+        each.close()
+
+
+def test_a_set_that_is_given_up_is_never_done(place: str) -> None:
+    """Its owner is stopped, and continues once the client has given up."""
+    owner = subprocess.Popen(
+        [sys.executable, "-c", _OWNER], stdin=subprocess.PIPE, stdout=subprocess.PIPE
+    )
+    assert owner.stdout is not None
+    assert owner.stdout.readline() == b"up\n"
+    try:
+        with rtkit.Client(timeout_s=_BOUND_S) as client:
+            assert client.get("l.level") == 1
+            owner.send_signal(19)
+            answers = client.ask_all([rtkit.Ask("l.level", 2)], 0.1)
+            assert answers[0].code == "timeout"
+            owner.send_signal(18)
+            assert client.get("l.level") == 1
+    finally:
+        owner.send_signal(18)
+        owner.communicate(b"")
+
+
+def test_a_client_that_was_closed_says_so(client: rtkit.Client) -> None:
+    assert client.get("house/light.level") == 0.5
+    client.close()
+    client.close()
+    assert _error(lambda: client.get("house/light.level")) == "no-service"
