@@ -173,7 +173,7 @@ class Client(Closing):
         asked = _Asked(len(asks))
         ready: list[tuple[Owner, str, Payload | None, Callable[[Answer], None]]] = []
         for index, ask in enumerate(asks):
-            take = partial(asked.take, index)
+            take: Callable[[Answer], None] = partial(asked.take, index)
             path = ask.target.partition("?")[0]
             if self._owners.is_far(path):
                 # Whoever is behind an address is asked for the services there: nobody waits.
@@ -186,8 +186,8 @@ class Client(Closing):
                 with self._host.lock:
                     take(failure(error))
         with self._host.lock:
-            for owner, target, payload, take in ready:
-                owner.ask(target, payload, take, until)
+            for owner, target, payload, answer in ready:
+                owner.ask(target, payload, answer, until)
         asked.is_complete.wait(None if bound_s == inf else until - monotonic())
         with self._host.lock:
             answers = list(asked.answers)
@@ -204,9 +204,7 @@ class Client(Closing):
                 self._is_started = True
                 self._host.start()
 
-    def _ask_far(
-        self, ask: Ask, path: str, take: Callable[[Answer], None], until: float
-    ) -> None:
+    def _ask_far(self, ask: Ask, path: str, take: Callable[[Answer], None], until: float) -> None:
         try:
             owner, target, payload = self._prepared(ask, path)
         except RtkitError as error:
@@ -220,6 +218,7 @@ class Client(Closing):
         place, owner = self._owners.find(path)
         owner.begin()
         _, mark, tail = ask.target.partition("?")
+        given: dict[str, str | None]
         given = {key: _parameter(each) for key, each in ask.parameters.items()}
         more = [each for each in (tail, write_parameters(given)) if each]
         target = place.target("&".join(more)) if more or not mark else f"{place.target()}?"

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+import signal
 import subprocess
 import sys
 import threading
@@ -169,13 +171,14 @@ def test_a_set_that_is_given_up_is_never_done(place: str) -> None:
     try:
         with rtkit.Client(timeout_s=_BOUND_S) as client:
             assert client.get("l.level") == 1
-            owner.send_signal(19)
+            owner.send_signal(signal.SIGSTOP)
+            os.waitpid(owner.pid, os.WUNTRACED)
             answers = client.ask_all([rtkit.Ask("l.level", 2)], 0.1)
             assert answers[0].code == "timeout"
-            owner.send_signal(18)
+            owner.send_signal(signal.SIGCONT)
             assert client.get("l.level") == 1
     finally:
-        owner.send_signal(18)
+        owner.send_signal(signal.SIGCONT)
         owner.communicate(b"")
 
 
@@ -184,3 +187,19 @@ def test_a_client_that_was_closed_says_so(client: rtkit.Client) -> None:
     client.close()
     client.close()
     assert _error(lambda: client.get("house/light.level")) == "no-service"
+
+
+def test_markers_come_as_markers(place: str) -> None:
+    ball = rtkit.Marker((1.0, 2.0, 0.0), type="ball")
+
+    class Eye:
+        markers: list[rtkit.Marker] = [ball]  # noqa: RUF012  as a newcomer writes it
+
+        def nearest(self, to: rtkit.Marker) -> rtkit.Marker:
+            return to.with_(name="near")
+
+    with serve(Eye(), "eye", is_on_zenoh=False), rtkit.Client() as client:
+        assert client.get("eye.markers") == (ball,)
+        client.set("eye.markers", [ball, ball])
+        assert client.get("eye.markers.1") == ball
+        assert client.call("eye.nearest", ball) == ball.with_(name="near")
