@@ -1,0 +1,108 @@
+"""Reads a device file on a thread: pipes, terminals and input devices, unplugged and plugged again."""
+
+from __future__ import annotations
+
+import os
+import select
+import stat
+import termios
+import threading
+import tty
+from collections.abc import Callable
+
+LOOK_S = 0.2
+"""How often a device that is not there is looked for [s]."""
+_PIECE = 1 << 16
+
+
+class Device:
+    """Reader of a device, from `start` to `close`; whatever it calls, it calls on its own thread.
+
+    Args:
+        path: Of the device; a pipe or an ordinary file will do.
+        take: Is given the bytes that came; a ValueError that it raises tells that they make no
+            sense: the device is closed, and opened anew.
+        tell: Is given the state: ``ready``, ``ended`` at the end of an ordinary file, or
+            ``failed: why``; only when it is another one.
+        baud: Of a serial line; 0 leaves it as it is.
+        opened: Is given the descriptor of the open device, before anything is read.
+    """
+
+    def __init__(
+        self,
+        path: str,
+        take: Callable[[bytes], object],
+        tell: Callable[[str], object],
+        baud: int = 0,
+        opened: Callable[[int], object] = lambda descriptor: None,
+    ) -> None:
+        self._path, self._take, self._tell = path, take, tell
+        self._baud, self._opened = baud, opened
+        self._state = ""
+        self._wake, self._stop = os.pipe()
+        self._thread = threading.Thread(target=self._run, name=f"device {path}", daemon=True)
+
+    def start(self) -> None:
+        """Begin to read, or to look for the device."""
+        self._thread.start()
+
+    def close(self) -> None:
+        """Read no more; on return nothing is called any more."""
+        os.close(self._stop)
+        self._thread.join()
+        os.close(self._wake)
+
+    def _run(self) -> None:
+        while True:
+            try:
+                wait_s = self._read()
+            except (OSError, ValueError, termios.error) as error:
+                text = getattr(error, "strerror", None) or (error.args or ("",))[-1]
+                self._say(f"failed: {self._path}: {text}")
+                wait_s = LOOK_S
+            if select.select([self._wake], [], [], wait_s)[0]:
+                return
+
+    def _read(self) -> float | None:
+        """Read until the device has gone; return when to look again [s], None for never."""
+        flags = os.O_RDONLY | os.O_NONBLOCK | os.O_NOCTTY | os.O_CLOEXEC
+        descriptor = os.open(self._path, flags)
+        try:
+            if os.isatty(descriptor):
+                _make_raw(descriptor, self._baud)
+            self._opened(descriptor)
+            while True:
+                try:
+                    data = os.read(descriptor, _PIECE)
+                except BlockingIOError:
+                    self._say("ready")
+                    if self._wake in select.select([descriptor, self._wake], [], [])[0]:
+                        return 0.0
+                    continue
+                if not data:
+                    break
+                self._say("ready")
+                self._take(data)
+            if stat.S_ISREG(os.fstat(descriptor).st_mode):
+                self._say("ended")
+                return None
+            raise OSError(0, "unplugged")
+        finally:
+            os.close(descriptor)
+
+    def _say(self, state: str) -> None:
+        if state != self._state:
+            self._state = state
+            self._tell(state)
+
+
+def _make_raw(descriptor: int, baud: int) -> None:
+    """Have a terminal hand on bytes as they come."""
+    tty.setraw(descriptor)
+    if baud:
+        speed = getattr(termios, f"B{baud}", None)
+        if speed is None:
+            raise ValueError(f"no such speed of a line: {baud} baud")
+        settings = termios.tcgetattr(descriptor)
+        settings[4] = settings[5] = speed
+        termios.tcsetattr(descriptor, termios.TCSANOW, settings)
