@@ -23,6 +23,7 @@ class Listeners:
 
     Attributes:
         of_names: Those who listen to which names there are, by place.
+        pushed: Names of properties whose owner tells each change: they are not polled.
     """
 
     def __init__(
@@ -33,6 +34,7 @@ class Listeners:
         self._wall = wall
         self._all: dict[tuple[Requester, str, tuple[str, ...]], Listener] = {}
         self.of_names: dict[str, list[Listener]] = {}
+        self.pushed: set[str] = set()
         self._revision_of_names = 1
 
     @property
@@ -193,7 +195,8 @@ class Listeners:
         """Return the properties that are listened to and change without our doing."""
         nodes = self._registry.nodes
         found = {_property_of(each): each for each in self._all.values()}
-        return [nodes[name] for name in found if name in nodes and nodes[name].reader is not None]
+        names = [name for name in found if name in nodes and name not in self.pushed]
+        return [nodes[name] for name in names if nodes[name].reader is not None]
 
 
 def _is_of_names(place: NameEntry) -> bool:

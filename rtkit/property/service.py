@@ -197,6 +197,15 @@ class Service:
             raise PropertyError("unknown", f"no such property: {name}")
         self.values.keep(node, check(node.spec.type, value), quality)
 
+    def push(self, name: str, value: Content) -> None:
+        """Put a value in force, as `update` does; from now on its owner tells all of its changes.
+
+        A name that is not there, because it is hidden, is passed over.
+        """
+        if name in self._nodes:
+            self.listeners.pushed.add(name)
+            self.update(name, value)
+
     def get(self, target: str) -> Payload:
         """Return what a GET of the owner leads to.
 

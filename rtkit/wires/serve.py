@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
+from functools import partial
 
 from rtkit.closing import Closing
 from rtkit.property.access import AccessPolicy, read_policy
@@ -86,7 +87,9 @@ def serve(
     Commands of the same user find it by its name (``rtget NAME.PROPERTY``). Methods are called on
     threads of their own; getters and setters on one other thread, or on a further one where that
     is held up; coroutine functions are awaited on a loop of asyncio. Whatever they raise, and
-    however long they take, others are answered meanwhile.
+    however long they take, others are answered meanwhile. An object with a method ``__served__`` is
+    given ``publish(name, value)`` by it: from any thread but that of a getter, this sets an
+    attribute and sends its event at once, also if the value is equal.
 
     Example::
 
@@ -139,7 +142,25 @@ def serve(
         host.close()
         raise
     host.start()
-    return ServedObject(host, service, socket, addresses)
+    served = ServedObject(host, service, socket, addresses)
+    if hasattr(type(thing), "__served__"):
+        thing.__served__(partial(_publish, host, service, thing))  # type: ignore[attr-defined]
+    return served
+
+
+def _publish(
+    host: PropertyEventLoop, service: Service, thing: object, name: str, value: object
+) -> None:
+    """Put an attribute of a served object in force, and send it at once, also if it is equal.
+
+    Whoever listens with ``mode=all`` and a queue gets each value, in order, which polling does not
+    promise. Called from any thread, but not from a getter.
+    """
+    from rtkit.property.conversion import to_value
+
+    with host.lock:
+        setattr(thing, name, value)
+        service.push(name, to_value(value))
 
 
 def _asked(endpoints: Mapping[str, int | str | None]) -> list[tuple[Wire, str]]:

@@ -364,7 +364,7 @@ def _encoded(text: str) -> bytes:
 def _answer(response: HTTPResponse, body: bytes) -> Answer:
     if response.status >= HTTPStatus.BAD_REQUEST:
         return _read_error(body)
-    if response.getheader("Content-Type", "").startswith("application/octet-stream"):
+    if response.getheader("Content-Type", "").startswith(("application/octet-stream", "image/")):
         return Answer(body)
     return Answer(body.decode("utf-8", "surrogateescape"))
 

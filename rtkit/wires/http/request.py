@@ -25,6 +25,7 @@ EVENTS = "text/event-stream"
 JSON = "application/json"
 TEXT = "text/plain; charset=utf-8"
 BYTES = "application/octet-stream"
+_PICTURES = {b"\xff\xd8\xff": "image/jpeg", b"\x89PNG\r\n\x1a\n": "image/png"}
 _TAG = re.compile(r'"(\d{1,18})"')
 
 
@@ -145,8 +146,16 @@ def response(
                 "text": None if isinstance(payload, bytes) else payload}  # fmt: skip
         return Response(HTTPStatus.OK, JSON, _json(record), tag)
     if isinstance(payload, bytes):
-        return Response(HTTPStatus.OK, BYTES, payload, tag)
+        return Response(HTTPStatus.OK, kind_of_bytes(payload), payload, tag)
     return Response(HTTPStatus.OK, TEXT, payload.encode("utf-8", "surrogateescape"), tag)
+
+
+def kind_of_bytes(payload: bytes) -> str:
+    """Return the media type of bytes: that of a picture a browser shows, else of any bytes.
+
+    Only what is drawn and cannot run anything is told.
+    """
+    return next((kind for head, kind in _PICTURES.items() if payload.startswith(head)), BYTES)
 
 
 def failure(code: str, text: str, status: int = 0) -> Response:

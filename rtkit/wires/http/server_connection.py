@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import select
 import socket
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from http import HTTPStatus
 from time import monotonic
 from typing import TYPE_CHECKING
@@ -28,6 +28,7 @@ from rtkit.wires.http import request as http_request
 from rtkit.wires.http.client import DEADLINE
 from rtkit.wires.http.events import SseProgress, write_sse
 from rtkit.wires.http.guard import Guard, stranger
+from rtkit.wires.http.parts import BOUNDARY, PARTS, as_parts, write_part
 from rtkit.wires.http.request import EVENTS, METHODS, HttpRequest, Response, failure
 from rtkit.wires.line.login import PATIENCE_S
 
@@ -85,6 +86,7 @@ class HttpConnection(SocketClient):
         self._began_at: float | None = None
         self._linger_until: float | None = None
         self._progress: SseProgress | None = None
+        self._written: Callable[[PropertyEvent], bytes] = write_sse
 
     # Caller
 
@@ -121,7 +123,7 @@ class HttpConnection(SocketClient):
 
     def _send_event(self, listener: Listener, event: PropertyEvent) -> None:
         if self._progress is None or self._progress.is_new(event):
-            self._stream(write_sse(event))
+            self._stream(self._written(event))
 
     def check(self, now: float) -> None:
         """See `IOHandler.check`."""
@@ -131,7 +133,8 @@ class HttpConnection(SocketClient):
             if now > self._linger_until:
                 self.close()
         elif self.is_stream:
-            if not self._out and now - self._moved_at > HEARTBEAT_S:
+            is_quiet = not self._out and now - self._moved_at > HEARTBEAT_S
+            if is_quiet and self._written is write_sse:  # between parts nothing can be said
                 self._stream(b":\n\n")
                 self._send()
         elif self._is_asked or self._out:
@@ -251,6 +254,8 @@ class HttpConnection(SocketClient):
                               accepts=self._headers.get("accept", ""), revision=None))  # fmt: skip
             elif is_get and EVENTS in self._headers.get("accept", ""):
                 self._open_stream(asked)
+            elif is_get and (parts := as_parts(asked, self._headers.get("accept", ""))):
+                self._open_stream(parts, write_part)
             else:
                 self._ask_service(asked, uri, is_get=is_get)
         except PropertyError as error:
@@ -283,7 +288,10 @@ class HttpConnection(SocketClient):
         else:
             answer(Answer(NOT_BEGUN, "timeout"))
 
-    def _open_stream(self, asked: HttpRequest) -> None:
+    def _open_stream(
+        self, asked: HttpRequest, written: Callable[[PropertyEvent], bytes] = write_sse
+    ) -> None:
+        self._written = written
         self._progress = SseProgress(self._headers.get("last-event-id", ""))
         self._is_asked = self._wants_events = True
         listening = PropertyRequest(
@@ -301,9 +309,10 @@ class HttpConnection(SocketClient):
             self._respond(failure(reply.error, str(reply.payload)))
         else:
             self.is_stream = True
-            kind = [("Content-Type", EVENTS), ("Connection", "close"), *_ALWAYS]
+            is_sse = self._written is write_sse
+            kind = [("Content-Type", EVENTS if is_sse else PARTS), ("Connection", "close"), *_ALWAYS]
             self._out += self._http.send(h11.Response(status_code=200, headers=kind)) or b""
-            self._stream(b"retry: 1000\n\n")
+            self._stream(b"retry: 1000\n\n" if is_sse else BOUNDARY)
         self._host.mark(self)
 
     # Responses
