@@ -1,4 +1,4 @@
-"""Reads a device file on a thread: pipes, terminals and input devices, unplugged and plugged again."""
+"""Reads a device file on a thread, again when it is plugged again: terminals, input devices."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Values that an owner publishes are events at once, in order, the equal ones too; over HTTP as parts."""
+"""Values that an owner publishes are events at once, in order; over HTTP they are parts."""
 
 from __future__ import annotations
 
@@ -57,9 +57,7 @@ def test_each_value_comes_in_order_also_the_equal_ones(
         client.listen("block?queue=1000&mode=all")
         assert client.event(BOUND_S)
         blocks = [b"\xff%d" % (each // 2) for each in range(200)]  # each twice
-        sender = threading.Thread(
-            target=lambda: [source.publish("block", each) for each in blocks]
-        )
+        sender = threading.Thread(target=lambda: [source.publish("block", each) for each in blocks])
         sender.start()
         got = []
         while len(got) < len(blocks):
@@ -87,9 +85,7 @@ def test_a_name_that_is_hidden_is_set_and_sent_to_nobody(place: str, source: Sou
 
 
 @contextmanager
-def viewer(
-    served: ServedObject, query: str, accept: str = "image/*,*/*"
-) -> Iterator[HTTPResponse]:
+def viewer(served: ServedObject, query: str, accept: str = "image/*,*/*") -> Iterator[HTTPResponse]:
     """Ask as a browser does: first as nobody, then with the secret."""
     uri = f"/ps/source/{query}"
     with closing(HTTPConnection("localhost", served.http or 0, timeout=BOUND_S)) as client:

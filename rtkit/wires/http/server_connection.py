@@ -309,10 +309,11 @@ class HttpConnection(SocketClient):
             self._respond(failure(reply.error, str(reply.payload)))
         else:
             self.is_stream = True
-            is_sse = self._written is write_sse
-            kind = [("Content-Type", EVENTS if is_sse else PARTS), ("Connection", "close"), *_ALWAYS]
+            is_parts = self._written is write_part
+            media, begin = (PARTS, BOUNDARY) if is_parts else (EVENTS, b"retry: 1000\n\n")
+            kind = [("Content-Type", media), ("Connection", "close"), *_ALWAYS]
             self._out += self._http.send(h11.Response(status_code=200, headers=kind)) or b""
-            self._stream(b"retry: 1000\n\n" if is_sse else BOUNDARY)
+            self._stream(begin)
         self._host.mark(self)
 
     # Responses
