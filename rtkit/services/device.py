@@ -22,7 +22,7 @@ class Device:
         path: Of the device; a pipe or an ordinary file will do.
         take: Is given the bytes that came; a ValueError that it raises tells that they make no
             sense: the device is closed, and opened anew.
-        tell: Is given the state: ``ready``, ``ended`` at the end of an ordinary file, or
+        report: Is given the state: ``ready``, ``ended`` at the end of an ordinary file, or
             ``failed: why``; only when it is another one.
         baud: Of a serial line; 0 leaves it as it is.
         opened: Is given the descriptor of the open device, before anything is read.
@@ -32,11 +32,11 @@ class Device:
         self,
         path: str,
         take: Callable[[bytes], object],
-        tell: Callable[[str], object],
+        report: Callable[[str], object],
         baud: int = 0,
         opened: Callable[[int], object] = lambda descriptor: None,
     ) -> None:
-        self._path, self._take, self._tell = path, take, tell
+        self._path, self._take, self._report = path, take, report
         self._baud, self._opened = baud, opened
         self._state = ""
         self._wake, self._stop = os.pipe()
@@ -58,7 +58,7 @@ class Device:
                 wait_s = self._read()
             except (OSError, ValueError, termios.error) as error:
                 text = getattr(error, "strerror", None) or (error.args or ("",))[-1]
-                self._say(f"failed: {self._path}: {text}")
+                self._report_once(f"failed: {self._path}: {text}")
                 wait_s = LOOK_S
             if select.select([self._wake], [], [], wait_s)[0]:
                 return
@@ -75,25 +75,25 @@ class Device:
                 try:
                     data = os.read(descriptor, _PIECE)
                 except BlockingIOError:
-                    self._say("ready")
+                    self._report_once("ready")
                     if self._wake in select.select([descriptor, self._wake], [], [])[0]:
                         return 0.0
                     continue
                 if not data:
                     break
-                self._say("ready")
+                self._report_once("ready")
                 self._take(data)
             if stat.S_ISREG(os.fstat(descriptor).st_mode):
-                self._say("ended")
+                self._report_once("ended")
                 return None
             raise OSError(0, "unplugged")
         finally:
             os.close(descriptor)
 
-    def _say(self, state: str) -> None:
+    def _report_once(self, state: str) -> None:
         if state != self._state:
             self._state = state
-            self._tell(state)
+            self._report(state)
 
 
 def _make_raw(descriptor: int, baud: int) -> None:
