@@ -398,9 +398,10 @@ def test_a_manager_that_goes_on_kills_nobody_for_being_late(manager: Any, world:
 def test_data_flow_while_the_manager_is_stopped_and_not_one_is_lost(
     manager: Any, world: Tree
 ) -> None:
-    wire = ConnectorProfile("w", "w", (PortRef("A", "out"), PortRef("B", "into")))
-    make(world, thing("A", "s", "source"), thing("B", "t"), Connect(wire))
-    make(world, activate("B"), activate("A"))
+    ends = (PortRef("A", "out"), PortRef("B", "into"))
+    held = {"dataport.buffer.length": "10000"}  # for a moment in which B is not scheduled
+    make(world, thing("A", "s", "source"), thing("B", "t"))
+    make(world, Connect(ConnectorProfile("w", "w", ends, held)), activate("B"), activate("A"))
     file = manager.folder / "state" / "last"
 
     def last() -> int:
