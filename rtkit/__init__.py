@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from rtkit.by_hand import run
     from rtkit.property.annotations import Range, Unit
     from rtkit.property.codes import PropertyError
+    from rtkit.property.functional import behavior
     from rtkit.property.marker import Marker
     from rtkit.property.values import Element, Word
     from rtkit.version import __version__
@@ -41,6 +42,7 @@ _HOMES = {
     "Tree": "rtkit.api.tree",
     "Unit": "rtkit.property.annotations",
     "__version__": "rtkit.version",
+    "behavior": "rtkit.property.functional",
     "connect": "rtkit.api.connect",
     "load": "rtkit.api.system_profiles",
     "run": "rtkit.by_hand",
@@ -60,6 +62,7 @@ __all__ = [
     "Word",
     "__version__",
     "aio",
+    "behavior",
     "connect",
     "load",
     "run",

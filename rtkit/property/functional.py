@@ -6,8 +6,10 @@ the owner of the service, so state is touched by one thread only.
 
 from __future__ import annotations
 
-from collections.abc import AsyncGenerator, Callable, Generator
+import dataclasses
+from collections.abc import AsyncGenerator, Callable, Generator, Mapping
 from functools import partial
+from typing import Any, TypeVar
 
 from rtkit.guard import kind_and_text
 from rtkit.property.codes import PropertyError
@@ -16,10 +18,57 @@ from rtkit.property.property_spec import RequestParameter
 from rtkit.property.types import Content, check
 from rtkit.property.user_code import AT_ONCE, Finished, UserCode, Work, is_coroutine
 from rtkit.property.values import Element, Value, Word
+from rtkit.property.writing import write
 
+F = TypeVar("F", bound=Callable[..., Any])
+Arguments = tuple[tuple[Value, ...], dict[str, Value]]
 Report = Callable[[object], object]
 Run = Callable[[Work, Finished], None]
 """Runs some work; has the owner of the service take what came of it."""
+_NOTHING_LEFT = Element("remaining")
+
+
+def behavior(function: F) -> F:
+    """Make a behaviour of a method: an action with a target, which a new SET replaces.
+
+    A generator or coroutine function. A SET while it runs stops it at its next ``yield`` or
+    ``await``, and begins anew with the new arguments. A GET tells
+    ``<behavior state="running"><target>…</target><remaining>…</remaining></behavior>``: the
+    arguments of the last SET, and what it yielded last: what remains, or a mapping or dataclass
+    with ``remaining`` and whatever else there is to tell. ``SET NAME.stop true`` stops it, and
+    ``SET PLACE.stop true`` all actions below a place.
+    """
+    function.__dict__["is_behavior"] = True
+    return function
+
+
+class _Call:
+    """One call of an action.
+
+    Attributes:
+        stop: Ends it at its next step, None where nothing does.
+    """
+
+    def __init__(
+        self, arguments: Arguments, changed: Callable[[], None], user_code: UserCode
+    ) -> None:
+        self.arguments = arguments
+        self.changed = changed
+        self.user_code = user_code
+        self.progress: tuple[Element, ...] = ()
+        self.is_reporting = False
+        self.is_to_stop = False
+        self.stop: Callable[[], object] | None = None
+
+    def halt(self) -> None:
+        self.is_to_stop = True
+        if self.stop is not None:
+            self.stop()
+
+    def cancellable(self, cancel: Callable[[], object]) -> None:
+        self.stop = cancel
+        if self.is_to_stop:
+            cancel()
 
 
 class FunctionalProperty:
@@ -34,6 +83,8 @@ class FunctionalProperty:
         convert: Makes a value of what it returns.
         run: Who calls it; None for whom the service has for it.
         is_open: It takes any arguments, by place only.
+        is_behavior: See `behavior`.
+        fit: Raises what is wrong with an argument beyond its declared type.
 
     Attributes:
         state: ``idle``, ``running``, ``done``, ``failed`` or ``stopped``.
@@ -47,6 +98,8 @@ class FunctionalProperty:
         run: Run | None = None,
         *,
         is_open: bool = False,
+        is_behavior: bool = False,
+        fit: Callable[[str, Value], object] = lambda key, value: None,
     ) -> None:
         self.state = "idle"
         self.parameters = parameters
@@ -54,30 +107,36 @@ class FunctionalProperty:
         self._convert = convert
         self._run = run
         self._is_open = is_open
+        self._is_behavior = is_behavior
+        self._fit = fit
         self._result: Content | None = None
         self._error: tuple[str, str] | None = None
-        self._is_to_stop = False
-        self._stop: Callable[[], object] | None = None
-        self._progress: Content | None = None
-        self._is_reporting = False
+        self._last: _Call | None = None
+        self._at_work: _Call | None = None
 
     def describe(self) -> Element:
         """Return how it stands: ``<call state="done"><result>…</result></call>``.
 
-        What it yielded last is its ``progress``.
+        What it yielded last is its ``progress``; of behaviours see `behavior`.
         """
-        children: list[Element] = []
-        if self._progress is not None and not isinstance(self._progress, bytes):
-            children.append(Element("progress", {}, (), self._progress))
+        children = [] if self._last is None else list(self._last.progress)
+        if self._is_behavior:
+            children = [self._target(), *(children or [_NOTHING_LEFT])]
         if self._error is not None:
             children.append(Element("error", {"code": self._error[0]}, (), self._error[1]))
         elif self._result is not None and not isinstance(self._result, bytes):
             children.append(Element("result", {}, (), self._result))
-        return Element("call", {"state": self.state}, tuple(children))
+        kind = "behavior" if self._is_behavior else "call"
+        return Element(kind, {"state": self.state}, tuple(children))
 
-    def bind(
-        self, value: Value, named: dict[str, Value]
-    ) -> tuple[tuple[Value, ...], dict[str, Value]]:
+    def _target(self) -> Element:
+        given, named = ((), {}) if self._last is None else self._last.arguments
+        values = [*given, *named.values()]
+        if len(values) == 1:
+            return _child("target", values[0])
+        return Element("target", {}, tuple(_child(key, each) for key, each in named.items()))
+
+    def bind(self, value: Value, named: dict[str, Value]) -> Arguments:
         """Return the arguments that a SET stands for, by place and by name.
 
         Raises:
@@ -119,92 +178,114 @@ class FunctionalProperty:
             raise PropertyError("bad-value", f"{parameter.key}: {error}") from None
         if parameter.choices and value not in parameter.choices:
             raise PropertyError("bad-value", f"{parameter.key}: not one of its choices")
+        try:
+            self._fit(parameter.key, value)  # type: ignore[arg-type]
+        except (ValueError, TypeError, PropertyError) as error:
+            raise PropertyError("bad-value", f"{parameter.key}: {error}") from None
         return value  # type: ignore[return-value]
 
     def start(
-        self,
-        arguments: tuple[tuple[Value, ...], dict[str, Value]],
-        changed: Callable[[], None],
-        user_code: UserCode = AT_ONCE,
+        self, arguments: Arguments, changed: Callable[[], None], user_code: UserCode = AT_ONCE
     ) -> None:
         """Begin; `changed` is called whenever it stands otherwise.
 
         Raises:
-            PropertyError: ``busy``: it runs already, or very much else does.
+            PropertyError: ``busy``: it runs already and is no behaviour, or very much else does.
         """
         if self.state == "running":
-            raise PropertyError("busy", "it is running")
-        before = self.state, self._result, self._error, self._progress
-        self.state, self._result, self._error, self._progress = "running", None, None, None
-        self._is_to_stop, self._stop = False, None
-
-        def finished(result: object, error: BaseException | None) -> None:
-            self._end(result, error)
-            changed()
-
-        work = partial(self._work, arguments, user_code, changed)
+            if not self._is_behavior or self._last is None:
+                raise PropertyError("busy", "it is running")
+            self.state = "stopped"
+            self._last.halt()
+            self._last.changed()
+        before = self.state, self._result, self._error, self._last
+        self._last = call = _Call(arguments, changed, user_code)
+        self.state, self._result, self._error = "running", None, None
         try:
-            (self._run or user_code.start)(work, finished)
+            if self._at_work is None:
+                self._begin(call)
         except PropertyError:
-            self.state, self._result, self._error, self._progress = before
+            self.state, self._result, self._error, self._last = before
             raise
         if self.state == "running":
             changed()
 
-    def _end(self, result: object, error: BaseException | None) -> None:
+    def _begin(self, call: _Call) -> None:
+        """Have a call done; when it has ended, the one that has replaced it meanwhile.
+
+        Raises:
+            PropertyError: ``busy``: very much else runs.
+        """
+        self._at_work = call
+
+        def finished(result: object, error: BaseException | None) -> None:
+            self._at_work = None
+            last = self._last
+            if last is call:
+                self._end(call, result, error)
+            elif last is not None and self.state == "running":
+                try:
+                    self._begin(last)
+                except PropertyError as refusal:
+                    self._end(last, None, refusal)
+
+        try:
+            (self._run or call.user_code.start)(partial(self._work, call), finished)
+        except PropertyError:
+            self._at_work = None
+            raise
+
+    def _end(self, call: _Call, result: object, error: BaseException | None) -> None:
         self._result = result  # type: ignore[assignment]
         if error is not None:
             answer = failed(error)
             bad = isinstance(error, ValueError | TypeError)
             text = kind_and_text(error) if bad else str(answer.payload)
             self._error = ("bad-value" if bad else answer.error, text)
-        self.state = "failed" if error else "stopped" if self._is_to_stop else "done"
+        self.state = "failed" if error else "stopped" if call.is_to_stop else "done"
+        call.changed()
 
-    def _work(
-        self,
-        arguments: tuple[tuple[Value, ...], dict[str, Value]],
-        user_code: UserCode,
-        changed: Callable[[], None],
-    ) -> Content | None:
+    def _work(self, call: _Call) -> Content | None:
         """Call it, to its end; on the thread that is for it."""
-        outcome = self._function(*arguments[0], **arguments[1])
-        report = partial(self._report, user_code, changed)
+        outcome = self._function(*call.arguments[0], **call.arguments[1])
+        report = partial(self._report, call)
         if isinstance(outcome, Generator):
-            outcome = self._through(outcome, report)
+            outcome = _through(call, outcome, report)
         elif is_coroutine(outcome):
-            outcome = user_code.awaited(outcome, self._cancellable)
+            outcome = call.user_code.awaited(outcome, call.cancellable)
         elif isinstance(outcome, AsyncGenerator):
-            outcome = user_code.awaited(_through(outcome, report), self._cancellable)
+            outcome = call.user_code.awaited(_awaited(outcome, report), call.cancellable)
         return None if outcome is None else self._convert(outcome)
 
-    def _through(self, steps: Generator[object, object, object], report: Report) -> object:
-        self._stop = lambda: None
-        while True:
-            if self._is_to_stop:
-                steps.close()
-                return None
-            try:
-                report(next(steps))
-            except StopIteration as end:
-                self._stop = None
-                return end.value
-
-    def _cancellable(self, cancel: Callable[[], object]) -> None:
-        self._stop = cancel
-
-    def _report(self, user_code: UserCode, changed: Callable[[], None], step: object) -> None:
+    def _report(self, call: _Call, step: object) -> None:
         """Report yielded values; of those that come too fast to be sent, only the latest."""
         if step is None:
             return
-        self._progress = self._convert(step)
-        if not self._is_reporting:
-            self._is_reporting = True
-            user_code.post(partial(self._progressed, changed))
+        call.progress = self._shown(step)
+        if not call.is_reporting:
+            call.is_reporting = True
+            call.user_code.post(partial(self._progressed, call))
 
-    def _progressed(self, changed: Callable[[], None]) -> None:
-        self._is_reporting = False
-        if self.state == "running":
-            changed()
+    def _shown(self, step: object) -> tuple[Element, ...]:
+        """Return how far it is, as elements."""
+        if self._is_behavior and isinstance(step, Mapping):
+            children = tuple(_child(str(key), self._convert(each)) for key, each in step.items())
+            write(Element("progress", {}, children))  # a key may be no name
+        else:
+            value = self._convert(step)
+            if isinstance(value, bytes):
+                return ()
+            if not self._is_behavior:
+                return (Element("progress", {}, (), value),)
+            is_record = dataclasses.is_dataclass(step) and isinstance(value, Element)
+            children = value.children if is_record else (_child("remaining", value),)  # type: ignore[union-attr]
+        has_rest = any(each.name == "remaining" for each in children)
+        return children if has_rest else (*children, _NOTHING_LEFT)
+
+    def _progressed(self, call: _Call) -> None:
+        call.is_reporting = False
+        if call is self._last and self.state == "running":
+            call.changed()
 
     def stop(self) -> None:
         """Have it end at its next step; what does not run stays as it is.
@@ -212,14 +293,41 @@ class FunctionalProperty:
         Raises:
             PropertyError: ``conflict``: it cannot be stopped.
         """
-        if self.state != "running":
+        call = self._last
+        if self.state != "running" or call is None:
             return
-        if self._stop is None:
+        if call is not self._at_work:
+            self.state = "stopped"
+            call.changed()
+        elif call.stop is None and not self._is_behavior:
             raise PropertyError("conflict", "it cannot be stopped")
-        self._is_to_stop = True
-        self._stop()
+        else:
+            call.halt()
 
 
-async def _through(steps: AsyncGenerator[object, object], report: Report) -> None:
+def _through(call: _Call, steps: Generator[object, object, object], report: Report) -> object:
+    call.stop = lambda: None
+    while True:
+        if call.is_to_stop:
+            steps.close()
+            return None
+        try:
+            report(next(steps))
+        except StopIteration as end:
+            call.stop = None
+            return end.value
+
+
+async def _awaited(steps: AsyncGenerator[object, object], report: Report) -> None:
     async for step in steps:
         report(step)
+
+
+def _child(name: str, value: Content) -> Element:
+    if isinstance(value, Element):
+        return Element(name, {}, (value,))
+    items = value if isinstance(value, tuple) else ()
+    elements = tuple(each for each in items if isinstance(each, Element))
+    if elements and len(elements) == len(items):
+        return Element(name, {}, elements)
+    return Element(name, {}, (), None if isinstance(value, bytes) else value)

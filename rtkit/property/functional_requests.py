@@ -11,7 +11,7 @@ from rtkit.property.live_values import LiveValues, part
 from rtkit.property.messages import DONE, Answer, Payload
 from rtkit.property.naming import RequestTarget
 from rtkit.property.parameters import COMMON, checked_parameters
-from rtkit.property.registry import NameEntry
+from rtkit.property.registry import NameEntry, Registry
 from rtkit.property.requests import PropertyRequest
 from rtkit.property.types import from_payload, parse_type
 from rtkit.property.values import Element, Value
@@ -71,6 +71,27 @@ def start(
     if waits and isinstance(longest, int | float) and function.state == "running":
         bounds.append(values.user_code.refuse_after(max(longest, 1e-3), answer_once))
     return None if waits else DONE
+
+
+def stop_all(registry: Registry, name: str, permit: Callable[[str], object]) -> None:
+    """Stop the actions that run below a place.
+
+    Raises:
+        PropertyError: ``conflict``: one cannot be stopped, the others are; ``denied``.
+    """
+    nodes = [registry.nodes[each] for each in registry.below(name) if each in registry.nodes]
+    running = [each for each in nodes if each.function and each.function.state == "running"]
+    for node in running:
+        permit(node.name)
+    refusal: PropertyError | None = None
+    for node in running:
+        assert node.function is not None
+        try:
+            node.function.stop()
+        except PropertyError as error:
+            refusal = PropertyError(error.code, f"{node.name}: {error}")
+    if refusal is not None:
+        raise refusal
 
 
 def _arguments(function: FunctionalProperty, payload: Payload) -> Value:

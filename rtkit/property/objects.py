@@ -243,7 +243,14 @@ class Exported:
             given = {key: from_value(each, hints.get(key), None) for key, each in named.items()}
             return getattr(holder(), name)(*map(_positional, args), **given)
 
-        return FunctionalProperty(call, declared or (), to_value, is_open=declared is None)
+        return FunctionalProperty(
+            call,
+            declared or (),
+            to_value,
+            is_open=declared is None,
+            is_behavior=getattr(found.method, "is_behavior", False),
+            fit=lambda key, value: from_value(value, hints.get(key), None),
+        )
 
 
 def _spec(member: Member, present: object) -> PropertySpec:

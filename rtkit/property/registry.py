@@ -146,11 +146,19 @@ class Registry:
                 field = segments[-1] if back == 2 else ""
                 return place._replace(extension=segments[-back], field=field)
         place = self.part_of(segments)
+        if place is None and segments[-1] == "stop":
+            place = self._stopping(".".join(segments[:-1]))
         if place is None:
             while segments[1:] and segments[-1] in EXTENSIONS:
                 segments.pop()
             raise PropertyError("unknown", f"no such property: {'.'.join(segments)}")
         return place
+
+    def _stopping(self, name: str) -> NameEntry | None:
+        """Return what stops all actions below a place, if there are any."""
+        nodes = self.nodes
+        has_actions = any(nodes[each].function for each in self.below(name) if each in nodes)
+        return NameEntry(name, None, ("stop",)) if has_actions else None
 
     def _valued(self, name: str) -> NameEntry | None:
         node = self.nodes.get(name)

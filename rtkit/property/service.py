@@ -352,6 +352,8 @@ class Service:
             return self.extensions.get(place, target, ask.caller)
         node = place.node
         if node is None:
+            if place.path:
+                raise PropertyError("write-only", f"cannot be read: {target.name}")
             checked_parameters((), target, OF_GET)
             self.values.names_now()
             return self.registry.listed(place.name)
@@ -369,6 +371,10 @@ class Service:
             self.extensions.set(place, target, ask)
             return DONE
         node = place.node
+        if node is None and place.path:
+            may = partial(self.permit, ask.caller, "SET")
+            functional_requests.stop_all(self.registry, place.name, may)
+            return DONE
         if node is None:
             raise PropertyError("read-only", f"cannot be set: {target.name}")
         if node.function is not None:
