@@ -6,6 +6,7 @@ Source: `property-service` reference, section 2.
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 
 from rtkit.property.bulk import Bulk, Permit, item
 from rtkit.property.codes import PropertyError
@@ -98,7 +99,8 @@ class Extensions:
         if flag(parameters, "remove"):
             values.listeners.remove(place, caller)
             return
-        values.listeners.register(place, options_of(parameters), caller, values.value_of)
+        read = partial(values.value_of, is_kept=True)
+        values.listeners.register(place, options_of(parameters), caller, read)
 
     def _check_part(self, place: NameEntry) -> None:
         """Refuse requests about a part that a property does not have.

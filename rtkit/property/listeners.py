@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 
 from rtkit.property import components
 from rtkit.property.codes import PropertyError
@@ -36,6 +37,7 @@ class Listeners:
         self.of_names: dict[str, list[Listener]] = {}
         self.pushed: set[str] = set()
         self._revision_of_names = 1
+        self._together: tuple[list[str], list[str]] | None = None
 
     @property
     def is_any(self) -> bool:
@@ -114,17 +116,36 @@ class Listeners:
             if made is not None and listener.offer(*made):
                 listener.caller.wake()
 
+    @contextmanager
+    def together(self) -> Iterator[None]:
+        """Have all names that change meanwhile be one event."""
+        changes = self._together = ([], [])
+        try:
+            yield
+        finally:
+            self._together = None
+            if any(changes):
+                self._names_differ(*changes)
+
     def names_changed(self, added: str = "", removed: str = "") -> None:
-        """Notify the listeners of listings that names have changed."""
+        """Notify the listeners of listings that a name has come or gone."""
+        changes = self._together or ([], [])
+        changes[0].extend([added] * bool(added))
+        changes[1].extend([removed] * bool(removed))
+        if self._together is None:
+            self._names_differ(*changes)
+
+    def _names_differ(self, *changes: list[str]) -> None:
         self._revision_of_names += 1
-        name = added or removed
         for place, listeners in self.of_names.items():
-            if place and not name.startswith(f"{place}."):
+            prefix = f"{place}." if place else ""
+            added, removed = ([n for n in names if n.startswith(prefix)] for names in changes)
+            if not added and not removed:
                 continue
             event = self._names_event(place)
             difference = (
-                (Word("added"), *([as_value(added)] if added else ())),
-                (Word("removed"), *([as_value(removed)] if removed else ())),
+                (Word("added"), *map(as_value, added)),
+                (Word("removed"), *map(as_value, removed)),
             )
             for listener in listeners:
                 payload = write(difference) if listener.options.is_difference else event.payload

@@ -30,6 +30,8 @@ class LiveValues:
         wall: Returns the time of day [s since 1970].
         user_code: Calls what is not ours.
         on_names: Called before names are told or missed, to have those that there are now.
+        on_new: Returns a property for a name that is set and not there, None if it may not be made.
+        may_differ: Returns whether names may be others than those that were told last.
     """
 
     def __init__(self, clock: Callable[[], float], wall: Callable[[], float]) -> None:
@@ -39,6 +41,8 @@ class LiveValues:
         self.listeners = Listeners(self.registry, clock, wall)
         self.user_code: UserCode = AT_ONCE
         self.on_names: Callable[[], object] | None = None
+        self.on_new: Callable[[str], PropertyNode | None] | None = None
+        self.may_differ: Callable[[], bool] = lambda: True
 
     def names_now(self) -> None:
         """Update the names to those that there are now.
@@ -63,10 +67,39 @@ class LiveValues:
         self.names_now()
         return self.registry.find(name)
 
+    def find_to_set(self, name: str) -> NameEntry:
+        """Return what a name stands for that is to be set: perhaps one that is to be made.
+
+        Raises:
+            PropertyError: ``unknown``; ``conflict``: a part of it is reserved.
+        """
+        unknown: PropertyError | None = None
+        place = NameEntry(name, None)
+        try:
+            place = self.find(name)
+        except PropertyError as error:
+            if error.code != "unknown":
+                raise
+            unknown = error
+        node = place.node
+        is_known = node is not None and (not place.path or node.spec.type.base != "bytes")
+        is_new = self.on_new is not None and not place.extension and not is_known
+        made = self.on_new(name) if is_new and self.on_new else None
+        if made is None and unknown is not None:
+            raise unknown
+        return place if made is None else NameEntry(name, made)
+
     # reading
 
-    def value_of(self, node: PropertyNode, parameters: dict[str, Value] = _NONE) -> Content:
+    def value_of(
+        self, node: PropertyNode, parameters: dict[str, Value] = _NONE, *, is_kept: bool = False
+    ) -> Content:
         """Return the present value of a property, read anew where it is computed.
+
+        Args:
+            node: The property.
+            parameters: Of the request.
+            is_kept: Somebody is to listen to it.
 
         Raises:
             PropertyError: ``write-only``, ``internal``, ``bad-value``.
@@ -76,10 +109,25 @@ class LiveValues:
             if node.value is None:
                 raise PropertyError("write-only", f"cannot be read: {node.name}")
             return node.value
+        self.look(node)
         value: Content = result_of(self.user_code.call(lambda: reader(parameters)))
-        if not parameters:
+        if not parameters and (node.source is None or is_kept or node.listeners):
             self._seen(node, value)
+            if node.source is not None:
+                node.source.sent()
         return value
+
+    def look(self, node: PropertyNode) -> bool:
+        """Return whether a value may differ from when it was looked at last; calls its owner.
+
+        Raises:
+            PropertyError: ``unknown``, ``internal``: as the owner raised.
+        """
+        source = node.source
+        if source is None:
+            return True
+        stamp = result_of(self.user_code.call(source.stamp))
+        return source.settle(node, stamp, self.wall())
 
     def payload_of(self, place: NameEntry, parameters: dict[str, Value]) -> Payload:
         """Return the present value of a property, or of a part of it, as replies carry it.
@@ -99,8 +147,9 @@ class LiveValues:
     def _seen(self, node: PropertyNode, value: Content) -> None:
         """Record a computed value: if it has changed, notify its listeners."""
         if node.value is None:
+            revision = node.revision if node.source else 1
             node.put(value, self.wall())
-            node.revision = 1
+            node.revision = revision
         elif node.put(value, self.wall()) and node.listeners:
             self.listeners.changed(node, True)
 
@@ -116,7 +165,9 @@ class LiveValues:
             raise PropertyError("read-only", f"cannot be set: {name}")
         if revision is None:
             return
-        if node.reader is not None:
+        if node.source is not None:
+            self.look(node)
+        elif node.reader is not None:
             self.value_of(node)
         if revision != node.revision:
             raise PropertyError("conflict", f"revision of {name} is {node.revision}")
@@ -170,6 +221,9 @@ class LiveValues:
             outcome = self.user_code.call(lambda: writer(value, parameters))
             changed = result_of(outcome, (ValueError, TypeError))
             value = value if changed is None else changed
+        if node.source is not None:
+            self._apply_names(node.name)
+            return
         if "r" not in node.spec.access:
             return
         if node.reader is not None:
@@ -178,6 +232,17 @@ class LiveValues:
             except Unfolded:
                 return
         self.keep(node, value)
+
+    def _apply_names(self, name: str) -> None:
+        """Have known what came of a value that its owner was given: it may have made or ended it."""
+        self.names_now()
+        node = self.registry.nodes.get(name)
+        if node is None or "r" not in node.spec.access:
+            return
+        if node.listeners:
+            self.keep(node, self.value_of(node))
+        else:
+            self.look(node)
 
     def keep(self, node: PropertyNode, value: Content, quality: str = "good") -> None:
         """Keep a value that is in force, and notify its listeners."""

@@ -7,6 +7,7 @@ from rtkit.property.live_values import LiveValues, part
 from rtkit.property.node import PropertyNode
 from rtkit.property.registry import NameEntry
 from rtkit.property.requests import Requester
+from rtkit.property.user_code import result_of
 from rtkit.property.values import Element, Value, Word, kind_of
 from rtkit.property.writing import write
 
@@ -53,6 +54,9 @@ def meta(
         "severity": Word(spec.severity(node.value)) if spec.warn or spec.alarm else None,
         "revision": node.revision,
     }
+    if node.source is not None and calls_user_code:
+        about = result_of(values.user_code.call(node.source.about))
+        fields |= {key: each for key, each in about.items() if not isinstance(each, bytes)}
     children = [Element(key, {}, (), each) for key, each in fields.items() if each is not None]
     return Element("meta", {}, tuple(children))
 
@@ -65,7 +69,7 @@ def _access(node: PropertyNode, caller: Requester) -> str:
 def _look(values: LiveValues, node: PropertyNode) -> None:
     """Update time, quality and revision to the present value, where it can be had."""
     try:
-        values.value_of(node)
+        values.look(node) if node.source else values.value_of(node)
     except PropertyError:
         node.quality = "bad"
 

@@ -15,6 +15,7 @@ from rtkit.property.writing import as_item
 
 if TYPE_CHECKING:
     from rtkit.property.functional import FunctionalProperty
+    from rtkit.property.names import NameSource
     from rtkit.property.subscription import Listener
 
 
@@ -29,12 +30,13 @@ class PropertyNode:
         time: When the value came into force [s since 1970].
         reader: Computes the value; None where it is kept here.
         history: The last values as (time, quality, payload), where that is switched on.
+        source: The owner of the value, which is not kept here, of a name that came; else None.
         is_quick: Whether reading and writing call no user code just now; None for never.
     """
 
     __slots__ = (
         "_line", "_pair", "_payload", "function", "history", "is_quick", "listeners", "name",
-        "quality", "reader", "revision", "spec", "time", "value", "writer",
+        "quality", "reader", "revision", "source", "spec", "time", "value", "writer",
     )  # fmt: skip
 
     def __init__(self, name: str, spec: PropertySpec, value: Content | None, time: float) -> None:
@@ -48,6 +50,7 @@ class PropertyNode:
         self.writer: Writer | None = None
         self.is_quick: Callable[[], bool] | None = None
         self.function: FunctionalProperty | None = None
+        self.source: NameSource | None = None
         self.listeners: list[Listener] | None = None
         self.history: deque[tuple[float, str, Payload]] | None = None
         self._payload: Payload | None = None

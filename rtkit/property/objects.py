@@ -14,13 +14,22 @@ from types import MappingProxyType
 from typing import Any, NamedTuple
 
 from rtkit.guard import guarded
-from rtkit.property.annotations import bare, choices_of, hints_of_function, spec_of, type_of
+from rtkit.property.annotations import (
+    bare,
+    choices_of,
+    hints_of_function,
+    returned,
+    spec_of,
+    type_of,
+)
 from rtkit.property.codes import PropertyError
 from rtkit.property.conversion import is_builtin, to_value
 from rtkit.property.fitting import from_value
 from rtkit.property.functional import FunctionalProperty
 from rtkit.property.members import Member, is_data, is_nested, members
-from rtkit.property.naming import segment_of
+from rtkit.property.names import METHODS, NameListing, Names, NameSource, NameTable
+from rtkit.property.naming import check_registrable, segment_of
+from rtkit.property.node import PropertyNode
 from rtkit.property.property_spec import PropertySpec, RequestParameter
 from rtkit.property.service import Service
 from rtkit.property.types import Content, parse_type
@@ -31,7 +40,10 @@ _PLAIN_SETS: tuple[object, ...] = (object.__setattr__, dict.__setattr__)
 DEEPEST = 4
 """Levels of nested objects that are shown."""
 
+Taken = Mapping[str, tuple[tuple[RequestParameter, ...], dict[str, Any]]]
 _UNSET = object()
+_NONE = Member("", "method")
+_NAMED = Member("", "accessors", getter="get")
 _NOTHING: Mapping[str, Any] = MappingProxyType({})
 
 
@@ -44,6 +56,7 @@ class _Found(NamedTuple):
         is_plain: Neither it nor what holds it takes user code to read.
         method: The bound method, of a method.
         takes: Arguments of getter and setter, with their hints, by their names.
+        names: What was found to come and go below it, in place of all else.
     """
 
     holder: Callable[[], Any]
@@ -51,7 +64,8 @@ class _Found(NamedTuple):
     present: object = _UNSET
     is_plain: bool = False
     method: object = None
-    takes: Mapping[str, tuple[tuple[RequestParameter, ...], dict[str, Any]]] = MappingProxyType({})
+    takes: Taken = MappingProxyType({})
+    names: tuple[NameTable, NameListing | None] | None = None
 
 
 class Exported:
@@ -75,9 +89,13 @@ class Exported:
         self._hidden = frozenset(hidden)
         self._names: dict[str, object] = {}
         self._unfolded: dict[str, object] = {}
+        self._tables: dict[str, NameTable] = {}
         self._looks = self._seen = 0
         self.refresh()
         service.values.on_names = self.refresh
+        service.values.on_new = self._new
+        if isinstance(thing, Names):
+            service.values.may_differ = thing.has_changed
 
     def refresh(self) -> None:
         """Compare with the members that there are now; report those that came and went.
@@ -93,14 +111,54 @@ class Exported:
         if look < self._seen:
             return  # who has looked later was ready sooner
         self._seen = look
+        with self._service.listeners.together():
+            self._apply(found)
+
+    def _apply(self, found: dict[str, _Found]) -> None:
+        looked = {prefix: each.names for prefix, each in found.items() if each.names}
+        for prefix in looked:
+            del found[prefix]
         for name in [each for each in self._names if each not in found]:
             del self._names[name]
             if name in self._service.registry.nodes:
                 self._service.remove(name)
         for name, each in found.items():
             if name not in self._names:
+                if name in self._service.registry.nodes:
+                    self._service.remove(name, only=True)  # one that came: members win
                 self._names[name] = each.member
                 self._add(name, each)
+        for prefix in self._tables.keys() - looked.keys():
+            self._put_names(self._tables.pop(prefix), NameListing())
+        for prefix, (table, listing) in looked.items():
+            self._tables[prefix] = table
+            if listing is not None:
+                self._put_names(table, listing)
+
+    def _put_names(self, table: NameTable, listing: NameListing) -> None:
+        nodes = self._service.registry.nodes
+        for name in table.put(listing):
+            node = nodes.get(table.prefix + name)
+            if node is not None and node.source is not None:
+                self._service.remove(node.name, only=True)
+        for name, hint in listing.added:
+            if table.prefix + name not in self._names:
+                spec, accessors = self._named(table, name, hint)
+                node = self._service.add(table.prefix + name, spec=spec, **accessors)
+                node.source = NameSource(table.owner, name)
+
+    def _new(self, name: str) -> PropertyNode | None:
+        """Return a property that is not there yet, None if nobody makes such."""
+        for table in sorted(self._tables.values(), key=lambda each: -len(each.prefix)):
+            owner, own = table.owner(), name.removeprefix(table.prefix)
+            if name.startswith(table.prefix) and hasattr(owner, "set"):
+                hint = result_of(self._service.values.user_code.call(lambda: owner.hint(own)))  # noqa: B023
+                spec, accessors = self._named(table, own, hint)
+                node = PropertyNode(check_registrable(name), spec, None, 0.0)
+                node.reader, node.writer = accessors["read"], accessors["write"]
+                node.source = NameSource(table.owner, own)
+                return node
+        return None
 
     def _scan(
         self,
@@ -113,8 +171,12 @@ class Exported:
         is_plain: bool,
     ) -> None:
         """Note all members below an object; no deeper than `DEEPEST`, so this may call itself."""
-        seen = (*seen, id(thing))
-        for member in members(thing, self._hidden):
+        seen, hidden = (*seen, id(thing)), self._hidden
+        if isinstance(thing, Names):
+            hidden |= METHODS
+            table = self._tables.get(prefix) or NameTable(prefix, holder)
+            found[prefix] = _Found(holder, _NONE, names=(table, table.looked()))
+        for member in members(thing, hidden):
             name = prefix + segment_of(member.name)
             if member.kind == "method":
                 found[name] = _Found(holder, member, method=getattr(thing, member.name))
@@ -182,20 +244,12 @@ class Exported:
             return
         spec = _spec(member, found.present)
         if found.takes:
-            declared = {each.key: each for of in found.takes.values() for each in of[0]}
-            spec = replace(spec, parameters=tuple(declared.values()))
+            spec = replace(spec, parameters=_declared(found.takes))
         is_unknown = member.hint is None and found.present is _UNSET
         is_plain = member.kind == "attribute" and found.is_plain
 
-        def given_to(accessor: str, given: dict[str, Value]) -> dict[str, Any]:
-            known, hints = found.takes.get(accessor, ((), {}))
-            for key in given:
-                if all(each.key != key for each in known):
-                    raise PropertyError("bad-parameter", f"{accessor} has no parameter {key}")
-            return {key: from_value(each, hints.get(key), None) for key, each in given.items()}
-
         def read(given: dict[str, Value]) -> Content:
-            named = given_to(member.getter, given) if given else {}
+            named = _given_to(member.getter, found.takes, given) if given else {}
             present = self._read(holder(), member, named)
             if present is _UNSET:
                 raise PropertyError("unknown", f"not set yet: {name}")
@@ -207,7 +261,7 @@ class Exported:
 
         def write(value: Content, given: dict[str, Value]) -> Any:
             thing = holder()
-            named = given_to(member.setter, given) if given else {}
+            named = _given_to(member.setter, found.takes, given) if given else {}
             before = None if member.access == "w" else self._read(thing, member)
             if is_unknown and self._learn(name, member, before):
                 raise Unfolded(name)  # the value is to be read as what it is now known to be
@@ -217,6 +271,30 @@ class Exported:
         node = self._service.add(name, spec=spec, read=read, write=write)
         if is_plain:
             node.is_quick = _quickness(holder, member, type(holder()))
+
+    def _named(self, table: NameTable, name: str, hint: Any) -> tuple[PropertySpec, dict[str, Any]]:
+        """Return what is declared of a property that came with a name, its reader and writer."""
+        can_set = hasattr(table.owner(), "set")
+        if hint not in table.specs:
+            known = returned(type(table.owner()).get) if hint is None else hint
+            takes = _taken(table.owner(), _NAMED._replace(setter="set" * can_set), own=(1, 2))
+            spec = spec_of(known, None, "rw" if can_set else "r", "")
+            table.specs[hint] = replace(spec, parameters=_declared(takes)), known, takes
+        spec, kind, takes = table.specs[hint]
+
+        def read(given: dict[str, Value]) -> Content:
+            named = _given_to("get", takes, given) if given else {}
+            value = table.owner().get(name, **named)
+            if is_coroutine(value):
+                value = self._service.values.user_code.awaited(value, lambda cancel: None)
+            return to_value(value)
+
+        def write(value: Content, given: dict[str, Value]) -> Any:
+            named = _given_to("set", takes, given) if given else {}
+            outcome = table.owner().set(name, from_value(value, kind, None), **named)  # type: ignore[attr-defined]
+            return outcome if is_coroutine(outcome) else None
+
+        return spec, {"read": read, "write": write if can_set else None}
 
     def _unfold(self, name: str, present: object) -> None:
         """Show the object that a getter has returned by its members, from the next refresh on."""
@@ -293,16 +371,31 @@ def _present(thing: Any, member: Member, named: Mapping[str, Any] = _NOTHING) ->
     return getattr(thing, member.name, _UNSET)
 
 
-def _taken(
-    thing: object, member: Member
-) -> dict[str, tuple[tuple[RequestParameter, ...], dict[str, Any]]]:
-    """Return what getter and setter take beside the value, with the hints, by their names."""
+def _taken(thing: object, member: Member, own: tuple[int, int] = (0, 1)) -> Taken:
+    """Return what getter and setter take beside their own arguments, with hints, by their names."""
     found = {}
-    for accessor, own in ((member.getter, 0), (member.setter, 1)):
+    for accessor, first in zip((member.getter, member.setter), own, strict=True):
         declared, hints = _parameters(getattr(thing, accessor)) if accessor else (None, {})
-        if declared is not None and declared[own:]:
-            found[accessor] = (declared[own:], hints)
+        if declared is not None and declared[first:]:
+            found[accessor] = (declared[first:], hints)
     return found
+
+
+def _declared(takes: Taken) -> tuple[RequestParameter, ...]:
+    return tuple({each.key: each for of in takes.values() for each in of[0]}.values())
+
+
+def _given_to(accessor: str, takes: Taken, given: dict[str, Value]) -> dict[str, Any]:
+    """Return parameters of a request as arguments of an accessor.
+
+    Raises:
+        PropertyError: ``bad-parameter``: it takes no such.
+    """
+    known, hints = takes.get(accessor, ((), {}))
+    for key in given:
+        if all(each.key != key for each in known):
+            raise PropertyError("bad-parameter", f"{accessor} has no parameter {key}")
+    return {key: from_value(each, hints.get(key), None) for key, each in given.items()}
 
 
 def _assign(thing: Any, member: Member, value: object, named: dict[str, Any]) -> object:

@@ -55,6 +55,8 @@ def _given(parameter: RequestParameter, text: str) -> Value:
     if parameter.type.base == "text":
         return text
     value = read(text)
+    if parameter.type.base == "boolean" and type(value) is int and value in (0, 1):
+        return value == 1
     is_lone = not isinstance(value, str | tuple | Element)
     if parameter.type.base == "string" and (is_lone or isinstance(value, Word)):
         return text.strip()

@@ -10,7 +10,7 @@ from rtkit.property.lanes import NAMES
 from rtkit.property.live_values import LiveValues
 from rtkit.property.messages import Answer
 from rtkit.property.node import PropertyNode
-from rtkit.property.user_code import Unfolded
+from rtkit.property.user_code import Unfolded, result_of
 
 
 class Poller:
@@ -49,9 +49,13 @@ class Poller:
 
     def _read(self, node: PropertyNode) -> None:
         try:
-            self._values.value_of(node)
-        except PropertyError:
-            self._mark_bad(node)
+            if self._values.look(node):
+                self._values.value_of(node)
+        except PropertyError as error:
+            if node.source is not None and error.code == "unknown":
+                self._look()
+            else:
+                self._mark_bad(node)
         except Unfolded:
             with suppress(PropertyError):
                 self._values.names_now()
@@ -64,5 +68,6 @@ class Poller:
 
     def _look(self) -> None:
         with suppress(PropertyError):  # who asks for the names is told
-            self._values.names_now()
+            if result_of(self._values.user_code.call(self._values.may_differ)):
+                self._values.names_now()
         self._is_looking = False

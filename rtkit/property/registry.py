@@ -68,8 +68,10 @@ class Registry:
             siblings[segment] = None
             name = parent
 
-    def remove(self, name: str) -> list[PropertyNode]:
-        """Take a name off with all below it; return the properties that are gone."""
+    def remove(self, name: str, *, only: bool = False) -> list[PropertyNode]:
+        """Take a name off, with all below it or alone; return the properties that are gone."""
+        if only and name in self.nodes and self.is_inner(name):
+            return [self.nodes.pop(name)]
         gone = [self.nodes.pop(each) for each in [name, *self.below(name)] if each in self.nodes]
         if not gone:
             raise PropertyError("unknown", f"no such property: {name}")
@@ -86,7 +88,7 @@ class Registry:
         return gone
 
     def _inner(self, name: str) -> list[str]:
-        return [each for each in self._children if each.startswith(f"{name}.")]
+        return [each for each in self.below(name) if each in self._children]
 
     def children(self, name: str) -> list[str]:
         """Return the names below a place, one level of them."""

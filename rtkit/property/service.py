@@ -173,14 +173,18 @@ class Service:
     def _history_of(self, name: str) -> int:
         return next((most for each, most in self._histories if fnmatchcase(name, each)), 0)
 
-    def remove(self, name: str) -> None:
+    def remove(self, name: str, *, only: bool = False) -> None:
         """Remove a property with all below it; its listeners receive the removal as the last event.
+
+        Args:
+            name: Segments joined by dots.
+            only: What is below it stays.
 
         Raises:
             PropertyError: ``unknown``.
         """
         self._fast_path.forget()
-        for node in self.registry.remove(name):
+        for node in self.registry.remove(name, only=only):
             self._poller.remembered.pop(node.name, None)
             self.listeners.end_all(node)
             if self.listeners.of_names:
@@ -366,7 +370,7 @@ class Service:
 
     def _set(self, target: RequestTarget, ask: PropertyRequest) -> Answer | None:
         assert ask.payload is not None
-        place = self.values.find(target.name)
+        place = self.values.find_to_set(target.name)
         if place.extension:
             self.extensions.set(place, target, ask)
             return DONE
