@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from rtkit.property.codes import PropertyError
     from rtkit.property.functional import behavior
     from rtkit.property.marker import Marker
+    from rtkit.property.names import Names
     from rtkit.property.values import Element, Word
     from rtkit.version import __version__
     from rtkit.wires.serve import serve
@@ -34,6 +35,7 @@ _HOMES = {
     "aio": "rtkit.aio",
     "Element": "rtkit.property.values",
     "Marker": "rtkit.property.marker",
+    "Names": "rtkit.property.names",
     "PropertyError": "rtkit.property.codes",
     "Word": "rtkit.property.values",
     "SystemPlan": "rtkit.api.plan",
@@ -53,6 +55,7 @@ __all__ = [
     "Client",
     "Element",
     "Marker",
+    "Names",
     "PropertyError",
     "Range",
     "SystemPlan",

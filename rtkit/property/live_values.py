@@ -234,7 +234,7 @@ class LiveValues:
         self.keep(node, value)
 
     def _apply_names(self, name: str) -> None:
-        """Have known what came of a value that its owner was given: it may have made or ended it."""
+        """Tell what came of a value that its owner was given: the name may have come or gone."""
         self.names_now()
         node = self.registry.nodes.get(name)
         if node is None or "r" not in node.spec.access:
