@@ -127,7 +127,11 @@ class LiveValues:
         if source is None:
             return True
         stamp = result_of(self.user_code.call(source.stamp))
-        return source.settle(node, stamp, self.wall())
+        growth = source.settle(stamp)
+        if growth is not None:
+            node.revision += growth
+            node.time = self.wall()
+        return not source.is_sent
 
     def payload_of(self, place: NameEntry, parameters: dict[str, Value]) -> Payload:
         """Return the present value of a property, or of a part of it, as replies carry it.

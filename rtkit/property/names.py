@@ -12,7 +12,6 @@ from types import MappingProxyType
 from typing import Any, NamedTuple
 
 from rtkit.property.conversion import to_value
-from rtkit.property.node import PropertyNode
 from rtkit.property.property_spec import PropertySpec
 from rtkit.property.types import Content
 
@@ -86,13 +85,15 @@ class NameSource:
         """See `Names.about`."""
         return {key: to_value(each) for key, each in self._owner().about(self._name).items()}
 
-    def settle(self, node: PropertyNode, stamp: object, time: float) -> bool:
-        """Note the present stamp; return whether listeners may have been sent another value."""
-        if stamp != self._seen:
-            node.revision += self._seen is not _UNSEEN
-            node.time = time
-        self._seen = stamp
-        return stamp is None or stamp != self.read
+    def settle(self, stamp: object) -> int | None:
+        """Note the present stamp; return by how much the revision grows, None for no change."""
+        before, self._seen = self._seen, stamp
+        return None if stamp == before else int(before is not _UNSEEN)
+
+    @property
+    def is_sent(self) -> bool:
+        """Return whether listeners have been sent the value that belongs to the stamp."""
+        return self._seen is not None and self._seen == self.read
 
     def sent(self) -> None:
         """Note that listeners are sent the value that belongs to the stamp."""

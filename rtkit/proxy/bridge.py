@@ -9,7 +9,7 @@ from rtkit.closing import Closing
 from rtkit.errors import Malformed, Unreachable
 from rtkit.property.codes import PropertyError
 from rtkit.proxy.addresses import open_endpoint, source_of
-from rtkit.proxy.prefix import Allowed, Names
+from rtkit.proxy.prefix import Allowed, PrefixedNames
 from rtkit.proxy.relay import ITSELF, Relay
 from rtkit.serving.event_loop import PropertyEventLoop
 from rtkit.wires.wire import WireSettings
@@ -105,9 +105,9 @@ def bridge(
     return Bridge(host, address)
 
 
-def _names(prefix: str) -> Names:
+def _names(prefix: str) -> PrefixedNames:
     try:
-        return Names(prefix)
+        return PrefixedNames(prefix)
     except PropertyError:
         raise Malformed(f"not a name to put in front: {prefix!r}") from None
 

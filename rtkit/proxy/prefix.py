@@ -15,7 +15,7 @@ from rtkit.property.writing import write
 _LISTED = "properties"
 
 
-class Names:
+class PrefixedNames:
     """Puts a prefix in front of all names, as they are seen at this side.
 
     Args:

@@ -1,7 +1,8 @@
 """Relay service without properties of its own: asks another one, and forwards answers and events.
 
-Nothing here understands a value; but names pass through `Names`, and what may be set is decided
-here. What begins with ``~proxy`` it answers itself: whom it stands for, and whether that is there.
+Nothing here understands a value; but names pass through `PrefixedNames`, and what may be set is
+decided here. What begins with ``~proxy`` it answers itself: whom it stands for, and whether that is
+there.
 
 See decision 27.
 """
@@ -23,7 +24,7 @@ from rtkit.property.reading import read
 from rtkit.property.requests import PropertyRequest, Requester
 from rtkit.property.values import Value
 from rtkit.proxy.narrowing import describes_access, narrowed
-from rtkit.proxy.prefix import Allowed, Names
+from rtkit.proxy.prefix import Allowed, PrefixedNames
 from rtkit.proxy.subscriptions import RelayedSubscriptions
 from rtkit.proxy.uplink import Uplink
 from rtkit.serving.event_loop import PropertyEventLoop
@@ -55,7 +56,7 @@ class Relay(PropertyProvider):
         host: PropertyEventLoop,
         connect: ConnectionMaker,
         *,
-        names: Names,
+        names: PrefixedNames,
         allowed: Allowed,
         on_status: Callable[[str], None],
     ) -> None:

@@ -1,4 +1,4 @@
-"""Names on the two sides of a proxy, and what may be set through it."""
+"""PrefixedNames on the two sides of a proxy, and what may be set through it."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import pytest
 
 from rtkit.property.codes import PropertyError
 from rtkit.property.values import Value
-from rtkit.proxy.prefix import Allowed, Names
+from rtkit.proxy.prefix import Allowed, PrefixedNames
 
 
 @pytest.mark.parametrize(
@@ -33,7 +33,7 @@ def test_what_may_be_set(patterns: tuple[str, ...], name: str, may: bool) -> Non
 
 
 def test_names_are_put_behind_a_prefix_and_taken_from_it() -> None:
-    names = Names("left.h%61nd")
+    names = PrefixedNames("left.h%61nd")
     assert names.prefix == "left.hand"
     for name in ("speed", "arm.angle", "properties"):
         assert names.inward(names.outward(name)) == name
@@ -41,19 +41,19 @@ def test_names_are_put_behind_a_prefix_and_taken_from_it() -> None:
     for other in ("left", "left.handle", "speed", "left.hand2.x"):
         with pytest.raises(PropertyError, match="no such property"):
             names.inward(other)
-    assert Names().inward("speed") == Names().outward("speed") == "speed"
+    assert PrefixedNames().inward("speed") == PrefixedNames().outward("speed") == "speed"
     with pytest.raises(PropertyError):
-        Names("a b")
+        PrefixedNames("a b")
 
 
 def test_what_lies_above_a_prefix() -> None:
-    names = Names("left.hand")
+    names = PrefixedNames("left.hand")
     above = {"properties": "", "left": "left", "left.properties": "left"}
     for name, place in above.items():
         assert names.above(name) == place
     for name in ("left.hand", "left.hand.properties", "left.hand.x", "right", "left.meta"):
         assert names.above(name) is None
-    assert Names().above("properties") is None
+    assert PrefixedNames().above("properties") is None
     assert (names.listed(""), names.listed("left")) == ("(left)", "(hand)")
 
 
@@ -73,11 +73,11 @@ def test_what_lies_above_a_prefix() -> None:
 def test_listings_seen_from_above(
     place: str, listing: str, options: dict[str, Value], told: str
 ) -> None:
-    assert Names("left.hand").widened(place, listing, options) == told
+    assert PrefixedNames("left.hand").widened(place, listing, options) == told
 
 
 def test_what_is_asked_for_above_and_is_not_there() -> None:
     with pytest.raises(PropertyError, match=r"left\.hand\.c"):
-        Names("left.hand").widened("", "(a b)", {"names": ("left.hand.c",)})
+        PrefixedNames("left.hand").widened("", "(a b)", {"names": ("left.hand.c",)})
     with pytest.raises(PropertyError, match="depth is a number"):
-        Names("left.hand").widened("", "(a b)", {"depth": "deep"})
+        PrefixedNames("left.hand").widened("", "(a b)", {"depth": "deep"})
