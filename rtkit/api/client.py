@@ -15,7 +15,7 @@ from rtkit.errors import RtkitError
 from rtkit.property.codes import PropertyError
 from rtkit.property.conversion import to_value
 from rtkit.property.messages import Answer, Payload
-from rtkit.property.naming import write_parameters
+from rtkit.property.naming import parse_parameters, write_parameters
 from rtkit.property.reading import read
 from rtkit.property.values import Element, Value
 from rtkit.property.writing import write
@@ -24,7 +24,9 @@ from rtkit.tree.property_connections import printed_error
 from rtkit.wires.property_client import failure
 
 if TYPE_CHECKING:
+    from rtkit.api.listening import Changes, Listening
     from rtkit.api.owners import Owner
+    from rtkit.api.properties import PropertyChange
 
 UNSET: Any = object()
 """Stands for no value: the request is a GET."""
@@ -86,6 +88,7 @@ class Client(Closing):
         self._host = PropertyEventLoop()
         self._owners = Owners(self._host, timeout_s)
         self._start_lock = threading.Lock()
+        self._changes: Changes | None = None
         self._is_started = self._is_closed = False
 
     def get(self, target: str, **parameters: Any) -> Any:
@@ -144,6 +147,50 @@ class Client(Closing):
             for answer in self._answers(asks, deadline_s)
         ]
 
+    def listen(
+        self, target: str, callback: Callable[[PropertyChange], object], **parameters: Any
+    ) -> Listening:
+        """Have a function called with the present value of a property, then with each change.
+
+        That is done on one thread of the client, which asks again after the owner has returned;
+        meanwhile the change says ``no-service``. While a function takes its time, only the latest
+        value waits.
+
+        Args:
+            target: The property.
+            callback: Gets a `PropertyChange`; what it raises is reported on stderr.
+            parameters: Of the listening: ``queue every deadband mode initial``.
+
+        Returns:
+            What to close in order to hear no more.
+
+        Raises:
+            PropertyError: It cannot be listened to; its code tells how.
+        """
+        from rtkit.api.listening import Changes, Listening
+
+        self._start()
+        path, _, tail = target.partition("?")
+        changed = lambda event: _object(event.payload)  # noqa: E731
+        with self._start_lock:
+            if self._changes is None:
+                self._changes = Changes(self._host)
+        listening = Listening(target, callback, changed, self._changes)
+        given = parse_parameters(tail) if tail else {}
+        given |= {key: _parameter(each) for key, each in parameters.items()}
+        try:
+            place, owner = self._owners.find(path)
+            self._changes.begin(owner.connect, place.target(), given, listening)
+        except RtkitError as error:
+            raise printed_error(target, error) from error
+        if not listening.is_answered.wait(self.timeout_s):
+            listening.answered(Answer(f"no answer within {self.timeout_s:g} s", "timeout"))
+        outcome = self._outcome(Ask(target), listening.answer or Answer(""))
+        if isinstance(outcome, PropertyError):
+            listening.close()
+            raise outcome
+        return listening
+
     def payload(self, ask: Ask, timeout_s: float) -> Payload:
         """Return what a request leads to, as it travels.
 
@@ -159,7 +206,10 @@ class Client(Closing):
         """End all connections; requests under way are answered ``no-service``."""
         with self._start_lock:
             self._is_closed = True
+            changes, self._changes = self._changes, None
         with self._host.lock:
+            if changes is not None:
+                changes.close()
             self._owners.close()
         self._host.close()
 

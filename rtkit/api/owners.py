@@ -5,13 +5,14 @@ from __future__ import annotations
 import os
 import threading
 from collections.abc import Callable
+from functools import partial
 from math import inf
 from typing import NamedTuple
 
 from rtkit.errors import RtkitError
 from rtkit.link import places
 from rtkit.property.codes import PropertyError
-from rtkit.property.messages import Payload
+from rtkit.property.messages import Answer, Payload
 from rtkit.serving.event_loop import PropertyEventLoop
 from rtkit.tree.property_connections import PropertyTarget, no_service, parse, place_here, this_host
 from rtkit.wires.line.provider_connection import LineConnection
@@ -30,6 +31,7 @@ class _Waiting(NamedTuple):
     payload: Payload | None
     answer: Answering
     until: float
+    is_again: bool = False
 
 
 class Owner:
@@ -59,15 +61,36 @@ class Owner:
             with self._host.lock:
                 self._take(made)
 
-    def ask(self, target: str, payload: Payload | None, answer: Answering, until: float) -> None:
+    def ask(
+        self,
+        target: str,
+        payload: Payload | None,
+        answer: Answering,
+        until: float,
+        is_again: bool = False,
+    ) -> None:
         """GET, or SET unless it is too late; under the lock of the host."""
-        if self._connection is not None:
-            self._connection.ask(target, payload, "", answer, inf if payload is None else until)
+        connection = self._connection
+        if connection is not None:
+            if not isinstance(connection, LineConnection):
+                waiting = _Waiting(target, payload, answer, until, is_again)
+                answer = partial(self._answered, connection, waiting)
+            connection.ask(target, payload, "", answer, inf if payload is None else until)
             return
-        self._waiting.append(_Waiting(target, payload, answer, until))
+        self._waiting.append(_Waiting(target, payload, answer, until, is_again))
         if not self._is_connecting:
             self._is_connecting = True
             threading.Thread(target=self._dial, name="connecting", daemon=True).start()
+
+    def _answered(self, connection: ProviderConnection, asked: _Waiting, reply: Answer) -> None:
+        """Answer who asked over a wire that does not tell when the far side is gone."""
+        if reply.error == "no-service" and self._connection is connection:
+            self._connection = None
+            connection.close()
+            if asked.payload is None and not asked.is_again:
+                self.ask(*asked._replace(is_again=True))
+                return
+        asked.answer(reply)
 
     def close(self) -> None:
         """End the connection; under the lock of the host."""

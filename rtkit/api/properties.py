@@ -7,10 +7,10 @@ from collections.abc import Generator, Sequence
 from contextlib import closing
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from rtkit.api.client import Ask, Client
 from rtkit.api.session import ScriptSession, Stream, begun
 
 if TYPE_CHECKING:
+    from rtkit.api.client import Client
     from rtkit.property.messages import Payload
     from rtkit.tree.client import Tree
     from rtkit.tree.property_connections import PropertyConnections
@@ -23,11 +23,16 @@ class PropertyChange(NamedTuple):
         target: The property, as it was named.
         value: Numbers, booleans, texts, lists; elements as tables; bytes as they are.
         time: When it came into force [s since 1970].
+        quality: ``good``, ``uncertain``, ``bad``, or ``stale`` while the owner is away.
+        code: Why there is no value now: ``no-service`` while the owner is away, otherwise nothing
+            further will come; empty while it lives.
     """
 
     target: str
     value: Any
     time: float
+    quality: str = "good"
+    code: str = ""
 
 
 class Properties:
@@ -48,6 +53,8 @@ class Properties:
         Raises:
             PropertyError: It cannot be got; its code tells how.
         """
+        from rtkit.api.client import Ask
+
         return _plain(self._client.payload(Ask(target), self._tree.timeout_s))
 
     def set(self, target: str, value: Any) -> None:
@@ -56,6 +63,7 @@ class Properties:
         Raises:
             PropertyError: It cannot be set; its code tells how.
         """
+        from rtkit.api.client import Ask
         from rtkit.property.plain import from_plain
 
         content = value if isinstance(value, str | bytes) else from_plain(value)

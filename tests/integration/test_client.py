@@ -8,11 +8,13 @@ import subprocess
 import sys
 import threading
 from collections.abc import Iterator
+from queue import SimpleQueue
 from time import monotonic
 
 import pytest
 
 import rtkit
+from rtkit.api.properties import PropertyChange
 from rtkit.property.codes import PropertyError
 from rtkit.wires.serve import ServedObject, serve
 
@@ -203,3 +205,70 @@ def test_markers_come_as_markers(place: str) -> None:
         client.set("eye.markers", [ball, ball])
         assert client.get("eye.markers.1") == ball
         assert client.call("eye.nearest", ball) == ball.with_(name="near")
+
+
+def _next(changes: SimpleQueue[PropertyChange]) -> PropertyChange:
+    return changes.get(timeout=_BOUND_S)
+
+
+@pytest.mark.parametrize("wire", ["unix", "zenoh"])
+def test_listening_survives_its_owner_and_names_when_it_is_away(wire: str, place: str) -> None:
+    target = {"unix": "light.level", "zenoh": "zenoh:light.level"}[wire]
+    changes: SimpleQueue[PropertyChange] = SimpleQueue()
+    with rtkit.Client(timeout_s=_BOUND_S) as client:
+        assert _error(lambda: client.listen(target, changes.put)) == "no-service"
+        served = serve(Light(), "light")
+        listening = client.listen(target, changes.put)
+        assert _next(changes)[:2] == (target, 0.5)
+        client.set(target, 0.25)
+        assert _next(changes)[1:5:3] == (0.25, "")
+        served.close()
+        away = _next(changes)
+        assert (away.quality, away.code) == ("stale", "no-service")
+        with serve(Light(), "light"):
+            back = _next(changes)
+            assert (back.value, back.quality, back.code) == (0.5, "good", "")
+            listening.close()
+            assert client.get(target) == 0.5
+            client.set(target, 1.0)
+            assert changes.empty()
+
+
+def test_listening_ends_with_its_property_and_what_a_callback_raises_is_reported(
+    place: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    changes: SimpleQueue[PropertyChange] = SimpleQueue()
+    raised: SimpleQueue[object] = SimpleQueue()
+    monkeypatch.setattr(threading, "excepthook", raised.put)
+    things: dict[str, object] = {"a": 1, "b": 2}
+
+    def hear(change: PropertyChange) -> None:
+        changes.put(change)
+        raise LookupError
+
+    with serve(things, "things", is_on_zenoh=False), rtkit.Client(timeout_s=_BOUND_S) as client:
+        assert _error(lambda: client.listen("things.c", hear)) == "unknown"
+        client.listen("things.a", hear)
+        assert _next(changes).value == 1
+        raised.get(timeout=_BOUND_S)
+        del things["a"]
+        assert client.get("things.properties") == ("b",)
+        assert _next(changes).code == "unknown"
+
+
+def test_a_callback_may_ask_and_only_the_latest_value_waits_for_it(client: rtkit.Client) -> None:
+    seen: list[object] = []
+    is_over, go = threading.Event(), threading.Event()
+
+    def hear(change: PropertyChange) -> None:
+        assert go.wait(_BOUND_S)
+        seen.append(client.get(change.target))
+        if change.value == 99:
+            is_over.set()
+
+    with client.listen("house/light.level", hear):
+        for level in range(100):
+            client.set("house/light.level", level)
+        go.set()
+        assert is_over.wait(_BOUND_S)
+    assert len(seen) < 10
