@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from rtkit.api.client import Ask, Client
     from rtkit.api.connect import connect
     from rtkit.api.plan import SystemPlan
+    from rtkit.api.property_change import PropertyChange
     from rtkit.api.system_profiles import SystemProfile, load
     from rtkit.api.tree import Tree
     from rtkit.by_hand import run
@@ -36,6 +37,7 @@ _HOMES = {
     "Element": "rtkit.property.values",
     "Marker": "rtkit.property.marker",
     "Names": "rtkit.property.names",
+    "PropertyChange": "rtkit.api.property_change",
     "PropertyError": "rtkit.property.codes",
     "Word": "rtkit.property.values",
     "SystemPlan": "rtkit.api.plan",
@@ -56,6 +58,7 @@ __all__ = [
     "Element",
     "Marker",
     "Names",
+    "PropertyChange",
     "PropertyError",
     "Range",
     "SystemPlan",

@@ -7,7 +7,7 @@ from rtkit.api.checking import SystemReport
 from rtkit.api.events import SystemEvent
 from rtkit.api.options import PlanKeywords, WayKeywords
 from rtkit.api.ports import PortValue
-from rtkit.api.properties import PropertyChange
+from rtkit.api.property_change import PropertyChange
 from rtkit.api.states import StatesReport
 from rtkit.api.system_profiles import Source, SystemProfile
 from rtkit.deployment.actions import Action, Result

@@ -26,7 +26,7 @@ from rtkit.wires.property_client import failure
 if TYPE_CHECKING:
     from rtkit.api.listening import Changes, Listening
     from rtkit.api.owners import Owner
-    from rtkit.api.properties import PropertyChange
+    from rtkit.api.property_change import PropertyChange
 
 UNSET: Any = object()
 """Stands for no value: the request is a GET."""

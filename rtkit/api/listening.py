@@ -8,7 +8,7 @@ from collections.abc import Callable
 from queue import SimpleQueue
 from time import monotonic
 
-from rtkit.api.properties import PropertyChange
+from rtkit.api.property_change import PropertyChange
 from rtkit.closing import Closing
 from rtkit.property.messages import Answer, PropertyEvent
 from rtkit.property.requests import ListeningRequester, PropertyRequest

@@ -5,8 +5,9 @@ from __future__ import annotations
 import time
 from collections.abc import Generator, Sequence
 from contextlib import closing
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
+from rtkit.api.property_change import PropertyChange as PropertyChange
 from rtkit.api.session import ScriptSession, Stream, begun
 
 if TYPE_CHECKING:
@@ -14,25 +15,6 @@ if TYPE_CHECKING:
     from rtkit.property.messages import Payload
     from rtkit.tree.client import Tree
     from rtkit.tree.property_connections import PropertyConnections
-
-
-class PropertyChange(NamedTuple):
-    """A value that a property came to have.
-
-    Attributes:
-        target: The property, as it was named.
-        value: Numbers, booleans, texts, lists; elements as tables; bytes as they are.
-        time: When it came into force [s since 1970].
-        quality: ``good``, ``uncertain``, ``bad``, or ``stale`` while the owner is away.
-        code: Why there is no value now: ``no-service`` while the owner is away, otherwise nothing
-            further will come; empty while it lives.
-    """
-
-    target: str
-    value: Any
-    time: float
-    quality: str = "good"
-    code: str = ""
 
 
 class Properties:
