@@ -1,7 +1,10 @@
 /* A small device that is none: its serial line is stdin and stdout, or a terminal of its own.
 
-   device         speaks on stdin and stdout
-   device --pty   makes a terminal, prints its name, and speaks there
+   device             speaks on stdin and stdout
+   device --pty       makes a terminal, prints its name, and speaks there
+   device [--pty] 7   shares its line with others: takes what is sent to the address 7
+   device [--pty] 1 20
+                      is twenty devices on one line, a process each; tells which
 
    What it has is the part of the conformance suite's subject that small devices are asked for. */
 
@@ -14,6 +17,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/socket.h>
 #include <termios.h>
 #include <time.h>
 #include <unistd.h>
@@ -208,25 +212,96 @@ static int own_terminal(void)
     return fd;
 }
 
-int main(int argc, char **argv)
+static void be_device(int in, int out, const char *address)
 {
     static struct ps ps;
-    bool is_own = argc > 1 && strcmp(argv[1], "--pty") == 0;
-    int in = is_own ? own_terminal() : STDIN_FILENO;
-    int out = is_own ? in : STDOUT_FILENO;
     make_raw(in);
     ps_init(&ps, TABLE, sizeof TABLE / sizeof TABLE[0], send_byte, &out);
+    if (address != NULL)
+        ps_share(&ps, address);
     for (;;) {
         struct pollfd one = {in, POLLIN, 0};
         char bytes[256];
-        if (poll(&one, 1, POLL_MS) > 0) {
+        if (poll(&one, 1, address == NULL ? POLL_MS : -1) > 0) {
             ssize_t length = read(in, bytes, sizeof bytes);
             if (length <= 0)
-                return 0;
+                exit(0);
             for (ssize_t i = 0; i < length; i++)
                 ps_take(&ps, bytes[i]);
         }
         ps_poll(&ps, milliseconds());
         flush(out);
     }
+}
+
+/* The wire that they share: each hears whatever is said there, but for its own words. */
+
+#define MOST 250
+
+static struct pollfd ends[MOST + 1];
+
+static int begin_device(const char *address, nfds_t others)
+{
+    int pair[2];
+    pid_t child;
+    if (socketpair(AF_UNIX, SOCK_STREAM, 0, pair) != 0 || (child = fork()) < 0) {
+        perror("device");
+        exit(1);
+    }
+    if (child == 0) {
+        close(pair[0]);
+        for (nfds_t i = 1; i <= others; i++)
+            close(ends[i].fd);
+        be_device(pair[1], pair[1], address);
+    }
+    fprintf(stderr, "%s %d\n", address, (int)child);
+    close(pair[1]);
+    return pair[0];
+}
+
+static void carry(nfds_t from, nfds_t count, int out)
+{
+    char bytes[512];
+    ssize_t length = read(ends[from].fd, bytes, sizeof bytes);
+    if (length <= 0 && from == 0)
+        exit(0);
+    if (length <= 0)
+        ends[from].fd = -1; /* a device that has died is silent */
+    for (nfds_t to = 0; length > 0 && to <= count; to++) {
+        if (to == 0 && from != 0 && write(out, bytes, (size_t)length) < 0)
+            exit(0);
+        if (to != 0 && to != from && ends[to].fd >= 0) /* who is stopped misses it */
+            send(ends[to].fd, bytes, (size_t)length, MSG_NOSIGNAL | MSG_DONTWAIT);
+    }
+}
+
+static void be_wire(int in, int out, int first, int last)
+{
+    static char addresses[MOST][12];
+    nfds_t count = 0;
+    for (; first <= last && count < MOST; first++, count++) {
+        sprintf(addresses[count], "%d", first);
+        ends[count + 1].fd = begin_device(addresses[count], count);
+        ends[count + 1].events = POLLIN;
+    }
+    make_raw(in);
+    ends[0].fd = in;
+    ends[0].events = POLLIN;
+    for (;;) {
+        poll(ends, count + 1, -1);
+        for (nfds_t i = 0; i <= count; i++)
+            if (ends[i].fd >= 0 && ends[i].revents != 0)
+                carry(i, count, out);
+    }
+}
+
+int main(int argc, char **argv)
+{
+    bool is_own = argc > 1 && strcmp(argv[1], "--pty") == 0;
+    int in = is_own ? own_terminal() : STDIN_FILENO, out = is_own ? in : STDOUT_FILENO;
+    argc -= is_own ? 1 : 0;
+    argv += is_own ? 1 : 0;
+    if (argc > 2)
+        be_wire(in, out, atoi(argv[1]), atoi(argv[2]));
+    be_device(in, out, argc > 1 ? argv[1] : NULL);
 }

@@ -1,7 +1,8 @@
 /* Rubbish for the line protocol: fuzzer SEED LINES. Built with sanitizers, it ends at what they find.
 
    Lines are made of what requests are made of, then damaged. Each line that is not empty has to be
-   answered by exactly one line of printable characters. */
+   answered by exactly one line of printable characters; by a device that shares its line, only what
+   is sent to its address, by at most one line. */
 
 #include "ps_line.h"
 
@@ -10,7 +11,7 @@
 #include <string.h>
 
 static uint32_t state;
-static struct ps ps;
+static struct ps alone, shared;
 static char said[4096];
 static size_t length, replies;
 
@@ -86,6 +87,7 @@ static const struct ps_property TABLE[] = {
 /* Lines */
 
 static const char *const STARTS[] = {"SET ", "SET ", "GET ", "#1 SET ", "#abcdefghijkl GET ", "#"};
+static const char *const PREFIXES[] = {"", "", "", "@7 ", "@7 ", "@7 ", "@all ", "@8 ", "@77 ", "@7: ", "@"};
 static const char *const NAMES[] = {"n", "a.b.fixed", "a.b.mode", "a.text", "a%20b", "%61%20b", "a",
                                     "fails", "code", "n.listen", "a.text.listen", "fails.listen",
                                     "a.properties", "properties", "a..b", "%4", "%ff", "x/y", ""};
@@ -111,7 +113,8 @@ static size_t added(char *line, size_t size, size_t room, const char *part)
 
 static size_t made(char *line, size_t room)
 {
-    size_t size = added(line, 0, room, ANY_OF(STARTS));
+    size_t size = added(line, 0, room, ANY_OF(PREFIXES));
+    size = added(line, size, room, ANY_OF(STARTS));
     size = added(line, size, room, ANY_OF(NAMES));
     size = added(line, size, room, ANY_OF(GIVEN));
     size = added(line, size, room, " ");
@@ -137,35 +140,60 @@ static size_t made(char *line, size_t room)
     return size;
 }
 
+static void feed(struct ps *ps, const char *line, size_t size)
+{
+    replies = length = 0;
+    for (size_t at = 0; at < size; at++)
+        ps_take(ps, line[at]);
+    ps_take(ps, '\n');
+}
+
+static void check_shared(const char *line, size_t size)
+{
+    feed(&shared, line, size);
+    if (replies > (size >= 3 && memcmp(line, "@7 ", 3) == 0 ? 1u : 0u))
+        fail("answered, or too often", line, size);
+    if (replies == 1 && memcmp(said, "@7: ", 4) != 0)
+        fail("by nobody", line, size);
+}
+
 int main(int argc, char **argv)
 {
     uint32_t lines = argc > 2 ? (uint32_t)strtoul(argv[2], NULL, 10) : 20000, now = UINT32_MAX - 9999;
+    uint32_t of_shared = 0;
     state = argc > 1 ? (uint32_t)strtoul(argv[1], NULL, 10) : 1;
     state = state == 0 ? 1 : state;
-    ps_init(&ps, TABLE, sizeof TABLE / sizeof TABLE[0], hear, NULL);
+    ps_init(&alone, TABLE, sizeof TABLE / sizeof TABLE[0], hear, NULL);
+    ps_init(&shared, TABLE, sizeof TABLE / sizeof TABLE[0], hear, NULL);
+    ps_share(&shared, "7");
     for (uint32_t i = 0; i < lines; i++) {
         static char line[320];
         static size_t size;
         if (i == 0 || chance(8)) /* else the same once more */
             size = made(line, sizeof line - 8);
         if (chance(40) == 0)
-            ps.has_checks = false;
+            alone.has_checks = shared.has_checks = false;
         bool is_empty = size == 0 || (size == 1 && line[0] == '\r');
-        replies = length = 0;
-        for (size_t at = 0; at < size; at++)
-            ps_take(&ps, line[at]);
-        ps_take(&ps, '\n');
+        check_shared(line, size);
+        of_shared += (uint32_t)replies;
+        feed(&alone, line, size);
         if (replies != (is_empty ? 0u : 1u))
             fail("not answered once", line, size);
         length = 0;
         now += chance(50);
-        for (size_t at = 0; at < 100 && ps.skipped != 0; at++)
-            ps_take(&ps, line[at]);
-        now += ps.skipped != 0 ? 1000 : 0; /* a silence ends what is thrown away */
-        ps_poll(&ps, now);
+        for (size_t at = 0; at < 100 && alone.skipped != 0; at++)
+            ps_take(&alone, line[at]);
+        now += alone.skipped != 0 ? 1000 : 0; /* a silence ends what is thrown away */
+        ps_poll(&alone, now);
+        replies = 0;
+        ps_poll(&shared, now);
+        if (replies != 0)
+            fail("said unasked", line, size);
         if (number < -100 || number > 100 || word > 2 || strlen(text) >= sizeof text)
             fail("out of range", line, size);
     }
+    if (lines > 1000 && of_shared < lines / 10)
+        fail("the shared one hardly answered", "", 0);
     printf("%u lines answered\n", (unsigned)lines);
     return 0;
 }

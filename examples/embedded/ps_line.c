@@ -9,6 +9,7 @@
 #define DEPTH 4      /* of groups in groups */
 
 static const char HELLO[] = "GET properties";
+static const char ALL[] = "all"; /* address of all devices */
 static const char *const TOLD[] = {
     "",
     "unknown no such property",
@@ -59,7 +60,8 @@ static uint16_t checked(uint16_t check, char byte)
 static void say_char(struct ps *ps, char byte)
 {
     ps->check = checked(ps->check, byte);
-    ps->send(ps->context, byte);
+    if (!ps->is_mute)
+        ps->send(ps->context, byte);
 }
 
 static void say(struct ps *ps, const char *text)
@@ -77,6 +79,11 @@ static void say_text(struct ps *ps, const struct ps_text *value)
 static void begin(struct ps *ps, const char *id)
 {
     ps->check = 0xFFFF;
+    if (ps->address != NULL) {
+        say_char(ps, '@');
+        say(ps, ps->address);
+        say(ps, ": ");
+    }
     if (*id != 0) {
         say_char(ps, '#');
         say(ps, id);
@@ -92,7 +99,7 @@ static void end(struct ps *ps)
         for (int8_t shift = 12; shift >= 0; shift = (int8_t)(shift - 4))
             say_char(ps, "0123456789ABCDEF"[(check >> shift) & 15]);
     }
-    ps->send(ps->context, '\n');
+    say_char(ps, '\n');
 }
 
 static void answer(struct ps *ps, const char *id, enum ps_code code)
@@ -742,8 +749,8 @@ static void set(struct ps *ps, const char *id, char *name, char *value, char *pa
         code = set_value(property, value, parameters, &has_echo);
     } else if (has_extension(name, "listen")) {
         property = find(ps, name);
-        if (property != NULL)
-            code = listen(ps, property, value, parameters);
+        if (property != NULL) /* where others speak, too, nobody speaks unasked */
+            code = ps->address == NULL ? listen(ps, property, value, parameters) : PS_DENIED;
         else /* to names nobody can listen here */
             code = is_listed(ps, name) ? PS_DENIED : PS_UNKNOWN;
     } else {
@@ -770,7 +777,7 @@ static bool announces_bytes(struct ps *ps, const char *value)
         count = count > 100000000u ? count : count * 10 + (uint32_t)(*value - '0');
     if (*value++ != '}' || (*value != 0 && *value != '\n'))
         return false;
-    if (*value == 0)
+    if (*value == 0 && ps->address == NULL) /* on a shared line bytes need a check */
         ps->skipped = count + 1;
     return true;
 }
@@ -855,32 +862,47 @@ static bool has_check(struct ps *ps, bool *is_right, uint16_t *check)
     return true;
 }
 
-static void take_line(struct ps *ps)
+/* Cut the address off a line that has ended; return whether this device is meant. */
+static bool is_meant(struct ps *ps, char **line)
+{
+    size_t length;
+    ps->line[ps->length] = 0;
+    if (ps->address == NULL)
+        return true;
+    if (*(*line)++ != '@')
+        return false;
+    ps->is_mute = strncmp(*line, ALL, sizeof ALL - 1) == 0 && (*line)[sizeof ALL - 1] == ' ';
+    length = ps->is_mute ? sizeof ALL - 1 : strlen(ps->address);
+    if (!ps->is_mute && (strncmp(*line, ps->address, length) != 0 || (*line)[length] != ' '))
+        return false;
+    *line += length + 1;
+    return true;
+}
+
+static void take_line(struct ps *ps, char *line)
 {
     bool is_right = false;
     uint16_t check;
-    if (ps->length != 0 && ps->line[ps->length - 1] == '\r')
-        ps->length--;
-    ps->line[ps->length] = 0;
     if (has_check(ps, &is_right, &check)) {
         if (is_right)
             ps->has_checks = true;
-    } else if (!ps->has_checks || strcmp(ps->line, HELLO) == 0) {
+    } else if (!ps->has_checks || strcmp(line, HELLO) == 0) {
         ps->has_checks = false;
         is_right = true;
         for (uint8_t i = 0; i < ps->length; i++)
             check = checked(check, ps->line[i]);
     }
-    if (!is_right)
+    if (!is_right && ps->address == NULL)
         answer(ps, "", PS_CHECKSUM);
-    else if (memchr(ps->line, 0, ps->length) != NULL)
+    else if (is_right && memchr(ps->line, 0, ps->length) != NULL)
         answer(ps, "", PS_SYNTAX);
-    else
-        perform(ps, ps->line, check);
+    else if (is_right)
+        perform(ps, line, check);
 }
 
 void ps_take(struct ps *ps, char byte)
 {
+    char *line = ps->line;
     if (ps->skipped != 0 && ps->now - ps->taken_at < QUIET_MS) {
         ps->skipped--;
         ps->taken_at = ps->now;
@@ -895,11 +917,15 @@ void ps_take(struct ps *ps, char byte)
             ps->line[ps->length++] = byte;
         return;
     }
-    if (ps->is_too_long)
-        answer(ps, "", PS_TOO_LARGE);
-    else if (ps->length != 0 && !(ps->length == 1 && ps->line[0] == '\r'))
-        take_line(ps);
-    ps->is_too_long = false;
+    if (!ps->is_too_long && ps->length != 0 && ps->line[ps->length - 1] == '\r')
+        ps->length--;
+    if (ps->length != 0 && is_meant(ps, &line)) {
+        if (ps->is_too_long)
+            answer(ps, "", PS_TOO_LARGE);
+        else
+            take_line(ps, line);
+    }
+    ps->is_mute = ps->is_too_long = false;
     ps->length = 0;
 }
 
@@ -912,3 +938,5 @@ void ps_init(struct ps *ps, const struct ps_property *table, uint16_t count, ps_
     ps->send = send;
     ps->context = context;
 }
+
+void ps_share(struct ps *ps, const char *address) { ps->address = address; }

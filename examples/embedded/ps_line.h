@@ -97,6 +97,7 @@ struct ps {
     uint16_t count;
     ps_sender send;
     void *context;
+    const char *address; /* NULL: alone on its line */
     uint32_t now;      /* [ms] */
     uint32_t taken_at; /* [ms] */
     uint32_t skipped;  /* bytes still to be thrown away */
@@ -105,6 +106,7 @@ struct ps {
     uint16_t last_line; /* check of the last SET that had an id */
     uint8_t last_code;
     bool has_checks;
+    bool is_mute; /* all are meant, and nobody answers */
     bool is_too_long;
     uint8_t length;
     char line[PS_LINE_BYTES + 1];
@@ -114,6 +116,10 @@ struct ps {
 
 void ps_init(struct ps *ps, const struct ps_property *table, uint16_t count, ps_sender send,
              void *context);
+
+/* Share the line with others (RS-485, radio): only lines that begin with "@ADDRESS " or "@all " are
+   taken, replies begin with "@ADDRESS: ", nothing is said unasked. Letters, digits and _. */
+void ps_share(struct ps *ps, const char *address);
 
 /* Take a byte that came; requests are answered in here. Not for interrupt handlers. */
 void ps_take(struct ps *ps, char byte);

@@ -25,10 +25,12 @@ HELLO = b"GET properties"
 QUIET_S = 0.5
 """After how long a silence a line begins anew, where nobody knows where one begins [s]."""
 
-_CHECK = re.compile(rb"(.*) ~([0-9A-Fa-f]{4})", re.DOTALL)
+CHECK = re.compile(rb"(.*) ~([0-9A-Fa-f]{4})", re.DOTALL)
+"""What looks as a line with a check does."""
 _SPECIAL = re.compile(rb"[\n\r\x10\x11\x13]")
 _STUFFED = re.compile(rb"\x10(.)", re.DOTALL)
-_NOTHING = LineRequest("", "", None)
+NOTHING = LineRequest("", "", None)
+"""What stands for a line that is no request."""
 
 
 def frame(message: bytes) -> bytes:
@@ -39,10 +41,31 @@ def frame(message: bytes) -> bytes:
 
 def unframe(line: bytes) -> bytes | None:
     """Return the message that travelled as a line, without its end; None if it was damaged."""
-    found = _CHECK.fullmatch(line)
+    found = CHECK.fullmatch(line)
     if found is None or binascii.crc_hqx(found[1], 0xFFFF) != int(found[2], 16):
         return None
     return _STUFFED.sub(_unstuff, found[1])
+
+
+def one_request(message: bytes, longest: int = LONGEST_LINE) -> LineRequest:
+    """Return the request that a message is."""
+    inner = Requests(longest)
+    inner.feed(message + b"\n")
+    asked = inner.next()
+    if asked is None or inner.waits:
+        refused = PropertyError("syntax", f"{len(message)} expected one request")
+        return LineRequest("" if asked is None else asked.id, "", "", refused)
+    return asked._replace(is_last=False)
+
+
+def one_reply(message: bytes) -> tuple[str, Answer] | PropertyEvent | None:
+    """Return the reply or event that a message is, None if it is neither."""
+    replies = Replies()
+    replies.feed(message + b"\n")
+    try:
+        return replies.next()
+    except PropertyError:
+        return None
 
 
 def _stuff(found: re.Match[bytes]) -> bytes:
@@ -87,7 +110,7 @@ class CheckedRequests(Requests):
 
     def next(self) -> LineRequest | None:
         """Return the next request, None if there is none yet; empty lines are none."""
-        while (asked := super().next()) is _NOTHING:
+        while (asked := super().next()) is NOTHING:
             pass
         if asked is None or not asked.is_last:
             return asked
@@ -98,24 +121,18 @@ class CheckedRequests(Requests):
 
     def _request(self, raw: bytes) -> LineRequest | None:
         if not raw.strip():
-            return _NOTHING
+            return NOTHING
         if self._wanted is False:
             return super()._request(raw)
         message = unframe(raw)
         if message is None:
             is_hello = raw == HELLO and not self._wanted
-            if _CHECK.fullmatch(raw) or (self.has_checks and not is_hello):
+            if CHECK.fullmatch(raw) or (self.has_checks and not is_hello):
                 return LineRequest("", "", "", PropertyError("checksum", "the line is damaged"))
             self.has_checks = False
             return super()._request(raw)
         self.has_checks = True
-        inner = Requests(self._longest)
-        inner.feed(message + b"\n")
-        asked = inner.next()
-        if asked is None or inner.waits:
-            refused = PropertyError("syntax", f"{len(message)} expected one request")
-            return LineRequest("" if asked is None else asked.id, "", "", refused)
-        return asked._replace(is_last=False)
+        return one_request(message, self._longest)
 
 
 class CheckedReplies:
@@ -138,11 +155,4 @@ class CheckedReplies:
         except PropertyError:
             return b""  # endless, which nothing that was sent is
         message = None if line is None else unframe(line)
-        if message is None:
-            return line
-        replies = Replies()
-        replies.feed(message + b"\n")
-        try:
-            return replies.next() or line
-        except PropertyError:
-            return line
+        return line if message is None else one_reply(message) or line

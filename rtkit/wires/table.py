@@ -54,7 +54,7 @@ WIRES = {
         ServeOption(
             "serial",
             "DEVICE",
-            "Also open this serial line (DEVICE?baud=115200&check=auto).",
+            "Also open this serial line (DEVICE?baud=115200&check=auto&address=7).",
             knows_clients=False,
         ),
     ),

@@ -179,9 +179,13 @@ def test_two_do_not_share_a_device(cable: Cable) -> None:
 
 
 def test_addresses(tmp_path: Path) -> None:
-    assert read_address("serial:/dev/ttyS0?baud=9600&check=1") == ("/dev/ttyS0", 9600, True)
-    assert read_address("/dev/ttyS0") == ("/dev/ttyS0", 115200, None)
-    for wrong in ("serial:", "x?baud=fast", "x?baud=0", "x?check=2", "x?y=1", "x?baud=999999999"):
+    assert read_address("serial:/dev/ttyS0?baud=9600&check=1") == ("/dev/ttyS0", 9600, True, ())
+    assert read_address("/dev/ttyS0") == ("/dev/ttyS0", 115200, None, ())
+    assert read_address("/dev/ttyS0?address=1-3,base").devices == ("1", "2", "3", "base")
+    for wrong in (
+        "serial:", "x?baud=fast", "x?baud=0", "x?check=2", "x?y=1", "x?baud=999999999",
+        "x?address=", "x?address=1,1", "x?address=é",
+    ):  # fmt: skip
         with pytest.raises(Malformed):
             read_address(wrong)
     (tmp_path / "tty").touch()
@@ -193,6 +197,7 @@ def test_addresses(tmp_path: Path) -> None:
         ("serial:/none/speed", ("serial:/none/speed", "")),
         ("serial:COM?baud=9600/a?frame=x", ("serial:COM?baud=9600", "a?frame=x")),
         ("serial:COM?check=1&baud=9600", ("serial:COM?check=1&baud=9600", "")),
+        ("serial:COM?address=7/a.b", ("serial:COM?address=7", "a.b")),
     ):
         assert split_target(text) == parts
     for wrong in (__file__, "/dev/null"):

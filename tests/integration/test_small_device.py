@@ -13,13 +13,11 @@ from pathlib import Path
 import pytest
 from conformance import check_answers
 from oneline import BOUND_S, OneLine
-from serialkit import Cable, noise
+from serialkit import EMBEDDED, Cable, build_device, noise
 from small_profile import LEFT_OUT, check_small_events, small_rows
 
 from rtkit.property.messages import Answer
 from rtkit.wires.serial.client import SerialClient, connect_serial
-
-EMBEDDED = Path(__file__).parents[2] / "examples" / "embedded"
 
 pytestmark = pytest.mark.skipif(shutil.which("cc") is None, reason="there is no C compiler")
 
@@ -27,11 +25,7 @@ pytestmark = pytest.mark.skipif(shutil.which("cc") is None, reason="there is no 
 @pytest.fixture(scope="module")
 def built(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A copy of the example, built."""
-    folder = tmp_path_factory.mktemp("embedded")
-    for path in (*EMBEDDED.glob("*.[ch]"), EMBEDDED / "Makefile"):
-        shutil.copy(path, folder)
-    subprocess.run(["make", "-s", "device"], cwd=folder, check=True, timeout=BOUND_S * 2)
-    return folder
+    return build_device(tmp_path_factory.mktemp("embedded"))
 
 
 @pytest.fixture

@@ -9,10 +9,14 @@ import contextlib
 import os
 import random
 import select
+import shutil
+import subprocess
 import threading
 import tty
 from collections.abc import Callable
+from pathlib import Path
 
+EMBEDDED = Path(__file__).parents[2] / "examples" / "embedded"
 Mangle = Callable[[bytes], bytes]
 _PIECE = 4096
 _MOST_HELD = 1 << 16
@@ -100,6 +104,14 @@ class Cable:
         held = self._held[path]
         if held and select.select([], [master], [], 0)[1]:
             del held[: os.write(master, held[:_PIECE])]
+
+
+def build_device(folder: Path) -> Path:
+    """Copy the example of a small device to a folder, and build it there; return the folder."""
+    for path in (*EMBEDDED.glob("*.[ch]"), EMBEDDED / "Makefile"):
+        shutil.copy(path, folder)
+    subprocess.run(["make", "-s", "device"], cwd=folder, check=True, timeout=60)
+    return folder
 
 
 def noise(seed: int, one_in: int) -> Mangle:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hmac
+import io
 import json
 import os
 import re
@@ -16,6 +17,7 @@ from typing import Any
 import pytest
 import zenoh
 from pagekit import ROOT, blocks
+from serialkit import Cable
 
 import rtkit
 import rtkit.component
@@ -28,7 +30,7 @@ from rtkit.wires.serve import ServedObject
 
 PAGE = ROOT / "docs" / "wires.md"
 BOUND_S = 20.0
-KINDS = ("line", "login", "http", "control", "message", "data")
+KINDS = ("line", "login", "shared", "http", "control", "message", "data")
 
 
 def examples(kind: str) -> list[str]:
@@ -105,6 +107,21 @@ def test_the_login_over_tcp(robot: ServedObject) -> None:
         nonce = stream.readline().decode().removeprefix("= ").strip()
         proof = hmac.new(password.encode(), nonce.encode(), "sha256").hexdigest()
         replay(stream, text.replace("NONCE", nonce), {"PROOF": proof, "USER": user})
+
+
+def test_lines_that_devices_share(tmp_path: Path, robot: ServedObject) -> None:
+    cable = Cable(str(tmp_path))
+    opening = {"serial": f"{cable.far}?address=7", "settable": ["*"], "is_on_zenoh": False}
+    try:
+        with (
+            rtkit.serve(robot.service, "device", **opening),  # type: ignore[arg-type]
+            open(cable.near, "r+b", buffering=0) as end,
+            io.BufferedRWPair(end, end) as stream,
+        ):
+            for text in examples("shared"):
+                replay(stream, text, {"␐": "\x10"})
+    finally:
+        cable.close()
 
 
 @pytest.mark.skipif(shutil.which("node") is None, reason="there is no node")

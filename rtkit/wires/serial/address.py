@@ -1,4 +1,7 @@
-"""Addresses of serial lines, ``serial:/dev/ttyACM0?baud=115200``; opens the line behind one."""
+"""Addresses of serial lines, ``serial:/dev/ttyACM0?baud=115200``; opens the line behind one.
+
+``?address=7``, ``?address=1-20,base`` name devices that share the line.
+"""
 
 from __future__ import annotations
 
@@ -16,7 +19,7 @@ HELLO_TARGET = "door/hello"
 KNOWS_DEADLINES = "deadline"
 """The answer of a far side that knows the parameter of `rtkit.link.deadline`; others refuse."""
 _BAUD = 115200
-_SETTINGS = re.compile(r"([^?]*\?(?:baud|check)=[^/?]*)(?:/|$)")
+_SETTINGS = re.compile(r"([^?]*\?(?:baud|check|address)=[^/?]*)(?:/|$)")
 _CHECK = {"auto": None, "1": True, "0": False}
 
 
@@ -26,18 +29,20 @@ class SerialAddress(NamedTuple):
     Attributes:
         baud: Speed [bit/s].
         has_checks: Whether lines carry a check; None: if the far side knows how to.
+        devices: Addresses of the devices that share the line; none where one is alone there.
     """
 
     device: str
     baud: int = _BAUD
     has_checks: bool | None = None
+    devices: tuple[str, ...] = ()
 
     def __str__(self) -> str:
         return self.device
 
 
 def read_address(text: str) -> SerialAddress:
-    """Read ``[serial:]DEVICE[?baud=N][&check=auto|1|0]``.
+    """Read ``[serial:]DEVICE[?baud=N][&check=auto|1|0][&address=LIST]``.
 
     Raises:
         Malformed: It is something else.
@@ -46,9 +51,18 @@ def read_address(text: str) -> SerialAddress:
     given = dict(each.partition("=")[::2] for each in tail.split("&")) if mark else {}
     baud, check = given.pop("baud", str(_BAUD)), given.pop("check", "auto")
     is_number = baud.isascii() and baud.isdigit() and int(baud[:9]) > 0 and len(baud) < 9
+    listed = given.pop("address", None)
     if not device or given or check not in _CHECK or not is_number:
-        raise Malformed(f"not serial:DEVICE[?baud=N&check=auto|1|0]: {text}")
-    return SerialAddress(device, int(baud), _CHECK[check])
+        raise Malformed(f"not serial:DEVICE[?baud=N&check=auto|1|0&address=LIST]: {text}")
+    settings = SerialAddress(device, int(baud), _CHECK[check])
+    if listed is None:
+        return settings
+    from rtkit.property.addressed import read_addresses
+
+    try:
+        return settings._replace(devices=read_addresses(listed))
+    except ValueError as error:
+        raise Malformed(f"{error} in {text}") from None
 
 
 def split_target(text: str) -> tuple[str, str]:

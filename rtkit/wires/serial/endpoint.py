@@ -1,7 +1,8 @@
 """Serial endpoint of a service: the line protocol over a device that may damage lines, or be gone.
 
 The peer of a serial line has no identity: the properties that it may set are listed by name. Its
-end is not noticed either: listeners have a lease.
+end is not noticed either: listeners have a lease. On a line that devices share, a service takes
+what is sent to its address, and says nothing unasked.
 """
 
 from __future__ import annotations
@@ -10,8 +11,9 @@ from collections.abc import Callable, Sequence
 from logging import getLogger
 from time import monotonic
 
-from rtkit.errors import Unreachable
+from rtkit.errors import Malformed, Unreachable
 from rtkit.property.access import NOBODY, AccessRule
+from rtkit.property.addressed import ALL, AddressedRequests, addressed_reply
 from rtkit.property.checked import CheckedRequests, frame
 from rtkit.property.line import LineRequest
 from rtkit.property.messages import Answer, PropertyEvent
@@ -79,9 +81,9 @@ class SerialEndpoint(IOHandler):
         if self._is_missed:
             getLogger("rtkit.properties").warning("%s is back", self._address)
         self._is_open, self._is_missed, self._wait_s, self._try_at = True, False, 0.0, 0.0
-        wanted = self._address.has_checks
-        client = _SerialConnection(self._host, end, self._service, wanted, self, self._quota)
-        self._clients = [client]
+        self._clients = [
+            _SerialConnection(self._host, end, self._service, self._address, self, self._quota)
+        ]
         return True
 
     def _miss(self, why: str) -> None:
@@ -106,20 +108,34 @@ class _SerialConnection(Connection):
         host: PropertyEventLoop,
         end: SerialEnd,
         service: str,
-        has_checks: bool | None,
+        address: SerialAddress,
         endpoint: SerialEndpoint,
         quota: EndpointQuota,
     ) -> None:
         super().__init__(host, end, service, "", None, quota)
         self.origin = endpoint
         self._endpoint = endpoint
-        self._requests = CheckedRequests(has_checks)
+        self._own = address.devices[0] if address.devices else ""
+        self._requests = (
+            AddressedRequests(self._own, address.has_checks)
+            if self._own
+            else CheckedRequests(address.has_checks)
+        )
         self._sent_events: dict[Listener, PropertyEvent] = {}
 
     def _is_answered(self, data: bytes) -> bool:
         return False
 
+    def _take(self, asked: LineRequest) -> None:
+        if isinstance(self._requests, AddressedRequests) and self._requests.is_for_all:
+            if asked.payload is not None and asked.error is None:
+                self._dispatch(asked, lambda reply: None)
+        else:
+            super()._take(asked)
+
     def _write(self, message: bytes) -> None:
+        if self._own:
+            message = addressed_reply(message, self._own)
         super()._write(frame(message) if self._requests.has_checks else message)
 
     def _send_event(self, listener: Listener, event: PropertyEvent) -> None:
@@ -139,6 +155,9 @@ class _SerialConnection(Connection):
             answer(Answer(KNOWS_DEADLINES))
             return
         name = asked.target.partition("?")[0]
+        if self._own and name.endswith(".listen"):
+            answer(Answer("on a shared line nobody speaks unasked", "denied"))
+            return
         if asked.payload != "self" or not name.endswith(".listen"):
             super()._dispatch(asked, answer)
             return
@@ -160,7 +179,11 @@ def open_serial(device: str, provider: PropertyProvider, settings: WireSettings)
     """Open the serial endpoint of a service, now or when the device is there.
 
     Raises:
+        Malformed: The address of the line, or that of the service on it, is none.
         Refused: It is no serial line, or pyserial is missing.
     """
-    SerialEndpoint(settings.host, read_address(device), provider.name, settings.settable)
+    address = read_address(device)
+    if len(address.devices) > 1 or ALL in address.devices:
+        raise Malformed(f"a service has one address of its own: {device}")
+    SerialEndpoint(settings.host, address, provider.name, settings.settable)
     return f"{SCHEME}{device.removeprefix(SCHEME)}"

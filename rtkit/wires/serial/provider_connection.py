@@ -21,6 +21,7 @@ from rtkit.wires.provider_connection import (
     slot,
 )
 from rtkit.wires.serial.client import SerialClient
+from rtkit.wires.serial.shared_line import SharedLine
 
 
 class SerialConnection(ProviderConnection):
@@ -29,7 +30,7 @@ class SerialConnection(ProviderConnection):
     _key_of = staticmethod(slot)
     _subscriptions: dict[str, LoopInbox]
 
-    def __init__(self, host: PropertyEventLoop, client: SerialClient) -> None:
+    def __init__(self, host: PropertyEventLoop, client: SerialClient | SharedLine) -> None:
         super().__init__(host)
         self._client = client
         self._calls: SimpleQueue[Callable[[], None]] = SimpleQueue()

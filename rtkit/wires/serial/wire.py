@@ -11,11 +11,10 @@ def _provider(device: str, settings: WireSettings) -> ProviderAddress:
     from rtkit.wires.serial.client import connect_serial
     from rtkit.wires.serial.provider_connection import SerialConnection
 
-    name = read_address(device).device.rpartition("/")[2]
-    return ProviderAddress(
-        lambda: SerialConnection(settings.host, connect_serial(device, settings.timeout_s)),
-        escape(name),
-    )
+    def connect() -> SerialConnection:
+        return SerialConnection(settings.host, connect_serial(device, settings.timeout_s))
+
+    return ProviderAddress(connect, escape(read_address(device).device.rpartition("/")[2]))
 
 
 SERIAL = Wire(
