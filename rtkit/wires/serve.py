@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
+from contextlib import ExitStack
 from functools import partial
 
 from rtkit.closing import Closing
@@ -27,13 +28,19 @@ class ServedObject(Closing):
     """
 
     def __init__(
-        self, host: PropertyEventLoop, service: Service, socket: str, addresses: dict[str, str]
+        self,
+        host: PropertyEventLoop,
+        service: Service,
+        socket: str,
+        addresses: dict[str, str],
+        entered: ExitStack,
     ) -> None:
         self.name = service.name
         self.socket = socket
         self.addresses = addresses
         self.service = service
         self._host = host
+        self._entered = entered
 
     @property
     def port(self) -> int | None:
@@ -66,8 +73,9 @@ class ServedObject(Closing):
         self._host.call(work)
 
     def close(self) -> None:
-        """Serve it no longer."""
+        """Serve it no longer; then leave the object, if it was entered."""
         self._host.close()
+        self._entered.close()
 
 
 def serve(
@@ -124,12 +132,11 @@ def serve(
     service.name = service_name(name)
     for pattern, most in (history or {}).items():
         service.remember(pattern, most)
-    if not isinstance(thing, Service):
-        Exported(service, thing, hide)
     service.on_refusal = Refusals()
     if allowed := tuple(notify):
         service.extensions.notifies = _notifying(host, service, allowed)
     host.add(service)
+    entered = ExitStack()
     try:
         socket = open_unix(host, service.name)
         settings = WireSettings(host, settable=tuple(settable))
@@ -138,14 +145,27 @@ def serve(
             from rtkit.wires.zenoh.endpoint import open_zenoh
 
             open_zenoh(host, service)
+        if not isinstance(thing, Service):
+            exported = Exported(service, thing, hide)
+            if hasattr(type(thing), "__served__"):
+                thing.__served__(partial(_publish, host, service, thing))  # type: ignore[attr-defined]
+            if _enter(thing, entered):
+                exported.refresh()
     except BaseException:
         host.close()
+        entered.close()
         raise
     host.start()
-    served = ServedObject(host, service, socket, addresses)
-    if hasattr(type(thing), "__served__"):
-        thing.__served__(partial(_publish, host, service, thing))  # type: ignore[attr-defined]
-    return served
+    return ServedObject(host, service, socket, addresses, entered)
+
+
+def _enter(thing: object, entered: ExitStack) -> bool:
+    """Enter a context manager, or those that a dictionary holds; return whether there is one."""
+    things = [*thing.values()] if isinstance(thing, Mapping) else [thing]
+    managers = [each for each in things if hasattr(type(each), "__exit__")]
+    for each in managers:
+        entered.enter_context(each)  # type: ignore[arg-type]
+    return bool(managers)
 
 
 def _publish(
