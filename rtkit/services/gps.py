@@ -1,0 +1,199 @@
+"""GPS, a sensor behind a device that sends NMEA 0183: a serial line, a pipe or a recorded file.
+
+``rtserve rtkit.services.gps:Gps gps -a /dev/ttyUSB0 -a baud=4800``. Sentences are read by pynmea2,
+``pip install 'rtkit[gps]'``.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Annotated, Any, Final, NamedTuple
+
+import rtkit
+from rtkit.errors import Refused
+from rtkit.services.sensor import DeviceSensor
+
+_LONGEST = 256
+_EARTH_M = 6_378_137.0
+_FLATTENING = 1 / 298.257223563
+_FIXES = ("none", "gps", "dgps", "pps", "rtk", "float", "estimated", "manual", "simulated")
+
+
+class Sentence(NamedTuple):
+    """Sentence whose check sum is right.
+
+    Attributes:
+        text: As it came.
+        kind: ``GGA``, ``RMC`` …
+        fields: As pynmea2 reads it.
+    """
+
+    text: str
+    kind: str
+    fields: Any
+
+
+class NmeaReader:
+    """Reads sentences from pieces of any length.
+
+    Attributes:
+        refused: How many lines were no sentence, or had no check sum or a wrong one.
+    """
+
+    def __init__(self) -> None:
+        try:
+            import pynmea2
+        except ImportError as error:
+            raise Refused("GPS needs pynmea2: pip install 'rtkit[gps]'") from error
+        self._library = pynmea2
+        self._rest = b""
+        self.refused = 0
+
+    def feed(self, data: bytes) -> list[Sentence]:
+        """Return the sentences that are whole now; a first line may lack its beginning."""
+        *lines, self._rest = (self._rest + data).split(b"\n")
+        if len(self._rest) > _LONGEST:
+            self._rest = b""
+            self.refused += 1
+        return [each for each in map(self._sentence, lines) if each is not None]
+
+    def _sentence(self, line: bytes) -> Sentence | None:
+        text = line.decode("ascii", "replace").strip()
+        if not text:
+            return None
+        try:
+            fields = self._library.parse(text, check=True)
+            return Sentence(text, str(fields.sentence_type), fields)
+        except (self._library.ParseError, AttributeError):  # its own sentences have no such type
+            self.refused += 1
+            return None
+
+
+def local(
+    position: tuple[float, float, float], origin: tuple[float, float, float]
+) -> tuple[float, float, float]:
+    """Return a place as metres east, north and above an origin, some kilometres around it.
+
+    Args:
+        position: Latitude and longitude [degrees north, east] and altitude [m].
+        origin: Likewise.
+    """
+    latitude = math.radians(origin[0])
+    squared = _FLATTENING * (2 - _FLATTENING)
+    curve = 1 - squared * math.sin(latitude) ** 2
+    meridian = _EARTH_M * (1 - squared) / curve**1.5 + origin[2]
+    parallel = (_EARTH_M / math.sqrt(curve) + origin[2]) * math.cos(latitude)
+    east = math.radians(math.remainder(position[1] - origin[1], 360))
+    return (
+        parallel * east,
+        meridian * math.radians(position[0] - origin[0]),
+        position[2] - origin[2],
+    )
+
+
+class Gps(DeviceSensor):
+    """Receiver of satellite navigation. Sentences with a wrong check sum are refused and counted.
+
+    Args:
+        device: Path of a serial line, a pipe or a recorded file.
+        origin: Latitude, longitude and altitude of the world's origin [degrees, degrees, m]; the
+            first fix where it is empty.
+        accuracy: Standard deviation at a dilution of precision of 1 [m].
+        more: See `Sensor` and `DeviceSensor`.
+
+    Attributes:
+        status: ``ready``, ``no fix``, or ``failed: why``.
+        data: The last sentence.
+        position: Latitude, longitude, altitude [degrees, degrees, m]; empty without a fix.
+        fix: ``none``, ``gps``, ``dgps``, ``rtk`` …
+        satellites: How many are used.
+        hdop: Horizontal dilution of precision.
+        velocity: Over ground, to the east and to the north [m/s].
+        time: Of the last fix, UTC.
+        refused: How many lines were no sentence, or had no check sum or a wrong one.
+    """
+
+    type: Final[tuple[str, ...]] = ("gps", "sensor")  # type: ignore[misc]
+    unit: Final[str] = "deg"  # type: ignore[misc]
+    data: Final[str] = ""
+    position: Final[tuple[float, ...]] = ()
+    fix: Final[str] = "none"
+    satellites: Final[int] = 0
+    hdop: Final[float] = 0.0
+    velocity: Final[Annotated[tuple[float, float], rtkit.Unit("m/s")]] = (0.0, 0.0)
+    time: Final[str] = ""
+    refused: Final[int] = 0
+
+    def __init__(
+        self,
+        device: str,
+        origin: tuple[float, ...] = (),
+        accuracy: Annotated[float, rtkit.Unit("m")] = 5.0,
+        **more: Any,
+    ) -> None:
+        super().__init__(device, **more)
+        if len(origin) not in (0, 3):
+            raise ValueError(f"an origin is latitude, longitude and altitude, not {origin}")
+        self.origin: tuple[float, ...] = origin
+        self.accuracy = accuracy
+        self._nmea = NmeaReader()
+
+    def _opened(self, descriptor: int) -> None:
+        self._nmea = NmeaReader()
+
+    def _take(self, data: bytes) -> None:
+        for sentence in self._nmea.feed(data):
+            try:
+                self._read(sentence)
+            except (ValueError, TypeError, AttributeError):
+                self._nmea.refused += 1  # its check sum is right, its numbers are none
+        if self._nmea.refused != self.refused:
+            self._publish("refused", self._nmea.refused)
+
+    def _read(self, sentence: Sentence) -> None:
+        fields = sentence.fields
+        if sentence.kind == "GGA":
+            quality = int(fields.gps_qual or 0)
+            is_fixed = quality > 0 and bool(fields.lat and fields.lon)
+            position = (fields.latitude, fields.longitude, float(fields.altitude or 0))
+            self._fixed(
+                position if is_fixed else (), _FIXES[min(quality, 8)] if is_fixed else "none"
+            )
+            self._publish("satellites", int(fields.num_sats or 0))
+            self._publish("hdop", float(fields.horizontal_dil or 0))
+            self._publish("time", str(fields.timestamp or ""))
+        elif sentence.kind == "RMC" and fields.status == "A":
+            speed, course = float(fields.spd_over_grnd or 0), float(fields.true_course or 0)
+            east, north = math.sin(math.radians(course)), math.cos(math.radians(course))
+            knot = 1852 / 3600
+            self._publish("velocity", (speed * knot * east, speed * knot * north))
+        elif sentence.kind == "RMC":
+            self._fixed((), "none")
+        self._publish("data", sentence.text)
+
+    def _fixed(self, position: tuple[float, ...], fix: str) -> None:
+        if position and not self.origin:
+            self.origin = position
+        self._publish("position", position)
+        self._publish("fix", fix)
+        self._publish("status", "ready" if position else "no fix")
+
+    def _changed(self, state: str) -> None:
+        super()._changed("no fix" if state == "ready" and not self.position else state)
+
+    def _rest(self) -> None:
+        self._publish("position", ())
+        self._publish("fix", "none")
+        self._publish("velocity", (0.0, 0.0))
+
+    def get_markers(self, frame: str = "world") -> list[rtkit.Marker]:
+        """Where the receiver is [m], x to the east and y to the north of the origin."""
+        if len(self.position) < 3 or len(self.origin) < 3:
+            return []
+        x, y, z = self.position
+        place = local((x, y, z), (self.origin[0], self.origin[1], self.origin[2]))
+        found = rtkit.Marker(
+            self._frames.convert(place, "world", frame), type="gps", frame=frame,
+            variance=(self.accuracy * max(self.hdop, 1.0)) ** 2, fix=self.fix,
+        )  # fmt: skip
+        return [found]

@@ -1,0 +1,142 @@
+"""Sensor, a standard service: where it is, what it reads, and its readings as markers.
+
+A sensor's own frame has x ahead, y to the left and z up; its `location` is the pose of that frame
+in the base that carries it. Other frames are those of `rtkit.services.frames`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from functools import partial
+from typing import Annotated, Any, Final, Self
+
+import rtkit
+from rtkit.services.device import Device
+from rtkit.services.frames import ORIGIN, Frames, Pose, compose, transform, transform_covariance
+
+Pose6 = tuple[float, float, float, float, float, float]
+
+
+class Sensor:
+    """Base of all sensors.
+
+    Args:
+        location: Pose in the base that carries it [m, rad].
+        base: Service whose `location` is that of the base in the world, ``robots/r1``; without one
+            only the base itself is a frame.
+        frames: The frames of who has them at hand, in place of `base`.
+
+    Attributes:
+        status: ``ready``, or ``failed: why``.
+        unit: Of the numbers in `data`.
+        rate: Readings in a second, 0 where they come when something happens [Hz].
+        range: Least and greatest value of a reading.
+    """
+
+    type: Final[tuple[str, ...]] = ("sensor",)
+    version: Final = "1.0"
+    # What is Final cannot be SET from outside; a sensor itself changes it by `_publish`.
+    status: Final[str] = "ready"
+    unit: Final[str] = ""
+    rate: Final[Annotated[float, rtkit.Unit("Hz")]] = 0.0
+    range: Final[tuple[float, ...]] = ()
+
+    def __init__(
+        self, location: Pose6 = (0, 0, 0, 0, 0, 0), base: str = "", frames: Frames | None = None
+    ) -> None:
+        self._location: Pose = compose(ORIGIN, location)
+        self._client: Any = None
+        self._base = base
+        self._frames = frames or Frames(
+            self._pose_of, partial(self._pose_of, base) if base else None
+        )
+        self._publish: Callable[[str, object], None] = partial(setattr, self)
+
+    def __served__(self, publish: Callable[[str, object], None]) -> None:
+        self._publish = publish
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *raised: object) -> None:
+        if self._client is not None:
+            self._client.close()
+            self._client = None
+
+    def get_location(self, frame: str = "base") -> Pose6:
+        """Pose of the sensor [m, rad]; in its base, or in another frame."""
+        return self._frames.convert(self._location, "base", frame)  # type: ignore[return-value]
+
+    def set_location(self, pose: Pose6) -> None:
+        """Put the sensor elsewhere in its base [m, rad]."""
+        self._location = compose(ORIGIN, pose)
+
+    def get_markers(self, frame: str = "base") -> list[rtkit.Marker]:
+        """All that the sensor sees now, as markers in a frame."""
+        pose = self.get_location(frame)
+        name = "" if frame == "base" else frame
+        return [moved(each, pose, name) for each in self._found()]
+
+    def _found(self) -> Iterable[rtkit.Marker]:
+        """Return what is seen, in the frame of the sensor: itself with its reading, by default."""
+        return [rtkit.Marker(ORIGIN, type=self.type[0], data=self.data)]  # type: ignore[attr-defined]
+
+    def _pose_of(self, name: str) -> Pose:
+        """Return the location of another service in the world."""
+        if self._client is None:
+            self._client = rtkit.Client()
+        found: Pose = self._client.get(f"{name}.location")
+        return found
+
+
+def moved(marker: rtkit.Marker, pose: Pose, frame: str) -> rtkit.Marker:
+    """Return a marker of the frame that has a pose in another one, as a marker of that one."""
+    changes: dict[str, Any] = {"frame": frame}
+    if marker.location is not None:
+        changes["location"] = transform(pose, marker.location)
+        if marker.covariance is not None:
+            changes["covariance"] = transform_covariance(pose, marker.location, marker.covariance)
+    return marker.with_(**changes)
+
+
+class DeviceSensor(Sensor):
+    """Base of sensors behind a device file, which comes and goes.
+
+    Args:
+        device: Path of the device; a pipe or an ordinary file will do.
+        baud: Speed of a serial line [baud]; 0 leaves it as it is.
+        more: See `Sensor`.
+    """
+
+    def __init__(self, device: str, baud: int = 0, **more: Any) -> None:
+        super().__init__(**more)
+        self.device: Final[str] = device
+        self._publish("status", f"failed: {device}: not opened")
+        self._baud = baud
+        self._reader: Device | None = None
+
+    def __enter__(self) -> Self:
+        self._reader = Device(self.device, self._take, self._changed, self._baud, self._opened)
+        self._reader.start()
+        return self
+
+    def __exit__(self, *raised: object) -> None:
+        if self._reader is not None:
+            self._reader.close()
+            self._reader = None
+        super().__exit__(*raised)
+
+    def _changed(self, state: str) -> None:
+        if state.startswith("failed"):
+            self._rest()
+        self._publish("status", state)
+
+    def _opened(self, descriptor: int) -> None:
+        """Look at the device that was opened."""
+
+    def _take(self, data: bytes) -> None:
+        """Take what came; ValueError: it makes no sense."""
+        raise NotImplementedError
+
+    def _rest(self) -> None:
+        """Put what is read to rest: the device has gone, and nobody holds it any more."""

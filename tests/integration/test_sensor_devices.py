@@ -1,0 +1,142 @@
+"""Sensors behind real pipes and pseudo terminals, unplugged and plugged again."""
+
+from __future__ import annotations
+
+import os
+import pty
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack
+from pathlib import Path
+
+import pytest
+from waiting import until
+
+import rtkit
+from rtkit.property.messages import PropertyEvent
+from rtkit.services.gps import Gps
+from rtkit.services.input_events import EVENT
+from rtkit.services.joystick import Joystick, Pointer
+from rtkit.services.sensor import DeviceSensor
+from rtkit.wires.line.client import LineClient, connect_unix
+
+BOUND_S = 10.0
+GGA = b"$GPGGA,123519,6503.6000,N,02528.0000,E,1,08,0.9,15.4,M,46.9,M,,*7E\r\n"
+Serve = Callable[[DeviceSensor], LineClient]
+
+
+@pytest.fixture
+def serving(place: str) -> Iterator[Serve]:
+    with ExitStack() as stack:
+
+        def begin(sensor: DeviceSensor) -> LineClient:
+            served = stack.enter_context(rtkit.serve(sensor, "sensor", is_on_zenoh=False))
+            stack.enter_context(sensor)
+            return stack.enter_context(connect_unix(served.socket, BOUND_S))
+
+        yield begin
+
+
+def report(*events: tuple[int, int, int]) -> bytes:
+    return b"".join(EVENT.pack(0, 0, *each) for each in (*events, (0, 0, 0)))
+
+
+def status(client: LineClient) -> str:
+    return text(client, "status")
+
+
+def text(client: LineClient, name: str) -> str:
+    return str(client.ask(name).value()).strip('"')
+
+
+def heard(client: LineClient) -> PropertyEvent:
+    event = client.event(BOUND_S)
+    assert event is not None
+    return event
+
+
+def test_a_joystick_is_unplugged_and_plugged_again(serving: Serve, place: str) -> None:
+    path = f"{place}/event7"
+    client = serving(Joystick(path, limits=(-100, 100)))
+    until(lambda: "No such file or directory" in status(client), "it looks for the device")
+    os.mkfifo(path)
+    for turn in (100, -100):
+        with open(path, "wb", buffering=0) as device:  # waits until it is read
+            device.write(report((3, 0, turn), (1, 0x130, 1)))
+            until(lambda: status(client) == "ready", "it is open")
+            until(lambda: "axes" in text(client, "properties"), "it is listed")
+            assert client.ask("axes.x").value() == f"{turn / 100}"
+            assert client.ask("buttons.south").value() == "true"
+            assert client.ask("data").value() == f'(("x" {turn}) ("south" 1))'
+            marker = str(client.ask("markers").value())
+            assert "<type>joystick</type>" in marker
+        until(lambda: status(client) == f"failed: {path}: unplugged", "it has gone")
+        assert client.ask("axes.x").value() == "0.0"
+        assert client.ask("buttons.south").value() == "false"
+
+
+def test_each_report_is_an_event_in_order(serving: Serve, place: str) -> None:
+    path = f"{place}/event7"
+    os.mkfifo(path)
+    client = serving(Pointer(path, limits=(0, 1000)))
+    client.listen("data?queue=1000&mode=all")
+    with open(path, "wb", buffering=0) as device:
+        for each in range(0, 1000, 10):
+            device.write(report((3, 0, each)))
+        device.write(b"\x00")  # and the beginning of one more
+        places: list[str] = []
+        while not places or not places[-1].startswith("((0.99"):
+            places.append(str(heard(client).payload))
+    ways = [float(each.split()[0].strip("(")) for each in places if each != "()"]
+    assert ways[-100:] == [each / 1000 for each in range(0, 1000, 10)]
+
+
+def test_what_is_no_input_device_is_told(serving: Serve, place: str) -> None:
+    Path(f"{place}/event7").write_bytes(b"this is no input device, as all may see" * 9)
+    client = serving(Joystick(f"{place}/event7"))
+    until(lambda: "these are no input events" in status(client), "it is refused")
+
+
+def test_a_gps_on_a_terminal_is_unplugged_and_plugged_again(serving: Serve, place: str) -> None:
+    path = f"{place}/ttyGPS"
+    client = serving(Gps(path, baud=4800))
+    for fix in (b",E,1,", b",E,0,"):
+        line = GGA.replace(b",E,1,", fix).replace(b"*7E", b"*7E" if fix == b",E,1," else b"*7F")
+        master, slave = pty.openpty()
+        os.symlink(os.ttyname(slave), path)
+        until(lambda: status(client) == "no fix", "it is open")
+        os.write(master, line[:30])
+        os.write(master, line[30:] + GGA.replace(b"*7E", b"*00"))
+        until(lambda: client.ask("refused").value() == "1", "the lines are read")
+        wanted = ("gps", "ready") if fix == b",E,1," else ("none", "no fix")
+        assert (text(client, "fix"), status(client)) == wanted
+        os.unlink(path)
+        os.close(master)
+        os.close(slave)
+        until(lambda: status(client).startswith("failed: "), "it has gone")
+        assert client.ask("position").value() == "()"
+
+
+def test_a_recorded_file_is_read_to_its_end(serving: Serve, place: str) -> None:
+    Path(f"{place}/track.nmea").write_bytes(GGA * 50 + GGA[:20])
+    client = serving(Gps(f"{place}/track.nmea"))
+    until(lambda: status(client) == "ended", "the end is told")
+    assert client.ask("satellites").value() == "8"
+
+
+def test_a_sensor_is_closed_while_its_device_says_nothing(serving: Serve, place: str) -> None:
+    os.mkfifo(f"{place}/quiet")
+    keeps = os.open(f"{place}/quiet", os.O_RDWR)
+    sensor = Joystick(f"{place}/quiet")
+    with sensor:
+        until(lambda: sensor.status == "ready", "it is open")
+    with sensor:  # and may be opened again
+        until(lambda: sensor.status == "ready", "it is open")
+    os.close(keeps)
+
+
+def test_a_wrong_speed_of_a_line_is_told(serving: Serve, place: str) -> None:
+    master, slave = pty.openpty()
+    client = serving(Gps(os.ttyname(slave), baud=4801))
+    until(lambda: "no such speed of a line: 4801" in status(client), "it is refused")
+    os.close(master)
+    os.close(slave)

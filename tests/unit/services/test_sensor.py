@@ -1,0 +1,228 @@
+"""Sensors tell the same reading in any frame, and are at rest when their device has gone."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from typing import Final
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+import rtkit
+from rtkit.services.frames import Frames, compose, inverse, transform
+from rtkit.services.gps import Gps, NmeaReader, local
+from rtkit.services.input_events import EVENT
+from rtkit.services.joystick import Joystick, Pointer
+from rtkit.services.ranging import RangeFinder
+from rtkit.services.sensor import Sensor
+from rtkit.world import Noise, Polygon, Pose, Scene
+
+coordinate = st.floats(-50, 50)
+angle = st.floats(-math.pi, math.pi)
+poses = st.tuples(coordinate, coordinate, coordinate, angle, st.floats(-1.4, 1.4), angle)
+
+
+class Feeler(Sensor):
+    """A sensor that feels one thing at a place."""
+
+    data: Final = 7
+
+    def __init__(self, marker: rtkit.Marker, **more: object) -> None:
+        super().__init__(**more)  # type: ignore[arg-type]
+        self.marker = marker
+
+    def _found(self) -> Iterable[rtkit.Marker]:
+        return [self.marker]
+
+
+@given(poses, poses, poses, st.tuples(coordinate, coordinate, coordinate))
+def test_one_reading_in_two_frames_agrees_with_the_location(
+    mount: tuple[float, ...],
+    base: tuple[float, ...],
+    other: tuple[float, ...],
+    seen: tuple[float, ...],
+) -> None:
+    frames = Frames({"robots/r2": other}.__getitem__, lambda: base)
+    rows = ((1.0, 0.5, 0.0), (0.5, 2.0, 0.0), (0.0, 0.0, 3.0))
+    sensor = Feeler(
+        rtkit.Marker(seen, covariance=rows, type="ball"), location=mount, frames=frames
+    )  # fmt: skip
+    for frame in ("base", "world", "robots/r2"):
+        (found,) = sensor.get_markers(frame)
+        own = transform(inverse(sensor.get_location(frame)), found.location or ())
+        assert own == pytest.approx(seen, abs=1e-6)
+        assert found.frame == ("" if frame == "base" else frame)
+        covariance = found.covariance or ()
+        assert sum(covariance[each][each] for each in range(3)) == pytest.approx(6.0)
+    in_world = compose(base, mount)
+    assert sensor.get_location("world")[:3] == pytest.approx(in_world[:3], abs=1e-6)
+
+
+@pytest.mark.parametrize("frame", ["kitchen", "world"])
+def test_a_frame_that_is_not_there_is_a_bad_parameter(frame: str) -> None:
+    sensor = Feeler(rtkit.Marker((1.0, 2.0)), frames=Frames())
+    for ask in (sensor.get_location, sensor.get_markers):
+        with pytest.raises(rtkit.PropertyError, match="no frame: ") as refused:
+            ask(frame)
+        assert refused.value.code == "bad-parameter"
+
+
+def test_a_sensor_that_sees_no_things_is_a_marker_with_its_reading() -> None:
+    sensor = Sensor((1, 2, 0, 0, 0, 0))
+    sensor.data = 3.5  # type: ignore[attr-defined]
+    (marker,) = sensor.get_markers()
+    assert (marker.location, marker.type) == ((1.0, 2.0, 0.0, 0.0, 0.0, 0.0), "sensor")
+    assert marker.features == {"data": 3.5}
+
+
+# range finder
+
+
+def test_ranges_and_the_places_that_are_hit() -> None:
+    scene = Scene([Polygon([(3, -5), (4, -5), (4, 5), (3, 5)])])
+    base = Pose(1.0, 0.0, math.pi / 2)
+    finder = RangeFinder(
+        scene, lambda: base, bearings=[-math.pi / 2, 0.0], reach=5.0,
+        location=(0.5, 0.0, 0.2, 0, 0, 0),
+        frames=Frames(base=lambda: (*base[:2], 0, 0, 0, base.theta)),
+    )  # fmt: skip
+    assert finder.get_data() == finder.get_ranges() == pytest.approx((2.0, 5.0))
+    (hit,) = finder.get_markers("world")
+    assert hit.location == pytest.approx((3.0, 0.5, 0.2))
+    scene.add("crate", Polygon([(0, 0), (1, 0), (1, 1), (0, 1)]), Pose(2, 0, 0))
+    assert finder.get_ranges() == pytest.approx((1.0, 5.0))
+    noisy = RangeFinder(scene, lambda: base, [-math.pi / 2], noise=Noise(0.1, 1))
+    assert 0 < abs(noisy.get_ranges()[0] - 1.0) < 0.5
+
+
+# input devices
+
+
+def report(*events: tuple[int, int, int]) -> bytes:
+    return b"".join(EVENT.pack(0, 0, *each) for each in (*events, (0, 0, 0)))
+
+
+def test_a_joystick_tells_deflections_and_buttons_and_goes_to_rest() -> None:
+    stick = Joystick("/nowhere", limits=(0, 255), dead=0.05)
+    stick._take(report((3, 0, 255), (3, 1, 128), (3, 9, 51), (3, 17, -1), (1, 0x130, 1)))
+    assert stick.axes == {"x": 1.0, "y": 0.0, "gas": 0.2, "hat_y": -1.0}
+    assert stick.buttons == {"south": True}
+    assert stick.data == [("x", 255), ("y", 128), ("gas", 51), ("hat_y", -1), ("south", 1)]
+    stick._changed("failed: unplugged")
+    assert set(stick.axes.values()) == {0.0}
+    assert stick.buttons == {"south": False}
+    assert stick.data == []
+    assert stick.status == "failed: unplugged"
+
+
+def test_a_mouse_moves_within_its_plane() -> None:
+    mouse = Pointer("/nowhere", limits=(0, 100), size=(2.0, 1.0))
+    mouse._take(report((2, 0, 25), (2, 1, -50), (2, 8, -2)))
+    assert (mouse.data, mouse.wheel) == ([(0.75, 1.0)], -2)
+    assert mouse.get_markers()[0].location == (0.0, -1.5, 1.0)
+    mouse._take(report((2, 0, 900), (1, 0x110, 1)))
+    assert (mouse.data, mouse.buttons) == ([(1.0, 1.0)], {"left": True})
+
+
+def test_fingers_on_a_pad_come_and_go() -> None:
+    pad = Pointer("/nowhere", limits=(0, 100))
+    down = [(3, 57, 5), (3, 53, 10), (3, 54, 20), (3, 47, 1), (3, 57, 6), (3, 53, 50), (3, 54, 50)]
+    pad._take(report(*down, (1, 0x14A, 1)))
+    assert pad.data == [(0.1, 0.8), (0.5, 0.5)]
+    assert [each.id for each in pad.get_markers()] == ["0", "1"]
+    pad._take(report((3, 47, 0), (3, 57, -1)))
+    assert pad.data == [(0.5, 0.5)]
+    single = Pointer("/nowhere", limits=(0, 100))
+    single._take(report((3, 0, 10), (3, 1, 90), (1, 0x14A, 1)))
+    assert single.data == [(0.1, 0.1)]
+    single._take(report((1, 0x14A, 0)))
+    assert single.data == []
+
+
+# GPS
+
+
+def sentence(text: str) -> bytes:
+    total = 0
+    for each in text.encode():
+        total ^= each
+    return f"${text}*{total:02X}\r\n".encode()
+
+
+GGA = "GPGGA,123519,6503.6000,N,02528.0000,E,1,08,0.9,15.4,M,46.9,M,,"
+RMC = "GPRMC,123519,A,6503.6000,N,02528.0000,E,010.0,090.0,230394,003.1,W"
+
+
+def test_a_fix_is_read_in_pieces_and_a_line_without_its_beginning_is_refused() -> None:
+    data = sentence(GGA)[20:] + sentence(GGA) + sentence(RMC)
+    for size in (1, 7, 500):
+        gps = Gps("/nowhere")
+        for at in range(0, len(data), size):
+            gps._take(data[at : at + size])
+        assert gps.position == pytest.approx((65.06, 25 + 28 / 60, 15.4))
+        assert (gps.status, gps.fix, gps.satellites, gps.hdop) == ("ready", "gps", 8, 0.9)
+        assert gps.velocity == pytest.approx((5.144444, 0.0), abs=1e-6)
+        assert gps.refused == 1
+        assert gps.data.startswith("$GPRMC")
+        (marker,) = gps.get_markers()
+        assert (marker.location, marker.variance) == (pytest.approx((0, 0, 0)), 25.0)
+
+
+@pytest.mark.parametrize(
+    "bad",
+    [
+        sentence(GGA)[:-4] + b"00\r\n", sentence(GGA).split(b"*")[0] + b"\r\n",
+        b"\xff\x00 rubbish\n", b"x" * 5000,
+        sentence("GPGGA,123519,north,N,02528.0,E,1,08,0.9,high,M,46.9,M,,"),
+        sentence("GPXYZ,1,2"), b"$\n", b"$PGRM*11\n",
+    ],
+)  # fmt: skip
+def test_a_wrong_line_is_refused_and_the_fix_stays(bad: bytes) -> None:
+    gps = Gps("/nowhere")
+    gps._take(sentence(GGA))
+    before = gps.position
+    gps._take(bad)
+    assert (gps.position, gps.refused, gps.status) == (before, 1, "ready")
+    gps._take(b"\n" + sentence(GGA.replace("6503", "6504")))
+    assert gps.position[0] == pytest.approx(65.0766666)
+
+
+@pytest.mark.parametrize(
+    "lost",
+    [GGA.replace(",E,1,", ",E,0,"), "GPGGA,123519,,,,,0,00,,,M,,M,,", RMC.replace(",A,", ",V,")],
+)
+def test_no_fix_is_reported_and_leaves_no_position(lost: str) -> None:
+    gps = Gps("/nowhere", origin=(65.0, 25.0, 0.0))
+    gps._take(sentence(GGA) + sentence(lost))
+    assert (gps.status, gps.fix, gps.position) == ("no fix", "none", ())
+    assert gps.get_markers() == []
+    gps._take(sentence(GGA.replace(",E,1,", ",E,4,")))
+    assert (gps.status, gps.fix) == ("ready", "rtk")
+    gps._changed("failed: unplugged")
+    assert (gps.status, gps.fix, gps.position) == ("failed: unplugged", "none", ())
+
+
+def test_a_degree_is_as_long_as_on_the_ellipsoid() -> None:
+    x, y, z = local((61.0, 180.5, 10.0), (60.0, -179.5, 0.0))
+    assert x == pytest.approx(-0.0 + 55_800, rel=1e-3) or x == pytest.approx(-0.0)
+    x, y, z = local((60.5, 25.5, 10.0), (60.0, 25.0, 0.0))
+    assert (x, y, z) == (
+        pytest.approx(55_800 / 2, rel=1e-3),
+        pytest.approx(111_412 / 2, rel=1e-3),
+        10,
+    )
+
+
+def test_an_origin_has_three_numbers() -> None:
+    with pytest.raises(ValueError, match="an origin is"):
+        Gps("/nowhere", origin=(1.0, 2.0))
+
+
+def test_rubbish_costs_bounded_memory() -> None:
+    reader = NmeaReader()
+    for _ in range(100):
+        reader.feed(b"y" * 1000)
+    assert len(reader._rest) <= 256
+    assert reader.refused == 100
