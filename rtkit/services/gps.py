@@ -11,7 +11,7 @@ from typing import Annotated, Any, Final, NamedTuple
 
 import rtkit
 from rtkit.errors import Refused
-from rtkit.services.sensor import DeviceSensor
+from rtkit.services.sensor import DeviceSensor, numbers
 
 _LONGEST = 256
 _EARTH_M = 6_378_137.0
@@ -132,9 +132,7 @@ class Gps(DeviceSensor):
         **more: Any,
     ) -> None:
         super().__init__(device, **more)
-        if len(origin) not in (0, 3):
-            raise ValueError(f"an origin is latitude, longitude and altitude, not {origin}")
-        self.origin: tuple[float, ...] = origin
+        self.origin: tuple[float, ...] = numbers("origin", origin, 0, 3)
         self.accuracy = accuracy
         self._nmea = NmeaReader()
 

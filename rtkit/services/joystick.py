@@ -10,7 +10,7 @@ from typing import Annotated, Any, Final
 
 import rtkit
 from rtkit.services.input_events import ABS, KEY, REL, InputEvent, InputReader, axis_range
-from rtkit.services.sensor import DeviceSensor
+from rtkit.services.sensor import DeviceSensor, numbers
 
 _TRIGGERS = frozenset({"gas", "brake", "throttle", "pressure"})
 _SLOT, _SLOT_X, _SLOT_Y, _SLOT_ID = 47, 53, 54, 57
@@ -21,8 +21,10 @@ class _InputSensor(DeviceSensor):
 
     def __init__(self, device: str, limits: tuple[float, float], more: dict[str, Any]) -> None:
         super().__init__(device, **more)
-        self._limits = limits
-        self._ranges: dict[int, tuple[float, float]] = {}
+        self._limits = numbers("limits", limits, 2)
+        if self._limits[0] >= self._limits[1]:
+            raise ValueError(f"limits are the least and the greatest value, not {limits}")
+        self._ranges: dict[int, tuple[float, ...]] = {}
         self._reader_of_events = InputReader()
 
     def _opened(self, descriptor: int) -> None:
@@ -89,7 +91,7 @@ class Joystick(_InputSensor):
         self._put(axes, buttons)
 
     def _deflection(self, event: InputEvent) -> float:
-        limits = (-1, 1) if event.name.startswith("hat_") else self._limits
+        limits = (-1.0, 1.0) if event.name.startswith("hat_") else self._limits
         self._ranges.setdefault(event.code, limits)
         fraction = self._fraction(event.code, event.value)
         found = fraction if event.name in _TRIGGERS else 2 * fraction - 1
@@ -134,9 +136,9 @@ class Pointer(_InputSensor):
         **more: Any,
     ) -> None:
         super().__init__(device, limits, more)
-        self.size: Final[tuple[float, float]] = size
+        self.size: Final[tuple[float, ...]] = numbers("size", size, 2)
         self.buttons: Final[dict[str, bool]] = {}
-        middle = sum(limits) / 2
+        middle = sum(self._limits) / 2
         self._mouse = [middle, middle]
         self._slots: dict[int, list[float]] = {}
         self._slot = 0

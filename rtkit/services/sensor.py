@@ -6,13 +6,14 @@ in the base that carries it. Other frames are those of `rtkit.services.frames`.
 
 from __future__ import annotations
 
+import threading
 from collections.abc import Callable, Iterable
 from functools import partial
 from typing import Annotated, Any, Final, Self
 
 import rtkit
-from rtkit.services.device import Device
-from rtkit.services.frames import ORIGIN, Frames, Pose, compose, transform, transform_covariance
+from rtkit.services.device import LOOK_S, Device
+from rtkit.services.frames import ORIGIN, Frames, Pose, transform, transform_covariance
 
 Pose6 = tuple[float, float, float, float, float, float]
 
@@ -44,12 +45,10 @@ class Sensor:
     def __init__(
         self, location: Pose6 = (0, 0, 0, 0, 0, 0), base: str = "", frames: Frames | None = None
     ) -> None:
-        self._location: Pose = compose(ORIGIN, location)
+        self._location: Pose = numbers("location", location, 6)
         self._client: Any = None
         self._base = base
-        self._frames = frames or Frames(
-            self._pose_of, partial(self._pose_of, base) if base else None
-        )
+        self._frames = frames or Frames(self._pose_of, self._base_pose)
         self._publish: Callable[[str, object], None] = partial(setattr, self)
 
     def __served__(self, publish: Callable[[str, object], None]) -> None:
@@ -69,7 +68,7 @@ class Sensor:
 
     def set_location(self, pose: Pose6) -> None:
         """Put the sensor elsewhere in its base [m, rad]."""
-        self._location = compose(ORIGIN, pose)
+        self._location = pose
 
     def get_markers(self, frame: str = "base") -> list[rtkit.Marker]:
         """All that the sensor sees now, as markers in a frame."""
@@ -80,6 +79,11 @@ class Sensor:
     def _found(self) -> Iterable[rtkit.Marker]:
         """Return what is seen, in the frame of the sensor: itself with its reading, by default."""
         return [rtkit.Marker(ORIGIN, type=self.type[0], data=self.data)]  # type: ignore[attr-defined]
+
+    def _base_pose(self) -> Pose:
+        if not self._base:
+            raise rtkit.PropertyError("bad-parameter", "no frame but base: no `base` is configured")
+        return self._pose_of(self._base)
 
     def _pose_of(self, name: str) -> Pose:
         """Return the location of another service in the world."""
@@ -97,6 +101,18 @@ def moved(marker: rtkit.Marker, pose: Pose, frame: str) -> rtkit.Marker:
         if marker.covariance is not None:
             changes["covariance"] = transform_covariance(pose, marker.location, marker.covariance)
     return marker.with_(**changes)
+
+
+def numbers(name: str, given: object, *counts: int) -> tuple[float, ...]:
+    """Return a setting that is so many numbers.
+
+    Raises:
+        ValueError: It is not.
+    """
+    found = tuple(given) if isinstance(given, list | tuple) else ()
+    if len(found) in counts and all(isinstance(each, int | float) for each in found):
+        return tuple(map(float, found))
+    raise ValueError(f"{name} is {' or '.join(map(str, counts))} numbers in brackets, not {given}")
 
 
 class DeviceSensor(Sensor):
@@ -140,3 +156,52 @@ class DeviceSensor(Sensor):
 
     def _rest(self) -> None:
         """Put what is read to rest: the device has gone, and nobody holds it any more."""
+
+
+class Reading(Sensor):
+    """Sensor whose reading is a property of any service: a widget of a user interface, say.
+
+    Args:
+        source: The property, ``panel.speed``; waited for, and found again after it was away.
+        more: See `Sensor`.
+
+    Attributes:
+        data: Its value; the last one while its service is away, which `status` tells.
+    """
+
+    data: Final[Any] = ()
+
+    def __init__(self, source: str, **more: Any) -> None:
+        super().__init__(**more)
+        self.source: Final[str] = source
+        self._publish("status", f"failed: {source}: not asked yet")
+        self._ended = threading.Event()
+        self._thread: threading.Thread | None = None
+
+    def __enter__(self) -> Self:
+        self._ended.clear()
+        self._client = rtkit.Client()
+        self._thread = threading.Thread(target=self._begin, name=f"reading {self.source}")
+        self._thread.start()
+        return self
+
+    def __exit__(self, *raised: object) -> None:
+        self._ended.set()
+        if self._thread is not None:
+            self._thread.join()
+        super().__exit__(*raised)
+
+    def _begin(self) -> None:
+        """Ask until somebody answers; from then on the client keeps track of the property."""
+        while not self._ended.is_set():
+            try:
+                self._client.listen(self.source, self._take)
+                return
+            except rtkit.PropertyError as error:
+                self._publish("status", f"failed: {self.source}: {error.code}")
+            self._ended.wait(LOOK_S)
+
+    def _take(self, change: Any) -> None:
+        if not change.code:
+            self._publish("data", change.value)
+        self._publish("status", f"failed: {self.source}: {change.code}" if change.code else "ready")

@@ -11,26 +11,25 @@ from pathlib import Path
 import pytest
 from waiting import until
 
-import rtkit
 from rtkit.property.messages import PropertyEvent
 from rtkit.services.gps import Gps
 from rtkit.services.input_events import EVENT
 from rtkit.services.joystick import Joystick, Pointer
-from rtkit.services.sensor import DeviceSensor
+from rtkit.services.sensor import Reading, Sensor
 from rtkit.wires.line.client import LineClient, connect_unix
+from rtkit.wires.serve import serve
 
 BOUND_S = 10.0
 GGA = b"$GPGGA,123519,6503.6000,N,02528.0000,E,1,08,0.9,15.4,M,46.9,M,,*7E\r\n"
-Serve = Callable[[DeviceSensor], LineClient]
+Serve = Callable[[Sensor], LineClient]
 
 
 @pytest.fixture
 def serving(place: str) -> Iterator[Serve]:
     with ExitStack() as stack:
 
-        def begin(sensor: DeviceSensor) -> LineClient:
-            served = stack.enter_context(rtkit.serve(sensor, "sensor", is_on_zenoh=False))
-            stack.enter_context(sensor)
+        def begin(sensor: Sensor) -> LineClient:
+            served = stack.enter_context(serve(sensor, "sensor", is_on_zenoh=False))
             return stack.enter_context(connect_unix(served.socket, BOUND_S))
 
         yield begin
@@ -140,3 +139,20 @@ def test_a_wrong_speed_of_a_line_is_told(serving: Serve, place: str) -> None:
     until(lambda: "no such speed of a line: 4801" in status(client), "it is refused")
     os.close(master)
     os.close(slave)
+
+
+class Panel:
+    speed: float = 0.25
+
+
+def test_a_widget_is_a_sensor_also_before_and_after_it_was_away(serving: Serve, place: str) -> None:
+    client = serving(Reading("panel.speed", location=(1, 0, 0, 0, 0, 0)))
+    until(lambda: status(client) == "failed: panel.speed: no-service", "it is waited for")
+    for speed in (0.5, 0.75):
+        panel = Panel()
+        with serve(panel, "panel", is_on_zenoh=False):
+            panel.speed = speed
+            until(lambda: status(client) == "ready", "it is found")
+            until(lambda: client.ask("data").value() == str(speed), "it is read")  # noqa: B023
+            assert f"<data>{speed}</data>" in text(client, "markers")
+        until(lambda: status(client) == "failed: panel.speed: no-service", "it has gone")

@@ -64,7 +64,7 @@ def test_one_reading_in_two_frames_agrees_with_the_location(
 def test_a_frame_that_is_not_there_is_a_bad_parameter(frame: str) -> None:
     sensor = Feeler(rtkit.Marker((1.0, 2.0)), frames=Frames())
     for ask in (sensor.get_location, sensor.get_markers):
-        with pytest.raises(rtkit.PropertyError, match="no frame: ") as refused:
+        with pytest.raises(rtkit.PropertyError, match="no frame") as refused:
             ask(frame)
         assert refused.value.code == "bad-parameter"
 
@@ -216,7 +216,7 @@ def test_a_degree_is_as_long_as_on_the_ellipsoid() -> None:
 
 
 def test_an_origin_has_three_numbers() -> None:
-    with pytest.raises(ValueError, match="an origin is"):
+    with pytest.raises(ValueError, match="origin is 0 or 3 numbers in brackets, not"):
         Gps("/nowhere", origin=(1.0, 2.0))
 
 
