@@ -185,7 +185,7 @@ class Gps(DeviceSensor):
         self._publish("velocity", (0.0, 0.0))
 
     def get_markers(self, frame: str = "world") -> list[rtkit.Marker]:
-        """Where the receiver is [m], x to the east and y to the north of the origin."""
+        """The place of the receiver [m], x to the east and y to the north of the origin."""
         if len(self.position) < 3 or len(self.origin) < 3:
             return []
         x, y, z = self.position

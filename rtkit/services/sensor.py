@@ -158,7 +158,7 @@ class DeviceSensor(Sensor):
         """Put what is read to rest: the device has gone, and nobody holds it any more."""
 
 
-class Reading(Sensor):
+class PropertySensor(Sensor):
     """Sensor whose reading is a property of any service: a widget of a user interface, say.
 
     Args:

@@ -15,7 +15,7 @@ from rtkit.property.messages import PropertyEvent
 from rtkit.services.gps import Gps
 from rtkit.services.input_events import EVENT
 from rtkit.services.joystick import Joystick, Pointer
-from rtkit.services.sensor import Reading, Sensor
+from rtkit.services.sensor import PropertySensor, Sensor
 from rtkit.wires.line.client import LineClient, connect_unix
 from rtkit.wires.serve import serve
 
@@ -146,7 +146,7 @@ class Panel:
 
 
 def test_a_widget_is_a_sensor_also_before_and_after_it_was_away(serving: Serve, place: str) -> None:
-    client = serving(Reading("panel.speed", location=(1, 0, 0, 0, 0, 0)))
+    client = serving(PropertySensor("panel.speed", location=(1, 0, 0, 0, 0, 0)))
     until(lambda: status(client) == "failed: panel.speed: no-service", "it is waited for")
     for speed in (0.5, 0.75):
         panel = Panel()
