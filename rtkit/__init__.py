@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from rtkit import aio as aio
     from rtkit.api.client import Ask, Client
     from rtkit.api.connect import connect
+    from rtkit.api.hosting import component_of, init_of
     from rtkit.api.plan import SystemPlan
     from rtkit.api.property_change import PropertyChange
     from rtkit.api.system_profiles import SystemProfile, load
@@ -47,7 +48,9 @@ _HOMES = {
     "Unit": "rtkit.property.annotations",
     "__version__": "rtkit.version",
     "behavior": "rtkit.property.functional",
+    "component_of": "rtkit.api.hosting",
     "connect": "rtkit.api.connect",
+    "init_of": "rtkit.api.hosting",
     "load": "rtkit.api.system_profiles",
     "run": "rtkit.by_hand",
     "serve": "rtkit.wires.serve",
@@ -69,7 +72,9 @@ __all__ = [
     "__version__",
     "aio",
     "behavior",
+    "component_of",
     "connect",
+    "init_of",
     "load",
     "run",
     "serve",
