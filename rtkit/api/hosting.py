@@ -150,8 +150,8 @@ def _parameter(given: inspect.Parameter, hint: Any, doc: str) -> tuple[Parameter
     is_text = not (is_plain or is_string)
     value = default
     if not is_plain:
-        is_said = default is None or isinstance(default, str)
-        value = (default or "") if is_said else write(to_value(default))  # type: ignore[arg-type]
+        is_as_it_is = default is None or isinstance(default, str)
+        value = (default or "") if is_as_it_is else write(to_value(default))  # type: ignore[arg-type]
     constraint = _constraint(spec) if spec.choices or not (is_text or is_vector) else ""
     made = Parameter(value, unit=spec.unit, doc=doc, constraint=constraint, name=given.name)
     return made, _Argument(hint, inspect.Parameter.empty if is_required else default, is_text)
