@@ -1,0 +1,113 @@
+"""What each standard service promises, over its own endpoints, over TCP, and behind two proxies.
+
+A row of `CONTRACTS` is a service: how it is made, the types of what it must have, what may be SET,
+and what is refused with which code. Every row is tried in the same words through each door.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import ExitStack
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import pytest
+
+import rtkit
+from rtkit.proxy.bridge import bridge
+
+_BOUND_S = 20.0
+
+
+class Contract(NamedTuple):
+    """Promises of one service.
+
+    Attributes:
+        make: Makes the object that is served, with a folder of its own.
+        types: Declared type of each mandatory property; ``action`` for one that is called.
+        accepted: Values, as texts, that may be SET; a GET then tells the same.
+        refused: For a target, perhaps with parameters: a value, None for a GET, and the code.
+    """
+
+    make: Callable[[Path], object]
+    types: Mapping[str, str]
+    accepted: Mapping[str, str] = {}
+    refused: Mapping[str, tuple[str | None, str]] = {}
+
+
+class _Lamp:
+    """Smallest service: what holds for it holds for all."""
+
+    def __init__(self) -> None:
+        self.level: float = 0.5
+
+    def blink(self) -> None:
+        """Blink."""
+
+
+CONTRACTS: dict[str, Contract] = {
+    "lamp": Contract(
+        lambda folder: _Lamp(),
+        {"level": "number", "blink": "action"},
+        {"level": "0.25"},
+        {"level": ("bright", "bad-value"), "level?of=1": (None, "bad-parameter"),
+         "none": (None, "unknown")},
+    ),
+}  # fmt: skip
+DOORS = ("unix", "zenoh", "tcp", "chain")
+
+
+@pytest.fixture
+def client() -> Iterator[rtkit.Client]:
+    with rtkit.Client(timeout_s=_BOUND_S) as client:
+        yield client
+
+
+def _opened(door: str, made: object, ends: ExitStack) -> str:
+    """Serve an object; return how its names begin through a door."""
+    tcp = {"port": 0} if door == "tcp" else {}
+    served = ends.enter_context(
+        rtkit.serve(made, "house/it", is_on_zenoh=door == "zenoh", **tcp)  # type: ignore[arg-type]
+    )
+    if door == "chain":
+        first = ends.enter_context(bridge("/localhost/house/it", "tcp:0", allow_set=["*"]))
+        ends.enter_context(bridge(f"{first.address}/house/it", "zenoh:far", allow_set=["*"]))
+    return {
+        "unix": "house/it.",
+        "zenoh": "zenoh:house/it.",
+        "tcp": f"tcp:localhost:{served.port}/house/it/",
+        "chain": "zenoh:far.",
+    }[door]
+
+
+def _code(work: Callable[[], Any]) -> str:
+    with pytest.raises(rtkit.PropertyError) as caught:
+        work()
+    return caught.value.code
+
+
+@pytest.mark.parametrize("door", DOORS)
+@pytest.mark.parametrize("service", CONTRACTS)
+def test_a_service_keeps_its_promises_through_each_door(
+    service: str, door: str, place: str, tmp_path: Path, client: rtkit.Client, ends: ExitStack
+) -> None:
+    contract = CONTRACTS[service]
+    at = _opened(door, contract.make(tmp_path), ends)
+    for name, kind in contract.types.items():
+        meta = client.get(f"{at}{name}.meta")
+        declared = {each.name: str(each.leaf) for each in meta.children}
+        assert (name, _kind(declared)) == (name, kind)
+        client.get(f"{at}{name}")
+    for name, text in contract.accepted.items():
+        client.set(f"{at}{name}", text)
+        assert client.payload(rtkit.Ask(f"{at}{name.partition('?')[0]}"), _BOUND_S) == text
+    for target, (value, code) in contract.refused.items():
+        if value is None:
+            assert (target, _code(lambda t=target: client.get(at + t))) == (target, code)
+        else:
+            work = lambda t=target, v=value: client.set(at + t, v)  # noqa: E731
+            assert (target, _code(work)) == (target, code)
+
+
+def _kind(declared: Mapping[str, str]) -> str:
+    return "action" if declared.get("functional") == "True" else declared["type"]
