@@ -16,13 +16,13 @@ from rtkit.property.meta import meta, meta_field
 from rtkit.property.naming import RequestTarget
 from rtkit.property.node import PropertyNode
 from rtkit.property.parameters import flag, nothing_else, number
-from rtkit.property.property_spec import gui
 from rtkit.property.reading import read
 from rtkit.property.registry import NameEntry
 from rtkit.property.requests import PropertyRequest, Requester
 from rtkit.property.subscription import options_of
 from rtkit.property.types import from_payload, parse_type
 from rtkit.property.values import Value, Word
+from rtkit.property.widgets import gui
 from rtkit.property.writing import write
 
 Notifies = Callable[[str, str], Requester]
@@ -56,6 +56,9 @@ class Extensions:
         if place.extension == "history":
             return _history(place, parameters)
         nothing_else(parameters, place.extension)
+        if place.extension == "gui" and not place.field:
+            self._values.names_now()
+            return write(gui(self._values, place, caller))
         if node is None:
             raise PropertyError("unknown", f"no such property: {place.name}.{place.extension}")
         if place.extension == "meta":
@@ -65,7 +68,7 @@ class Extensions:
             declared = node.function or node.spec
             return write(tuple(each.described() for each in declared.parameters))
         if place.extension == "gui":
-            return _gui(node, place.field)
+            return _component(node, place.field)
         self._permit(caller, "SET", place.name)
         return write(tuple(self._values.listeners.of(node)))
 
@@ -124,9 +127,7 @@ def _read_all(target: RequestTarget) -> dict[str, Value]:
     return given
 
 
-def _gui(node: PropertyNode, kind: str) -> Payload:
-    if not kind:
-        return write(gui(node.spec))
+def _component(node: PropertyNode, kind: str) -> Payload:
     if kind not in node.spec.gui:
         raise PropertyError("unknown", f"no such property: {node.name}.gui.{kind}")
     return node.spec.gui[kind]

@@ -8,7 +8,7 @@ from typing import NamedTuple
 from rtkit.fast_dataclass import dataclass, field
 from rtkit.property.codes import PropertyError
 from rtkit.property.types import Content, Type, check, parse_type
-from rtkit.property.values import Element, Value, Word, is_number, is_vector
+from rtkit.property.values import Value, Word, is_number, is_vector
 from rtkit.property.writing import write
 
 
@@ -47,6 +47,7 @@ class PropertySpec:
         labels: Names of the parts of a vector, where they are not the usual ones.
         parameters: What may follow the question mark; arguments of a functional property.
         gui: Code of a component by kind of client (``text``, ``html``, ``json`` …).
+        widget: Attributes of its ``<gui>`` that are declared; ``kind`` stands for the usual one.
     """
 
     type: Type = _ANY
@@ -62,6 +63,7 @@ class PropertySpec:
     labels: tuple[str, ...] = ()
     parameters: tuple[RequestParameter, ...] = ()
     gui: Mapping[str, str] = field(default_factory=dict)
+    widget: Mapping[str, str] = field(default_factory=dict)
     is_functional: bool = False
 
     def admit(self, value: Content) -> Content:
@@ -117,42 +119,6 @@ def plain(type_name: str) -> PropertySpec:
     if type_name not in _SHARED:
         _SHARED[type_name] = PropertySpec(parse_type(type_name))
     return _SHARED[type_name]
-
-
-_WIDGETS = {
-    "boolean": "toggle",
-    "word": "text",
-    "string": "text",
-    "text": "text",
-    "vector": "vector",
-    "list": "table",
-    "marker": "marker",
-    "element": "tree",
-    "bytes": "label",
-}
-
-
-def gui(spec: PropertySpec) -> Element:
-    """Return the GUI component that suits a property, as ``.gui`` shows it."""
-    numeric = spec.type.base in ("number", "integer")
-    if spec.is_functional:
-        kind = "button"
-    elif spec.access == "r":
-        kind = "label"
-    elif spec.choices:
-        kind = "choice"
-    elif numeric:
-        kind = "slider" if spec.minimum is not None and spec.maximum is not None else "number"
-    else:
-        kind = _WIDGETS.get(spec.type.base, "text")
-    attributes = {"kind": kind}
-    numbers = {"min": spec.minimum, "max": spec.maximum, "step": spec.step}
-    attributes |= {key: write(each) for key, each in numbers.items() if each is not None}
-    if spec.unit:
-        attributes["unit"] = spec.unit
-    if spec.choices:
-        attributes["choices"] = write(spec.choices)
-    return Element("gui", attributes)
 
 
 Reader = Callable[[dict[str, Value]], object]

@@ -13,7 +13,6 @@ import threading
 import time
 from collections.abc import Callable
 
-import browser
 import pytest
 
 from rtkit.errors import Unreachable
@@ -130,40 +129,6 @@ def test_statuses_are_those_of_the_codes(served: ServedObject, place: str) -> No
     assert os.path.dirname(server_connection.__file__) not in str(found)
 
 
-# A browser
-
-
-@pytest.mark.skipif(browser.NAME is None, reason="chromium is not installed")
-def test_a_browser_shows_a_property_live(
-    served: ServedObject, service: Service, place: str
-) -> None:
-    known = secret.read()
-    with browser.opened(place, known.user, known.password) as page:
-        page.go(f"http://localhost:{served.http}/#robot/count")
-        page.wait_for("document.getElementById('value')?.textContent === '7'")
-        served.owned(lambda: service.update("count", 8))
-        page.wait_for("document.getElementById('value').textContent === '8'")
-        assert "rev=2;" in page.evaluate("document.getElementById('told').textContent")
-        page.evaluate("element('wanted').value = '9'; element('set').requestSubmit()")
-        page.wait_for("document.getElementById('value').textContent === '9'")
-        # The stream ends, and the browser comes again by itself.
-        served.owned(lambda: [each.close() for each in _streams(served)])
-        page.wait_for("element('state').textContent + element('value').textContent === 'not there'")
-        served.owned(lambda: service.update("count", 10))
-        page.wait_for("document.getElementById('value').textContent === '10'")
-        # A value is set with what suits its property.
-        page.evaluate("element('target').value = 'robot/speed'; listen()")
-        page.wait_for("element('wanted').type + element('unit').textContent === 'rangem/s'")
-        page.evaluate("element('target').value = 'robot/mode'; listen()")
-        page.wait_for("[...element('wanted').children].map((each) => each.value) == 'idle,drive'")
-        page.evaluate("element('target').value = 'robot/serial'; listen()")
-        page.wait_for("element('set').dataset.kind === 'label'")
-        page.go("about:blank")
-        page.go(f"http://{known.user}:{known.password}@localhost:{served.http}/#robot/count")
-        page.wait_for("document.getElementById('value')?.textContent === '10'")
-        page.wait_for("element('names').children.length > 9")
-
-
 def _clients(served: ServedObject) -> list[server_connection.HttpConnection]:
     handlers = list(served._host._handlers.values())
     return [each for each in handlers if isinstance(each, server_connection.HttpConnection)]
@@ -171,6 +136,79 @@ def _clients(served: ServedObject) -> list[server_connection.HttpConnection]:
 
 def _streams(served: ServedObject) -> list[server_connection.HttpConnection]:
     return [each for each in _clients(served) if each.is_stream]
+
+
+# Several properties in one stream
+
+
+def _events(curl: Curl, path: str, *names: str) -> list[str]:
+    """Return the events of a stream, until all names have come."""
+    told: list[str] = []
+    stream = subprocess.Popen(curl.command(path, "-H", "Accept: text/event-stream"),
+                              stdout=subprocess.PIPE, text=True)  # fmt: skip
+    assert stream.stdout is not None
+    while not all(re.search(f"name={each}(\\.properties)?\n", "\n".join(told)) for each in names):
+        lines = []
+        while (line := stream.stdout.readline().rstrip()) and not line.startswith("retry:"):
+            lines.append(line)
+        told.append("\n".join(lines))
+    stream.terminate()
+    stream.wait(BOUND_S)
+    stream.stdout.close()
+    return told
+
+
+@needs_curl
+def test_one_stream_tells_of_all_properties_or_of_the_named_ones(
+    served: ServedObject, service: Service, place: str
+) -> None:
+    curl = Curl(served, place)
+    of_all = curl("/ps/robot/properties?all=1")[1].strip("()").split()
+    names = set(of_all) - {"door_code"}
+    text = "\n".join(_events(curl, "/ps/robot/properties?values=1&all=1", *names))
+    assert re.search(r"name=count\ndata: 7$", text, re.MULTILINE)
+    assert re.search(r"name=blob\nevent: bytes\ndata: 5$", text, re.MULTILINE), "not their content"
+    assert re.search(r"^id: name=broken\nevent: refused\ndata: internal RuntimeError", text,
+                     re.MULTILINE)  # fmt: skip
+    assert "door_code\nevent" not in text, "nothing is wrong with what can only be set"
+    told = _events(curl, "/ps/robot/properties?values=1&names=(count%20speed)", "speed")
+    assert [each.rpartition("name=")[2].split("\n")[0] for each in told if each] == [
+        "properties", "count", "speed"]  # fmt: skip
+    told = _events(curl, "/ps/robot/arm.properties?values=1&all=1", "arm.angle")
+    assert "name=count" not in str(told)
+    assert curl("/ps/robot/nope.properties?values=1", "-H", "Accept: text/event-stream")[0] == 404
+    assert curl("/ps/robot/properties?values=1&queue=0&names=(nope)", "-H",
+                "Accept: text/event-stream")[0] == 404  # fmt: skip
+
+
+POLICY = "content-security-policy: "
+
+
+@needs_curl
+def test_pages_are_for_browsers_and_their_policy_lets_no_stranger_in(
+    served: ServedObject, service: Service, place: str
+) -> None:
+    curl = Curl(served, place)
+    html = ("-H", "Accept: text/html,*/*")
+    for path in ("/", "/ps", "/ps/robot"):
+        status, page = curl(path, *html)
+        assert (status, "<rt-panel" in page) == (200, True)
+    assert curl("/ps/robot")[1].startswith("("), "a program gets the names"
+    assert curl("/ps/robot/speed", *html)[1] == "0.25"
+    policy = curl("/", "-I")[1].lower().partition(POLICY)[2].partition("\n")[0]
+    assert "default-src 'none'; script-src 'self'; style-src 'self';" in policy
+    assert "unsafe" not in policy
+    for path in re.findall('(?:src|href)="(/[^"]*)"', curl("/", *html)[1]):
+        assert curl(path)[0] == 200
+    served.owned(lambda: service.add("x.html", "<script>1</script>", "text"))
+    of_frame = ("-D", "-", "-H", "Sec-Fetch-Dest: iframe", "-H", "Sec-Fetch-Site: same-origin")
+    told = curl("/ps/robot/x.html", *of_frame)[1].lower()
+    assert "content-type: text/html" in told
+    policy = told.rpartition(POLICY)[2].partition("\n")[0]
+    assert policy.startswith("sandbox allow-scripts; default-src 'none';")
+    assert "connect-src" not in policy
+    assert "content-type: text/plain" in curl("/ps/robot/x.html", "-D", "-")[1].lower()
+    assert "content-type: text/plain" in curl("/ps/robot/notes", *of_frame)[1].lower()
 
 
 # Who means no good

@@ -8,7 +8,8 @@ import os
 import shutil
 import subprocess
 import sys
-from collections.abc import Iterator
+from base64 import b64decode
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from typing import Any
 
@@ -26,6 +27,20 @@ os.execv(sys.argv[3], sys.argv[3:])
 """
 
 
+_CODES = {
+    "Tab": 9, "Enter": 13, " ": 32, "ArrowLeft": 37, "ArrowUp": 38, "ArrowRight": 39,
+    "ArrowDown": 40,
+}  # fmt: skip
+_WATCHED = """
+window.troubles = [];
+document.addEventListener("securitypolicyviolation", (event) =>
+    window.troubles.push(`${event.violatedDirective} ${event.blockedURI}`));
+for (const kind of ["error", "unhandledrejection"])
+    window.addEventListener(kind, (event) =>
+        window.troubles.push(`${kind} ${event.message || event.reason}`));
+"""
+
+
 class Browser:
     """One page. `user` and `password` are given to whoever asks for them, in one scheme: Digest."""
 
@@ -40,27 +55,74 @@ class Browser:
         self._session = attached["sessionId"]
         self._do("Fetch.enable", handleAuthRequests=True)
         self._do("Page.enable")
+        self._do("Page.addScriptToEvaluateOnNewDocument", source=_WATCHED)
 
     def go(self, url: str) -> None:
         """Open a page."""
         self._do("Page.navigate", url=url)
 
     def wait_for(self, condition: str) -> None:
-        """Wait until an expression of the page is true, as often as something in it changes."""
+        """Wait until an expression of the page is true: what fields hold, no observer is told."""
         self._do(
             "Runtime.evaluate",
             awaitPromise=True,
-            expression=f"""new Promise((done) => {{
-            const look = () => {{ if ({condition}) {{ watcher.disconnect(); done(true); }} }};
-            const watcher = new MutationObserver(look);
-            watcher.observe(document, {{subtree: true, childList: true, characterData: true}});
-            look();
+            expression=f"""new Promise((done, fail) => {{
+            const looked = setInterval(() => {{
+                if ({condition}) {{ clearInterval(looked); done(true); }} }}, 15);
+            setTimeout(() => fail(new Error("not so: " + {json.dumps(condition)}
+                + " in " + document.body.innerText)), 20000);
         }})""",
         )
 
     def evaluate(self, expression: str) -> Any:
         """Return what an expression of the page is."""
         return self._do("Runtime.evaluate", expression=expression)["result"].get("value")
+
+    def troubles(self) -> list[str]:
+        """Return what the policy of the page has stopped, and the errors that nobody has caught."""
+        found: list[str] = json.loads(self.evaluate("JSON.stringify(window.troubles)"))
+        return found
+
+    def place(self, selector: str) -> tuple[float, float, float, float]:
+        """Return where an element is, scrolled to: left, top, width, height."""
+        box = self.evaluate(f"""(() => {{
+            const found = document.querySelector({json.dumps(selector)});
+            found.scrollIntoView({{block: "center"}});
+            const box = found.getBoundingClientRect();
+            return JSON.stringify([box.left, box.top, box.width, box.height]);
+        }})()""")
+        left, top, width, height = json.loads(box)
+        return left, top, width, height
+
+    def mouse(self, kind: str, x: float, y: float) -> None:
+        """Move, press or release the mouse: mouseMoved, mousePressed, mouseReleased."""
+        given = {"button": "left", "buttons": 0 if kind == "mouseReleased" else 1, "clickCount": 1}
+        self._do("Input.dispatchMouseEvent", type=kind, x=x, y=y, **given)
+
+    def click(self, selector: str) -> None:
+        """Click the middle of an element."""
+        left, top, width, height = self.place(selector)
+        for kind in ("mousePressed", "mouseReleased"):
+            self.mouse(kind, left + width / 2, top + height / 2)
+
+    def key(self, name: str, kinds: Sequence[str] = ("keyDown", "keyUp")) -> None:
+        """Press and release a key, as the page calls it: ArrowRight, Tab, Enter, a …"""
+        code = _CODES.get(name, ord(name[0].upper()) if name.isalnum() else 0)
+        text = {"Enter": "\r"}.get(name, name if len(name) == 1 else "")
+        for kind in kinds:
+            more = {"text": text} if text and kind == "keyDown" else {}
+            self._do("Input.dispatchKeyEvent", type=kind, key=name, windowsVirtualKeyCode=code,
+                     **more)  # fmt: skip
+
+    def picture(self, path: str, width: int, height: int, *, is_dark: bool = False) -> None:
+        """Save a picture of the page as it looks in a window of that size."""
+        self._do("Emulation.setDeviceMetricsOverride", width=width, height=height,
+                 deviceScaleFactor=1, mobile=False)  # fmt: skip
+        features = [{"name": "prefers-color-scheme", "value": "dark" if is_dark else "light"}]
+        self._do("Emulation.setEmulatedMedia", features=features)
+        data = self._do("Page.captureScreenshot", format="png")["data"]
+        with open(path, "wb") as stream:
+            stream.write(b64decode(data))
 
     def _send(self, method: str, **given: Any) -> int:
         self._id += 1

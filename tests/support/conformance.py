@@ -172,8 +172,17 @@ ROWS: tuple[Row, ...] = (
     ("speed.meta.quality", None, "good"),
     ("broken.meta.quality", None, "bad"),
     ("speed.meta.nonsense", None, "!unknown"),
-    ("speed.gui", None, '<gui kind="slider" min="-1" max="1" step="0.1" unit="m/s"/>'),
-    ("mode.gui", None, '<gui kind="choice" choices="(idle drive)"/>'),
+    (
+        "speed.gui",
+        None,
+        '<gui kind="slider" min="-1" max="1" step="0.1" unit="m/s" name="speed" '
+        'type="number" access="rw" warn="(-0.5 0.5)" doc="Ahead"/>',
+    ),
+    (
+        "mode.gui",
+        None,
+        '<gui kind="choice" choices="(idle drive)" name="mode" type="word" access="rw"/>',
+    ),
     ("speed.gui.html", None, "!unknown"),
     ("pose.parameters", None, '((frame word global (global robot) "of what"))'),
     ("double.parameters", None, '((x number () () "") (times number 2 () ""))'),

@@ -14,7 +14,7 @@ from rtkit.serving.socket_client import SocketClient
 from rtkit.wires.wire import WireSettings, port_here
 
 # A browser opens several connections a page, and polls: fewer and slower than other clients.
-_LIMITS = EndpointLimits(connections=128, door_listeners=64, rate=2000)
+_LIMITS = EndpointLimits(connections=128, door_listeners=4096, rate=2000)
 
 
 class HttpEndpoint(Acceptor):

@@ -4,6 +4,9 @@ The value is the data; what comes with it (revision, time, quality …) is the i
 gives to the page as ``lastEventId`` and back to the endpoint when it reconnects. What the stream
 cannot carry is base64: bytes in an event of type ``base64``, texts with carriage returns in one of
 type ``base64-text``. The last event of a property that has been removed is of type ``end``.
+
+A stream of several properties tells of bytes only how many they are now, in an event of type
+``bytes``, and of what cannot be listened to why, in one of type ``refused``.
 """
 
 from __future__ import annotations
@@ -14,12 +17,20 @@ from rtkit.property.line import read_event, write_named
 from rtkit.property.messages import PropertyEvent
 
 
-def write_sse(event: PropertyEvent) -> bytes:
-    """Return an event as it is sent."""
+def write_refused(name: str, why: str) -> bytes:
+    """Return what tells that a property of several cannot be listened to."""
+    text = " ".join(why.split()).encode("utf-8", "replace")
+    return b"id: name=%b\nevent: refused\ndata: %b\n\n" % (name.encode(), text)
+
+
+def write_sse(event: PropertyEvent, *, has_bytes: bool = True) -> bytes:
+    """Return an event as it is sent; with or without the content of bytes."""
     head = f"id: {write_named(event)}\n".encode()
     payload = event.payload
     if event.code:
         return b"%bevent: end\ndata: %b\n\n" % (head, event.code.encode())
+    if isinstance(payload, bytes) and not has_bytes:
+        return b"%bevent: bytes\ndata: %d\n\n" % (head, len(payload))
     if isinstance(payload, bytes) or "\r" in payload:
         raw = payload if isinstance(payload, bytes) else payload.encode("utf-8", "surrogateescape")
         kind = b"base64" if isinstance(payload, bytes) else b"base64-text"

@@ -17,6 +17,7 @@ from rtkit.property.codes import CODES, PropertyError
 from rtkit.property.messages import Answer, Payload
 from rtkit.property.naming import canonical_segment, with_parameter
 from rtkit.property.plain import from_plain, payload_to_plain
+from rtkit.property.reading import read
 from rtkit.property.writing import write
 
 METHODS = ("GET", "HEAD", "PUT", "POST")
@@ -92,6 +93,29 @@ def to_listen(target: str) -> str:
     """Return what a GET is as a request to listen."""
     name, mark, parameters = target.partition("?")
     return f"{name}.listen{mark}{parameters}"
+
+
+_OF_LISTINGS = frozenset({"all", "depth", "match", "names"})
+
+
+def several(target: str) -> tuple[str, str] | None:
+    """Return the listing of names, and the options, where one stream is for several properties.
+
+    ``properties?values=1&all=1&every=0.1``, as a GET of the values of several is; else None.
+    """
+    name, _, tail = target.partition("?")
+    given = [each for each in tail.split("&") if each]
+    if name.rpartition(".")[2] != "properties" or not {"values", "values=1"}.intersection(given):
+        return None
+    of_listing = [each for each in given if each.partition("=")[0] in _OF_LISTINGS]
+    options = [each for each in given if each not in ("values", "values=1", *of_listing)]
+    return f"{name}?{'&'.join(of_listing)}".rstrip("?"), "&".join(options)
+
+
+def names(listed: Payload) -> list[str]:
+    """Return the names of a listing."""
+    value = read(str(listed))
+    return [str(each) for each in value] if isinstance(value, tuple) else []
 
 
 def payload_of(body: bytes, content_type: str, is_text: bool) -> Payload:

@@ -10,6 +10,7 @@ from __future__ import annotations
 import select
 import socket
 from collections.abc import Callable, Iterable
+from functools import partial
 from http import HTTPStatus
 from time import monotonic
 from typing import TYPE_CHECKING
@@ -21,13 +22,14 @@ from rtkit.property.codes import PropertyError
 from rtkit.property.exchange import NOT_BEGUN
 from rtkit.property.messages import Answer, PropertyEvent
 from rtkit.property.requests import PropertyRequest
-from rtkit.property.subscription import Listener
+from rtkit.property.subscription import Listener, listen_target
 from rtkit.serving.quota import too_fast
 from rtkit.serving.socket_client import SocketClient
 from rtkit.wires.http import request as http_request
 from rtkit.wires.http.client import DEADLINE
-from rtkit.wires.http.events import SseProgress, write_sse
+from rtkit.wires.http.events import SseProgress, write_refused, write_sse
 from rtkit.wires.http.guard import Guard, stranger
+from rtkit.wires.http.pages import POLICY, framed, page
 from rtkit.wires.http.parts import BOUNDARY, PARTS, as_parts, write_part
 from rtkit.wires.http.request import EVENTS, METHODS, HttpRequest, Response, failure
 from rtkit.wires.line.login import PATIENCE_S
@@ -48,18 +50,14 @@ _LINGER_S = 2.0
 _PIECE = 1 << 16
 _LONGEST_HEAD = 1 << 14
 _ROOM_FOR_EVENTS = 1 << 15
-_PAGES = {
-    "/": ("page.html", "text/html; charset=utf-8"),
-    "/page.js": ("page.js", "text/javascript"),
-}
+_POLICY = "Content-Security-Policy"
 _ALWAYS = (
     ("Cache-Control", "no-store"),
     ("X-Content-Type-Options", "nosniff"),
     ("Cross-Origin-Resource-Policy", "same-origin"),
     ("Referrer-Policy", "no-referrer"),
-    ("Content-Security-Policy", "default-src 'none'; script-src 'self'; connect-src 'self'; "
-                                "frame-ancestors 'none'; base-uri 'none'; form-action 'none'"),
-)  # fmt: skip
+    ("X-DNS-Prefetch-Control", "off"),
+)
 
 
 class HttpConnection(SocketClient):
@@ -83,6 +81,7 @@ class HttpConnection(SocketClient):
         self._body = bytearray()
         self._is_asked = False
         self._wants_events = False
+        self._to_come = 0
         self._began_at: float | None = None
         self._linger_until: float | None = None
         self._progress: SseProgress | None = None
@@ -116,7 +115,7 @@ class HttpConnection(SocketClient):
     def flush(self, now: float) -> float | None:
         """See `IOHandler.flush`."""
         due = self.send_due(now, lambda: len(self._out) < _ROOM_FOR_EVENTS, self._send_event)
-        if self.is_stream and not self.listeners and not self._is_closing:
+        if self.is_stream and not (self.listeners or self._to_come or self._is_closing):
             self._finish()
         self._work()
         return due if self.is_open else None
@@ -134,7 +133,7 @@ class HttpConnection(SocketClient):
                 self.close()
         elif self.is_stream:
             is_quiet = not self._out and now - self._moved_at > HEARTBEAT_S
-            if is_quiet and self._written is write_sse:  # between parts nothing can be said
+            if is_quiet and self._written is not write_part:  # between parts nothing can be said
                 self._stream(b":\n\n")
                 self._send()
         elif self._is_asked or self._out:
@@ -243,8 +242,9 @@ class HttpConnection(SocketClient):
             return
         method, uri = request.method.decode("ascii"), request.target.decode("ascii")
         is_get = method in ("GET", "HEAD")
-        if is_get and uri in _PAGES:
-            self._respond(_page(uri))
+        shown = page(uri, self._headers, self._host.services) if is_get else None
+        if shown is not None:
+            self._respond(shown)
             return
         try:
             asked = http_request.wanted(uri, self._host.services)
@@ -277,8 +277,9 @@ class HttpConnection(SocketClient):
             self._is_asked = False
             if self.is_open:
                 revision = service.revision(name)
-                self._respond(http_request.response(
-                    reply, uri, is_get=is_get, accepts=accepts, revision=revision))  # fmt: skip
+                made = http_request.response(
+                    reply, uri, is_get=is_get, accepts=accepts, revision=revision)  # fmt: skip
+                self._respond(framed(made, uri, self._headers))
                 if not self._is_working:
                     self._host.mark(self)
 
@@ -292,12 +293,44 @@ class HttpConnection(SocketClient):
         self, asked: HttpRequest, written: Callable[[PropertyEvent], bytes] = write_sse
     ) -> None:
         self._written = written
+        several = http_request.several(asked.target)
+        if several is not None and written is write_sse:
+            self._open_stream_of_several(asked.service, *several)
+            return
         self._progress = SseProgress(self._headers.get("last-event-id", ""))
         self._is_asked = self._wants_events = True
         listening = PropertyRequest(
             http_request.to_listen(asked.target), "self", self._listened, self
         )
         self._host.services[asked.service].handle(listening)
+
+    def _open_stream_of_several(self, name: str, listing: str, options: str) -> None:
+        """Listen to all names of a listing, and to which there are, in one stream."""
+        service = self._host.services[name]
+        self._is_asked = self._wants_events = True
+        self._written = partial(write_sse, has_bytes=False)
+
+        def listed(reply: Answer) -> None:
+            self._listened(reply)
+            if not self.is_stream:
+                return
+            place = listing.partition("?")[0]
+            prefix = place.removesuffix("properties")
+            names = [place, *(prefix + each for each in http_request.names(reply.payload))]
+            self._to_come = len(names)
+            for each in names:
+                target = listen_target(each, options)
+                answer = partial(self._listened_to_one, each)
+                service.handle(PropertyRequest(target, "self", answer, self))
+
+        service.handle(PropertyRequest(listing, None, listed, self))
+
+    def _listened_to_one(self, name: str, reply: Answer) -> None:
+        """Tell of a property that cannot be listened to; the others go on."""
+        self._to_come -= 1
+        if reply.error and reply.error != "write-only" and self.is_open:
+            self._stream(write_refused(name, f"{reply.error} {reply.payload!s}"))
+            self._host.mark(self)
 
     def _listened(self, reply: Answer) -> None:
         """Begin to send events, if the service agrees."""
@@ -321,6 +354,8 @@ class HttpConnection(SocketClient):
     def _respond(self, response: Response, *, closes: bool = False) -> None:
         assert self._http.our_state in (h11.IDLE, h11.SEND_RESPONSE)
         headers = [("Content-Length", str(len(response.body))), *response.more, *_ALWAYS]
+        if not any(name == _POLICY for name, _ in response.more):
+            headers.append((_POLICY, POLICY))
         if response.status == HTTPStatus.NO_CONTENT:
             headers.pop(0)
         if response.content_type:
@@ -363,10 +398,3 @@ class HttpConnection(SocketClient):
             self._socket.shutdown(socket.SHUT_WR)
         except OSError:
             self.close()
-
-
-def _page(uri: str) -> Response:
-    from importlib.resources import files
-
-    name, kind = _PAGES[uri]
-    return Response(HTTPStatus.OK, kind, files("rtkit.serving").joinpath(name).read_bytes())

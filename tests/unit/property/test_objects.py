@@ -143,7 +143,8 @@ def test_a_nested_object_is_followed_where_it_goes() -> None:
     )
     assert refused(service, "arm.angle", "4") == "bad-value"
     assert service.get("arm.angle.gui") == (
-        '<gui kind="slider" min="-3" max="3" step="0.1" unit="rad"/>'
+        '<gui kind="slider" min="-3" max="3" step="0.1" unit="rad" name="arm.angle" type="number" '
+        'access="rw"/>'
     )
     assert service.set("arm.wave?echo", "3") == '<call state="done"><result>6</result></call>'
 

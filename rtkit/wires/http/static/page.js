@@ -1,0 +1,137 @@
+// The page of the HTTP endpoint: a panel of a service, or of a part of it, live by one stream of events.
+import "./frames.js";
+import {make} from "./widgets.js";
+import {child, itemTexts, read, write} from "./values.js";
+
+const element = (id) => document.getElementById(id);
+// An address with user and password in it is none that may be fetched from; the origin has neither.
+const at = (path) => `${location.origin}/ps${path}`;
+const panel = element("panel");
+const LATER_MS = 1000;
+let stream = null, shown = null, again = 0, asked = 0;
+
+async function fetched(path, options, isRaw) {
+  const reply = await fetch(at(path), options);
+  if (!reply.ok) throw new Error((await reply.text()).trim());
+  return isRaw ? reply.arrayBuffer() : reply.text();
+}
+
+class Source {
+  constructor(service, components) {
+    this.service = service;
+    this.components = components;
+  }
+
+  get(target, isRaw) { return fetched(`/${this.service}/${target}`, {}, isRaw); }
+  set(target, text) { return fetched(`/${this.service}/${target}`, {method: "PUT", body: text}); }
+
+  // The component of a property itself, else what the GUI service has for its type.
+  component({attributes: {name, type, forms}}) {
+    if (name && forms && itemTexts(forms).includes("html")) return at(`/${this.service}/${name}.gui.html`);
+    const types = type?.startsWith("(") ? itemTexts(type) : [type];
+    const known = types.find((each) => this.components.names.has(`${each}.html`));
+    return known && at(`/${this.components.service}/${known}.html`);
+  }
+}
+
+// What the GUI service behind this endpoint has, by type.
+async function components(services) {
+  const service = services.find((each) => /(^|\/)gui$/.test(each));
+  const told = service ? await fetched(`/${service}/properties?all=1`) : "()";
+  return {service, names: new Set(itemTexts(told))};
+}
+
+// The widgets of a service: as it says, or of each of its names where it does not know.
+async function description(service, part) {
+  try {
+    return await fetched(`/${service}/${part ? `${part}.` : ""}gui`);
+  } catch (error) {
+    if (part || !/^(unknown|syntax|bad-parameter)/.test(error.message)) throw error;
+  }
+  const names = itemTexts(await fetched(`/${service}/properties`));
+  const each = await Promise.all(names.map(async (name) => {
+    const told = await fetched(`/${service}/${name}.gui`).then(read, () => ({attributes: {kind: "label"}, children: []}));
+    return {name: "gui", children: told.children, attributes: {...told.attributes, name}};
+  }));
+  return write({name: "gui", attributes: {kind: "group", name: ""}, children: each});
+}
+
+function say(text, isLost = false) {
+  element("state").textContent = text;
+  element("state").dataset.lost = isLost;
+  panel.lock(isLost);
+}
+
+async function open() {
+  const turn = ++asked;
+  clearTimeout(again);
+  stream?.close();
+  try {
+    const services = itemTexts(await fetched(""));
+    const [service, part] = wanted(services);
+    list(services, service);
+    if (!service) { panel.replaceChildren(); say(services.length ? "Choose a service." : "There is no service."); return; }
+    const text = await description(service, part);
+    const known = await components(services);
+    if (turn !== asked) return;
+    const gui = read(text), key = `${service} ${text} ${[...known.names]}`;
+    if (shown !== key) {
+      const focused = document.activeElement?.closest("[data-name]")?.dataset.name;
+      panel.draw(gui, new Source(service, known));
+      shown = key;
+      if (focused) panel.querySelector(`[data-name="${CSS.escape(focused)}"] :is(input, select, button, [tabindex])`)?.focus();
+    }
+    document.title = `${[service, part].filter(Boolean).join("/")} – panel`;
+    element("name").textContent = document.title.replace(" – panel", "");
+    listen(service, part, gui.attributes.kind === "group");
+  } catch (error) {
+    lost(error.message);
+  }
+}
+
+function wanted(services) {
+  const given = decodeURIComponent(location.pathname === "/" ? location.hash.slice(1)
+    : `${location.pathname.slice(4)}/${location.hash.slice(1)}`).replace(/\/$/, "");
+  const service = services.filter((each) => given === each || given.startsWith(`${each}/`))
+    .sort((a, b) => b.length - a.length)[0];
+  if (service) return [service, given.slice(service.length + 1).replaceAll("/", ".")];
+  return services.length === 1 && !given ? [services[0], ""] : ["", ""];
+}
+
+function list(services, present) {
+  element("services").replaceChildren(...services.map((each) =>
+    make("a", {href: `/#${each}`, "aria-current": each === present && "page"}, each)));
+}
+
+function listen(service, part, isGroup) {
+  const names = isGroup ? "all=1" : `names=(${part})`;
+  stream = new EventSource(at(`/${service}/${part && isGroup ? `${part}.` : ""}properties?values=1&every=0.05&${names}`));
+  const first = new Map();
+  const told = (event) => Object.fromEntries(event.lastEventId.split(";").map((each) => each.split("=")));
+  stream.onopen = () => say("live");
+  stream.onmessage = (event) => {
+    const {name, quality} = told(event);
+    if (!/(^|\.)properties$/.test(name)) panel.show(name, event.data, {quality});
+    else if ((first.get(name) ?? event.data) !== event.data) open();  // names have come or gone
+    else first.set(name, event.data);
+  };
+  stream.addEventListener("base64-text", (event) => {
+    const raw = Uint8Array.from(atob(event.data), (each) => each.charCodeAt(0));
+    panel.show(told(event).name, new TextDecoder().decode(raw), {...told(event), isRaw: true});
+  });
+  stream.addEventListener("bytes", (event) => panel.show(told(event).name, `${event.data} bytes`, {...told(event), isRaw: true}));
+  stream.addEventListener("refused", (event) =>
+    panel.show(told(event).name, event.data, {quality: "bad", isRaw: true}));
+  stream.addEventListener("end", (event) => panel.show(told(event).name, "", {code: event.data, isRaw: true}));
+  stream.onerror = () => lost("the connection is lost");
+}
+
+function lost(why) {
+  stream?.close();
+  say(`Not there: ${why}. What is shown was so at ${new Date().toLocaleTimeString()}.`, true);
+  clearTimeout(again);
+  again = setTimeout(open, LATER_MS);
+}
+
+window.addEventListener("hashchange", open);
+open();

@@ -1,0 +1,215 @@
+"""The panel of a whole service in a real browser: live in both directions, and safe."""
+
+from __future__ import annotations
+
+import json
+import math
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Annotated, Final, Literal
+
+import browser
+import pytest
+
+import rtkit
+from rtkit.link import secret
+from rtkit.wires.http.server_connection import HttpConnection
+from rtkit.wires.serve import ServedObject
+
+pytestmark = pytest.mark.skipif(browser.NAME is None, reason="chromium is not installed")
+HOSTILE = "<img src=x onerror=\"window.troubles.push('run')\"><script>troubles.push('run')</script>"
+
+
+class Arm:
+    angle: Annotated[float, rtkit.Unit("rad"), rtkit.Range(-1.5, 1.5)] = 0.0
+
+
+class Robot:
+    type: Final = ("mobilerobot",)
+    speed: Annotated[float, rtkit.Unit("m/s"), rtkit.Range(-1, 1, 0.05)] = 0.25
+    is_on = True
+    mode: Literal["idle", "drive"] = "idle"
+    title: str = "two words"
+    note: Final[str] = HOSTILE
+    location: tuple[float, float, float] = (1.0, 2.0, 0.0)
+
+    def __init__(self) -> None:
+        self.arm = Arm()
+        self.rows = [[1, HOSTILE], ["<b>2</b>", math.inf]]
+        self.go_on = threading.Event()
+
+    def wave(self, times: int = 1, how: Literal["up", "down"] = "up") -> Iterator[float]:
+        """<b>Waves</b> the arm."""
+        while not self.go_on.wait(0.02):
+            yield 0.5
+        self.speed = -0.5 if (times, how) == (3, "down") else 0.0
+
+
+@contextmanager
+def shown(thing: object, place: str, path: str) -> Iterator[tuple[ServedObject, browser.Browser]]:
+    """Serve something, and show a page of it."""
+    with rtkit.serve(thing, "robots/r1", http=0, is_on_zenoh=False) as served:
+        known = secret.read()
+        with browser.opened(place, known.user, known.password) as page:
+            page.go(f"http://localhost:{served.http}{path}")
+            page.wait_for("document.getElementById('state')?.textContent === 'live'")
+            yield served, page
+
+
+def widget(name: str, inner: str = "") -> str:
+    return f"document.querySelector('[data-name=\"{name}\"] {inner}')"
+
+
+def test_a_panel_and_its_service_follow_each_other(place: str) -> None:
+    robot = Robot()
+    with shown(robot, place, "/ps/robots/r1") as (served, page):
+        page.wait_for(widget("speed", "input") + "?.value === '0.25'")
+        # With the mouse, with keys, and by the service.
+        left, top, width, height = page.place('[data-name="speed"] input')
+        page.mouse("mousePressed", left + width * 0.62, top + height / 2)
+        page.mouse("mouseMoved", left + width * 0.9, top + height / 2)
+        page.mouse("mouseReleased", left + width * 0.9, top + height / 2)
+        page.wait_for(widget("speed", "output") + ".textContent === '0.85'")
+        page.key("ArrowRight")
+        page.wait_for(widget("speed", "output") + ".textContent === '0.9'")
+        page.wait_for(widget("speed") + ".isSending === false")
+        served.owned(lambda: None)
+        assert robot.speed == 0.9
+        robot.speed = -0.3
+        page.wait_for(widget("speed", "input") + ".value === '-0.3'")
+        page.click('[data-name="is_on"] input')
+        page.wait_for(widget("is_on", "output") + ".textContent === 'off'")
+        page.evaluate(f"{widget('mode', 'select')}.focus()")
+        page.key("ArrowDown")
+        page.wait_for(widget("mode", "select") + ".selectedOptions[0].text === 'drive'")
+        page.evaluate(f"{widget('location', 'input')}.focus()")
+        page.evaluate("document.activeElement.select()")
+        page.key("7")
+        page.key("Tab")
+        page.wait_for("document.activeElement.getAttribute('aria-label') === 'location y'")
+        robot.arm.angle = 0.5
+        page.wait_for(widget("arm.angle", "output") + ".textContent === '0.5'")
+        page.evaluate(f"{widget('title', 'input')}.focus()")
+        page.evaluate("document.activeElement.select()")
+        for each in 'a "b':
+            page.key(each)
+        page.key("Enter")
+        page.wait_for(widget("title") + ".isSending === false")
+        assert page.evaluate(widget("title", "input") + ".value") == 'a "b'
+        served.owned(lambda: None)
+        assert (robot.is_on, robot.mode, robot.location, robot.title) == (
+            False, "drive", (7.0, 2.0, 0.0), 'a "b')  # fmt: skip
+        assert page.troubles() == []
+
+
+def test_an_action_takes_arguments_shows_how_far_it_is_and_stops(place: str) -> None:
+    robot = Robot()
+    with shown(robot, place, "/#robots/r1") as (_, page):
+        page.evaluate(f"{widget('wave', '[data-name=times] input')}.focus()")
+        page.evaluate("document.activeElement.select()")
+        page.key("3")
+        page.key("Tab")
+        page.key("d")
+        page.click('[data-name="wave"] > .body > button')
+        page.wait_for(widget("wave", "progress") + ".value === 0.5")
+        robot.go_on.set()
+        page.wait_for(widget("speed", "input") + ".value === '-0.5'")
+        robot.go_on.clear()
+        page.wait_for(widget("wave", "> .body > output") + ".textContent === 'done 0.5'")
+        page.click('[data-name="wave"] > .body > button')
+        page.wait_for(f"!{widget('wave', '> .body > button + button')}.hidden")
+        page.click('[data-name="wave"] > .body > button + button')
+        page.wait_for(widget("wave", "> .body > output") + ".textContent.startsWith('stopped')")
+        # A wrong value is refused in words, and what is in force is shown again.
+        page.evaluate(f"{widget('speed')}.send('5')")
+        page.wait_for(widget("speed", ".problem") + ".textContent.includes('5 is above 1')")
+        page.wait_for(widget("speed", "input") + ".value === '-0.5'")
+        assert page.troubles() == []
+
+
+def test_text_of_strangers_is_only_shown(place: str) -> None:
+    with shown(Robot(), place, "/ps/robots/r1") as (_, page):
+        page.wait_for(widget("rows", "td") + " !== null")
+        assert page.evaluate(widget("note", "output") + ".textContent") == HOSTILE
+        assert page.evaluate(widget("wave") + ".title") == "<b>Waves</b> the arm."
+        strange = "document.querySelectorAll('main img, main script, main b').length"
+        assert page.evaluate(strange) == 0
+        assert page.troubles() == []
+        # And the policy would not run it if it were more.
+        page.evaluate("document.body.insertAdjacentHTML('beforeend', '<p onclick=\"1\">')")
+        page.evaluate("document.querySelector('body > p').click()")
+        page.wait_for("window.troubles.length > 0")
+        assert page.troubles()[0].startswith("script-src")
+
+
+def test_what_is_lost_looks_so_and_comes_back(place: str) -> None:
+    robot = Robot()
+    with shown(robot, place, "/ps/robots/r1#arm.angle") as (served, page):
+        assert page.evaluate("document.querySelectorAll('[data-kind]').length") == 1
+        robot.arm.angle = 1.0
+        page.wait_for(widget("arm.angle", "output") + ".textContent === '1'")
+
+        def hang_up() -> None:
+            for each in list(served._host._handlers.values()):
+                if isinstance(each, HttpConnection) and each.is_stream:
+                    each.close()
+
+        served.owned(hang_up)
+        page.wait_for("document.getElementById('state').dataset.lost === 'true'")
+        assert page.evaluate(widget("arm.angle", "input") + ".disabled") is True
+        robot.arm.angle = -1.0
+        page.wait_for(widget("arm.angle", "output") + ".textContent === '-1'")
+        page.wait_for("document.getElementById('state').textContent === 'live'")
+        assert page.evaluate(widget("arm.angle", "input") + ".disabled") is False
+        known = secret.read()
+        page.go(f"http://{known.user}:{known.password}@localhost:{served.http}/#robots/r1/speed")
+        page.wait_for(f"{widget('speed', 'output')}?.textContent === '0.25'")
+        served.owned(lambda: served.service.add("later", 3, "number"))
+        page.go(f"http://localhost:{served.http}/#robots/r1")
+        page.wait_for(f"{widget('later', 'input')}?.value === '3'")
+        served.owned(lambda: served.service.add("more", 4, "number"))
+        page.wait_for(f"{widget('more', 'input')}?.value === '4'")
+        served.owned(lambda: served.service.remove("more"))
+        page.wait_for(f"{widget('more')} === null")
+        assert page.troubles() == []
+
+
+STRANGER = """<p id=out></p><script>
+const told = [];
+const note = (text) => { told.push(text); parent.postMessage({id: 0, method: "SET", name: "title",
+    value: JSON.stringify(JSON.stringify(told))}, "*"); };
+const asks = {1: ["GET", ""], 2: ["GET", "gui"], 3: ["GET", "../speed"], 4: ["CALL", "x"]};
+onmessage = ({data}) => { if (data.id) note(`${data.id} ${data.value ?? data.error}`); };
+for (const [id, [method, name]] of Object.entries(asks))
+    parent.postMessage({id: Number(id), method, name}, "*");
+try { note("parent " + parent.document.title); } catch (error) { note("parent " + error.name); }
+try { note("storage " + localStorage.length); } catch (error) { note("storage " + error.name); }
+fetch("/ps/robots/r1/speed").then(() => note("fetched"), () => note("fetch failed"));
+new Image().src = "http://localhost:1/leak";
+</script>"""
+
+
+def test_a_component_of_a_stranger_is_shut_in(place: str) -> None:
+    """It reaches what lies below its property, and neither the page, the network nor the rest."""
+    robot = Robot()
+    with shown(robot, place, "/ps/robots/r1") as (served, page):
+        served.owned(lambda: served.service.add("lamp.html", STRANGER, "text"))
+        served.owned(lambda: served.service.add("lamp.title", "", "string"))
+        page.evaluate("""(() => {
+            const frame = document.createElement("rt-frame");
+            document.querySelector("main").append(frame);
+            const set = (target, body) => fetch(`/ps/robots/r1/${target}`, {method: "PUT", body});
+            const source = {get: async (target) => `value of ${target}`, set};
+            frame.begin({attributes: {name: "lamp"}}, source, "/ps/robots/r1/lamp.html");
+        })()""")
+        assert page.evaluate("document.querySelector('iframe')") is None, "not before it is wanted"
+        page.click("rt-frame button")
+        page.wait_for(f"{widget('lamp.title', 'input')}?.value.includes('fetch failed')")
+        page.wait_for(f"{widget('lamp.title', 'input')}?.value.includes('4 denied')")
+        told = json.loads(page.evaluate(f"{widget('lamp.title', 'input')}.value"))
+        assert sorted(told) == [
+            "1 value of lamp", "2 denied only what lies below", "3 denied only what lies below",
+            "4 denied GET and SET only", "fetch failed", "parent SecurityError",
+            "storage SecurityError"]  # fmt: skip
+        assert page.troubles() == []
