@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from rtkit.api.system_profiles import SystemProfile, load
     from rtkit.api.tree import Tree
     from rtkit.by_hand import run
-    from rtkit.property.annotations import Range, Unit
+    from rtkit.property.annotations import Range, Returns, Unit
     from rtkit.property.codes import PropertyError
     from rtkit.property.functional import behavior
     from rtkit.property.marker import Marker
@@ -43,6 +43,7 @@ _HOMES = {
     "Word": "rtkit.property.values",
     "SystemPlan": "rtkit.api.plan",
     "Range": "rtkit.property.annotations",
+    "Returns": "rtkit.property.annotations",
     "SystemProfile": "rtkit.api.system_profiles",
     "Tree": "rtkit.api.tree",
     "Unit": "rtkit.property.annotations",
@@ -64,6 +65,7 @@ __all__ = [
     "PropertyChange",
     "PropertyError",
     "Range",
+    "Returns",
     "SystemPlan",
     "SystemProfile",
     "Tree",

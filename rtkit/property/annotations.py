@@ -12,12 +12,14 @@ from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from enum import Enum
 from functools import lru_cache
-from typing import Any, NamedTuple, get_args, get_origin
+from typing import Any, NamedTuple, TypeVar, get_args, get_origin
 
 from rtkit.property.conversion import has_element, to_value
 from rtkit.property.property_spec import PropertySpec
 from rtkit.property.types import Type, parse_type
 from rtkit.property.values import Element, Value, Word, is_number
+
+T = TypeVar("T")
 
 
 class Unit(NamedTuple):
@@ -32,6 +34,20 @@ class Range(NamedTuple):
     minimum: float | None = None
     maximum: float | None = None
     step: float | None = None
+
+
+class Returns(NamedTuple):
+    """A value that was set returns by itself: ``Annotated[Velocity, Returns(after=0.5)]``.
+
+    ``NAME.timeout`` tells how long it stays, and can be set.
+
+    Attributes:
+        after: How long after the last SET [s].
+        to: The value it returns to; None for the one that it has before it is set first.
+    """
+
+    after: float = 0.5
+    to: Any = None
 
 
 _BASES = {bool: "boolean", int: "integer", float: "number", str: "string", bytes: "bytes"}
@@ -188,13 +204,21 @@ def _type_of_value(present: object) -> Type:
     )
 
 
-def _range_and_unit(hint: Any) -> tuple[Range, str]:
-    """Return range and unit that stand beside an annotation."""
+def _extras(hint: Any) -> tuple[Any, ...]:
     while get_origin(hint) in (typing.Final, typing.ClassVar):
         hint = get_args(hint)[0]
-    extras = hint.__metadata__ if get_origin(hint) is typing.Annotated else ()
+    return hint.__metadata__ if get_origin(hint) is typing.Annotated else ()
+
+
+def extra_of(hint: Any, kind: type[T]) -> T | None:
+    """Return what of a kind stands beside an annotation, None if nothing does."""
+    return next((each for each in _extras(hint) if isinstance(each, kind)), None)
+
+
+def _range_and_unit(hint: Any) -> tuple[Range, str]:
+    """Return range and unit that stand beside an annotation."""
     bounds, unit = Range(), ""
-    for extra in extras:
+    for extra in _extras(hint):
         if isinstance(extra, Range):
             bounds = extra
         elif isinstance(extra, str):

@@ -52,8 +52,11 @@ class Bulk:
             PropertyError: ``bad-parameter``, ``bad-value``, ``unknown``, ``denied``.
         """
         if not parameters:
-            if place.path or (place.node is not None and not self._registry.is_inner(place.name)):
-                return write(tuple(map(as_value, self._parts(place))))
+            if place.path or place.node is not None:
+                below = [] if place.path else self._registry.children(place.name)
+                has_both = not below or (place.node is not None and place.node.returning)
+                parts = self._parts(place) if has_both else []
+                return write(tuple(map(as_value, [*parts, *below])))
             return self._registry.listed(place.name)
         given = dict(parameters)
         depth: int | None = int(number(given, "depth", 1))

@@ -219,12 +219,16 @@ class LiveValues:
         Raises:
             PropertyError: What the writer raised; the old value is in force.
         """
-        writer = node.writer
+        writer, returning = node.writer, node.returning
+        if returning is not None:
+            returning.before_set()
         if writer is not None:
             to_payload(node.spec.type, value)
             outcome = self.user_code.call(lambda: writer(value, parameters))
             changed = result_of(outcome, (ValueError, TypeError))
             value = value if changed is None else changed
+        if returning is not None:
+            returning.was_set()
         if node.source is not None:
             self._apply_names(node.name)
             return

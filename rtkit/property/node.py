@@ -16,6 +16,7 @@ from rtkit.property.writing import as_item
 if TYPE_CHECKING:
     from rtkit.property.functional import FunctionalProperty
     from rtkit.property.names import NameSource
+    from rtkit.property.returning import Returning
     from rtkit.property.subscription import Listener
 
 
@@ -31,12 +32,13 @@ class PropertyNode:
         reader: Computes the value; None where it is kept here.
         history: The last values as (time, quality, payload), where that is switched on.
         source: The owner of the value, which is not kept here, of a name that came; else None.
+        returning: Puts it back when nobody sets it any more; None where it stays as it was set.
         is_quick: Whether reading and writing call no user code just now; None for never.
     """
 
     __slots__ = (
         "_line", "_pair", "_payload", "function", "history", "is_quick", "listeners", "name",
-        "quality", "reader", "revision", "source", "spec", "time", "value", "writer",
+        "quality", "reader", "returning", "revision", "source", "spec", "time", "value", "writer",
     )  # fmt: skip
 
     def __init__(self, name: str, spec: PropertySpec, value: Content | None, time: float) -> None:
@@ -51,6 +53,7 @@ class PropertyNode:
         self.is_quick: Callable[[], bool] | None = None
         self.function: FunctionalProperty | None = None
         self.source: NameSource | None = None
+        self.returning: Returning | None = None
         self.listeners: list[Listener] | None = None
         self.history: deque[tuple[float, str, Payload]] | None = None
         self._payload: Payload | None = None

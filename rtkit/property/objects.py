@@ -15,8 +15,10 @@ from typing import Any, NamedTuple
 
 from rtkit.guard import guarded
 from rtkit.property.annotations import (
+    Returns,
     bare,
     choices_of,
+    extra_of,
     hints_of_function,
     returned,
     spec_of,
@@ -31,6 +33,7 @@ from rtkit.property.names import METHODS, NameListing, Names, NameSource, NameTa
 from rtkit.property.naming import check_registrable, segment_of
 from rtkit.property.node import PropertyNode
 from rtkit.property.property_spec import PropertySpec, RequestParameter
+from rtkit.property.returning import TIMEOUT, Returning
 from rtkit.property.service import Service
 from rtkit.property.types import Content, parse_type
 from rtkit.property.user_code import Unfolded, is_coroutine, result_of
@@ -271,6 +274,21 @@ class Exported:
         node = self._service.add(name, spec=spec, read=read, write=write)
         if is_plain:
             node.is_quick = _quickness(holder, member, type(holder()))
+        returns = extra_of(member.hint, Returns)
+        if returns is not None and "w" in member.access:
+            self._return(node, returns)
+
+    def _return(self, node: PropertyNode, returns: Returns) -> None:
+        """Have a property return by itself, and its time-out set."""
+        to = None if returns.to is None else to_value(returns.to)
+        values = self._service.values
+        read, apply = partial(values.value_of, node), partial(values.apply, node)
+        made = Returning(node.name, read, apply, values.user_code, returns.after, to)
+        node.returning = made
+        timeout = self._service.add(
+            f"{node.name}.timeout", spec=TIMEOUT, read=made.read_timeout, write=made.write_timeout
+        )
+        timeout.is_quick = lambda: True
 
     def _named(self, table: NameTable, name: str, hint: Any) -> tuple[PropertySpec, dict[str, Any]]:
         """Return what is declared of a property that came with a name, its reader and writer."""
