@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from rtkit.closing import Closing
 from rtkit.errors import RtkitError
+from rtkit.property.blocks import as_bytes, blocks_of, joined_blocks
 from rtkit.property.codes import PropertyError
 from rtkit.property.conversion import to_value
 from rtkit.property.messages import Answer, Payload
@@ -106,6 +107,31 @@ class Client(Closing):
             PropertyError: It cannot be set, or is not in time; its code tells how.
         """
         self.payload(Ask(target, value, parameters), self.timeout_s)
+
+    def get_bytes(self, target: str, **parameters: Any) -> bytes:
+        """Return the bytes of a property as they are, whatever they look like; many in blocks.
+
+        Raises:
+            PropertyError: They cannot be got; its code tells how.
+        """
+        try:
+            return self._raw(target, parameters)
+        except PropertyError as error:
+            if error.code != "too-large" or "length" in parameters:
+                raise
+        return joined_blocks(lambda block: self._raw(target, {**parameters, **block}))
+
+    def _raw(self, target: str, parameters: Mapping[str, Any]) -> bytes:
+        return as_bytes(self.payload(Ask(target, parameters=parameters), self.timeout_s))
+
+    def set_bytes(self, target: str, data: bytes, **parameters: Any) -> None:
+        """Set a property to bytes; many go in blocks, and are in force after the last of them.
+
+        Raises:
+            PropertyError: It cannot be set; its code tells how.
+        """
+        for place, block in blocks_of(data):
+            self.set(target, block, **parameters, **place)
 
     def call(self, target: str, *args: Any, timeout_s: float | None = None, **named: Any) -> Any:
         """Call an action, and return its result once it has ended.

@@ -60,7 +60,9 @@ class LiveValues:
             PropertyError: ``unknown``.
         """
         try:
-            return self.registry.find(name)
+            place = self.registry.find(name)
+            if not place.path or place.node is None or place.node.source is None:
+                return place  # else it may be a name of its own that has come below that one
         except PropertyError as error:
             if self.on_names is None or error.code != "unknown":
                 raise
@@ -82,7 +84,7 @@ class LiveValues:
                 raise
             unknown = error
         node = place.node
-        is_known = node is not None and (not place.path or node.spec.type.base != "bytes")
+        is_known = node is not None and (not place.path or node.source is None)
         is_new = self.on_new is not None and not place.extension and not is_known
         made = self.on_new(name) if is_new and self.on_new else None
         if made is None and unknown is not None:

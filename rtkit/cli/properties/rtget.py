@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 
 import click
 
@@ -27,7 +27,7 @@ from rtkit.errors import RtkitError
         ),
         ("rtget -p values -p names='(speed mode)' robot", "Several names with their values."),
         ("rtget robot.speed.meta", "Type, unit, range, time, quality of a property."),
-        ("rtget --raw robot.image > image.jpg", "Bytes, as they are."),
+        ("rtget --raw robot.image > image.jpg", "Bytes, as they are; many of them in blocks."),
     ),
     json=("property",),
     arguments=("live",),
@@ -57,13 +57,23 @@ def main(
     if is_raw and is_json:
         raise click.UsageError("--raw and --json exclude each other")
     with connected(app, at, parameters) as places:
+        from rtkit.property.blocks import joined_blocks
+        from rtkit.property.codes import PropertyError
         from rtkit.tree.property_connections import asked
-
-        more = joined(parameters)
 
         def value(target: str) -> tuple[str, str | bytes]:
             place, end = places.find(target)
-            return place.typed, asked(lambda: end.ask(place.target(more)), place.typed)
+
+            def get(block: Mapping[str, int]) -> str | bytes:
+                more = joined([*parameters, *(f"{k}={v}" for k, v in block.items())])
+                return asked(lambda: end.ask(place.target(more)), place.typed)
+
+            try:
+                return place.typed, get({})
+            except PropertyError as error:
+                if error.code != "too-large" or not is_raw:
+                    raise
+            return place.typed, joined_blocks(get)
 
         def lines_of(values: Iterable[tuple[str, str | bytes]]) -> list[str]:
             if is_json:

@@ -36,7 +36,7 @@ class _TakesNumbers(click.Command):
         ("rtset --if 7 robot.mode drive", "Only if nobody has changed it since."),
         ("rtset robot properties '((speed 0) (mode idle))'", "Several, all or none."),
         ("rtset /localhost/Motor0.rtc.state Active", "Of a component: it is activated."),
-        ("rtset --file image.jpg robot.image", "The content of a file."),
+        ("rtset --file image.jpg robot.image", "The content of a file; much in blocks."),
     ),
     arguments=("live", "value", ""),
 )
@@ -72,11 +72,15 @@ def main(
     if revision is not None:
         more.append(f"if={revision}")
     with connected(app, at, parameters) as places:
+        from rtkit.property.blocks import as_bytes, blocks_of
         from rtkit.tree.property_connections import asked, bound_of
 
         place, end = places.find(given[0])
         more += bound_of(end, place.parameters, more, app.timeout_s)
-        value = asked(lambda: end.ask(place.target(joined(more)), payload), place.typed)
+        for where, block in blocks_of(as_bytes(payload)):
+            target = place.target(joined([*more, *(f"{k}={v}" for k, v in where.items())]))
+            sent = block if where else payload
+            value = asked(lambda: end.ask(target, sent), place.typed)  # noqa: B023
     if has_echo:
         terminal.write([shown(value)])
 
