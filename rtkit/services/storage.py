@@ -19,6 +19,7 @@ from typing import Any, Final, NamedTuple, Self
 
 from rtkit import Names, PropertyError, Word
 from rtkit.services.directory import Directory, Folder, Upload
+from rtkit.services.hosting import init_of
 from rtkit.services.paths import Path, names_of, path_of
 
 BLOCK = 1 << 20
@@ -406,3 +407,6 @@ def _is_kind(file: str, kind: str) -> bool:
         return True
     media = guess_type(file)[0] or ""
     return media == kind or media.startswith(f"{kind}/")
+
+
+StorageInit = init_of(Storage)

@@ -15,6 +15,7 @@ import pytest
 
 import rtkit
 from rtkit.proxy.bridge import bridge
+from rtkit.services.storage import Storage
 
 _BOUND_S = 20.0
 
@@ -52,6 +53,15 @@ CONTRACTS: dict[str, Contract] = {
         {"level": "0.25"},
         {"level": ("bright", "bad-value"), "level?of=1": (None, "bad-parameter"),
          "none": (None, "unknown")},
+    ),
+    "storage": Contract(
+        lambda folder: Storage(str(folder)),
+        {"type": "list", "version": "string", "status": "string", "search": "list<word>",
+         "used": "integer", "quota": "integer", "largest": "integer", "left_out": "integer"},
+        {"image.jpg": "jpeg", "a%20b": "(1 2", "image.jpg?offset=0&size=2": "12"},
+        {"none.jpg": (None, "unknown"), "%2E%2E": ("x", "denied"), "status": ("x", "read-only"),
+         "none.jpg?delete=1": ("", "unknown"), "image.jpg?offset=7": ("x", "conflict"),
+         "image.jpg?size=x": (None, "bad-parameter"), "search?size=1": (None, "bad-parameter")},
     ),
 }  # fmt: skip
 DOORS = ("unix", "zenoh", "tcp", "chain")
@@ -100,7 +110,7 @@ def test_a_service_keeps_its_promises_through_each_door(
         client.get(f"{at}{name}")
     for name, text in contract.accepted.items():
         client.set(f"{at}{name}", text)
-        assert client.payload(rtkit.Ask(f"{at}{name.partition('?')[0]}"), _BOUND_S) == text
+        assert client.get_bytes(f"{at}{name.partition('?')[0]}") == text.encode()
     for target, (value, code) in contract.refused.items():
         if value is None:
             assert (target, _code(lambda t=target: client.get(at + t))) == (target, code)

@@ -17,7 +17,7 @@ PATHS = some.lists(PARTS, min_size=1, max_size=4).map(tuple)
     ("path", "names"),
     [
         (("image.jpg",), ["image.jpg", "image%2Ejpg"]),
-        (("my pictures", "a ball.jpg"), ["my%20pictures.a%20ball.jpg", "my%20pictures.a%20ball%2Ejpg"]),
+        (("my photos", "a ball.jpg"), ["my%20photos.a%20ball.jpg", "my%20photos.a%20ball%2Ejpg"]),
         (("conf.d", "x"), ["conf%2Ed.x", "conf%2Ed.x"]),
         (("a..b",), ["a%2E%2Eb"]),
         (("notes.meta",), ["notes%2Emeta"]),
@@ -94,8 +94,7 @@ def test_no_spelling_leads_outside(parts: list[str]) -> None:
     for name in ("".join(parts), ".".join(parts)):
         try:
             path = path_of(name, {("a",), ("a", "a")})
-        except PropertyError as error:
-            assert error.code == "denied"
+        except PropertyError:
             continue
         assert all(part not in ("", ".", "..") and "/" not in part for part in path)
         assert not any("\0" in part or "\\" in part for part in path)
