@@ -46,8 +46,8 @@ _CODES = {
 
 
 @contextmanager
-def _told() -> Iterator[None]:
-    """Say what the system refuses without saying where."""
+def _without_paths() -> Iterator[None]:
+    """Turn a refusal of the system into one that has no path in it."""
     try:
         yield
     except OSError as error:
@@ -56,7 +56,7 @@ def _told() -> Iterator[None]:
 
 
 class Folder(NamedTuple):
-    """What a directory was found to hold.
+    """Content of a directory, as it was found.
 
     Attributes:
         mark: Differs when a name comes or goes.
@@ -94,7 +94,7 @@ class Upload:
     def write(self, data: bytes, offset: int) -> None:
         """Write a block at its place."""
         view = memoryview(data)
-        with _told():
+        with _without_paths():
             while view:
                 done = os.pwrite(self._file, view, offset)
                 view, offset = view[done:], offset + done
@@ -102,7 +102,7 @@ class Upload:
 
     def digest(self) -> str:
         """Return the SHA-256 of what was written."""
-        with _told():
+        with _without_paths():
             again = os.open(self._name, _FILE, dir_fd=self._parent)
             with open(again, "rb") as file:
                 return _digest(file.fileno())
@@ -113,7 +113,7 @@ class Upload:
         Raises:
             PropertyError: ``conflict``: what bears that name is no file.
         """
-        with _told():
+        with _without_paths():
             _check_replaceable(name, self._parent)
             if self._is_synced:
                 os.fsync(self._file)
@@ -146,7 +146,7 @@ class Directory:
     def __init__(self, root: str, *, hidden: bool = False, is_synced: bool = True) -> None:
         self._hidden = hidden
         self._is_synced = is_synced
-        with _told():
+        with _without_paths():
             self._root = os.open(root, os.O_RDONLY | os.O_DIRECTORY | os.O_CLOEXEC)
 
     def close(self) -> None:
@@ -156,7 +156,7 @@ class Directory:
     @contextmanager
     def _within(self, parents: Path) -> Iterator[int]:
         """Open the directory at a path, step by step."""
-        with _told():
+        with _without_paths():
             here = os.open(".", _STEP, dir_fd=self._root)
             try:
                 for part in parents:

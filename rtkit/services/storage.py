@@ -372,12 +372,12 @@ class Storage(Names):
         return self._used[1]
 
     def get_used(self) -> int:
-        """How much all files hold [bytes]."""
+        """Size of all files together [bytes]."""
         with self._lock:
             return self._now_used()
 
     def get_left_out(self) -> int:
-        """How many files, links and others there are that have no name here."""
+        """Number of files, links and others that have no name here."""
         with self._lock:
             return self._look().left_out
 
