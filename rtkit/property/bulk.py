@@ -80,7 +80,7 @@ class Bulk:
         if has_values:
             return self._pairs(prefix, names, caller, is_strict=selected is not None)
         for each in names if selected is not None else ():
-            self._registry.find(prefix + each)
+            self._values.find(prefix + each)
         return write(tuple(map(as_value, names)))
 
     def _described(self, prefix: str, name: str, caller: Requester) -> Value:

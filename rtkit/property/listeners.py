@@ -28,9 +28,14 @@ class Listeners:
     """
 
     def __init__(
-        self, registry: Registry, clock: Callable[[], float], wall: Callable[[], float]
+        self,
+        registry: Registry,
+        clock: Callable[[], float],
+        wall: Callable[[], float],
+        standard: Registry,
     ) -> None:
         self._registry = registry
+        self._standard = standard
         self._clock = clock
         self._wall = wall
         self._all: dict[tuple[Requester, str, tuple[str, ...]], Listener] = {}
@@ -169,7 +174,8 @@ class Listeners:
         """End a listener: it receives nothing more."""
         self._forget(listener)
         listener.has_ended = True
-        node = self._registry.nodes.get(_property_of(listener))
+        name = _property_of(listener)
+        node = self._registry.nodes.get(name) or self._standard.nodes.get(name)
         if node is not None and node.listeners:
             node.listeners = [each for each in node.listeners if each is not listener] or None
         for place, listeners in list(self.of_names.items()):

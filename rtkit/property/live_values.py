@@ -26,6 +26,8 @@ class LiveValues:
     """Values of the properties of one service.
 
     Attributes:
+        registry: Their names.
+        standard: Properties that are answered, and not listed, where there are no others so named.
         clock: Returns monotonic time [s].
         wall: Returns the time of day [s since 1970].
         user_code: Calls what is not ours.
@@ -38,7 +40,8 @@ class LiveValues:
         self.clock = clock
         self.wall = wall
         self.registry = Registry()
-        self.listeners = Listeners(self.registry, clock, wall)
+        self.standard = Registry()
+        self.listeners = Listeners(self.registry, clock, wall, self.standard)
         self.user_code: UserCode = AT_ONCE
         self.on_names: Callable[[], object] | None = None
         self.on_new: Callable[[str], PropertyNode | None] | None = None
@@ -64,10 +67,17 @@ class LiveValues:
             if not place.path or place.node is None or place.node.source is None:
                 return place  # else it may be a name of its own that has come below that one
         except PropertyError as error:
-            if self.on_names is None or error.code != "unknown":
+            if error.code != "unknown":
                 raise
-        self.names_now()
-        return self.registry.find(name)
+        if self.on_names is not None:
+            self.names_now()
+        try:
+            return self.registry.find(name)
+        except PropertyError:
+            standard = self.standard.part_of([*name.split("."), ""])
+            if standard is None:
+                raise
+        return self.standard.find(name)
 
     def find_to_set(self, name: str) -> NameEntry:
         """Return what a name stands for that is to be set: perhaps one that is to be made.

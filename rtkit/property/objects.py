@@ -35,9 +35,11 @@ from rtkit.property.node import PropertyNode
 from rtkit.property.property_spec import PropertySpec, RequestParameter
 from rtkit.property.returning import TIMEOUT, Returning
 from rtkit.property.service import Service
+from rtkit.property.standard import TYPE
 from rtkit.property.types import Content, parse_type
 from rtkit.property.user_code import Unfolded, is_coroutine, result_of
 from rtkit.property.values import Value
+from rtkit.property.writing import worded
 
 _PLAIN_SETS: tuple[object, ...] = (object.__setattr__, dict.__setattr__)
 DEEPEST = 4
@@ -249,6 +251,9 @@ class Exported:
         if found.takes:
             spec = replace(spec, parameters=_declared(found.takes))
         is_unknown = member.hint is None and found.present is _UNSET
+        if name == "type" and spec.type.name == "list":
+            spec = replace(spec, type=TYPE)
+        in_words = spec.type == TYPE
         is_plain = member.kind == "attribute" and found.is_plain
 
         def read(given: dict[str, Value]) -> Content:
@@ -260,7 +265,8 @@ class Exported:
                 self._unfold(name, present)
             if is_unknown and not named:
                 self._learn(name, member, present)
-            return to_value(present)
+            value = to_value(present)
+            return value if isinstance(value, bytes) or not in_words else worded(value)
 
         def write(value: Content, given: dict[str, Value]) -> Any:
             thing = holder()

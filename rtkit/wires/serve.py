@@ -11,6 +11,7 @@ from rtkit.property.access import AccessPolicy, read_policy
 from rtkit.property.objects import Exported
 from rtkit.property.requests import Requester
 from rtkit.property.service import Service
+from rtkit.property.standard import add_standard
 from rtkit.serving.event_loop import PropertyEventLoop
 from rtkit.serving.refusals import Refusals
 from rtkit.wires.line.endpoint import open_unix
@@ -145,6 +146,7 @@ def serve(
             from rtkit.wires.zenoh.endpoint import open_zenoh
 
             open_zenoh(host, service)
+        add_standard(service.values, service.name, thing)
         if not isinstance(thing, Service):
             exported = Exported(service, thing, hide)
             if hasattr(type(thing), "__served__"):
