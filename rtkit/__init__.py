@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from rtkit.property.marker import Marker
     from rtkit.property.names import Names
     from rtkit.property.values import Element, Word
+    from rtkit.proxy.mounts import Mount
     from rtkit.version import __version__
     from rtkit.wires.serve import serve
 
@@ -38,6 +39,7 @@ _HOMES = {
     "Element": "rtkit.property.values",
     "Marker": "rtkit.property.marker",
     "Names": "rtkit.property.names",
+    "Mount": "rtkit.proxy.mounts",
     "PropertyChange": "rtkit.api.property_change",
     "PropertyError": "rtkit.property.codes",
     "Word": "rtkit.property.values",
@@ -61,6 +63,7 @@ __all__ = [
     "Client",
     "Element",
     "Marker",
+    "Mount",
     "Names",
     "PropertyChange",
     "PropertyError",

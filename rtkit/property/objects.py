@@ -29,6 +29,7 @@ from rtkit.property.conversion import is_builtin, to_value
 from rtkit.property.fitting import from_value
 from rtkit.property.functional import FunctionalProperty
 from rtkit.property.members import Member, is_data, is_nested, members
+from rtkit.property.mounting import MountPoint
 from rtkit.property.names import METHODS, NameListing, Names, NameSource, NameTable
 from rtkit.property.naming import check_registrable, segment_of
 from rtkit.property.node import PropertyNode
@@ -93,6 +94,7 @@ class Exported:
         self._thing = thing
         self._hidden = frozenset(hidden)
         self._names: dict[str, object] = {}
+        self._mounts: dict[str, MountPoint] = {}
         self._unfolded: dict[str, object] = {}
         self._tables: dict[str, NameTable] = {}
         self._looks = self._seen = 0
@@ -123,8 +125,10 @@ class Exported:
         looked = {prefix: each.names for prefix, each in found.items() if each.names}
         for prefix in looked:
             del found[prefix]
-        for name in [each for each in self._names if each not in found]:
+        for name in [each for each in self._names if not self._is_still(each, found.get(each))]:
             del self._names[name]
+            if self._mounts.pop(name, None) is not None and self._service.mounts is not None:
+                self._service.mounts.remove(name)
             if name in self._service.registry.nodes:
                 self._service.remove(name)
         for name, each in found.items():
@@ -139,6 +143,34 @@ class Exported:
             self._tables[prefix] = table
             if listing is not None:
                 self._put_names(table, listing)
+
+    def _is_still(self, name: str, found: _Found | None) -> bool:
+        """Return whether a member is there as before: the same mount, if it is one."""
+        if found is None:
+            return False
+        mount = found.present if isinstance(found.present, MountPoint) else None
+        return self._mounts.get(name) is mount
+
+    def _mount(self, name: str, mount: MountPoint, found: _Found) -> None:
+        """Have what is below a name be that of another owner."""
+        holder, member = found.holder, found.member
+
+        def is_there() -> bool:
+            if not found.is_plain:
+                return True  # to look would take user code
+            return guarded(lambda: _present(holder(), member)).result is mount
+
+        def read(_given: dict[str, Value]) -> Content:
+            if is_there():
+                raise PropertyError("unknown", f"no such property: {name}")
+            raise Unfolded(name)
+
+        self._mounts[name] = mount
+        doc = f"What {mount.target} has"
+        self._service.add(name, spec=PropertySpec(parse_type("list"), "r", doc=doc), read=read)
+        if self._service.mounts is None:
+            self._service.mounts = mount.table_for(self._service)
+        self._service.mounts.add(name, mount, is_there)
 
     def _put_names(self, table: NameTable, listing: NameListing) -> None:
         nodes = self._service.registry.nodes
@@ -190,6 +222,9 @@ class Exported:
             present = self._unfolded.get(name, _UNSET)
             if is_known:
                 present = _present(thing, member)
+            if isinstance(present, MountPoint):
+                found[name] = _Found(holder, member, present, is_known)
+                continue
             held = self._nested(holder, member, name, is_known=is_known)
             look = partial(self._below, held, present, name, seen, is_plain=is_known)
             below = guarded(look)
@@ -242,6 +277,9 @@ class Exported:
 
     def _add(self, name: str, found: _Found) -> None:
         holder, member = found.holder, found.member
+        if isinstance(found.present, MountPoint):
+            self._mount(name, found.present, found)
+            return
         if member.kind == "method":
             function = self._function(found)
             spec = PropertySpec(parse_type("element"), doc=member.doc, is_functional=True)

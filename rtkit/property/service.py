@@ -66,6 +66,7 @@ from rtkit.property.idempotency import IdempotencyCache, identity_of
 from rtkit.property.lanes import first_only, lane_of, wait_of
 from rtkit.property.live_values import LiveValues
 from rtkit.property.messages import DONE, Answer, Payload, failed
+from rtkit.property.mounting import MountTable
 from rtkit.property.naming import RequestTarget, parse_target
 from rtkit.property.node import PropertyNode
 from rtkit.property.parameters import COMMON, OF_GET, checked_parameters, flag
@@ -86,6 +87,8 @@ class Service:
         extensions: Answers what is asked about them.
         on_refusal: Hears of each request that was denied: who, method, target.
         quick: Answers a request line of the kind that most are.
+        host: The loop that serves it, where it is served.
+        mounts: Its mount points, None while it has had none.
         has_groups: Those who listen in the same way may share one listener.
     """
 
@@ -104,6 +107,8 @@ class Service:
         self.listeners = self.values.listeners
         self.extensions = Extensions(self.values, self.permit, self.get)
         self.on_refusal: Callable[[str, str, str], object] | None = None
+        self.host: object = None
+        self.mounts: MountTable | None = None
         self._nodes = self.registry.nodes
         self._set_plain = self.values.set_plain
         self._poller = Poller(self.values)
@@ -252,6 +257,11 @@ class Service:
 
     def handle(self, ask: PropertyRequest) -> None:
         """Answer a request, now or later; never raises for what is asked."""
+        if self.mounts is None or not self.mounts.takes(ask):
+            self.handle_own(ask)
+
+    def handle_own(self, ask: PropertyRequest) -> None:
+        """Answer a request about what is not mounted."""
         if ask.payload is None:
             node = self._nodes.get(ask.target)
             # Decision 34: nearly all requests are of this kind; the rest refuses or widens it.
@@ -272,6 +282,9 @@ class Service:
         try:
             answer = self._done(self._perform, ask)
         except PropertyError as error:
+            is_unknown = error.code == "unknown" and self.mounts is not None
+            if is_unknown and self.mounts.takes(ask, is_again=True):  # type: ignore[union-attr]
+                return  # a mount that was found only now
             answer = Answer(str(error), error.code)
         except Exception as error:
             answer = failed(error)
@@ -333,10 +346,14 @@ class Service:
     def tick(self) -> None:
         """End the leases that are over."""
         self.listeners.tick()
+        if self.mounts is not None:
+            self.mounts.tick()
 
     def forget(self, caller: Requester) -> None:
         """Send nothing any more to who is gone."""
         self.listeners.end_caller(caller)
+        if self.mounts is not None:
+            self.mounts.forget(caller)
 
     def permit(self, caller: Requester, method: str, name: str) -> None:
         """Refuse a request that the rules of an endpoint deny to a caller.

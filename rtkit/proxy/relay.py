@@ -12,7 +12,7 @@ from __future__ import annotations
 import itertools
 import math
 import uuid
-from collections.abc import Callable, Hashable
+from collections.abc import Callable, Hashable, Sequence
 from time import monotonic
 
 from rtkit.property.codes import PropertyError
@@ -32,7 +32,8 @@ from rtkit.serving.provider import PropertyProvider
 from rtkit.wires.provider_connection import STATUS, ConnectionMaker, ProviderConnection
 
 MOST_HOPS = 8
-_ROUTE = "~proxy.route"
+ROUTE = "~proxy.route"
+_SEEN = "seen"
 _LISTEN = "listen"
 ITSELF = "that would be a proxy of itself"
 
@@ -42,6 +43,7 @@ class Relay(PropertyProvider):
 
     Args:
         on_status: Called with why whenever the owner is gone, and with nothing when it is back.
+        id: Of the service that it is a part of, if that has one.
 
     Attributes:
         name: Under which it is found.
@@ -59,13 +61,15 @@ class Relay(PropertyProvider):
         names: PrefixedNames,
         allowed: Allowed,
         on_status: Callable[[str], None],
+        id: str = "",
     ) -> None:
         self.name = ""
         self.on_refusal: Callable[[str, str, str], object] | None = None
         self._names = names
         self._is_allowed = allowed
         self._on_status = on_status
-        self._id = f"p{uuid.uuid4().hex[:12]}"
+        self._id = id or f"p{uuid.uuid4().hex[:12]}"
+        self._judged: ProviderConnection | None = None
         self._count = itertools.count(1)
         self._numbers: dict[Hashable, int] = {}
         self._once = IdempotencyCache()
@@ -85,6 +89,11 @@ class Relay(PropertyProvider):
             self._numbers.pop(caller, None)
         self._listenings.forget(caller)
 
+    def end(self) -> None:
+        """Stand for nobody any more: who listens is told so."""
+        self.uplink.close()
+        self._listenings.end("unknown")
+
     # Requests
 
     def handle(self, ask: PropertyRequest) -> None:
@@ -99,7 +108,7 @@ class Relay(PropertyProvider):
 
     def _take(self, target: RequestTarget, ask: PropertyRequest) -> None:
         name = target.name
-        if name in (STATUS, _ROUTE):
+        if name in (STATUS, ROUTE):
             self._answer_own(target, ask)
             return
         above = self._names.above(name)
@@ -190,24 +199,29 @@ class Relay(PropertyProvider):
         if target.name == STATUS:
             ask.answer(Answer("up" if self.uplink.is_up else "down"))
             return
-        text = target.parameters.get("hops") or "0"
-        hops = int(text) if text.isdecimal() else MOST_HOPS
-        if hops >= MOST_HOPS:
-            raise PropertyError("conflict", f"more than {MOST_HOPS} proxies, one after the other")
+        hops, seen = route_target(target)
+        if self._id in seen:
+            ask.answer(Answer(f"({self._id})"))
+            return
+        self.ask_route(hops, seen, lambda reply: ask.answer(route_answer(self._id, [reply])))
 
-        def answered(reply: Answer) -> None:
-            if reply.error == "conflict":
-                ask.answer(reply)
-            else:
-                rest = "" if reply.error else f" {str(reply.payload).strip('()')}"
-                ask.answer(Answer(f"({self._id}{rest})"))
+    def ask_route(self, hops: int, seen: list[str], answer: Callable[[Answer], object]) -> None:
+        """Ask what the owner stands for: over a connection that is being judged, too.
 
-        self.uplink.ask(f"{_ROUTE}?hops={hops + 1}", None, "", answered)
+        So two that connect to each other at the same moment learn of it.
+        """
+        text = f"{ROUTE}?hops={hops + 1}&{_SEEN}={','.join([*seen, self._id])}"
+        if self.uplink.is_up or self._judged is None:
+            self.uplink.ask(text, None, "", answer)
+        else:
+            self._judged.ask(text, None, "", answer)
 
     def _judge(self, connection: ProviderConnection, judged: Callable[[str], None]) -> None:
         """Find out whether a connection leads back to here."""
+        self._judged = connection
 
         def answered(reply: Answer) -> None:
+            self._judged = None
             if reply.error == "conflict":
                 judged(str(reply.payload))
             elif not reply.error and self._id in str(reply.payload).strip("()").split():
@@ -217,7 +231,7 @@ class Relay(PropertyProvider):
             else:
                 judged("")
 
-        connection.ask(f"{_ROUTE}?hops=1", None, "", answered)
+        connection.ask(f"{ROUTE}?hops=1&{_SEEN}={self._id}", None, "", answered)
 
     def _answer_above(self, place: str, target: RequestTarget, ask: PropertyRequest) -> None:
         """Answer for the inner names that only the prefix makes."""
@@ -256,6 +270,27 @@ class Relay(PropertyProvider):
     def _went(self, why: str) -> None:
         self._listenings.went()
         self._on_status(why)
+
+
+def route_target(target: RequestTarget) -> tuple[int, list[str]]:
+    """Read a request for a route: how many proxies it has passed, and which.
+
+    Raises:
+        PropertyError: ``conflict``: too many.
+    """
+    text = target.parameters.get("hops") or "0"
+    hops = int(text) if text.isdecimal() else MOST_HOPS
+    if hops >= MOST_HOPS:
+        raise PropertyError("conflict", f"more than {MOST_HOPS} proxies, one after the other")
+    return hops, (target.parameters.get(_SEEN) or "").split(",")
+
+
+def route_answer(id: str, behind: Sequence[Answer]) -> Answer:
+    """Return the route of a service: its id, then those behind it, as far as they answered."""
+    if (conflict := next((each for each in behind if each.error == "conflict"), None)) is not None:
+        return conflict
+    routes = [str(each.payload).strip("()") for each in behind if not each.error]
+    return Answer(f"({' '.join([id, *filter(None, routes)])})")
 
 
 def _listened(name: str) -> str | None:

@@ -330,6 +330,11 @@ class RelayedSubscriptions:
 
     # Ends
 
+    def end(self, code: str) -> None:
+        """Notify all listeners, with a code, that nothing further will come."""
+        for listening in list(self._all):
+            self._finish(listening, code)
+
     def _finish(self, listening: RelayedSubscription, code: str) -> None:
         """Notify that there is nothing to listen to any more."""
         at = listening.last or PropertyEvent(self._outward(listening.name), "", 0.0, 0)

@@ -129,7 +129,7 @@ def serve(
     policy = read_policy(rules, endpoints=WIRES) if isinstance(rules, str) else rules
     host = PropertyEventLoop(policy)
     service = thing if isinstance(thing, Service) else Service()
-    service.values.user_code = host.user_code
+    service.values.user_code, service.host = host.user_code, host
     service.name = service_name(name)
     for pattern, most in (history or {}).items():
         service.remember(pattern, most)

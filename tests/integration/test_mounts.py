@@ -1,0 +1,197 @@
+"""Names of a served object that are another owner's, over every endpoint."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack
+from queue import SimpleQueue
+from time import monotonic
+
+import pytest
+
+import rtkit
+
+_BOUND_S = 20.0
+
+
+class Robot:
+    """Robot that a group has."""
+
+    def __init__(self, x: float = 0.0) -> None:
+        self.x = x
+        self.arm = {"angle": 0.5}
+
+    def jump(self, height: float = 1.0) -> float:
+        if height > 2:
+            raise ValueError("too high")
+        return height
+
+    def get_seen(self, frame: str = "base") -> str:
+        return frame
+
+
+class Group:
+    """Group of robots, each mounted under its name."""
+
+    def __init__(self, **targets: str) -> None:
+        self.size = 2
+        self.robots = {name: rtkit.Mount(target) for name, target in targets.items()}
+
+
+@pytest.fixture
+def client() -> Iterator[rtkit.Client]:
+    with rtkit.Client(timeout_s=_BOUND_S) as client:
+        yield client
+
+
+def serve(thing: object, name: str, **more: object) -> object:
+    return rtkit.serve(thing, name, **{"is_on_zenoh": False, **more})  # type: ignore[arg-type]
+
+
+def code(work: Callable[[], object]) -> str:
+    with pytest.raises(rtkit.PropertyError) as caught:
+        work()
+    return caught.value.code
+
+
+def until(holds: Callable[[], object]) -> None:
+    end = monotonic() + _BOUND_S
+    while not holds():
+        assert monotonic() < end
+
+
+@pytest.mark.parametrize("wire", ["unix", "tcp", "http", "zenoh"])
+def test_all_below_a_mount_is_its_owners_over_every_endpoint(
+    wire: str, place: str, client: rtkit.Client
+) -> None:
+    with ExitStack() as ends:
+        for index in (1, 2):
+            ends.enter_context(rtkit.serve(Robot(float(index)), f"robots/r{index}"))
+        group = ends.enter_context(
+            rtkit.serve(Group(r1="robots/r1", r2="zenoh:robots/r2"), "group", port=0, http=0)
+        )
+        at = {
+            "unix": "group.",
+            "tcp": f"tcp:localhost:{group.port}/group/",
+            "http": f"http://localhost:{group.http}/ps/group/",
+            "zenoh": "zenoh:group.",
+        }[wire]
+        assert (client.get(f"{at}robots.r1.x"), client.get(f"{at}robots.r2.x")) == (1.0, 2.0)
+        client.set(f"{at}robots.r1.x", 3)
+        assert client.get("robots/r1.x") == 3.0
+        assert client.get(f"{at}robots.r2.seen", frame="world") == "world"
+        assert client.call(f"{at}robots.r2.jump", 2) == 2.0
+        assert code(lambda: client.call(f"{at}robots.r2.jump", 3)) == "bad-value"
+        assert code(lambda: client.get(f"{at}robots.r1.none")) == "unknown"
+        assert code(lambda: client.get(f"{at}robots.r1.x", of=1)) == "bad-parameter"
+        assert code(lambda: client.get(f"{at}robots.r3.x")) == "unknown"
+        assert client.get(f"{at}robots.r1.x.meta.type") == "number"
+        assert "zenoh:robots/r2" in client.get(f"{at}robots.r2.meta.doc")
+        changes: SimpleQueue[rtkit.PropertyChange] = SimpleQueue()
+        with client.listen(f"{at}robots.r2.x", changes.put):
+            assert changes.get(timeout=_BOUND_S).value == 2.0
+            client.set("robots/r2.x", 4)
+            assert changes.get(timeout=_BOUND_S).value == 4.0
+
+
+def test_listings_and_bulk_requests_span_the_owners(place: str, client: rtkit.Client) -> None:
+    with serve(Robot(1), "r1"), serve(Robot(2), "r2"), serve(Group(a="r1", b="r2"), "g"):
+        assert client.get("g.properties") == ("size", "robots")
+        assert client.get("g.robots") == client.get("g.robots.properties") == ("a", "b")
+        assert client.get("g.robots.a") == ("jump", "x", "arm", "seen")
+        deep = client.get("g.properties", all=True)
+        assert deep[:4] == ("size", "robots", "robots.a", "robots.b")
+        assert {"robots.a.x", "robots.b.arm.angle"} < set(deep)
+        assert set(client.get("g.properties", depth=2)) == {*deep[:4]}
+        assert client.get("g.properties", all=True, match="*.x") == ("robots.a.x", "robots.b.x")
+        values = dict(client.get("g.properties", all=True, values=True, match="*x"))
+        assert values == {"robots.a.x": 1.0, "robots.b.x": 2.0}
+        rows = client.get("g.robots.properties", all=True, meta=True, match="*.x")
+        assert [(row[0], row[2]) for row in rows] == [("a.x", 1.0), ("b.x", 2.0)]
+        names = "(robots.b.x size robots.a.x)"
+        assert client.get("g.properties", names=names, values=True) == (
+            ("robots.b.x", 2.0),
+            ("size", 2),
+            ("robots.a.x", 1.0),
+        )
+        for names in ("(robots.b.y)", "(none)", "(size none robots.a.x)"):
+            assert code(lambda n=names: client.get("g.properties", names=n)) == "unknown"  # type: ignore[misc]
+        client.set("g.robots.properties", "((a.x 5) (a.arm.angle 1))")
+        assert (client.get("r1.x"), client.get("r1.arm.angle")) == (5.0, 1)
+        assert code(lambda: client.set("g.properties", "((size 1) (robots.a.x 6))")) == "bad-value"
+        assert client.get("r1.x") == 5.0
+        client.set("g.properties", "((size 3))")
+        assert client.get("g.size") == 3
+
+
+def test_while_an_owner_is_away_its_names_say_so_and_listening_goes_on_later(
+    place: str, client: rtkit.Client
+) -> None:
+    changes: SimpleQueue[rtkit.PropertyChange] = SimpleQueue()
+    with serve(Group(a="r1", b="r2"), "g"), serve(Robot(2), "r2"):
+        assert code(lambda: client.get("g.robots.a.x")) == "no-service"
+        until(lambda: client.ask_all([rtkit.Ask("g.robots.b.x")], _BOUND_S) == [2.0])
+        values = dict(client.get("g.robots.properties", all=True, values=True, match="*[xa]"))
+        assert (values["b.x"], values["a"].attributes) == (2.0, {"code": "no-service"})
+        robot = serve(Robot(1), "r1")
+        until(lambda: client.ask_all([rtkit.Ask("g.robots.a.x")], _BOUND_S) == [1.0])
+        listening = client.listen("g.robots.a.x", changes.put)
+        assert changes.get(timeout=_BOUND_S).value == 1.0
+        robot.close()  # type: ignore[attr-defined]
+        assert changes.get(timeout=_BOUND_S).code == "no-service"
+        assert client.get("g.robots.b.x") == 2.0
+        with serve(Robot(7), "r1"):
+            assert changes.get(timeout=_BOUND_S)[1:5:3] == (7.0, "")
+            listening.close()
+
+
+def test_mounts_come_and_go_while_served_and_listeners_hear_of_it(
+    place: str, client: rtkit.Client
+) -> None:
+    names: SimpleQueue[rtkit.PropertyChange] = SimpleQueue()
+    changes: SimpleQueue[rtkit.PropertyChange] = SimpleQueue()
+    group = Group()
+    with serve(group, "g"), serve(Robot(1), "r1"), serve(Robot(2), "r2"):
+        group.robots["a"] = rtkit.Mount("r1")
+        assert client.get("g.robots.a.x") == 1.0
+        with client.listen("g.robots.properties", names.put):
+            assert names.get(timeout=_BOUND_S).value == ("a",)
+            with client.listen("g.robots.a.x", changes.put):
+                assert changes.get(timeout=_BOUND_S).value == 1.0
+                group.robots["b"] = rtkit.Mount("r2")
+                assert names.get(timeout=_BOUND_S).value == ("a", "b")
+                del group.robots["a"]
+                assert names.get(timeout=_BOUND_S).value == ("b",)
+                assert changes.get(timeout=_BOUND_S).code == "unknown"
+        assert code(lambda: client.get("g.robots.a.x")) == "unknown"
+        group.robots["b"] = rtkit.Mount("r1")
+        until(lambda: client.get("g.robots.b.x") == 1.0)
+        del group.robots["b"]
+        assert code(lambda: client.get("g.robots.b.x")) == "unknown"
+
+
+def test_no_mount_leads_back_to_where_it_is(place: str, client: rtkit.Client) -> None:
+    """Neither to itself nor by way of others, whoever was there first."""
+    mounts = {"a": "b", "b": "c", "c": "a"}
+    with ExitStack() as ends:
+        for name, target in mounts.items():
+            ends.enter_context(serve({"v": 1, "next": rtkit.Mount(target)}, name))  # type: ignore[arg-type]
+        ends.enter_context(serve({"me": rtkit.Mount("self")}, "self"))  # type: ignore[arg-type]
+        assert code(lambda: client.get("self.me.me.me")) == "no-service"
+
+        def is_cut() -> bool:
+            answers = client.ask_all([rtkit.Ask(f"{name}.next.v") for name in mounts], _BOUND_S)
+            return 1 <= sum(each == 1 for each in answers) <= 2
+
+        until(is_cut)
+        for name in mounts:
+            assert len(client.get(f"{name}.properties", all=True, timeout=1)) < 12
+
+
+def test_rules_of_an_endpoint_hold_for_what_is_mounted(place: str, client: rtkit.Client) -> None:
+    rules = "deny unix * SET robots.*"
+    with serve(Robot(1), "r1"), serve(Group(a="r1"), "g", rules=rules):
+        assert client.get("g.robots.a.x") == 1.0
+        assert code(lambda: client.set("g.robots.a.x", 2)) == "denied"
+        assert client.get("g.robots.a.x.meta.access") == "r"
+        assert client.get("r1.x") == 1.0
