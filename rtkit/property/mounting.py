@@ -4,12 +4,9 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Protocol
+from typing import Any, Protocol
 
 from rtkit.property.requests import PropertyRequest, Requester
-
-if TYPE_CHECKING:
-    from rtkit.property.service import Service
 
 
 class MountTable(Protocol):
@@ -44,5 +41,5 @@ class MountPoint(ABC):
     target: str
 
     @abstractmethod
-    def table_for(self, service: Service) -> MountTable:
-        """Return a table for the mount points of a service that has had none."""
+    def table_for(self, service: Any) -> MountTable:
+        """Return a table for the mount points of a `Service` that has had none."""

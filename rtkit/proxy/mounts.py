@@ -155,7 +155,7 @@ class Mounts:
                 return False
             target = parse_target(ask.target)
             if target.name == ROUTE and ask.payload is None:
-                self._tell_route(target, ask.answer)
+                self._answer_route(target, ask.answer)
                 return True
             return self._takes_listing(target, ask)
         except PropertyError as error:
@@ -230,7 +230,7 @@ class Mounts:
         owner.handle(ask._replace(target=f"{owner.name}.{_LISTED}", payload=write(inner)))
         return True
 
-    def _tell_route(self, target: RequestTarget, answer: Answering) -> None:
+    def _answer_route(self, target: RequestTarget, answer: Answering) -> None:
         """Tell which services lie behind, so that no mount leads back to itself."""
         hops, seen = route_target(target)
         if self._id in seen:
