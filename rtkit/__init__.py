@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from rtkit.property.functional import behavior
     from rtkit.property.marker import Marker
     from rtkit.property.names import Names
+    from rtkit.property.presenting import Choices, Gui
     from rtkit.property.values import Element, Word
     from rtkit.proxy.mounts import Mount
     from rtkit.version import __version__
@@ -36,6 +37,8 @@ _HOMES = {
     "Ask": "rtkit.api.client",
     "Client": "rtkit.api.client",
     "aio": "rtkit.aio",
+    "Choices": "rtkit.property.presenting",
+    "Gui": "rtkit.property.presenting",
     "Element": "rtkit.property.values",
     "Marker": "rtkit.property.marker",
     "Names": "rtkit.property.names",
@@ -60,8 +63,10 @@ _HOMES = {
 }
 __all__ = [
     "Ask",
+    "Choices",
     "Client",
     "Element",
+    "Gui",
     "Marker",
     "Mount",
     "Names",

@@ -15,6 +15,7 @@ from functools import lru_cache
 from typing import Any, NamedTuple, TypeVar, get_args, get_origin
 
 from rtkit.property.conversion import has_element, to_value
+from rtkit.property.presenting import Choices, Gui
 from rtkit.property.property_spec import PropertySpec
 from rtkit.property.types import Type, parse_type
 from rtkit.property.values import Element, Value, Word, is_number
@@ -134,9 +135,12 @@ def spec_of(hint: Any, present: object, access: str, doc: str) -> PropertySpec:
     if plain is None and isinstance(present, Enum):
         plain = type(present)
     kind = type_of(plain) if plain is not None else _type_of_value(present)
+    gui, chosen = extra_of(hint, Gui), extra_of(hint, Choices)
+    choices = chosen.of() if chosen is not None and chosen.is_fixed else choices_of(plain)
     return PropertySpec(
-        kind, access, unit, bounds.minimum, bounds.maximum, bounds.step, choices_of(plain), doc=doc
-    )
+        kind, access, unit, bounds.minimum, bounds.maximum, bounds.step, choices, doc=doc,
+        **({} if gui is None else gui.declared()),
+    )  # fmt: skip
 
 
 def choices_of(hint: Any) -> tuple[Value, ...]:

@@ -14,8 +14,8 @@ from rtkit.property.live_values import LiveValues, part
 from rtkit.property.messages import Payload
 from rtkit.property.meta import meta, meta_field
 from rtkit.property.naming import RequestTarget
-from rtkit.property.node import PropertyNode
 from rtkit.property.parameters import flag, nothing_else, number
+from rtkit.property.property_spec import PropertySpec
 from rtkit.property.reading import read
 from rtkit.property.registry import NameEntry
 from rtkit.property.requests import PropertyRequest, Requester
@@ -59,6 +59,8 @@ class Extensions:
         if place.extension == "gui" and not place.field:
             self._values.names_now()
             return write(gui(self._values, place, caller))
+        if place.extension == "gui":
+            return _component(self._values.spec_of(node, place.name), place)
         if node is None:
             raise PropertyError("unknown", f"no such property: {place.name}.{place.extension}")
         if place.extension == "meta":
@@ -67,8 +69,6 @@ class Extensions:
         if place.extension == "parameters":
             declared = node.function or node.spec
             return write(tuple(each.described() for each in declared.parameters))
-        if place.extension == "gui":
-            return _component(node, place.field)
         self._permit(caller, "SET", place.name)
         return write(tuple(self._values.listeners.of(node)))
 
@@ -127,10 +127,10 @@ def _read_all(target: RequestTarget) -> dict[str, Value]:
     return given
 
 
-def _component(node: PropertyNode, kind: str) -> Payload:
-    if kind not in node.spec.gui:
-        raise PropertyError("unknown", f"no such property: {node.name}.gui.{kind}")
-    return node.spec.gui[kind]
+def _component(spec: PropertySpec, place: NameEntry) -> Payload:
+    if place.field not in spec.gui:
+        raise PropertyError("unknown", f"no such property: {place.name}.gui.{place.field}")
+    return spec.gui[place.field]
 
 
 def _history(place: NameEntry, parameters: dict[str, Value]) -> Payload:

@@ -7,12 +7,15 @@ users: while one runs, others may be inside (see `rtkit.property.user_code`).
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 
 from rtkit.property import components
 from rtkit.property.codes import PropertyError
 from rtkit.property.listeners import Listeners
 from rtkit.property.messages import Payload
 from rtkit.property.node import PropertyNode
+from rtkit.property.presenting import EMPTY, Gui
+from rtkit.property.property_spec import PropertySpec
 from rtkit.property.registry import NameEntry, Registry
 from rtkit.property.types import Content, from_payload, parse_type, to_payload
 from rtkit.property.user_code import AT_ONCE, Unfolded, UserCode, result_of
@@ -31,6 +34,7 @@ class LiveValues:
         clock: Returns monotonic time [s].
         wall: Returns the time of day [s since 1970].
         user_code: Calls what is not ours.
+        widgets: Returns the widget of a name that tells its own, by name.
         on_names: Called before names are told or missed, to have those that there are now.
         on_new: Returns a property for a name that is set and not there, None if it may not be made.
         may_differ: Returns whether names may be others than those that were told last.
@@ -43,6 +47,7 @@ class LiveValues:
         self.standard = Registry()
         self.listeners = Listeners(self.registry, clock, wall, self.standard)
         self.user_code: UserCode = AT_ONCE
+        self.widgets: dict[str, Callable[[], Gui]] = {}
         self.on_names: Callable[[], object] | None = None
         self.on_new: Callable[[str], PropertyNode | None] | None = None
         self.may_differ: Callable[[], bool] = lambda: True
@@ -102,6 +107,20 @@ class LiveValues:
         return place if made is None else NameEntry(name, made)
 
     # reading
+
+    def spec_of(self, node: PropertyNode | None, name: str) -> PropertySpec:
+        """Return what is declared of a property, or of a place, with what changes at run time.
+
+        Raises:
+            PropertyError: ``internal``: code that tells it failed.
+        """
+        spec = EMPTY if node is None else node.spec
+        if node is not None and node.choices is not None:
+            spec = replace(spec, choices=result_of(self.user_code.call(node.choices)))
+        if name in self.widgets:
+            gui = result_of(self.user_code.call(self.widgets[name]))
+            spec = replace(spec, **gui.declared())
+        return spec
 
     def value_of(
         self, node: PropertyNode, parameters: dict[str, Value] = _NONE, *, is_kept: bool = False

@@ -17,6 +17,7 @@ from typing import Any, NamedTuple
 
 from rtkit.property.annotations import bare, hints_of, is_final, returned, taken
 from rtkit.property.conversion import has_element, is_array
+from rtkit.property.presenting import Gui, is_presentation
 from rtkit.property.values import Element
 
 _ACCESSOR = re.compile(r"(get|set)(?:_(.+)|([A-Z].*))")
@@ -29,7 +30,7 @@ class Member(NamedTuple):
     """Member of an object.
 
     Attributes:
-        kind: ``attribute``, ``accessors`` or ``method``.
+        kind: ``attribute``, ``accessors``, ``method`` or ``gui``.
         getter: The name of the method that reads it, of accessors.
         setter: The name of the method that writes it, of accessors.
         is_plain: Reading it takes no user code.
@@ -64,11 +65,15 @@ def members(thing: object, hidden: frozenset[str] = frozenset()) -> list[Member]
             continue  # a function that the object was given, not one that it offers
         if _is_method(static):
             accessor = _accessor(cls, name, static)
-            if accessor:
+            if is_presentation(name) and bare(returned(static)) is Gui:
+                found[name] = Member(name, "gui")
+            elif accessor:
                 accessors.setdefault(accessor[1], {})[accessor[0]] = name
             else:
                 doc = inspect.getdoc(static) or ""
                 found[name] = Member(name, "method", doc=_first_line(doc))
+        elif isinstance(static, Gui):
+            found[name] = Member(name, "gui")
         elif _is_shown(static):
             hint, access, doc = _declared(cls, name, static, hints)
             is_plain = _is_plain(thing, name, static)

@@ -28,7 +28,7 @@ def meta(
     """
     node = place.node
     assert node is not None
-    spec = node.spec
+    spec = values.spec_of(node, "") if calls_user_code else node.spec
     kind = spec.type.name
     if node.function is not None:
         kind = "element"

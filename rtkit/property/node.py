@@ -11,6 +11,7 @@ from rtkit.property.codes import PropertyError
 from rtkit.property.messages import Payload
 from rtkit.property.property_spec import PropertySpec, Reader, Writer
 from rtkit.property.types import Content, to_payload
+from rtkit.property.values import Value
 from rtkit.property.writing import as_item
 
 if TYPE_CHECKING:
@@ -32,13 +33,15 @@ class PropertyNode:
         reader: Computes the value; None where it is kept here.
         history: The last values as (time, quality, payload), where that is switched on.
         source: The owner of the value, which is not kept here, of a name that came; else None.
+        choices: Returns the only values allowed just now; None where they do not change.
         returning: Puts it back when nobody sets it any more; None where it stays as it was set.
         is_quick: Whether reading and writing call no user code just now; None for never.
     """
 
     __slots__ = (
-        "_line", "_pair", "_payload", "function", "history", "is_quick", "listeners", "name",
-        "quality", "reader", "returning", "revision", "source", "spec", "time", "value", "writer",
+        "_line", "_pair", "_payload", "choices", "function", "history", "is_quick", "listeners",
+        "name", "quality", "reader", "returning", "revision", "source", "spec", "time", "value",
+        "writer",
     )  # fmt: skip
 
     def __init__(self, name: str, spec: PropertySpec, value: Content | None, time: float) -> None:
@@ -54,6 +57,7 @@ class PropertyNode:
         self.function: FunctionalProperty | None = None
         self.source: NameSource | None = None
         self.returning: Returning | None = None
+        self.choices: Callable[[], tuple[Value, ...]] | None = None
         self.listeners: list[Listener] | None = None
         self.history: deque[tuple[float, str, Payload]] | None = None
         self._payload: Payload | None = None

@@ -33,6 +33,7 @@ from rtkit.property.mounting import MountPoint
 from rtkit.property.names import METHODS, NameListing, Names, NameSource, NameTable
 from rtkit.property.naming import check_registrable, segment_of
 from rtkit.property.node import PropertyNode
+from rtkit.property.presenting import Choices, presented
 from rtkit.property.property_spec import PropertySpec, RequestParameter
 from rtkit.property.returning import TIMEOUT, Returning
 from rtkit.property.service import Service
@@ -215,6 +216,10 @@ class Exported:
             found[prefix] = _Found(holder, _NONE, names=(table, table.looked()))
         for member in members(thing, hidden):
             name = prefix + segment_of(member.name)
+            if member.kind == "gui":
+                whose = prefix + segment_of(member.name[4:]) if member.name[4:] else prefix[:-1]
+                self._service.values.widgets[whose] = partial(presented, holder, member.name)
+                continue
             if member.kind == "method":
                 found[name] = _Found(holder, member, method=getattr(thing, member.name))
                 continue
@@ -293,6 +298,7 @@ class Exported:
             spec = replace(spec, type=TYPE)
         in_words = spec.type == TYPE
         is_plain = member.kind == "attribute" and found.is_plain
+        choices = extra_of(member.hint, Choices)
 
         def read(given: dict[str, Value]) -> Content:
             named = _given_to(member.getter, found.takes, given) if given else {}
@@ -313,11 +319,15 @@ class Exported:
             if is_unknown and self._learn(name, member, before):
                 raise Unfolded(name)  # the value is to be read as what it is now known to be
             wanted = from_value(value, member.hint, None if before is _UNSET else before)
+            if choices is not None:
+                choices.check(thing, wanted)
             return _assign(thing, member, wanted, named)
 
         node = self._service.add(name, spec=spec, read=read, write=write)
         if is_plain:
             node.is_quick = _quickness(holder, member, type(holder()))
+        if choices is not None and not choices.is_fixed:
+            node.choices, node.is_quick = lambda: choices.of(holder()), None
         returns = extra_of(member.hint, Returns)
         if returns is not None and "w" in member.access:
             self._return(node, returns)

@@ -9,8 +9,10 @@ Source: `property-service` reference, section 7.
 from __future__ import annotations
 
 from rtkit.property import components
+from rtkit.property.codes import PropertyError
 from rtkit.property.live_values import LiveValues
 from rtkit.property.node import PropertyNode
+from rtkit.property.presenting import EMPTY
 from rtkit.property.property_spec import PropertySpec, RequestParameter
 from rtkit.property.registry import NameEntry
 from rtkit.property.requests import Requester
@@ -50,6 +52,7 @@ class _Tree:
     """Widgets of a service as one caller may see them."""
 
     def __init__(self, values: LiveValues, caller: Requester) -> None:
+        self._values = values
         self._registry = values.registry
         self._caller = caller
 
@@ -61,17 +64,28 @@ class _Tree:
         below = [self.of(each) for each in names if self._caller.may("GET", each)]
         if node is None:
             own = self._registry.nodes.get(f"{prefix}type")
+            own = own or self._values.standard.nodes.get(f"{prefix}type")
             types = own.payload if own is not None and own.value is not None else ""
-            attributes = {"kind": "group", "name": name}
+            attributes = {"kind": "group", "name": name, **_own(self._spec(None, name))}
             if isinstance(types, str) and types.startswith("("):
                 attributes["type"] = types
             return Element("gui", attributes, tuple(below))
-        access = _access(node.spec, name, self._caller)
-        made = _element(name, node.spec, access, _value(node))
+        spec = self._spec(node, name)
+        access = _access(spec, name, self._caller)
+        made = _element(name, spec, access, _value(node))
+        if node.returning is not None and "kind" not in spec.widget:
+            made.attributes |= {"kind": "joystick", "after": write(node.returning.after)}
         function = node.function
         arguments = function.parameters if function is not None else ()
         children = (*map(_argument, arguments), *below)
         return Element("gui", made.attributes, children)
+
+    def _spec(self, node: PropertyNode | None, name: str) -> PropertySpec:
+        """Return what is declared; without what code tells that fails, for the others go on."""
+        try:
+            return self._values.spec_of(node, name)
+        except PropertyError:
+            return EMPTY if node is None else node.spec
 
 
 def _value(node: PropertyNode) -> Content | None:
@@ -109,9 +123,14 @@ def _element(name: str, spec: PropertySpec, access: str, value: Content | None) 
         "alarm": write(spec.alarm) if spec.alarm else "",
         "labels": f"({' '.join(labels)})" if labels else "",
         "doc": doc,
-        "forms": f"({' '.join(spec.gui)})" if spec.gui else "",
-    } | dict(spec.widget)
+    } | _own(spec)
     return Element("gui", {key: text for key, text in attributes.items() if text})
+
+
+def _own(spec: PropertySpec) -> dict[str, str]:
+    """Return the attributes that are declared, and which forms there are."""
+    forms = {"forms": f"({' '.join(spec.gui)})"} if spec.gui else {}
+    return forms | dict(spec.widget)
 
 
 def _kind(name: str, spec: PropertySpec, access: str, value: Content | None) -> str:

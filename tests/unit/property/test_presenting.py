@@ -1,0 +1,106 @@
+"""Choices known only at run time, and widgets that a class declares."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any
+
+from rtkit import Choices, Gui, Returns, Word
+from rtkit.property.reading import read
+from tests.unit.property.test_objects import refused, served
+
+
+class Arm:
+    angle: Annotated[float, Gui("knob", width=2)] = 0.0
+    gui = Gui(html="<b>arm</b>")
+
+
+class Player:
+    volume: Annotated[float, Gui("knob", html="<p>volume</p>", series=(1, 2))] = 0.5
+    speed: Annotated[tuple[float, float], Returns(after=0.25)] = (0.0, 0.0)
+    colour: Annotated[str, Choices(("red", "green"))] = "red"
+    song: Annotated[str, Choices("songs")] = "one"
+    _list: Annotated[str, Choices("songs")] = "one"
+
+    def __init__(self) -> None:
+        self.songs = ["one", "two"]
+        self.arm = Arm()
+        self._seen = 0
+        self._level = Word("low")
+
+    def get_level(self) -> Annotated[Word, Choices(lambda player: player._levels())]:
+        return self._level
+
+    def set_level(self, level: Word) -> None:
+        self._level = level
+
+    def _levels(self) -> list[Word]:
+        return [Word("low"), Word("high")] if len(self.songs) > 1 else []
+
+    def gui(self) -> Gui:
+        self._seen += 1
+        return Gui(kind="group", html=f"<p>{self._seen}</p>", forms={"svg": "<svg/>"})
+
+    def gui_song(self) -> Gui:
+        return Gui(rows=len(self.songs))
+
+    def gui_broken(self) -> int:
+        """Do nothing about widgets."""
+        return 3
+
+
+def described(service: Any, name: str) -> dict[str, str]:
+    element: Any = read(service.get(name))
+    return dict(element.attributes)
+
+
+def test_choices_are_those_of_the_moment() -> None:
+    player = Player()
+    service = served(player)
+    assert service.get("song.meta.choices") == '("one" "two")'
+    assert service.get("level.meta.choices") == "(low high)"
+    assert service.get("colour.meta.choices") == '("red" "green")'
+    service.set("level", "high")
+    assert refused(service, "song", "three") == "bad-value"
+    player.songs.append("three")
+    service.set("song", "three")
+    service.set("properties", "((song two))")
+    assert player.song == "two"
+    assert refused(service, "properties", "((song nine))") == "bad-value"
+    assert refused(service, "colour", "blue") == "bad-value"
+    assert described(service, "song.gui")["choices"] == '("one" "two" "three")'
+    assert described(service, "song.gui")["kind"] == "choice"
+    player.songs = ["one"]
+    assert refused(service, "level", "low") == "bad-value"
+    player.songs = None  # type: ignore[assignment]
+    assert refused(service, "song", "one") == "bad-value"
+    assert refused(service, "song.meta") == "internal"
+    assert 'name="volume"' in str(service.get("gui"))
+
+
+def test_widgets_are_declared_beside_a_type() -> None:
+    service = served(Player())
+    volume = described(service, "volume.gui")
+    assert (volume["kind"], volume["series"], volume["forms"]) == ("knob", "(1 2)", "(html)")
+    assert service.get("volume.gui.html") == "<p>volume</p>"
+    assert described(service, "arm.angle.gui")["width"] == "2"
+    speed = described(service, "speed.gui")
+    assert (speed["kind"], speed["after"]) == ("joystick", "0.25")
+    assert refused(service, "volume.gui.text") == "unknown"
+
+
+def test_widgets_are_told_by_methods_and_are_no_properties() -> None:
+    player = Player()
+    service = served(player)
+    names = str(service.get("properties"))
+    assert "gui)" not in names
+    assert "gui_song" not in names
+    assert "gui_broken" in names
+    assert described(service, "song.gui")["rows"] == "2"
+    assert service.get("gui.svg") == "<svg/>"
+    assert service.get("gui.html") != service.get("gui.html")
+    assert described(service, "gui")["forms"] == "(html svg)"
+    assert service.get("arm.gui.html") == "<b>arm</b>"
+    tree: Any = read(str(service.get("gui")))
+    (arm,) = [each for each in tree.children if each.attributes["name"] == "arm"]
+    assert arm.attributes == {"kind": "group", "name": "arm", "forms": "(html)"}
+    assert refused(service, "gui.html", "x") == "read-only"
