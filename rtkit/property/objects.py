@@ -6,7 +6,6 @@ objects sub-properties. Source: `property-service` reference, section 8.
 
 from __future__ import annotations
 
-import inspect
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
 from functools import partial
@@ -16,14 +15,11 @@ from typing import Any, NamedTuple
 from rtkit.guard import guarded
 from rtkit.property.annotations import (
     Returns,
-    bare,
-    choices_of,
     extra_of,
-    hints_of_function,
     returned,
     spec_of,
-    type_of,
 )
+from rtkit.property.arguments import Taken, accepted, arguments_of, declared_of, given_to
 from rtkit.property.codes import PropertyError
 from rtkit.property.conversion import is_builtin, to_value
 from rtkit.property.fitting import from_value
@@ -34,7 +30,7 @@ from rtkit.property.names import METHODS, NameListing, Names, NameSource, NameTa
 from rtkit.property.naming import check_registrable, segment_of
 from rtkit.property.node import PropertyNode
 from rtkit.property.presenting import Choices, presented
-from rtkit.property.property_spec import PropertySpec, RequestParameter
+from rtkit.property.property_spec import PropertySpec
 from rtkit.property.returning import TIMEOUT, Returning
 from rtkit.property.service import Service
 from rtkit.property.standard import TYPE
@@ -47,7 +43,6 @@ _PLAIN_SETS: tuple[object, ...] = (object.__setattr__, dict.__setattr__)
 DEEPEST = 4
 """Levels of nested objects that are shown."""
 
-Taken = Mapping[str, tuple[tuple[RequestParameter, ...], dict[str, Any]]]
 _UNSET = object()
 _NONE = Member("", "method")
 _NAMED = Member("", "accessors", getter="get")
@@ -238,7 +233,7 @@ class Exported:
             elif below.result is not None:
                 found |= below.result
             elif present is _UNSET or is_data(present):
-                takes = _taken(thing, member)
+                takes = accepted(thing, member)
                 found[name] = _Found(holder, member, present, is_known, takes=takes)
 
     def _below(
@@ -292,7 +287,7 @@ class Exported:
             return
         spec = _spec(member, found.present)
         if found.takes:
-            spec = replace(spec, parameters=_declared(found.takes))
+            spec = replace(spec, parameters=declared_of(found.takes))
         is_unknown = member.hint is None and found.present is _UNSET
         if name == "type" and spec.type.name == "list":
             spec = replace(spec, type=TYPE)
@@ -301,7 +296,7 @@ class Exported:
         choices = extra_of(member.hint, Choices)
 
         def read(given: dict[str, Value]) -> Content:
-            named = _given_to(member.getter, found.takes, given) if given else {}
+            named = given_to(member.getter, found.takes, given) if given else {}
             present = self._read(holder(), member, named)
             if present is _UNSET:
                 raise PropertyError("unknown", f"not set yet: {name}")
@@ -314,7 +309,7 @@ class Exported:
 
         def write(value: Content, given: dict[str, Value]) -> Any:
             thing = holder()
-            named = _given_to(member.setter, found.takes, given) if given else {}
+            named = given_to(member.setter, found.takes, given) if given else {}
             before = None if member.access == "w" else self._read(thing, member)
             if is_unknown and self._learn(name, member, before):
                 raise Unfolded(name)  # the value is to be read as what it is now known to be
@@ -349,20 +344,20 @@ class Exported:
         can_set = hasattr(table.owner(), "set")
         if hint not in table.specs:
             known = returned(type(table.owner()).get) if hint is None else hint
-            takes = _taken(table.owner(), _NAMED._replace(setter="set" * can_set), own=(1, 2))
+            takes = accepted(table.owner(), _NAMED._replace(setter="set" * can_set), own=(1, 2))
             spec = spec_of(known, None, "rw" if can_set else "r", "")
-            table.specs[hint] = replace(spec, parameters=_declared(takes)), known, takes
+            table.specs[hint] = replace(spec, parameters=declared_of(takes)), known, takes
         spec, kind, takes = table.specs[hint]
 
         def read(given: dict[str, Value]) -> Content:
-            named = _given_to("get", takes, given) if given else {}
+            named = given_to("get", takes, given) if given else {}
             value = table.owner().get(name, **named)
             if is_coroutine(value):
                 value = self._service.values.user_code.awaited(value, lambda cancel: None)
             return to_value(value)
 
         def write(value: Content, given: dict[str, Value]) -> Any:
-            named = _given_to("set", takes, given) if given else {}
+            named = given_to("set", takes, given) if given else {}
             outcome = table.owner().set(name, from_value(value, kind, None), **named)  # type: ignore[attr-defined]
             return outcome if is_coroutine(outcome) else None
 
@@ -386,7 +381,7 @@ class Exported:
         return node.spec.type.base != "any"
 
     def _function(self, found: _Found) -> FunctionalProperty:
-        declared, hints = _parameters(found.method)  # type: ignore[arg-type]
+        declared, hints = arguments_of(found.method)  # type: ignore[arg-type]
         name, holder = found.member.name, found.holder
 
         def call(*args: Value, **named: Value) -> object:
@@ -443,33 +438,6 @@ def _present(thing: Any, member: Member, named: Mapping[str, Any] = _NOTHING) ->
     return getattr(thing, member.name, _UNSET)
 
 
-def _taken(thing: object, member: Member, own: tuple[int, int] = (0, 1)) -> Taken:
-    """Return what getter and setter take beside their own arguments, with hints, by their names."""
-    found = {}
-    for accessor, first in zip((member.getter, member.setter), own, strict=True):
-        declared, hints = _parameters(getattr(thing, accessor)) if accessor else (None, {})
-        if declared is not None and declared[first:]:
-            found[accessor] = (declared[first:], hints)
-    return found
-
-
-def _declared(takes: Taken) -> tuple[RequestParameter, ...]:
-    return tuple({each.key: each for of in takes.values() for each in of[0]}.values())
-
-
-def _given_to(accessor: str, takes: Taken, given: dict[str, Value]) -> dict[str, Any]:
-    """Return parameters of a request as arguments of an accessor.
-
-    Raises:
-        PropertyError: ``bad-parameter``: it takes no such.
-    """
-    known, hints = takes.get(accessor, ((), {}))
-    for key in given:
-        if all(each.key != key for each in known):
-            raise PropertyError("bad-parameter", f"{accessor} has no parameter {key}")
-    return {key: from_value(each, hints.get(key), None) for key, each in given.items()}
-
-
 def _assign(thing: Any, member: Member, value: object, named: dict[str, Any]) -> object:
     """Put a value in force; return what is to be awaited, if anything."""
     if member.kind == "accessors" and not isinstance(thing, Mapping):
@@ -483,28 +451,3 @@ def _assign(thing: Any, member: Member, value: object, named: dict[str, Any]) ->
     except AttributeError as error:
         raise PropertyError("read-only", f"cannot be set: {member.name}") from error
     return None
-
-
-def _parameters(
-    method: Callable[..., object],
-) -> tuple[tuple[RequestParameter, ...] | None, dict[str, Any]]:
-    """Return the arguments of a method, None if they are unknown or of any number."""
-    try:
-        parameters = inspect.signature(method).parameters.values()
-    except (ValueError, TypeError):
-        return None, {}
-    hints = hints_of_function(method)
-    if any(each.kind in (each.VAR_POSITIONAL, each.POSITIONAL_ONLY) for each in parameters):
-        return None, {}
-    named = [each for each in parameters if each.kind != each.VAR_KEYWORD]
-    declared = tuple(_parameter(each, bare(hints.get(each.name))) for each in named)
-    return declared, {name: bare(hint) for name, hint in hints.items()}
-
-
-def _parameter(parameter: inspect.Parameter, hint: Any) -> RequestParameter:
-    default = None
-    if parameter.default is not parameter.empty:
-        value = to_value(parameter.default) if is_data(parameter.default) else ()
-        default = () if isinstance(value, bytes) else value
-    kind = type_of(hint) if hint is not None else parse_type("any")
-    return RequestParameter(parameter.name, kind, default, choices_of(hint))
