@@ -10,6 +10,7 @@ import types
 import typing
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
+from dataclasses import is_dataclass
 from enum import Enum
 from functools import lru_cache
 from typing import Any, NamedTuple, TypeVar, get_args, get_origin
@@ -165,7 +166,7 @@ def type_of(hint: Any) -> Type:
     if isinstance(hint, type):
         if issubclass(hint, Enum | Word):
             return parse_type("word")
-        if issubclass(hint, Element) or has_element(hint):
+        if issubclass(hint, Element) or has_element(hint) or is_dataclass(hint):
             name = hint.__name__.lower()
             return parse_type("marker" if name == "marker" else "element")
     origin = get_origin(hint)

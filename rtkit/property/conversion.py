@@ -56,11 +56,20 @@ def _composed(thing: Any, depth: int) -> Content:
         return tuple(sorted((_item(each, depth) for each in thing), key=repr))
     if dataclasses.is_dataclass(thing) and not isinstance(thing, type):
         fields = [each.name for each in dataclasses.fields(thing) if not each.name.startswith("_")]
-        children = [Element(name, {}, (), _item(getattr(thing, name), depth)) for name in fields]
+        children = [child_of(name, _item(getattr(thing, name), depth)) for name in fields]
         return Element(type(thing).__name__.lower(), {}, tuple(children))
     if _has_text(thing):
         return str(thing)
     return Element("object", {"type": type(thing).__name__})
+
+
+def child_of(name: str, value: Value) -> Element:
+    """Return an element that holds a value: elements as its children, all else as its leaf."""
+    items = value if isinstance(value, tuple) else (value,)
+    elements = tuple(each for each in items if isinstance(each, Element))
+    if elements and len(elements) == len(items):
+        return Element(name, {}, elements)
+    return Element(name, {}, (), value)
 
 
 def _has_text(thing: object) -> bool:

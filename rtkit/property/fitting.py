@@ -5,6 +5,7 @@ numpy is known where somebody has imported it.
 
 from __future__ import annotations
 
+import dataclasses
 import types
 import typing
 from collections.abc import Mapping, Sequence
@@ -12,7 +13,7 @@ from collections.abc import Set as AbstractSet
 from enum import Enum
 from typing import Any, get_args, get_origin
 
-from rtkit.property.annotations import bare, type_of
+from rtkit.property.annotations import bare, hints_of, spec_of, type_of
 from rtkit.property.codes import PropertyError
 from rtkit.property.conversion import has_element, is_array, to_value
 from rtkit.property.types import Content, check
@@ -41,6 +42,8 @@ def from_value(value: Content, hint: Any, present: object) -> Any:
         return _scalar(hint, value)
     if hint is type(None):
         return _nothing(value)
+    if isinstance(hint, type) and dataclasses.is_dataclass(hint) and not has_element(hint):
+        return _record(hint, value)
     if hint in (Word, Element):
         return check(type_of(hint), value)
     if isinstance(hint, type) and has_element(hint):
@@ -86,6 +89,42 @@ def _structured(kind: type, value: Content) -> Any:
     if not isinstance(value, Element):
         raise _refusal(type_of(kind).name, value)
     return kind.from_element(value)  # type: ignore[attr-defined]
+
+
+def _record(kind: type, value: Content) -> Any:
+    """Return a dataclass whose fields are the children of an element."""
+    name = kind.__name__.lower()
+    if not isinstance(value, Element) or value.name != name:
+        raise _refusal(f"<{name}>", value)
+    hints = hints_of(kind)
+    fields = {each.name: each for each in dataclasses.fields(kind) if each.init}
+    given: dict[str, Any] = {}
+    for child in value.children:
+        if child.name not in fields or child.name in given:
+            why = "is there twice" if child.name in given else f"is no field of {name}"
+            raise PropertyError("bad-value", f"{child.name}: {why}")
+        try:
+            given[child.name] = _field(child, hints.get(child.name))
+        except PropertyError as error:
+            raise PropertyError("bad-value", f"{child.name}: {error}") from None
+    missing = dataclasses.MISSING
+    for each in fields.values():
+        is_needed = each.default is missing and each.default_factory is missing
+        if is_needed and each.name not in given:
+            raise PropertyError("bad-value", f"{each.name}: is missing")
+    try:
+        return kind(**given)
+    except (ValueError, TypeError) as error:
+        raise PropertyError("bad-value", f"{name}: {error}") from error
+
+
+def _field(child: Element, hint: Any) -> Any:
+    value: Value = "" if child.leaf is None else child.leaf
+    spec = spec_of(hint, None, "rw", "")
+    if child.children:
+        is_one = len(child.children) == 1 and spec.type.base != "list"
+        value = child.children[0] if is_one else child.children
+    return from_value(spec.admit(value), hint, None)
 
 
 def _nothing(value: Content) -> None:

@@ -13,6 +13,7 @@ from typing import Any, TypeVar
 
 from rtkit.guard import kind_and_text
 from rtkit.property.codes import PropertyError
+from rtkit.property.conversion import child_of
 from rtkit.property.messages import failed
 from rtkit.property.property_spec import RequestParameter
 from rtkit.property.types import Content, check
@@ -133,8 +134,8 @@ class FunctionalProperty:
         given, named = ((), {}) if self._last is None else self._last.arguments
         values = [*given, *named.values()]
         if len(values) == 1:
-            return _child("target", values[0])
-        return Element("target", {}, tuple(_child(key, each) for key, each in named.items()))
+            return child_of("target", values[0])
+        return Element("target", {}, tuple(child_of(key, each) for key, each in named.items()))
 
     def bind(self, value: Value, named: dict[str, Value]) -> Arguments:
         """Return the arguments that a SET stands for, by place and by name.
@@ -269,7 +270,9 @@ class FunctionalProperty:
     def _shown(self, step: object) -> tuple[Element, ...]:
         """Return how far it is, as elements."""
         if self._is_behavior and isinstance(step, Mapping):
-            children = tuple(_child(str(key), self._convert(each)) for key, each in step.items())
+            children = tuple(
+                child_of(str(key), _value(self._convert(each))) for key, each in step.items()
+            )
             write(Element("progress", {}, children))  # a key may be no name
         else:
             value = self._convert(step)
@@ -278,7 +281,7 @@ class FunctionalProperty:
             if not self._is_behavior:
                 return (Element("progress", {}, (), value),)
             is_record = dataclasses.is_dataclass(step) and isinstance(value, Element)
-            children = value.children if is_record else (_child("remaining", value),)  # type: ignore[union-attr]
+            children = value.children if is_record else (child_of("remaining", value),)  # type: ignore[union-attr]
         has_rest = any(each.name == "remaining" for each in children)
         return children if has_rest else (*children, _NOTHING_LEFT)
 
@@ -323,11 +326,5 @@ async def _awaited(steps: AsyncGenerator[object, object], report: Report) -> Non
         report(step)
 
 
-def _child(name: str, value: Content) -> Element:
-    if isinstance(value, Element):
-        return Element(name, {}, (value,))
-    items = value if isinstance(value, tuple) else ()
-    elements = tuple(each for each in items if isinstance(each, Element))
-    if elements and len(elements) == len(items):
-        return Element(name, {}, elements)
-    return Element(name, {}, (), None if isinstance(value, bytes) else value)
+def _value(content: Content) -> Value:
+    return "" if isinstance(content, bytes) else content

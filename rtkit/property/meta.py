@@ -54,6 +54,8 @@ def meta(
         "severity": Word(spec.severity(node.value)) if spec.warn or spec.alarm else None,
         "revision": node.revision,
     }
+    if isinstance(node.value, bytes):
+        fields["size"] = len(node.value)
     if node.source is not None and calls_user_code:
         about = result_of(values.user_code.call(node.source.about))
         fields |= {key: each for key, each in about.items() if not isinstance(each, bytes)}

@@ -7,7 +7,7 @@ objects sub-properties. Source: `property-service` reference, section 8.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import replace
+from dataclasses import is_dataclass, replace
 from functools import partial
 from types import MappingProxyType
 from typing import Any, NamedTuple
@@ -15,6 +15,7 @@ from typing import Any, NamedTuple
 from rtkit.guard import guarded
 from rtkit.property.annotations import (
     Returns,
+    bare,
     extra_of,
     returned,
     spec_of,
@@ -294,13 +295,14 @@ class Exported:
         in_words = spec.type == TYPE
         is_plain = member.kind == "attribute" and found.is_plain
         choices = extra_of(member.hint, Choices)
+        is_record = not is_plain and member.access == "rw" and is_dataclass(bare(member.hint))
 
         def read(given: dict[str, Value]) -> Content:
             named = given_to(member.getter, found.takes, given) if given else {}
             present = self._read(holder(), member, named)
             if present is _UNSET:
                 raise PropertyError("unknown", f"not set yet: {name}")
-            if not is_plain and is_nested(present):
+            if not is_plain and not is_record and is_nested(present):
                 self._unfold(name, present)
             if is_unknown and not named:
                 self._learn(name, member, present)

@@ -57,7 +57,7 @@ from fnmatch import fnmatchcase
 from functools import partial
 from typing import Any
 
-from rtkit.property import functional_requests
+from rtkit.property import blocks, functional_requests
 from rtkit.property.codes import PropertyError
 from rtkit.property.extensions import Extensions
 from rtkit.property.fast_path import FastPath
@@ -72,9 +72,11 @@ from rtkit.property.node import PropertyNode
 from rtkit.property.parameters import COMMON, OF_GET, checked_parameters, flag
 from rtkit.property.polling import Poller
 from rtkit.property.property_spec import PropertySpec, Reader, Writer, plain
+from rtkit.property.registry import NameEntry
 from rtkit.property.requests import PropertyRequest, Requester
-from rtkit.property.types import Content, check
+from rtkit.property.types import Content, check, from_payload
 from rtkit.property.user_code import Unfolded
+from rtkit.property.values import Value
 
 
 class Service:
@@ -113,6 +115,7 @@ class Service:
         self._set_plain = self.values.set_plain
         self._poller = Poller(self.values)
         self._histories: list[tuple[str, int]] = []
+        self._joining = blocks.Joining()
         self._idempotency = IdempotencyCache()
         self._fast_path = FastPath(self.values)
         self.quick = self._fast_path.reply
@@ -381,9 +384,13 @@ class Service:
         if node.function is not None:
             checked_parameters((), target, OF_GET)
             return functional_requests.described(node.function, place)
-        given = checked_parameters(node.spec.parameters, target, OF_GET)
+        is_bytes = node.spec.type.base == "bytes" and target.parameters
+        common = {**OF_GET, **blocks.OF_GET} if is_bytes else OF_GET
+        given = checked_parameters(node.spec.parameters, target, common)
         given.pop("timeout", None)
-        return self.values.payload_of(place, given)
+        block = blocks.taken(node.spec, given) if is_bytes else None
+        payload = self.values.payload_of(place, given)
+        return blocks.cut(payload, block) if block else payload
 
     def _set(self, target: RequestTarget, ask: PropertyRequest) -> Answer | None:
         assert ask.payload is not None
@@ -400,13 +407,30 @@ class Service:
             raise PropertyError("read-only", f"cannot be set: {target.name}")
         if node.function is not None:
             return functional_requests.start(self.values, place, target, ask)
-        given = checked_parameters(node.spec.parameters, target, COMMON)
+        is_bytes = node.spec.type.base == "bytes" and target.parameters
+        common = {**COMMON, **blocks.OF_SET} if is_bytes else COMMON
+        given = checked_parameters(node.spec.parameters, target, common)
         has_echo = flag(given, "echo")
         given.pop("timeout", None)
         given.pop("id", None)
         self.values.check_writable(node, target.name, given.pop("if", None))
-        self.values.set_at(place, ask.payload, given)
+        block = blocks.taken(node.spec, given) if is_bytes else None
+        if block:
+            self._set_block(node, ask.payload, given, block)
+        else:
+            self.values.set_at(place, ask.payload, given)
         return Answer(self._get(RequestTarget(target.name, {}), ask)) if has_echo else DONE
+
+    def _set_block(
+        self, node: PropertyNode, payload: Payload, given: dict[str, Value], block: dict[str, int]
+    ) -> None:
+        """Carry out a SET of a block of bytes; the last one puts the whole in force."""
+        data = from_payload(node.spec.type, payload)
+        assert isinstance(data, bytes)
+        old = partial(self.values.payload_of, NameEntry(node.name, node), {})
+        whole = self._joining.put(node.name, old, data, block)
+        if whole is not None:
+            self.values.apply(node, whole, given)
 
 
 def _read_kept(node: PropertyNode) -> Answer:

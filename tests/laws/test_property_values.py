@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
 
 import pytest
@@ -10,6 +11,8 @@ from hypothesis import strategies as st
 
 from rtkit.property import components
 from rtkit.property.codes import PropertyError
+from rtkit.property.conversion import to_value
+from rtkit.property.fitting import from_value
 from rtkit.property.limits import ValueLimits
 from rtkit.property.marker import _KNOWN, Marker
 from rtkit.property.naming import canonical, escape, parse_parameters, unescape, write_parameters
@@ -212,3 +215,32 @@ def test_markers_lose_nothing(
     assert set(read_again.features) == {part.name for part in parts}
     changed = read_again.with_(confidence=0.5)
     assert changed.with_(confidence=None).element.children == read_again.element.children
+
+
+@dataclasses.dataclass(frozen=True)
+class Inner:
+    text: str
+    numbers: tuple[float, ...]
+
+
+@dataclasses.dataclass(frozen=True)
+class Outer:
+    count: int
+    is_on: bool
+    inner: Inner
+    more: tuple[Inner, ...] = ()
+    maybe: Inner | None = None
+
+
+INNER = st.builds(Inner, XTEXT, st.lists(st.floats(allow_nan=False), max_size=3).map(tuple))
+OUTER = st.builds(
+    Outer, st.integers(-(10**9), 10**9), st.booleans(), INNER,
+    st.lists(INNER, max_size=3).map(tuple), st.none() | INNER,
+)  # fmt: skip
+
+
+@given(OUTER)
+def test_dataclasses_lose_nothing_as_elements(record: Outer) -> None:
+    element = to_value(record)
+    assert not isinstance(element, bytes)
+    assert from_value(read(write(element)), Outer, None) == record
