@@ -42,10 +42,15 @@ def given_to(accessor: str, takes: Taken, given: dict[str, Value]) -> dict[str, 
         PropertyError: ``bad-parameter``: it takes no such.
     """
     known, hints = takes.get(accessor, ((), {}))
-    for key in given:
+    named = {}
+    for key, value in given.items():
         if all(each.key != key for each in known):
             raise PropertyError("bad-parameter", f"{accessor} has no parameter {key}")
-    return {key: from_value(each, hints.get(key), None) for key, each in given.items()}
+        try:
+            named[key] = from_value(value, hints.get(key), None)
+        except PropertyError as error:
+            raise PropertyError("bad-parameter", f"{key}: {error}") from None
+    return named
 
 
 def arguments_of(

@@ -15,6 +15,7 @@ import pytest
 
 import rtkit
 from rtkit.proxy.bridge import bridge
+from rtkit.services.environment import Environment
 from rtkit.services.storage import Storage
 
 _BOUND_S = 20.0
@@ -46,6 +47,7 @@ class _Lamp:
         """Blink."""
 
 
+_BALL = "<marker><location>(1 2 0)</location><type>ball</type></marker>"
 CONTRACTS: dict[str, Contract] = {
     "lamp": Contract(
         lambda folder: _Lamp(),
@@ -54,9 +56,19 @@ CONTRACTS: dict[str, Contract] = {
         {"level": ("bright", "bad-value"), "level?of=1": (None, "bad-parameter"),
          "none": (None, "unknown")},
     ),
+    "environment": Contract(
+        lambda folder: Environment(),
+        {"type": "list<word>", "version": "string", "status": "string", "markers": "list<marker>",
+         "maxage": "number", "frame": "string"},
+        {"maxage": "30.0"},
+        {"observe": ("7", "bad-value"), "observe?frame=moon": (_BALL, "bad-parameter"),
+         "markers?near=1": (None, "bad-parameter"), "markers?frame=moon": (None, "bad-parameter"),
+         "maxage": ("-1", "bad-value"), "grids.heat": (None, "unknown"),
+         "grids.heat.observe": ("(1 2)", "bad-value"), "merge": ("nobody", "no-service")},
+    ),
     "storage": Contract(
         lambda folder: Storage(str(folder)),
-        {"type": "list", "version": "string", "status": "string", "search": "list<word>",
+        {"type": "list<word>", "version": "string", "status": "string", "search": "list<word>",
          "used": "integer", "quota": "integer", "largest": "integer", "left_out": "integer"},
         {"image.jpg": "jpeg", "a%20b": "(1 2", "image.jpg?offset=0&size=2": "12"},
         {"none.jpg": (None, "unknown"), "%2E%2E": ("x", "denied"), "status": ("x", "read-only"),

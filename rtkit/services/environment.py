@@ -1,0 +1,137 @@
+"""Environment model: what sensors have seen, fused; one for each robot, or one that all share.
+
+``SET observe <marker>`` takes what was seen, ``GET markers`` tells the things there are, each once
+(`rtkit.services.fusion`). ``SET grids.temperature.observe (x y v)`` takes what was measured at a
+place (`rtkit.services.grids`). ``SET merge SERVICE`` takes what another model knows.
+"""
+
+from __future__ import annotations
+
+import math
+import threading
+import time
+from typing import Annotated, Any, Final, Self
+
+import rtkit
+from rtkit.services.frames import ORIGIN, Frames
+from rtkit.services.fusion import MarkerFusion
+from rtkit.services.grids import Grids
+from rtkit.services.hosting import init_of
+from rtkit.services.sensor import moved
+
+
+class Environment:
+    """Fuses markers of many sensors into the things that there are.
+
+    Args:
+        frame: In which things are kept: ``world``, or the name of a service.
+        variance: Of each coordinate of a marker that tells none [m², rad²].
+        gate: Mahalanobis distance up to which a marker may be of a thing.
+        drift: What the variance of the place of a thing grows by [m²/s, rad²/s].
+        maxage: After which time what was not seen is forgotten [s]; 0 for never.
+        side: Of a cell of the grids [m].
+        most: How many things are kept.
+
+    Attributes:
+        frame: In which things are kept.
+        maxage: After which time what was not seen is forgotten [s]; 0 for never.
+        grids: What was measured, by name.
+    """
+
+    type: Final = ("environment",)
+    version: Final = "1.0"
+    status: Final = "ready"
+    frame: Final[str]
+
+    def __init__(
+        self,
+        frame: str = "world",
+        *,
+        variance: float = 0.01,
+        gate: float = 3.4,
+        drift: float = 0.01,
+        maxage: float = 60.0,
+        side: float = 0.5,
+        most: int = 1000,
+    ) -> None:
+        if not (variance > 0 and gate > 0 and drift >= 0 and side > 0):
+            raise ValueError("variance, gate and side are above 0, drift is not below")
+        self.frame = frame
+        self.maxage: Annotated[float, rtkit.Unit("s"), rtkit.Range(0)] = maxage
+        self.grids = Grids(side)
+        self._model = MarkerFusion(variance, gate, drift, most)
+        self._lock = threading.Lock()
+        self._frames = Frames(self._pose_of)
+        self._client: rtkit.Client | None = None
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        if self._client is not None:
+            self._client.close()
+        self._client = None
+
+    def get_markers(
+        self,
+        type: str = "",
+        near: tuple[float, float, float] | None = None,
+        since: float = 0.0,
+        frame: str = "",
+    ) -> list[rtkit.Marker]:
+        """Things that there are: of a type, within r of a place (x y r), seen since a time."""
+        with self._lock:
+            if self.maxage > 0:
+                self._model.forget(time.time() - self.maxage)
+            things = list(self._model.things())
+        found = [each.with_(frame=self.frame) for each in things if (each.time or 0.0) > since]
+        if frame not in ("", self.frame):
+            pose = self._frames.between(self.frame, frame)
+            found = [moved(each, pose, frame) for each in found]
+        return [each for each in found if _is_near(each, near) and type in ("", each.type)]
+
+    def set_observe(self, seen: list[rtkit.Marker] | rtkit.Marker, frame: str = "") -> None:
+        """One marker, or all that a sensor sees at one time; none counts if one is refused.
+
+        A marker without a frame is in that of the request; without one either in the frame of the
+        model.
+        """
+        markers = [seen] if isinstance(seen, rtkit.Marker) else seen
+        placed = [self._placed(each, frame) for each in markers]
+        with self._lock:
+            self._model.observe(placed, time.time())
+
+    def set_merge(self, model: str) -> None:
+        """Service of another model: what it knows, and has not told before, counts here, too."""
+        asked = self._asked()
+        markers = [self._placed(each, "") for each in asked.get(f"{model}.markers")]
+        observed = asked.get(f"{model}.properties", all=True, match="grids.*.observe")
+        grids = [each.removesuffix(".observe") for each in observed]
+        parts = ("", ".counts", ".origin")
+        reported = {each: [asked.get(f"{model}.{each}{part}") for part in parts] for each in grids}
+        with self._lock:
+            self._model.merge(model, markers, time.time())
+        for name, each in reported.items():
+            self.grids._merge(model, name.removeprefix("grids."), *each)  # noqa: SLF001  no action
+
+    def _placed(self, marker: rtkit.Marker, frame: str) -> rtkit.Marker:
+        """Return a marker in the frame of the model."""
+        own = marker.frame or frame or self.frame
+        pose = ORIGIN if own == self.frame else self._frames.between(own, self.frame)
+        return marker if pose is ORIGIN else moved(marker, pose, self.frame)
+
+    def _asked(self) -> rtkit.Client:
+        with self._lock:
+            if self._client is None:
+                self._client = rtkit.Client()
+            return self._client
+
+    def _pose_of(self, name: str) -> Any:
+        return self._asked().get(f"{name}.location")
+
+
+def _is_near(marker: rtkit.Marker, near: tuple[float, float, float] | None) -> bool:
+    return near is None or math.dist((marker.location or ())[:2], near[:2]) <= near[2]
+
+
+EnvironmentInit = init_of(Environment)

@@ -1,0 +1,328 @@
+"""Fusion of markers: which of them are one thing, and where it is, given how sure each one is.
+
+What is seen of a thing is weighted by the inverse of its covariance, so the order does not matter.
+It is of the nearest thing of its type, as far as its Mahalanobis distance is within the gate; of
+what one sensor sees at one time, no two are one thing. A thing may drift: the longer ago it was
+seen, the less sure its place. Pure: the time is handed in, frames are those of the caller.
+
+Source: `property-service` reference, section 9.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, field, replace
+from itertools import groupby
+from typing import Any, NamedTuple
+
+from rtkit import Marker, PropertyError
+
+Rows = tuple[tuple[float, ...], ...]
+_TURNS = 3
+"""From this number of a pose on they are angles."""
+
+
+class Estimate(NamedTuple):
+    """Location with what is known of it.
+
+    Attributes:
+        mean: The location [m, rad].
+        information: The inverse of its covariance.
+    """
+
+    mean: tuple[float, ...]
+    information: Rows
+
+
+def inverse(rows: Sequence[Sequence[float]]) -> Rows:
+    """Return the inverse of a symmetric matrix all of whose eigenvalues are above 0.
+
+    Raises:
+        PropertyError: ``bad-value``: it is another one.
+    """
+    size = len(rows)
+    lower = [[0.0] * size for _ in rows]
+    for i in range(size):
+        for j in range(i + 1):
+            rest = rows[i][j] - sum(lower[i][k] * lower[j][k] for k in range(j))
+            if i == j and not 0.0 < rest < math.inf:
+                raise PropertyError("bad-value", "a covariance is symmetric and above 0")
+            lower[i][j] = math.sqrt(rest) if i == j else rest / lower[j][j]
+    back = [[0.0] * size for _ in rows]
+    for j in range(size):
+        for i in range(j, size):
+            rest = (i == j) - sum(lower[i][k] * back[k][j] for k in range(j, i))
+            back[i][j] = rest / lower[i][i]
+    return tuple(
+        tuple(sum(back[k][i] * back[k][j] for k in range(max(i, j), size)) for j in range(size))
+        for i in range(size)
+    )
+
+
+def fuse(one: Estimate, other: Estimate) -> Estimate:
+    """Return what two estimates of one location tell together; one may have fewer numbers."""
+    wide, narrow = (one, other) if len(one.mean) >= len(other.mean) else (other, one)
+    size, seen = len(wide.mean), len(narrow.mean)
+    summed = [list(row) for row in wide.information]
+    for i in range(seen):
+        for j in range(seen):
+            summed[i][j] += narrow.information[i][j]
+    apart = difference(narrow.mean, wide.mean)
+    pull = _times(narrow.information, apart) + (0.0,) * (size - seen)
+    information = tuple(map(tuple, summed))
+    step = _times(inverse(information), pull)
+    return Estimate(_moved(wide.mean, step), information)
+
+
+def distance(one: Estimate, other: Estimate) -> float:
+    """Return the Mahalanobis distance of two estimates, of the numbers that both have."""
+    apart = difference(one.mean, other.mean)
+    size = len(apart)
+    spreads = inverse(one.information), inverse(other.information)
+    both = [[spreads[0][i][j] + spreads[1][i][j] for j in range(size)] for i in range(size)]
+    return math.sqrt(sum(a * b for a, b in zip(apart, _times(inverse(both), apart), strict=True)))
+
+
+def drifted(estimate: Estimate, variance: float) -> Estimate:
+    """Return what is known after the thing may have moved by a variance."""
+    if variance <= 0.0:
+        return estimate
+    spread = inverse(estimate.information)
+    wider = [[each + (i == j) * variance for j, each in enumerate(r)] for i, r in enumerate(spread)]
+    return estimate._replace(information=inverse(wider))
+
+
+def difference(one: Sequence[float], other: Sequence[float]) -> tuple[float, ...]:
+    """Return by how much locations differ, in the numbers that both have; angles the short way."""
+    pairs = enumerate(zip(one, other, strict=False))
+    return tuple(math.remainder(a - b, math.tau) if i >= _TURNS else a - b for i, (a, b) in pairs)
+
+
+def _moved(mean: Sequence[float], step: Sequence[float]) -> tuple[float, ...]:
+    to = enumerate(a + b for a, b in zip(mean, step, strict=True))
+    return tuple(math.remainder(each, math.tau) if i >= _TURNS else each for i, each in to)
+
+
+def _times(rows: Rows, vector: Sequence[float]) -> tuple[float, ...]:
+    return tuple(sum(a * b for a, b in zip(row, vector, strict=True)) for row in rows)
+
+
+@dataclass(frozen=True)
+class Seen:
+    """One look at a thing, or all looks of another model together.
+
+    Attributes:
+        time: When it was seen last [s since 1970].
+        doubt: Probability that there is nothing of the kind; None if nobody said.
+        count: How many looks it stands for.
+    """
+
+    marker: Marker
+    estimate: Estimate
+    time: float
+    doubt: float | None
+    count: int
+
+    @property
+    def key(self) -> tuple[str, str]:
+        """Return by what its sensor knows it; the second part is empty if it does not."""
+        return self.marker.source, self.marker.id
+
+
+@dataclass
+class Track:
+    """Thing that was seen, with all that is known of it."""
+
+    id: str
+    seen: Seen
+    keys: dict[str, str] = field(default_factory=dict)
+
+    def marker(self) -> Marker:
+        """Return it as a marker; feature ``count`` says how often it was seen."""
+        seen = self.seen
+        spread = inverse(seen.estimate.information)
+        first = spread[0][0]
+        is_even = all(
+            math.isclose(each, first * (i == j), rel_tol=1e-9, abs_tol=1e-12 * first)
+            for i, row in enumerate(spread)
+            for j, each in enumerate(row)
+        )
+        about: dict[str, Any] = {"variance": first} if is_even else {"covariance": spread}
+        if seen.doubt is not None:
+            about["confidence"] = 1.0 - seen.doubt
+        return seen.marker.with_(
+            location=seen.estimate.mean,
+            id=self.id,
+            time=seen.time,
+            source=None,
+            count=seen.count,
+            **about,
+        )
+
+
+class MarkerFusion:
+    """Things that markers tell of, in one frame.
+
+    Args:
+        variance: Of each coordinate of a marker that tells none [m², rad²].
+        gate: Mahalanobis distance up to which a marker may be of a thing.
+        drift: What the variance of the place of a thing grows by [m²/s, rad²/s].
+        most: How many things are kept; those not seen for longest go first.
+    """
+
+    def __init__(
+        self, variance: float = 0.01, gate: float = 3.4, drift: float = 0.0, most: int = 1000
+    ) -> None:
+        self.variance, self.gate, self.drift, self.most = variance, gate, drift, most
+        self._things: dict[str, Track] = {}
+        self._numbers: dict[str, int] = {}
+        self._merged: dict[tuple[str, str], Seen] = {}
+
+    def observe(self, markers: Iterable[Marker], now: float) -> None:
+        """Take what was seen, all of it or nothing.
+
+        Raises:
+            PropertyError: ``bad-value``: a marker has no location, or no covariance that is one.
+        """
+        looks = sorted((self._look(each, now) for each in markers), key=_of_one_look)
+        for _, group in groupby(looks, _of_one_look):
+            self._take(list(group))
+        for thing in sorted(self._things.values(), key=lambda each: -each.seen.time)[self.most :]:
+            del self._things[thing.id]
+
+    def merge(self, reference: str, markers: Iterable[Marker], now: float) -> None:
+        """Take what another model knows and has not told before.
+
+        Raises:
+            PropertyError: ``bad-value``: as `observe`.
+        """
+        reported = [self._look(each.with_(source=reference), now) for each in markers]
+        news = [new for each in reported if (new := self._news(each)) is not None]
+        self._take(news)
+        self._merged |= {each.key: each for each in reported}
+
+    def _news(self, report: Seen) -> Seen | None:
+        """Return what a model tells of a thing beyond what it told the last time."""
+        last = self._merged.get(report.key)
+        if last is None or len(last.estimate.mean) != len(report.estimate.mean):
+            return report
+        count = report.count - last.count
+        if count <= 0:
+            return None if report.estimate == last.estimate else report
+        rows = tuple(
+            tuple(a - b for a, b in zip(*each, strict=True))
+            for each in zip(report.estimate.information, last.estimate.information, strict=True)
+        )
+        try:
+            spread = inverse(rows)
+        except PropertyError:  # it has drifted: new is the share of what was seen since
+            share = count / report.count
+            rows = tuple(tuple(each * share for each in r) for r in report.estimate.information)
+            return replace(report, estimate=report.estimate._replace(information=rows), count=count)
+        apart = difference(report.estimate.mean, last.estimate.mean)
+        step = _times(spread, _times(last.estimate.information, apart))
+        return replace(
+            report, estimate=Estimate(_moved(report.estimate.mean, step), rows), count=count
+        )
+
+    def things(self) -> Iterator[Marker]:
+        """Yield all things as markers, in the order in which they came."""
+        return (each.marker() for each in self._things.values())
+
+    def forget(self, before: float) -> None:
+        """Forget the things that were not seen since a time [s since 1970]."""
+        for thing in [each for each in self._things.values() if each.seen.time < before]:
+            del self._things[thing.id]
+
+    def _look(self, marker: Marker, now: float) -> Seen:
+        mean = marker.location
+        if mean is None or not all(map(math.isfinite, mean)):
+            raise PropertyError("bad-value", "a marker with a location is needed")
+        variance = self.variance if marker.variance is None else marker.variance
+        rows = marker.covariance or tuple(
+            tuple(variance * (i == j) for j in range(len(mean))) for i in range(len(mean))
+        )
+        sure = marker.confidence
+        if sure is not None and not 0.0 < sure <= 1.0:
+            raise PropertyError("bad-value", "a confidence is above 0, and 1 at most")
+        information, count = inverse(rows), marker.features.get("count", 1)
+        if "count" not in marker.features and sure is not None:  # else it is weighted already
+            information = tuple(tuple(each * sure for each in row) for row in information)
+        time = now if marker.time is None else marker.time
+        doubt = None if sure is None else 1.0 - sure
+        return Seen(marker, Estimate(mean, information), time, doubt, int(count))
+
+    def _take(self, group: list[Seen]) -> None:
+        """Give each look of one sensor at one time the thing that it is of, nearest ones first."""
+        pairs = []
+        for number, look in enumerate(group):
+            for thing in self._things.values():
+                far = self._distance(thing, look)
+                if far is not None:
+                    pairs.append((far, number, thing))
+        things: dict[int, Track] = {}
+        for _, number, thing in sorted(pairs, key=lambda each: each[:2]):
+            if number not in things and all(each is not thing for each in things.values()):
+                things[number] = thing
+        for number, look in enumerate(group):
+            self._join(things.get(number), look)
+
+    def _distance(self, thing: Track, look: Seen) -> float | None:
+        """Return how far a look is from a thing, -1 if it is told to be of it; None for too far."""
+        source, id = look.key
+        if thing.seen.marker.type != look.marker.type:
+            return None
+        known = thing.keys.get(source)
+        if known is not None and id:
+            return -1.0 if known == id else None
+        far = distance(*self._at_one_time(thing.seen, look))
+        return far if far <= self.gate else None
+
+    def _at_one_time(self, one: Seen, other: Seen) -> tuple[Estimate, Estimate]:
+        """Return the estimates for the later time of both."""
+        late = max(one.time, other.time)
+        return (
+            drifted(one.estimate, self.drift * (late - one.time)),
+            drifted(other.estimate, self.drift * (late - other.time)),
+        )
+
+    def _join(self, thing: Track | None, look: Seen) -> None:
+        source, id = look.key
+        keys = {source: id} if id else {}
+        if thing is None:
+            name = self._name(look.marker)
+            self._things[name] = Track(name, look, keys)
+            return
+        thing.keys |= keys
+        before = thing.seen
+        known, new = self._at_one_time(before, look)
+        has_moved = distance(known, new) > self.gate
+        is_later = look.time >= before.time
+        doubts = [each for each in (before.doubt, look.doubt) if each is not None]
+        thing.seen = Seen(
+            _together(before.marker, look.marker) if is_later else before.marker,
+            (new if is_later else known) if has_moved else fuse(known, new),
+            max(before.time, look.time),
+            math.prod(doubts) if doubts else None,
+            before.count + look.count,
+        )
+
+    def _name(self, marker: Marker) -> str:
+        """Return a name that no thing has had: the marker's own, or its type with a number."""
+        name, kind = marker.id, marker.type or "thing"
+        while not name or name in self._things:
+            self._numbers[kind] = number = self._numbers.get(kind, 0) + 1
+            name = f"{kind}-{number}"
+        return name
+
+
+def _of_one_look(seen: Seen) -> tuple[float, str]:
+    return seen.time, seen.marker.source
+
+
+def _together(old: Marker, new: Marker) -> Marker:
+    """Return the features of both markers, those of the new one where both have some."""
+    more = {name: getattr(old, name) for name in ("name", "size") if not getattr(new, name)}
+    kept = {name: each for name, each in old.features.items() if name not in new.features}
+    return new.with_(**more, **kept)
