@@ -183,7 +183,13 @@ class Relay(PropertyProvider):
         payload = ask.payload
         ref = payload if isinstance(payload, str) else (payload or b"").decode("utf-8", "replace")
         if ref.strip() != "self":
-            raise PropertyError("denied", f"events go to self only, not to {ref[:80]}")
+            # The owner has an allow-list of who may be notified; asking for it is a SET.
+            whose = _listened(target.name) or target.name
+            self._check_caller("SET", whose, ask.caller)
+            if not self._is_allowed(whose):
+                self._refuse("SET", whose, ask.caller, "the proxy lets nobody set it")
+            self._forward(f"{name}.{_LISTEN}", target.parameters, ask)
+            return
         given = dict(target.parameters)
         removed = given.pop("remove", "false")
         if removed is None or _is_true(removed):

@@ -1,12 +1,13 @@
 """Notifies properties of other services: SETs them to what changes here.
 
-Only services of the same user on this host, and of their properties those that the owner allows:
-else a client could have a service SET any property.
+Only those that the owner allows: else a client could have a service SET any property. They are
+properties of services of the same user on this host, or stand behind an address of a wire.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from contextlib import closing
 from fnmatch import fnmatchcase
 from functools import partial
 
@@ -19,6 +20,10 @@ from rtkit.property.service import Service
 from rtkit.property.subscription import Listener
 from rtkit.serving.event_loop import IOHandler, PropertyEventLoop
 from rtkit.wires.line.client import connect_unix
+from rtkit.wires.property_client import PropertyClient
+from rtkit.wires.table import WIRES, wire_of
+
+Deliver = Callable[[PropertyEvent], object]
 
 DELIVERY_S = 5.0
 """How long one event may take [s]."""
@@ -100,7 +105,8 @@ class Notifying:
     """Notifies the listeners of one service that are properties elsewhere.
 
     Args:
-        allowed: Patterns of ``SERVICE/NAME``.
+        allowed: Patterns of ``SERVICE/NAME``, or of addresses (``tcp:HOST:PORT/SERVICE/NAME``):
+            such a pattern begins with the scheme of its wire.
     """
 
     def __init__(self, host: PropertyEventLoop, service: Service, allowed: Sequence[str]) -> None:
@@ -115,24 +121,37 @@ class Notifying:
         Raises:
             PropertyError: ``denied``: it is not allowed, or there are too many.
         """
-        target = parse_target(reference)
-        full = f"{target.service}/{target.name}"
-        is_own = target.service == self._service.name
-        if not target.service or target.parameters or is_own or not self._is_allowed(full):
+        scheme, colon, _ = reference.partition(":")
+        is_far = bool(colon) and scheme in WIRES
+        full, deliver = self._far(scheme, reference) if is_far else self._near(reference)
+        if not any(fnmatchcase(full, each) for each in self._allowed
+                   if not is_far or each.startswith(f"{scheme}:")):  # fmt: skip
             raise PropertyError("denied", f"events do not go to {reference[:80]}: not allowed")
         key = (full, listened)
         self._known = {key: each for key, each in self._known.items() if each.is_used}
         if key not in self._known:
             if len(self._known) >= MOST_TARGETS:
                 raise PropertyError("denied", f"{MOST_TARGETS} targets are told already")
-            deliver = partial(_set, service_socket(target.service), target.name)
             self._known[key] = Notified(self._host, full, deliver, self._service.forget)
         return self._known[key]
 
-    def _is_allowed(self, full: str) -> bool:
-        return any(fnmatchcase(full, each) for each in self._allowed)
+    def _near(self, reference: str) -> tuple[str, Deliver]:
+        """Return the full name of a property on this host, and what sets it."""
+        target = parse_target(reference)
+        if not target.service or target.parameters or target.service == self._service.name:
+            raise PropertyError("denied", f"events do not go to {reference[:80]}: not allowed")
+        connect = partial(connect_unix, service_socket(target.service), DELIVERY_S)
+        return f"{target.service}/{target.name}", partial(_set, connect, target.name)
+
+    def _far(self, scheme: str, reference: str) -> tuple[str, Deliver]:
+        """Return the address of a property, and what sets it."""
+        side = wire_of(scheme).client
+        place, path = side.split(reference) if side is not None else ("", "")
+        if side is None or not path or "?" in path:
+            raise PropertyError("denied", f"events do not go to {reference[:80]}: no target")
+        return reference, partial(_set, partial(side.connect, place, DELIVERY_S), path)
 
 
-def _set(path: str, name: str, event: PropertyEvent) -> None:
-    with connect_unix(path, DELIVERY_S) as client:
+def _set(connect: Callable[[], PropertyClient], name: str, event: PropertyEvent) -> None:
+    with closing(connect()) as client:
         client.ask(name, event.payload).value()

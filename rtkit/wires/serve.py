@@ -112,8 +112,9 @@ def serve(
         hide: Names that are not to be seen.
         history: Patterns of names, and how many values of each ``NAME.history`` tells.
         rules: Who may do what through which endpoint, and how much: `rtkit.property.access`.
-        notify: Patterns of ``SERVICE/NAME``, of your services on this host, to which events may be
-            SET (``SET P.listen SERVICE/NAME``); none may, unless told.
+        notify: Patterns of ``SERVICE/NAME``, of your services on this host, or of addresses
+            (``tcp:HOST:PORT/SERVICE/NAME``), to which events may be SET
+            (``SET P.listen SERVICE/NAME``); none may, unless told.
         is_on_zenoh: Also answer zenoh queries, through the manager where one runs.
         endpoints: Further endpoints to open, None for none. ``port=`` is a TCP port of the host, 0
             for any, to clients that know the user's secret; ``http=`` and ``ice=`` likewise;

@@ -4,10 +4,13 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Iterator
+from contextlib import ExitStack
 
 import pytest
 
+import rtkit
 from rtkit.property.service import Service
+from rtkit.proxy.bridge import bridge
 from rtkit.wires.line.client import connect_unix
 from rtkit.wires.serve import ServedObject, serve
 
@@ -75,3 +78,70 @@ def test_a_target_that_is_not_there_is_given_up(source: ServedObject) -> None:
             assert client.ask("angle.listen", "sink/shown.angle").error == ""
             last = client.ask("angle").payload
             _until(lambda: sink.get("shown.angle") == last)
+
+
+DOORS = ("unix", "zenoh", "tcp", "http", "chain")
+
+
+@pytest.mark.parametrize("door", DOORS)
+@pytest.mark.parametrize("way", ["name", "tcp", "http"])
+def test_a_target_is_told_whoever_asks_for_that_and_wherever_it_is(
+    door: str, way: str, place: str, ends: ExitStack
+) -> None:
+    sink, source = _sink(), Service()
+    source.add("angle", 1.0, "number")
+    there = ends.enter_context(serve(sink, "sink", is_on_zenoh=False, port=0, http=0))
+    target = {
+        "name": "sink/shown.angle",
+        "tcp": f"tcp:localhost:{there.port}/sink/shown.angle",
+        "http": f"http://localhost:{there.http}/ps/sink/shown.angle",
+    }[way]
+    allowed = ["sink/*", "tcp:localhost:*/sink/shown.*", "http://localhost:*/ps/sink/shown.*"]
+    here = ends.enter_context(serve(source, "source", notify=allowed, port=0, http=0))
+    first = ends.enter_context(bridge("/localhost/source", "tcp:0", allow_set=["angle"]))
+    ends.enter_context(bridge(f"{first.address}/source", "zenoh:far", allow_set=["angle"]))
+    at = {
+        "unix": "source.",
+        "zenoh": "zenoh:source.",
+        "tcp": f"tcp:localhost:{here.port}/source/",
+        "http": f"http://localhost:{here.http}/ps/source/",
+        "chain": "zenoh:far.",
+    }[door]
+    with rtkit.Client(timeout_s=BOUND_S) as client:
+        client.set(f"{at}angle.listen", target)
+        _until(lambda: sink.get("shown.angle") == "1.0")
+        here.update("angle", 5.0)
+        _until(lambda: sink.get("shown.angle") == "5.0")
+        client.set(f"{at}angle.listen", target, remove=1)
+        assert client.get("source.angle.listen") == ()
+        for other in ("sink2/shown.angle", f"tcp:localhost:{there.port}/sink/hidden"):
+            with pytest.raises(rtkit.PropertyError) as refused:
+                client.set(f"{at}angle.listen", other)
+            assert refused.value.code == "denied"
+
+
+def test_a_pattern_of_names_allows_no_address(place: str, ends: ExitStack) -> None:
+    source = Service()
+    source.add("angle", 1.0, "number")
+    here = ends.enter_context(serve(source, "source", notify=["*"], is_on_zenoh=False))
+    with connect_unix(here.socket, BOUND_S) as client:
+        for far in (
+            "tcp:localhost:1/x/y",
+            "http://localhost:1/ps/x/y",
+            "unix:x/y",
+            "tcp:",
+            "mqtt:",
+        ):
+            assert client.ask("angle.listen", far).error in ("denied", "syntax")
+
+
+def test_a_proxy_that_lets_nothing_be_set_has_nobody_notified(place: str, ends: ExitStack) -> None:
+    source, sink = Service(), _sink()
+    source.add("angle", 1.0, "number")
+    ends.enter_context(serve(sink, "sink", is_on_zenoh=False))
+    ends.enter_context(serve(source, "source", notify=["sink/*"], is_on_zenoh=False))
+    door = ends.enter_context(bridge("/localhost/source", "tcp:0"))
+    with rtkit.Client(timeout_s=BOUND_S) as client:
+        with pytest.raises(rtkit.PropertyError) as refused:
+            client.set(f"{door.address}/source/angle.listen", "sink/shown.angle")
+        assert refused.value.code == "denied"
