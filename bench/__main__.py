@@ -31,6 +31,7 @@ GROUPS = (
     "static",
     "profiles",
     "properties",
+    "group",
     "prompt",
     "planner",
     "table3",

@@ -248,6 +248,7 @@ class Client(Closing):
         until = monotonic() + bound_s
         asked = _Asked(len(asks))
         ready: list[tuple[Owner, str, Payload | None, Callable[[Answer], None]]] = []
+        written: tuple[Any, Payload | None] = (UNSET, None)
         for index, ask in enumerate(asks):
             take: Callable[[Answer], None] = partial(asked.take, index)
             path = ask.target.partition("?")[0]
@@ -257,7 +258,9 @@ class Client(Closing):
                 threading.Thread(target=self._ask_far, args=arguments, daemon=True).start()
                 continue
             try:
-                ready.append((*self._prepared(ask, path), take))
+                if ask.value is not written[0]:  # of a fan-out all have the same
+                    written = ask.value, None if ask.value is UNSET else _payload(ask.value)
+                ready.append((*self._prepared(ask, path), written[1], take))
             except RtkitError as error:
                 with self._host.lock:
                     take(failure(error))
@@ -282,7 +285,8 @@ class Client(Closing):
 
     def _ask_far(self, ask: Ask, path: str, take: Callable[[Answer], None], until: float) -> None:
         try:
-            owner, target, payload = self._prepared(ask, path)
+            owner, target = self._prepared(ask, path)
+            payload = None if ask.value is UNSET else _payload(ask.value)
         except RtkitError as error:
             with self._host.lock:
                 take(failure(error))
@@ -290,7 +294,7 @@ class Client(Closing):
         with self._host.lock:
             owner.ask(target, payload, take, until)
 
-    def _prepared(self, ask: Ask, path: str) -> tuple[Owner, str, Payload | None]:
+    def _prepared(self, ask: Ask, path: str) -> tuple[Owner, str]:
         place, owner = self._owners.find(path)
         owner.begin()
         _, mark, tail = ask.target.partition("?")
@@ -298,7 +302,7 @@ class Client(Closing):
         given = {key: _parameter(each) for key, each in ask.parameters.items()}
         more = [each for each in (tail, write_parameters(given)) if each]
         target = place.target("&".join(more)) if more or not mark else f"{place.target()}?"
-        return owner, target, None if ask.value is UNSET else _payload(ask.value)
+        return owner, target
 
     def _outcome(self, ask: Ask, answer: Answer) -> Payload | PropertyError:
         if not answer.error:

@@ -12,10 +12,12 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import pytest
+from bots import Bot
 
 import rtkit
 from rtkit.proxy.bridge import bridge
 from rtkit.services.environment import Environment
+from rtkit.services.group import Group
 from rtkit.services.storage import Storage
 
 _BOUND_S = 20.0
@@ -48,6 +50,22 @@ class _Lamp:
 
 
 _BALL = "<marker><location>(1 2 0)</location><type>ball</type></marker>"
+
+
+class _Swarm(Group):
+    """Group whose members are served as long as it is."""
+
+    def __init__(self) -> None:
+        self._ends = ExitStack()
+        for at in (1, 2):
+            self._ends.enter_context(rtkit.serve(Bot(2.0 * at), f"robots/r{at}"))
+        super().__init__(robots="robots/r1 robots/r2", deadline=5.0)
+
+    def __exit__(self, *why: object) -> None:
+        super().__exit__(*why)
+        self._ends.close()
+
+
 CONTRACTS: dict[str, Contract] = {
     "lamp": Contract(
         lambda folder: _Lamp(),
@@ -74,6 +92,23 @@ CONTRACTS: dict[str, Contract] = {
         {"none.jpg": (None, "unknown"), "%2E%2E": ("x", "denied"), "status": ("x", "read-only"),
          "none.jpg?delete=1": ("", "unknown"), "image.jpg?offset=7": ("x", "conflict"),
          "image.jpg?size=x": (None, "bad-parameter"), "search?size=1": (None, "bad-parameter")},
+    ),
+    "group": Contract(
+        lambda folder: _Swarm(),
+        {"type": "list<word>", "version": "string", "status": "string", "location": "vector[6]",
+         "velocity": "vector[6]", "behaviors.moveto": "any", "behaviors.stop": "any",
+         "robots.r1.location": "vector[6]", "groups.all": "list", "join": "action",
+         "leave": "action", "failures": "list<list>", "deadline": "number"},
+        {"velocity": "(0.5 0.0 0.0 0.0 0.0 0.0)", "deadline": "4.0", "groups.a": "(r2)",
+         "groups.a.velocity": "(0.25 0.0 0.0 0.0 0.0 0.0)",
+         "robots.r1.velocity": "(0.125 0.0 0.0 0.0 0.0 0.0)"},
+        {"location": ("(0 0 0 0 0 0)", "read-only"), "velocity": ("fast", "bad-value"),
+         "location?form=some": (None, "bad-parameter"), "location?of=1": (None, "bad-parameter"),
+         "groups.b": ("(r3)", "bad-value"), "groups.b.velocity": (None, "unknown"),
+         "none": ("1", "unknown"), "deadline": ("0", "bad-value"),
+         "behaviors.moveto": ("<marker><location>(2000 0)</location></marker>", "bad-value"),
+         "behaviors.moveto?frame=x": ("1", "bad-parameter"),
+         "robots.r1.location": ("(0 0 0 0 0 0)", "read-only")},
     ),
 }  # fmt: skip
 DOORS = ("unix", "zenoh", "tcp", "chain")

@@ -1,0 +1,293 @@
+"""Fan-out to the members of a group: one request for each at once, and what they answer as one."""
+
+from __future__ import annotations
+
+import math
+import threading
+from collections.abc import Collection, Iterable, Mapping, Sequence
+from time import monotonic
+from typing import Any, NamedTuple
+
+import rtkit
+from rtkit.services.frames import Frames, Pose, pose_of
+
+_OWN = {"robots", "groups", "join", "leave", "failures", "deadline", "name", "type", "version",
+        "status", "properties"}  # fmt: skip
+"""First parts of the names of a group itself."""
+_NAMES = ("location", "velocity", "behaviors.moveto", "behaviors.stop")
+"""What a group has also while no member has told what it has."""
+_AGAIN_S = 5.0
+"""How long until a member is asked again for its names that did not tell them [s]."""
+_STATES = ("running", "failed", "stopped", "done", "idle")
+_ESCAPED = {'"': '\\"', "\\": "\\\\", "\n": "\\n", "\r": "\\r", "\t": "\\t"}
+
+
+def is_own(name: str) -> bool:
+    """Return whether a name is one that a group does not take from its members."""
+    return name.partition(".")[0] in _OWN
+
+
+class MemberFailure(NamedTuple):
+    """Failure of a member to do what all were to do."""
+
+    name: str
+    code: str
+    text: str
+
+
+class Members:
+    """Members of a group, each a service.
+
+    Args:
+        deadline: How long they may take for an answer [s].
+
+    Attributes:
+        failures: Of what was set last.
+    """
+
+    def __init__(self, deadline: float) -> None:
+        self.deadline = deadline
+        self.failures: Sequence[MemberFailure] = ()
+        self._targets: dict[str, str] = {}
+        self._known: dict[str, tuple[str, ...]] = {}
+        self._asked_at: dict[str, float] = {}
+        self._names: tuple[str, ...] = _NAMES
+        self._lock = threading.Lock()
+        self._client: rtkit.Client | None = None
+
+    def begin(self) -> None:
+        """Connect to members when they are asked."""
+        self._client = rtkit.Client()
+
+    def end(self) -> None:
+        """End the connections."""
+        if self._client is not None:
+            self._client.close()
+
+    def present(self) -> list[str]:
+        """Return the names of the members."""
+        with self._lock:
+            return list(self._targets)
+
+    def add(self, robot: str) -> tuple[str, str]:
+        """Add ``SERVICE`` or ``NAME=SERVICE``; return name and service.
+
+        Raises:
+            PropertyError: ``bad-value``: it is neither; ``conflict``: another one has that name.
+        """
+        name, mark, target = robot.rpartition("=")
+        name = name if mark else target.rpartition("/")[2].rpartition(".")[2]
+        if not target or not name.replace("_", "a").replace("-", "a").isalnum():
+            raise rtkit.PropertyError("bad-value", f"expected SERVICE or NAME=SERVICE: {robot}")
+        with self._lock:
+            if self._targets.setdefault(name, target) != target:
+                raise rtkit.PropertyError("conflict", f"{name} is {self._targets[name]} already")
+        return name, target
+
+    def remove(self, name: str) -> None:
+        """Remove a member.
+
+        Raises:
+            PropertyError: ``unknown``: there is none.
+        """
+        with self._lock:
+            if self._targets.pop(name, None) is None:
+                raise rtkit.PropertyError("unknown", f"no member: {name}")
+            self._known.pop(name, None)
+            self._asked_at.pop(name, None)
+            self._rename()
+
+    def names(self) -> Collection[str]:
+        """Return the names that members have; those that have not told theirs are asked again."""
+        now = monotonic()
+        if self._client is None:
+            return self._names
+        with self._lock:
+            new = self._targets.keys() - self._known.keys()
+            due = [each for each in new if now - self._asked_at.get(each, -_AGAIN_S) >= _AGAIN_S]
+            self._asked_at |= dict.fromkeys(due, now)
+        if due:
+            values, _ = self.get(due, "properties", {"all": 1})
+            with self._lock:
+                for each, names in values.items():
+                    self._known[each] = tuple(n for n in map(str, names) if not is_own(n))
+                self._rename()
+        return self._names
+
+    def _rename(self) -> None:
+        names = tuple(dict.fromkeys((*_NAMES, *(n for own in self._known.values() for n in own))))
+        self._names = self._names if names == self._names else names
+
+    def pose_of(self, service: str) -> Sequence[float]:
+        """Return the location of any service, whose name is the name of a frame."""
+        assert self._client is not None
+        return tuple(self._client.get(f"{service}.location"))
+
+    def get(
+        self,
+        selected: Sequence[str],
+        name: str,
+        parameters: Mapping[str, Any],
+        bound_s: float = math.inf,
+    ) -> tuple[dict[str, Any], list[MemberFailure]]:
+        """Get a property of some members at once, by the deadline or sooner [s]."""
+        nothing: dict[str, tuple[Any, ...]] = dict.fromkeys(selected, ())
+        return self._ask(nothing, name, parameters, min(bound_s, self.deadline))
+
+    def set(
+        self,
+        values: Mapping[str, Any],
+        name: str,
+        parameters: Mapping[str, Any],
+        bound_s: float,
+    ) -> list[MemberFailure]:
+        """Set a property of some members at once, each to its value, in so long [s]."""
+        sent = {each: (_sent(value),) for each, value in values.items()}
+        return self._ask(sent, name, parameters, round(max(0.0, bound_s), 3))[1]
+
+    def _ask(
+        self,
+        values: Mapping[str, tuple[Any, ...]],
+        name: str,
+        parameters: Mapping[str, Any],
+        bound_s: float,
+    ) -> tuple[dict[str, Any], list[MemberFailure]]:
+        """Make a request of each member, with the value to set, if there is one."""
+        if self._client is None:
+            raise rtkit.PropertyError("no-service", "the group is not served yet")
+        ask, error, targets = rtkit.Ask, rtkit.PropertyError, self._targets
+        asks = [
+            ask(f"{targets.get(each, each)}.{name}", *value)._replace(parameters=parameters)
+            for each, value in values.items()
+        ]
+        answers = dict(zip(values, self._client.ask_all(asks, bound_s), strict=True))
+        failures = [
+            MemberFailure(each, answer.code, _why(answer))
+            for each, answer in answers.items()
+            if isinstance(answer, error)
+        ]
+        for each in failures:
+            del answers[each.name]
+        return answers, failures
+
+
+def _why(error: rtkit.PropertyError) -> str:
+    """Return the text of an error without what it begins with, and without what else there is."""
+    return str(error).partition(f": {error.code}: ")[2].partition(" (there is ")[0]
+
+
+def _sent(value: Any) -> Any:
+    """Return a value as requests take it: a text that is no word in quotes."""
+    if not isinstance(value, str) or isinstance(value, rtkit.Word):
+        return value
+    return '"' + "".join(_ESCAPED.get(each, each) for each in value) + '"'
+
+
+def error_of(failures: Sequence[MemberFailure], count: int) -> rtkit.PropertyError:
+    """Return the error that names all who failed, of so many."""
+    codes = {each.code for each in failures}
+    code = codes.pop() if len(codes) == 1 else "conflict"
+    each_why = "; ".join(f"{each.name}: {each.code}: {each.text}" for each in failures)
+    text = f"{len(failures)} of {count} failed: {each_why}" if count else "there are no members"
+    return rtkit.PropertyError(code, text)
+
+
+# Answers
+
+
+def middle_of(poses: Iterable[Sequence[float]]) -> Pose:
+    """Return the middle of poses: the mean place, and the mean direction of each angle [m, rad]."""
+    columns = list(zip(*map(pose_of, poses), strict=True))
+    place = [math.fsum(column) / len(column) for column in columns[:3]]
+    turn = [
+        math.atan2(math.fsum(map(math.sin, column)), math.fsum(map(math.cos, column)))
+        for column in columns[3:]
+    ]
+    return (*place, *turn)
+
+
+def combined(values: Mapping[str, Any], failures: Sequence[MemberFailure], name: str = "") -> Any:
+    """Return what stands for all answers: the mean of numbers, what is the same, or a list.
+
+    Of locations see `middle_of`, of behaviours `state_of`.
+    """
+    answers = list(values.values())
+    first = answers[0]
+    if isinstance(first, rtkit.Element) and "state" in first.attributes:
+        return state_of(values, failures)
+    if all(each == first for each in answers):
+        return first
+    rows = [each if isinstance(each, tuple) else (each,) for each in answers]
+    if not all(len(row) == len(rows[0]) and all(map(_is_number, row)) for row in rows):
+        return tuple((rtkit.Word(name), each) for name, each in values.items())
+    if name == "location":
+        return middle_of(rows)
+    mean = tuple(math.fsum(column) / len(rows) for column in zip(*rows, strict=True))
+    return mean if isinstance(first, tuple) else mean[0]
+
+
+def state_of(values: Mapping[str, Any], failures: Sequence[MemberFailure]) -> rtkit.Element:
+    """Return how a behaviour of all stands.
+
+    It runs while one runs; then what is worst holds. The child ``others`` names who stands
+    otherwise, and who did not answer, with the code.
+    """
+    states = {
+        name: each.attributes.get("state", "idle") if isinstance(each, rtkit.Element) else "idle"
+        for name, each in values.items()
+    }
+    state = min(states.values(), key=lambda each: (*_STATES, each).index(each))
+    one = next(values[name] for name, each in states.items() if each == state)
+    others = [pair for pair in states.items() if pair[1] != state]
+    others += [(each.name, each.code) for each in failures]
+    pairs = tuple((rtkit.Word(name), rtkit.Word(each)) for name, each in others)
+    more = (rtkit.Element("others", {}, (), pairs),) if pairs else ()
+    return rtkit.Element(one.name, {"state": state}, (*one.children, *more))
+
+
+def _is_number(value: Any) -> bool:
+    return isinstance(value, int | float) and not isinstance(value, bool)
+
+
+# Formations
+
+
+def markers_in(value: Any) -> list[rtkit.Marker]:
+    """Return the markers with a location that a value is, one or a list; else none."""
+    found = []
+    for each in value if isinstance(value, list | tuple) else (value,):
+        if isinstance(each, rtkit.Element) and each.name == "marker":
+            each = rtkit.Marker.from_element(each)
+        if not isinstance(each, rtkit.Marker) or not each.location:
+            return []
+        found.append(each)
+    return found
+
+
+def formation(
+    markers: Sequence[rtkit.Marker], poses: Mapping[str, Pose], frames: Frames
+) -> dict[str, list[rtkit.Marker]]:
+    """Return the way of each member: that of the middle, with its present offset from there.
+
+    Args:
+        markers: The way; without a frame they are seen from the middle, as from a robot's base.
+        poses: Where the members are in the world [m, rad].
+        frames: Tells other frames.
+    """
+    middle = middle_of(poses.values())
+    frames.add("middle of the group", middle)
+    ways: dict[str, list[rtkit.Marker]] = {name: [] for name in poses}
+    for marker in markers:
+        base = marker.frame in ("", "base")
+        frame = "middle of the group" if base else marker.frame
+        place = frames.convert(marker.location or (), frame, "world")
+        for name, pose in poses.items():
+            offset = (
+                *(own - mean for own, mean in zip(pose[:3], middle[:3], strict=True)),
+                0,
+                0,
+                0,
+            )
+            moved = tuple(a + b for a, b in zip(place, offset, strict=False))
+            ways[name].append(marker.with_(location=moved, frame="world"))
+    return ways

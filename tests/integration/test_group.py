@@ -1,0 +1,164 @@
+"""A group of robots is driven as one: by the client of one robot, with members that come, go, die
+or take their time."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack
+from itertools import pairwise
+
+import pytest
+from bots import Bot, fleet
+from waiting import until
+
+import rtkit
+from rtkit.services.group import Group
+
+pytestmark = pytest.mark.usefixtures("place")
+
+
+@pytest.fixture
+def client() -> Iterator[rtkit.Client]:
+    with rtkit.Client(timeout_s=10.0) as client:
+        yield client
+
+
+@pytest.fixture
+def swarm() -> Iterator[Group]:
+    """Four robots in a row, all but the last of them members of a group."""
+    with ExitStack() as stack:
+        for at in range(4):
+            stack.enter_context(rtkit.serve(Bot(2.0 * at), f"robots/r{at}", is_on_zenoh=False))
+        group = Group(robots="robots/r0 robots/r1 two=robots/r2")
+        stack.enter_context(rtkit.serve(group, "swarm", is_on_zenoh=False))
+        yield group
+
+
+def error_of(work: Callable[[], object]) -> tuple[str, str]:
+    with pytest.raises(rtkit.PropertyError) as caught:
+        work()
+    return caught.value.code, str(caught.value)
+
+
+def drive(client: rtkit.Client, robot: str) -> tuple[float, ...]:
+    """Be the program that drives one robot: a metre ahead, until it is there."""
+    assert "mobilerobot" in client.get(f"{robot}.type")
+    x, y, *_ = client.get(f"{robot}.location")
+    client.set(f"{robot}.behaviors.moveto", rtkit.Marker((1.0, 0.0)))
+    until(
+        lambda: client.get(f"{robot}.behaviors.moveto").attributes["state"] == "done",
+        "it arrives",
+    )
+    there = client.get(f"{robot}.location")
+    return there[0] - x, there[1] - y
+
+
+def test_the_client_of_one_robot_drives_a_swarm(swarm: Group, client: rtkit.Client) -> None:
+    assert drive(client, "swarm") == (1.0, 0.0)
+    assert client.get("swarm.location", form="list") == (
+        ("r0", (1.0, 0.0, 0.0, 0.0, 0.0, 0.0)),
+        ("r1", (3.0, 0.0, 0.0, 0.0, 0.0, 0.0)),
+        ("two", (5.0, 0.0, 0.0, 0.0, 0.0, 0.0)),
+    )
+    client.set("swarm.behaviors.moveto", [rtkit.Marker((9, 9), frame="world"),
+                                          rtkit.Marker((0, 1), frame="robots/r3")])  # fmt: skip
+    assert client.get("swarm.location") == (6.0, 1.0, 0.0, 0.0, 0.0, 0.0)
+    assert client.get("swarm.location.x") == 6.0
+    assert client.get("robots/r0.location")[:2] == (4.0, 1.0)
+    client.set("swarm.velocity", (0.5, 0, 0, 0, 0, 0.25))
+    client.set("swarm.velocity.x", 0.75)
+    assert client.get("robots/r2.velocity") == (0.75, 0.0, 0.0, 0.0, 0.0, 0.25)
+    client.set("swarm.behaviors.stop", True)
+    assert client.get("swarm.behaviors.moveto").attributes == {"state": "stopped"}
+    client.set("swarm.note", '"two words"')
+    assert client.get("robots/r1.note") == client.get("swarm.note") == "two words"
+    assert client.get("swarm.status") == "ready"
+
+
+def test_each_member_has_all_that_it_has_alone(swarm: Group, client: rtkit.Client) -> None:
+    assert client.get("swarm.robots") == ("r0", "r1", "two")
+    client.set("swarm.robots.r1.behaviors.moveto", rtkit.Marker((1, 1)))
+    assert client.get("swarm.robots.r1.location")[:2] == (1.0, 1.0)
+    assert client.get("swarm.robots.two.location.x") == 4.0
+    assert error_of(lambda: client.get("swarm.robots.two.nothing"))[0] == "unknown"
+
+
+def test_members_join_and_leave_during_use(swarm: Group, client: rtkit.Client) -> None:
+    client.call("swarm.join", "robots/r3")
+    client.set("swarm.velocity", (1, 0, 0, 0, 0, 0))
+    assert client.get("robots/r3.velocity")[0] == 1.0
+    assert client.get("swarm.robots.r3.velocity")[0] == 1.0
+    client.call("swarm.leave", "r0")
+    client.set("swarm.velocity", (2, 0, 0, 0, 0, 0))
+    assert client.get("robots/r0.velocity")[0] == 1.0
+    assert client.get("swarm.robots") == ("r1", "two", "r3")
+    assert error_of(lambda: client.call("swarm.leave", "r0"))[0] == "unknown"
+    assert error_of(lambda: client.call("swarm.join", "other/r1"))[0] == "conflict"
+    assert error_of(lambda: client.call("swarm.join", "="))[0] == "bad-value"
+    for name in ("r1", "two", "r3"):
+        client.call("swarm.leave", name)
+    code, text = error_of(lambda: client.set("swarm.velocity", (0, 0, 0, 0, 0, 0)))
+    assert (code, "there are no members" in text) == ("conflict", True)
+
+
+def test_some_of_them_have_a_name_of_their_own(swarm: Group, client: rtkit.Client) -> None:
+    client.set("swarm.groups.left", "(r0 two)")
+    assert client.get("swarm.groups") == ("all", "left")
+    assert client.get("swarm.groups.left") == ("r0", "two")
+    assert client.get("swarm.groups.left.location")[0] == 2.0
+    client.set("swarm.groups.left.behaviors.moveto", rtkit.Marker((0, 5), frame="world"))
+    assert [client.get(f"robots/r{at}.location")[:2] for at in range(3)] == [
+        (-2.0, 5.0), (2.0, 0.0), (2.0, 5.0)
+    ]  # fmt: skip
+    client.call("swarm.leave", "two")
+    assert client.get("swarm.groups.left") == ("r0",)
+    for name, value, code in (
+        ("groups.right", "(r0 nobody)", "bad-value"),
+        ("groups.all", "(r0)", "read-only"),
+        ("groups.none.velocity", "(0 0 0 0 0 0)", "unknown"),
+        ("groups.left.location", "(0 0 0 0 0 0)", "read-only"),
+        ("location", "(0 0 0 0 0 0)", "read-only"),
+        ("nothing", "1", "unknown"),
+    ):
+        assert error_of(lambda n=name, v=value: client.set(f"swarm.{n}", v))[0] == code, name  # type: ignore[misc]
+    assert error_of(lambda: client.get("swarm.location", form="some"))[0] == "bad-parameter"
+    client.set("swarm.groups.left", "()")
+    assert client.get("swarm.groups") == ("all",)
+
+
+def test_who_listens_hears_the_middle(swarm: Group, client: rtkit.Client) -> None:
+    heard: list[float] = []
+    with client.listen("swarm.location", lambda change: heard.append(change.value[0])):
+        until(lambda: heard == [2.0], "the first")
+        client.set("swarm.behaviors.moveto", rtkit.Marker((7, 0), frame="world"))
+        until(lambda: heard[-1] == 7.0, "the middle moves")
+
+
+def test_a_hundred_robots_of_which_ten_fail(client: rtkit.Client) -> None:
+    bounds, slow = (0, 11, 22, 33, 44, 55, 66, 77, 86, 95, 100), (3, 17, 40, 62, 88)
+    over = [range(first, last) for first, last in pairwise(bounds)]
+    on_zenoh = {at for index, each in enumerate(over) if index % 2 for at in each}
+    places = (f"r{at}=zenoh:robots/r{at}" if at in on_zenoh else f"robots/r{at}"
+              for at in range(100))  # fmt: skip
+    group = Group(robots=" ".join(places), deadline=1.9)
+    with fleet(bounds, slow) as processes, rtkit.serve(group, "swarm", is_on_zenoh=False):
+        processes[-1].kill()
+        processes[-1].wait()
+        began = time.monotonic()
+        code, text = error_of(
+            lambda: client.set("swarm.behaviors.moveto", rtkit.Marker((0, 50), frame="world"))
+        )
+        took_s = time.monotonic() - began
+        assert took_s < 1.9 + 0.5
+        assert code == "conflict"
+        assert "10 of 100 failed" in text
+        failed = {f"r{at}" for at in (*slow, *range(95, 100))}
+        assert {name for name, _, _ in client.get("swarm.failures")} == failed
+        assert {code for _, code, _ in client.get("swarm.failures")} == {"timeout", "no-service"}
+        places_now = dict(client.get("swarm.location", form="list"))
+        assert {f"r{at}" for at in range(100)} - places_now.keys() == failed
+        assert {place[1] for place in places_now.values()} == {50.0}
+        xs = [place[0] for place in places_now.values()]
+        assert max(xs) - min(xs) == 94.0
+        assert client.get("swarm.behaviors.moveto").attributes == {"state": "done"}
