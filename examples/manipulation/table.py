@@ -116,6 +116,17 @@ class Table:
 
     # motion
 
+    def drive(self, vx: float, vy: float, omega: float, seconds: float) -> None:
+        """Move the jaws with a twist of their own frame [m/s, rad/s].
+
+        Empty ones go above things and walls; what they hold goes up to the first contact.
+        """
+        if self.order is None and (vx or vy or omega):
+            self._below = self._under()
+            cos, sin = math.cos(self.pose.theta), math.sin(self.pose.theta)
+            by_hand = Order(kind="travel" if self.held else "over")
+            self._advance(cos * vx - sin * vy, sin * vx + cos * vy, omega, seconds, by_hand)
+
     def _travel(self, order: Order, seconds: float) -> None:
         turn = math.remainder(order.theta - self.pose.theta, math.tau)
         if abs(turn) > 1e-9:

@@ -172,6 +172,21 @@ class Frames:
             raise rtkit.PropertyError("bad-parameter", f"no frame: {name} ({error})") from None
 
 
+def service_lookup(resource: str = "resource") -> Lookup:
+    """Return a lookup of the locations of services, and of the frames that one of them keeps."""
+
+    def lookup(name: str) -> Sequence[float]:
+        with rtkit.Client() as client:
+            try:
+                return tuple(client.get(f"{name}.location"))
+            except rtkit.PropertyError as error:
+                if error.code not in ("unknown", "no-service", "syntax"):
+                    raise
+            return tuple(client.get(f"{resource}.frames.{name}"))
+
+    return lookup
+
+
 def _checked(location: Sequence[float]) -> Sequence[float]:
     if len(location) not in (2, 3, 6):
         raise rtkit.PropertyError("bad-value", f"a location has 2, 3 or 6 numbers, not {location}")

@@ -12,6 +12,9 @@ if TYPE_CHECKING:
 
     from rtkit.world.body import Body as Body
     from rtkit.world.body import Bumper as Bumper
+    from rtkit.world.camera import Ball as Ball
+    from rtkit.world.camera import photo as photo
+    from rtkit.world.camera import png as png
     from rtkit.world.contact import Contact as Contact
     from rtkit.world.lockstep import Lockstep as Lockstep
     from rtkit.world.lockstep import ParticipantLost as ParticipantLost
@@ -24,6 +27,7 @@ if TYPE_CHECKING:
 
 _NAMES = {
     "body": "Body Bumper",
+    "camera": "Ball photo png",
     "contact": "Contact",
     "lockstep": "Lockstep ParticipantLost",
     "noise": "Noise Odometry",

@@ -18,7 +18,10 @@ import rtkit
 from rtkit.proxy.bridge import bridge
 from rtkit.services.environment import Environment
 from rtkit.services.group import Group
+from rtkit.services.legged import LeggedRobot
+from rtkit.services.mobilerobot import DifferentialRobot
 from rtkit.services.storage import Storage
+from rtkit.services.world import HomeWorld
 
 _BOUND_S = 20.0
 
@@ -66,7 +69,54 @@ class _Swarm(Group):
         self._ends.close()
 
 
+def _robot(make: Callable[[], object], joint: str) -> Contract:
+    """Return what each mobile robot promises; of its actuators it has one joint at least."""
+    none = "(0.0 0.0 0.0 0.0 0.0 0.0)"
+    return Contract(
+        lambda folder: make(),
+        {
+            "type": "list<word>",
+            "version": "string",
+            "status": "string",
+            "location": "vector[6]",
+            "velocity": "vector[6]",
+            "velocity.timeout": "number",
+            "dimensions": "vector[3]",
+            "behaviors.moveto": "any",
+            "behaviors.stop": "action",
+            f"actuators.{joint}": "number",
+            "sensors.laser.ranges": "vector",
+            "sensors.eye.markers": "list<marker>",
+            "sensors.camera.image": "bytes",
+            "plug": "action",
+            "unplug": "action",
+        },
+        {"velocity": none, "velocity.timeout": "0.25"},
+        {
+            "location": ("(0 0 0 0 0 0)", "read-only"),
+            "velocity": ("(1 2)", "bad-value"),
+            "location?frame=cellar": (None, "bad-parameter"),
+            "location?base=1": (None, "bad-parameter"),
+            "behaviors.moveto": ("<ball/>", "bad-value"),
+            "behaviors.dance": (None, "unknown"),
+            "sensors.eye.markers?frame=cellar": (None, "bad-parameter"),
+        },
+    )
+
+
 CONTRACTS: dict[str, Contract] = {
+    "differential robot": _robot(DifferentialRobot, "left.angle"),
+    "legged robot": _robot(LeggedRobot, "left_front.femur"),
+    "home world": Contract(
+        lambda folder: HomeWorld(),
+        {"type": "list<word>", "version": "string", "status": "string", "pace": "number",
+         "ranges": "vector", "seen": "list<marker>", "image": "bytes", "room": "string",
+         "light": "number", "join": "action", "leave": "action", "put": "action", "take": "action"},
+        {},
+        {"room": ("x", "read-only"), "image?width=0": (None, "bad-parameter"),
+         "ranges?count=1000000": (None, "bad-parameter"),
+         "ranges?at=(1 2)": (None, "bad-parameter"), "objects.ball": ("<marker/>", "unknown")},
+    ),
     "lamp": Contract(
         lambda folder: _Lamp(),
         {"level": "number", "blink": "action"},

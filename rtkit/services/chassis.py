@@ -1,0 +1,206 @@
+"""Chassis: carries a robot through a world, as it is driven, or led by a behaviour."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import rtkit
+from rtkit.services import driving
+from rtkit.services.driving import Row
+from rtkit.services.running import Running, Twist
+
+STANDS: Twist = (0.0, 0.0, 0.0)
+_GAIN = 3.0
+"""How much faster for each metre or radian that is left [1/s]."""
+_SIGN_OF_LIFE_S = 1.0
+"""How long it says nothing to its world while it stands [s]: one begun anew is entered then."""
+_TURNS_FIRST = 0.5
+"""How far off the target may be ahead of who cannot go sideways [rad]."""
+
+
+class Chassis:
+    """Body that goes into any direction; wheels and legs are others.
+
+    Args:
+        world: Name of the world service, or a world of this process; "" is an empty plain.
+        body: Its name there.
+        start: Where it begins: x, y [m] and heading [rad].
+        tops: How fast it goes and turns [m/s, rad/s].
+        size: Its radius and height [m].
+
+    Attributes:
+        pose: Where it is: x, y [m] and heading [rad].
+        velocity: How it moves [m/s, rad/s].
+        running: The behaviour that was started last.
+        trouble: Why the world does not move it; empty while it does.
+        world: Where it is, while it is entered.
+    """
+
+    def __init__(
+        self,
+        world: Any,
+        body: str,
+        start: tuple[float, float, float],
+        tops: tuple[float, float],
+        size: tuple[float, float] = (0.15, 0.3),
+    ) -> None:
+        self.body = body
+        self.pose = start
+        self.tops = tops
+        self.velocity = STANDS
+        self.running: Running | None = None
+        self.world: Any = None
+        self._in = world
+        self._size = size
+        self._driven = STANDS
+        self.trouble = ""
+        self._still_s = 0.0
+
+    def enter(self) -> None:
+        """Appear in the world, and be moved there from now on."""
+        self.world = driving.enlist(self, self._in)
+        try:
+            self.world.join(self.body, self.pose, *self._size)
+        except rtkit.PropertyError as error:
+            self.lost(error)  # a world that comes later is entered then
+        except BaseException:
+            driving.discharge(self, self._in)
+            raise
+
+    def leave(self) -> None:
+        """Vanish from the world."""
+        self.halt()
+        try:
+            self.world.leave(self.body)
+        except rtkit.PropertyError as error:
+            if error.code != "no-service":  # a world that has ended has no bodies
+                raise
+        finally:
+            driving.discharge(self, self._in)
+
+    @property
+    def status(self) -> str:
+        """Return ``ready``, ``moving``, or ``waiting`` for its world, and why."""
+        if self.trouble:
+            return f"waiting: {self.trouble}"
+        return "ready" if self.velocity == STANDS else "moving"
+
+    def drive(self, twist: Twist) -> None:
+        """Move like that from now on; what leads it is stopped, unless it is to stand."""
+        if twist != STANDS and self.running is not None:
+            self.running.stop()
+        self._driven = twist
+
+    def follow(self, running: Running) -> None:
+        """Be led from now on."""
+        self._driven = STANDS
+        before, self.running = self.running, running
+        if before is not None:
+            before.stop()
+
+    def halt(self) -> None:
+        """Be led and driven no longer."""
+        self._driven = STANDS
+        if self.running is not None:
+            self.running.stop()
+
+    def ranges(self, reach: float = 4.0) -> tuple[float, ...]:
+        """Return how far it is free to walls along 181 rays from the right to the left [m]."""
+        return tuple(self.world.get_ranges(at=self.pose, reach=reach))
+
+    # as it is moved
+
+    def wanted(self, seconds: float) -> Twist | None:
+        """Return how it is to move next, None where it stands."""
+        running, twist = self.running, self._driven
+        if running is not None and running.state == "running":
+            twist = running.step(seconds) or STANDS
+        possible = self.possible(twist, seconds)
+        is_still = possible == STANDS and self.is_settled and not self.trouble
+        self._still_s = self._still_s + seconds if is_still else 0.0
+        if is_still and self._still_s < _SIGN_OF_LIFE_S:
+            self.velocity = STANDS
+            return None
+        self._still_s = 0.0
+        return possible
+
+    def moved(self, row: Row, seconds: float) -> None:
+        """Take where it is now; a world that was begun anew is entered anew."""
+        self.trouble = ""
+        if not row:
+            self.world.join(self.body, self.pose, *self._size)
+            return
+        before, self.pose = self.pose, (row[0], row[1], row[2])
+        dx, dy = self.pose[0] - before[0], self.pose[1] - before[1]
+        half = math.remainder(self.pose[2] - before[2], math.tau) / 2
+        # It went along an arc: the chord is shorter.
+        rate = (half / math.sin(half) if half else 1.0) / seconds
+        cos, sin = rate * math.cos(before[2] + half), rate * math.sin(before[2] + half)
+        self.velocity = (cos * dx + sin * dy, cos * dy - sin * dx, 2 * half / seconds)
+        self.carried(seconds)
+
+    def lost(self, error: Exception) -> None:
+        """Take that the world does not answer."""
+        self.trouble = str(error)
+        self.velocity = STANDS
+
+    # what other ones do otherwise
+
+    is_settled = True
+    """Whether it may stand as it is."""
+
+    def possible(self, twist: Twist, seconds: float) -> Twist:
+        """Return what it can do of a motion: no faster than it may be."""
+        vx, vy, omega = twist
+        speed, turning = self.tops
+        share = min(1.0, speed / max(math.hypot(vx, vy), 1e-9), turning / max(abs(omega), 1e-9))
+        return vx * share, vy * share, omega * share
+
+    def carried(self, seconds: float) -> None:
+        """Have what moves it follow where it went."""
+
+    def steer(self, far: float, bearing: float, seconds: float) -> Twist:
+        """Return how to go to a point that is so far off, at a bearing [m, rad]."""
+        speed = min(self.tops[0], far * _GAIN, far / seconds)
+        turn = bearing if far > 2 * self._size[0] else 0.0
+        return speed * math.cos(bearing), speed * math.sin(bearing), self._turn(turn)
+
+    def _turn(self, angle: float) -> float:
+        return max(-self.tops[1], min(self.tops[1], _GAIN * angle))
+
+
+class Wheels(Chassis):
+    """Two wheels that turn on their own: it goes ahead and back, and turns.
+
+    Attributes:
+        angles: Of the left and the right wheel [rad].
+        speeds: How fast they turn [rad/s].
+    """
+
+    track = 0.24
+    """Between the wheels [m]."""
+    wheel_radius = 0.04
+
+    def __init__(self, *args: Any, **named: Any) -> None:
+        super().__init__(*args, **named)
+        self.angles = self.speeds = (0.0, 0.0)
+
+    def possible(self, twist: Twist, seconds: float) -> Twist:
+        """Return what wheels can do: nothing to the side."""
+        return super().possible((twist[0], 0.0, twist[2]), seconds)
+
+    def carried(self, seconds: float) -> None:
+        """Turn the wheels as it went."""
+        ahead, _, omega = self.velocity
+        half = omega * self.track / 2
+        self.speeds = (ahead - half) / self.wheel_radius, (ahead + half) / self.wheel_radius
+        left, right = (a + s * seconds for a, s in zip(self.angles, self.speeds, strict=True))
+        self.angles = left, right
+
+    def steer(self, far: float, bearing: float, seconds: float) -> Twist:
+        """Return how to go to a point: first turn to it."""
+        if abs(bearing) > _TURNS_FIRST:
+            return 0.0, 0.0, self._turn(bearing)
+        speed = min(self.tops[0], far * _GAIN, far / seconds) * math.cos(bearing)
+        return speed, 0.0, self._turn(bearing)

@@ -1,0 +1,150 @@
+"""Mobile robot service: simulated robots that are driven by velocity, or led by behaviours."""
+
+from __future__ import annotations
+
+import itertools
+import os
+from typing import Annotated, Any, Final, Literal
+
+import rtkit
+from rtkit.services.behaviors import MoveTo, behaviors_of, loaded
+from rtkit.services.chassis import Chassis, Wheels
+from rtkit.services.frames import ORIGIN, Frames, pose_of, service_lookup, transform
+from rtkit.services.mounted import Camera, Eye, Laser
+
+Six = tuple[float, float, float, float, float, float]
+_NUMBERS = itertools.count()
+_NO_MOTION: Six = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+
+
+class MobileRobot:
+    """Mobile robot that goes into any direction; with wheels and legs it is another one.
+
+    Args:
+        world: Name of the world service, or a world of this process; none: an empty plain.
+        body: Name of its body there; none: one that nobody else has.
+        start: Where it begins: x, y [m] and heading [rad].
+        top_speed: How fast it goes [m/s].
+        top_turning: How fast it turns [rad/s].
+        behaviors: Further behaviours: ``name=module:Class …``.
+        noise: Standard deviation of what laser and eye measure; of the eye for each metre [m].
+        seed: The same seed makes the same noise.
+        resource: Name of the service that keeps named frames.
+
+    Attributes:
+        actuators: What moves it, by name.
+        sensors: What it perceives with, by name.
+        behaviors: What leads it: `moveto` and others.
+    """
+
+    type: Final = ("mobilerobot",)
+    version: Final = "1.0"
+    _dimensions = (0.3, 0.3, 0.3)
+    _chassis_type = Chassis
+
+    def __init__(
+        self,
+        *,
+        world: Any = "",
+        body: str = "",
+        start: tuple[float, float, float] = (0.0, 0.0, 0.0),
+        top_speed: float = 0.5,
+        top_turning: float = 1.5,
+        behaviors: str = "",
+        noise: float = 0.0,
+        seed: int = 0,
+        resource: str = "resource",
+    ) -> None:
+        body = body or f"body{os.getpid()}x{next(_NUMBERS)}"
+        size = max(self._dimensions[:2]) / 2, self._dimensions[2]
+        x, y, theta = map(float, start)
+        tops = top_speed, top_turning
+        self._chassis = chassis = self._chassis_type(world, body, (x, y, theta), tops, size)
+        self._frames = frames = Frames(service_lookup(resource), self.get_location)
+        self.actuators: dict[str, Any] = self._actuators()
+        self.sensors: dict[str, Any] = self._sensors(noise, seed)
+        kinds = {"moveto": MoveTo, **loaded(behaviors)}
+        self.behaviors: Final = behaviors_of(chassis, frames, kinds)
+
+    def __enter__(self) -> MobileRobot:
+        self._chassis.enter()
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._chassis.leave()
+
+    def _actuators(self) -> dict[str, Any]:
+        return {}
+
+    def _sensors(self, noise: float, seed: int) -> dict[str, Any]:
+        at = (self._chassis, self._frames, (0.1, 0.0, self._dimensions[2], 0.0, 0.0, 0.0))
+        laser = Laser(self._chassis, self._frames, ORIGIN, noise, seed)
+        return {"laser": laser, "eye": Eye(*at, noise, seed), "camera": Camera(*at)}
+
+    def get_status(self) -> str:
+        """State: ready, moving, or waiting for its world and why."""
+        return self._chassis.status
+
+    def get_dimensions(self) -> Annotated[tuple[float, float, float], rtkit.Unit("m")]:
+        """Length, width and height."""
+        return self._dimensions
+
+    def get_location(self, frame: str = "world") -> Annotated[Six, rtkit.Unit("m")]:
+        """Pose: x y z a b c."""
+        x, y, theta = self._chassis.pose
+        here = (x, y, 0.0, 0.0, 0.0, theta)
+        return here if frame == "world" else self._frames.convert(here, "world", frame)  # type: ignore[return-value]
+
+    def get_velocity(
+        self, frame: str = "base"
+    ) -> Annotated[Six, rtkit.Unit("m/s"), rtkit.Returns(after=0.5, to=_NO_MOTION)]:
+        """Motion: a SET of it drives the robot, instead of a behaviour, and ends by itself."""
+        return self._turned(self._chassis.velocity, "base", frame)
+
+    def set_velocity(self, velocity: Six, frame: str = "base") -> None:
+        """Drive."""
+        vx, vy, *_, omega = velocity
+        ahead, left, *_ = self._turned((vx, vy, omega), frame, "base")
+        self._chassis.drive((ahead, left, omega))
+
+    def _turned(self, twist: tuple[float, float, float], frame: str, to: str) -> Six:
+        between = self._frames.between(frame, to) if frame != to else pose_of((0.0, 0.0))
+        x, y, z = transform((0.0, 0.0, 0.0, *between[3:]), (*twist[:2], 0.0))
+        return x, y, z, 0.0, 0.0, twist[2]
+
+    def plug(self, kind: Literal["actuators", "sensors"], name: str, target: str) -> None:
+        """Show a service as an actuator or a sensor of this robot: its properties are there."""
+        parts = getattr(self, kind)
+        if name in parts:
+            raise rtkit.PropertyError("conflict", f"there is one already: {kind}.{name}")
+        parts[name] = rtkit.Mount(target)
+
+    def unplug(self, kind: Literal["actuators", "sensors"], name: str) -> None:
+        """Show a sensor or an actuator no longer."""
+        if getattr(self, kind).pop(name, None) is None:
+            raise rtkit.PropertyError("unknown", f"there is none: {kind}.{name}")
+
+
+class _Wheel:
+    """Wheel that turns as the robot went."""
+
+    def __init__(self, wheels: Wheels, side: int) -> None:
+        self._wheels, self._side = wheels, side
+
+    def get_angle(self) -> Annotated[float, rtkit.Unit("rad")]:
+        """Angle by which it has turned."""
+        return self._wheels.angles[self._side]
+
+    def get_speed(self) -> Annotated[float, rtkit.Unit("rad/s")]:
+        """Speed of its turning."""
+        return self._wheels.speeds[self._side]
+
+
+class DifferentialRobot(MobileRobot):
+    """Mobile robot with two driven wheels: it goes ahead, back, and turns."""
+
+    _chassis_type = Wheels
+
+    def _actuators(self) -> dict[str, Any]:
+        assert isinstance(self._chassis, Wheels)
+        return {"left": _Wheel(self._chassis, 0), "right": _Wheel(self._chassis, 1)}

@@ -1,0 +1,93 @@
+"""Behaviours as they run: led by whatever was plugged in, stopped, told."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Protocol
+
+import rtkit
+from rtkit.errors import RtkitError
+from rtkit.services.frames import pose_of
+
+Twist = tuple[float, float, float]
+"""Speed ahead, speed to the left, turning, of the base [m/s, m/s, rad/s]."""
+
+
+class Goal:
+    """Point to reach, in the frame of the world.
+
+    Attributes:
+        x: Place [m].
+        y: The same.
+        theta: Heading to end with [rad], None where the marker tells none.
+    """
+
+    def __init__(self, location: Sequence[float]) -> None:
+        self.x, self.y = location[:2]
+        self.theta = pose_of(location)[5] if len(location) == 6 else None
+
+
+class Behavior(Protocol):
+    """Interface of what leads a robot; its class is called with chassis and route for a target."""
+
+    @property
+    def remaining(self) -> Sequence[Goal]:
+        """Rest of the route."""
+
+    def step(self, seconds: float) -> Twist | None:
+        """Return how to move next, for so long; None at the end.
+
+        Raises:
+            Exception: It cannot be done: the text tells why.
+        """
+
+
+class Running:
+    """One start of a behaviour, and how it stands.
+
+    Attributes:
+        state: ``running``, ``done``, ``failed`` or ``stopped``.
+    """
+
+    def __init__(self, name: str, leader: Behavior, markers: Sequence[rtkit.Marker]) -> None:
+        self.name = name
+        self.state = "running"
+        self._leader = leader
+        self._markers = markers
+        self._error = ""
+
+    def step(self, seconds: float) -> Twist | None:
+        """Return how to move next; None when it has ended."""
+        try:
+            twist = self._leader.step(seconds)
+        except (
+            Exception
+        ) as error:  # code of users: whatever it raises is told, and the robot stands
+            kind = "" if isinstance(error, RtkitError) else f"{type(error).__name__}: "
+            self.state, self._error = "failed", f"{kind}{error}"
+            return None
+        if twist is None:
+            self.state = "done"
+        return twist
+
+    def stop(self) -> None:
+        """End it."""
+        if self.state == "running":
+            self.state = "stopped"
+
+    def describe(self) -> rtkit.Element:
+        """Return state, target and what remains, as far as it is known."""
+        goals = [] if self.state == "done" else self._leader.remaining
+        now = self._markers[max(0, len(self._markers) - max(len(goals), 1))]
+        children = [
+            rtkit.Element("target", {}, now.element.children),
+            rtkit.Element("remaining", {}, (), tuple((each.x, each.y) for each in goals)),
+        ]
+        if self._error:
+            children.append(rtkit.Element("error", {}, (), self._error))
+        return rtkit.Element("behavior", {"state": self.state}, tuple(children))
+
+    @property
+    def trouble(self) -> str:
+        """Return why it failed; empty if it did not."""
+        return self._error

@@ -1,0 +1,173 @@
+"""Mobile robots as served: one client drives unlike ones in a world that they share."""
+
+from __future__ import annotations
+
+import math
+import threading
+import time
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack
+from typing import Any
+
+import pytest
+
+import rtkit
+from rtkit.services.legged import LeggedRobot
+from rtkit.services.mobilerobot import DifferentialRobot
+from rtkit.services.world import HomeWorld
+
+_BOUND_S = 20.0
+_PACE = 6.0
+START = {"r1": (0.0, 1.0, 0.5), "r2": (0.0, -1.0, -0.5)}
+
+
+@pytest.fixture
+def client(place: str) -> Iterator[rtkit.Client]:
+    with rtkit.Client(timeout_s=_BOUND_S) as client:
+        yield client
+
+
+@pytest.fixture
+def home(place: str, ends: ExitStack) -> Any:
+    """A served world with a wheeled and a legged robot, which know it by its name only."""
+    home = HomeWorld(pace=_PACE)
+    served = ends.enter_context(rtkit.serve(home, "home", is_on_zenoh=False))
+    for name, kind in (("r1", DifferentialRobot), ("r2", LeggedRobot)):
+        robot = kind(world="home", body=name, start=START[name], behaviors="")
+        ends.enter_context(rtkit.serve(robot, f"robots/{name}", is_on_zenoh=False))
+    return served
+
+
+def until(is_so: Callable[[], Any]) -> Any:
+    """Wait until something is so; return it."""
+    end = time.monotonic() + _BOUND_S
+    while not (found := is_so()):
+        assert time.monotonic() < end
+        time.sleep(0.01)
+    return found
+
+
+def one_metre(client: rtkit.Client, robot: str) -> None:
+    """The client program: it knows no robot."""
+    client.set(f"{robot}.behaviors.moveto", rtkit.Marker((1.0, 0.0)))
+
+
+def has_ended(client: rtkit.Client, robot: str, state: str = "done") -> bool:
+    behavior = client.get(f"{robot}.behaviors.moveto")
+    return bool(behavior.attributes["state"] == state)
+
+
+def test_one_client_moves_two_unlike_robots_a_metre_forward(
+    home: Any, client: rtkit.Client
+) -> None:
+    robots = [f"robots/{name}" for name in START]
+    for robot in robots:
+        assert "mobilerobot" in client.get(f"{robot}.type")
+        one_metre(client, robot)
+    for robot, (x, y, heading) in zip(robots, START.values(), strict=True):
+        until(lambda robot=robot: has_ended(client, robot))
+        wanted = (x + math.cos(heading), y + math.sin(heading))
+        assert client.get(f"{robot}.location")[:2] == pytest.approx(wanted, abs=0.02)
+        told = client.get(f"home.bodies.{robot[-2:]}.location")
+        assert told == client.get(f"{robot}.location")
+    one_in_other = client.get("robots/r1.location", frame="robots/r2")
+    other_in_one = client.get("robots/r2.location", frame="robots/r1")
+    assert math.hypot(*one_in_other[:2]) == pytest.approx(math.hypot(*other_in_one[:2]))
+    with pytest.raises(rtkit.PropertyError, match="no frame: cellar") as refused:
+        client.get("robots/r1.location", frame="cellar")
+    assert refused.value.code == "bad-parameter"
+
+
+def test_velocity_ends_by_itself_after_its_time_out(home: Any, client: rtkit.Client) -> None:
+    assert client.get("robots/r1.velocity.timeout") == 0.5
+    client.set("robots/r1.velocity.timeout", 0.2)
+    client.set("robots/r1.velocity", (0.3, 0, 0, 0, 0, 0))
+    until(lambda: client.get("robots/r1.velocity.x") > 0.2)
+    until(lambda: client.get("robots/r1.velocity") == (0,) * 6)
+    assert client.get("robots/r1.status") == "ready"
+    assert 0.1 < math.dist(client.get("robots/r1.location")[:2], START["r1"][:2]) < 4.0
+
+
+def test_an_expired_velocity_stops_no_behaviour_that_began_meanwhile(
+    home: Any, client: rtkit.Client
+) -> None:
+    client.set("robots/r1.velocity.timeout", 0.1)
+    client.set("robots/r1.velocity", (0.1, 0, 0, 0, 0, 0))
+    one_metre(client, "robots/r1")
+    until(lambda: has_ended(client, "robots/r1"))
+
+
+class Arm:
+    """What is plugged into a robot that runs."""
+
+    def __init__(self) -> None:
+        self.angle: float = 0.5
+
+
+def test_what_is_plugged_in_appears_with_an_event(
+    home: Any, client: rtkit.Client, ends: ExitStack
+) -> None:
+    ends.enter_context(rtkit.serve(Arm(), "arms/left", is_on_zenoh=False))
+    changes: list[str] = []
+    came = threading.Event()
+
+    def heard(change: Any) -> None:
+        changes.append(str(change.value))
+        if "arm" in str(change.value):
+            came.set()
+
+    ends.enter_context(client.listen("robots/r2.actuators.properties", heard))
+    client.call("robots/r2.plug", "actuators", "arm", "arms/left")
+    assert came.wait(_BOUND_S), changes
+    assert "arm" in client.get("robots/r2.actuators")
+    client.set("robots/r2.actuators.arm.angle", 0.75)
+    assert client.get("arms/left.angle") == 0.75
+    with pytest.raises(rtkit.PropertyError, match="one already"):
+        client.call("robots/r2.plug", "actuators", "arm", "arms/left")
+    client.call("robots/r2.unplug", "actuators", "arm")
+    until(lambda: "arm" not in client.get("robots/r2.actuators"))
+    with pytest.raises(rtkit.PropertyError, match="none: sensors"):
+        client.call("robots/r2.unplug", "sensors", "arm")
+
+
+def test_sensors_are_asked_of_the_world_as_it_stands(home: Any, client: rtkit.Client) -> None:
+    ball = rtkit.Marker((1.0, 1.6, 0.2), type="ball", size=0.3, color=(0.9, 0.1, 0.1))
+    before = client.get_bytes("robots/r1.sensors.camera.image?width=64&height=48")
+    client.call("home.put", "ball", ball)
+    assert client.get_bytes("robots/r1.sensors.camera.image?width=64&height=48") != before
+    (seen,) = client.get("robots/r1.sensors.eye.markers", frame="world")
+    assert (seen.id, seen.frame) == ("ball", "world")
+    assert seen.location == pytest.approx(ball.location)
+    assert len(client.get("robots/r2.sensors.laser.ranges")) == 181
+    feet = client.get("robots/r2.actuators.left_front.foot", frame="world")
+    assert feet[2] == 0.0
+    assert -2.5 < client.get("robots/r2.actuators.left_front.tibia") < 0
+
+
+def test_a_world_that_comes_later_is_entered_then(
+    place: str, client: rtkit.Client, ends: ExitStack
+) -> None:
+    robot = DifferentialRobot(world="home", body="early")
+    ends.enter_context(rtkit.serve(robot, "robots/early", is_on_zenoh=False))
+    one_metre(client, "robots/early")
+    assert until(lambda: client.get("robots/early.status")).startswith("waiting: home")
+    ends.enter_context(rtkit.serve(HomeWorld(pace=_PACE), "home", is_on_zenoh=False))
+    until(lambda: has_ended(client, "robots/early"))
+    assert client.get("home.bodies.early.location.x") == pytest.approx(1.0, abs=0.02)
+
+
+def test_a_hundred_robots_of_one_process_share_a_thread_and_a_request(
+    place: str, client: rtkit.Client, ends: ExitStack
+) -> None:
+    home = HomeWorld(pace=_PACE)
+    ends.enter_context(rtkit.serve(home, "home", is_on_zenoh=False))
+    kinds = (DifferentialRobot, LeggedRobot)
+    robots = {f"r{n}": kinds[n % 2](world="home", start=(float(n), 0.0, 1.0)) for n in range(100)}
+    before = threading.active_count()
+    for robot in robots.values():
+        ends.enter_context(robot)
+    assert threading.active_count() <= before + 3  # who moves them, and the client that they share
+    for robot in robots.values():
+        robot.behaviors.set_moveto(rtkit.Marker((0.5, 0.0)))
+    running = [robot._chassis.running for robot in robots.values()]
+    until(lambda: all(each.state == "done" for each in running))

@@ -1,0 +1,299 @@
+"""Robots by hand: one program for unlike robots, in time that the tests make pass."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack
+from typing import Any
+
+import pytest
+
+import rtkit
+from rtkit.services import driving
+from rtkit.services.legged import LeggedRobot
+from rtkit.services.mobilerobot import DifferentialRobot, MobileRobot
+from rtkit.services.world import HomeWorld
+from rtkit.world import Polygon, Scene
+
+KINDS = (DifferentialRobot, LeggedRobot, MobileRobot)
+Make = Callable[..., Any]
+
+
+@pytest.fixture
+def home() -> HomeWorld:
+    return HomeWorld(pace=0)
+
+
+@pytest.fixture
+def enter() -> Iterator[Make]:
+    with ExitStack() as stack:
+        yield stack.enter_context
+
+
+def wall(home: HomeWorld, *corners: tuple[float, float]) -> None:
+    home._scene = Scene([*home._scene.walls, Polygon(corners)])
+
+
+def go(robot: Any, seconds: float = 60.0) -> float:
+    """Have time pass until the behaviour has ended and the robot stands; return how much."""
+    chassis, spent = robot._chassis, 0.0
+    while spent < seconds - 1e-9:
+        driving.advance(chassis.world, [chassis], 0.05)
+        spent += 0.05
+        is_led = chassis.running is not None and chassis.running.state == "running"
+        if not is_led and chassis.velocity == (0.0, 0.0, 0.0) and chassis.is_settled:
+            break
+    return spent
+
+
+def state(robot: Any, name: str = "moveto") -> str:
+    return str(getattr(robot.behaviors, f"get_{name}")().attributes["state"])
+
+
+def one_metre(robot: Any) -> None:
+    """The client program: it knows no robot."""
+    robot.behaviors.set_moveto(rtkit.Marker((1.0, 0.0)))
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_one_program_moves_unlike_robots_a_metre_forward(
+    home: HomeWorld, enter: Make, kind: type[MobileRobot]
+) -> None:
+    robot = enter(kind(world=home, start=(1.0, 2.0, 0.6)))
+    assert state(robot) == "idle"
+    one_metre(robot)
+    assert state(robot) == "running"
+    assert go(robot) < 10
+    assert state(robot) == "done"
+    wanted = (1 + math.cos(0.6), 2 + math.sin(0.6), 0.6)
+    x, y, *_, heading = robot.get_location()
+    assert (x, y, heading) == pytest.approx(wanted, abs=0.02)
+    assert robot.get_status() == "ready"
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_marker_kept_in_front_keeps_it_moving(
+    home: HomeWorld, enter: Make, kind: type[MobileRobot]
+) -> None:
+    robot = enter(kind(world=home, top_speed=0.2))
+    for _ in range(40):
+        one_metre(robot)
+        go(robot, 0.2)
+        assert robot.get_status() == "moving"
+    assert robot.get_location()[0] > 1.2
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_route_is_gone_and_what_remains_is_shown(
+    home: HomeWorld, enter: Make, kind: type[MobileRobot]
+) -> None:
+    robot = enter(kind(world=home))
+    corners = [(1.0, 0.0), (1.0, 1.0), (0.0, 1.0, 0.0, 0.0, 0.0, math.pi)]
+    robot.behaviors.set_moveto([rtkit.Marker(each, frame="world") for each in corners])
+    lengths = []
+    while state(robot) == "running":
+        told = robot.behaviors.get_moveto()
+        lengths.append(len(told.find("remaining").leaf))
+        assert told.find("target").find("location").leaf == corners[3 - lengths[-1]]
+        go(robot, 0.05)
+    assert list(dict.fromkeys(lengths)) == [3, 2, 1]
+    x, y, *_, heading = robot.get_location()
+    assert (x, y, abs(heading)) == pytest.approx((0, 1, math.pi), abs=0.03)
+    assert robot.behaviors.get_moveto().find("remaining").leaf == ()
+
+
+def test_a_new_target_replaces_the_old_one(home: HomeWorld, enter: Make) -> None:
+    robot = enter(DifferentialRobot(world=home))
+    robot.behaviors.set_moveto(rtkit.Marker((9.0, 0.0)))
+    go(robot, 1.0)
+    robot.behaviors.set_moveto(rtkit.Marker((0.5, 0.0), frame="world"))
+    go(robot)
+    assert robot.get_location()[0] == pytest.approx(0.5, abs=0.02)
+
+
+def test_stop_and_velocity_take_over(home: HomeWorld, enter: Make) -> None:
+    robot = enter(DifferentialRobot(world=home))
+    one_metre(robot)
+    go(robot, 0.5)
+    robot.set_velocity((0, 0, 0, 0, 0, 0))
+    assert state(robot) == "running"  # who drives not at all takes nothing over
+    robot.behaviors.stop()
+    assert state(robot) == "stopped"
+    go(robot)
+    assert robot.get_velocity() == (0,) * 6
+    one_metre(robot)
+    robot.set_velocity((0.0, 0.3, 0, 0, 0, 1.0))
+    assert state(robot) == "stopped"
+    go(robot, 0.5)
+    assert robot.get_velocity() == pytest.approx((0, 0, 0, 0, 0, 1.0))  # wheels go not sideways
+
+
+def test_velocity_may_be_given_in_another_frame(home: HomeWorld, enter: Make) -> None:
+    robot = enter(LeggedRobot(world=home, start=(0, 0, math.pi / 2)))
+    robot.set_velocity((0.1, 0, 0, 0, 0, 0), frame="world")
+    go(robot, 2.0)
+    assert robot.get_location()[:2] == pytest.approx((0.2, 0.0), abs=0.02)
+    assert robot.get_velocity(frame="world")[:2] == pytest.approx((0.1, 0.0), abs=1e-6)
+    assert robot.get_velocity()[:2] == pytest.approx((0.0, -0.1), abs=1e-6)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_what_is_in_the_way_ends_it_with_the_reason(
+    home: HomeWorld, enter: Make, kind: type[MobileRobot]
+) -> None:
+    wall(home, (0.6, -1), (0.8, -1), (0.8, 1), (0.6, 1))
+    robot = enter(kind(world=home))
+    one_metre(robot)
+    go(robot)
+    assert state(robot) == "failed"
+    assert "something is in the way at (0.4" in str(robot.behaviors.get_moveto().find("error").leaf)
+    assert robot.get_location()[0] < 0.6
+
+
+@pytest.mark.parametrize(
+    ("target", "why"),
+    [
+        (rtkit.Marker((1.0, 0.0), frame="kitchen"), "no frame: kitchen"),
+        (rtkit.Marker(None, polar=(1, 0)), "no location"),
+        (rtkit.Element("ball"), "a marker"),
+        ([], "a marker"),
+    ],
+)
+def test_what_is_no_target_is_refused_and_the_old_one_kept(
+    home: HomeWorld, enter: Make, target: Any, why: str
+) -> None:
+    robot = enter(DifferentialRobot(world=home))
+    one_metre(robot)
+    with pytest.raises(rtkit.PropertyError, match=why) as refused:
+        robot.behaviors.set_moveto(target)
+    assert refused.value.code == "bad-value"
+    assert state(robot) == "running"
+
+
+class Circling:
+    def __init__(self, chassis: Any, route: Any) -> None:
+        self.remaining = list(route)
+        self.left = 2.0
+
+    def step(self, seconds: float) -> tuple[float, float, float] | None:
+        self.left -= seconds
+        if self.left < 1.0 and self.remaining[0].x > 5:
+            raise KeyError("map")
+        return (0.2, 0.0, 1.0) if self.left > 0 else None
+
+
+def test_a_behaviour_is_plugged_in_by_its_name(home: HomeWorld, enter: Make) -> None:
+    robot = enter(LeggedRobot(world=home, behaviors=f"circle={__name__}:Circling"))
+    robot.behaviors.set_circle(rtkit.Marker((1.0, 0.0)))
+    assert 1.9 < go(robot) < 3.5
+    assert (state(robot, "circle"), state(robot)) == ("done", "idle")
+    robot.behaviors.set_circle(rtkit.Marker((9.0, 0.0), frame="world"))
+    go(robot)
+    error = robot.behaviors.get_circle().find("error")
+    assert (state(robot, "circle"), str(error.leaf)) == ("failed", "KeyError: 'map'")
+    one_metre(robot)
+    assert (state(robot, "circle"), state(robot)) == ("idle", "running")
+
+
+@pytest.mark.parametrize("words", ["circle", "circle=os:absent", "circle=no_such_module:X"])
+def test_a_behaviour_that_is_not_there_is_refused(words: str) -> None:
+    with pytest.raises(rtkit.PropertyError, match="no behaviour circle"):
+        MobileRobot(behaviors=words)
+
+
+def test_wheels_turn_as_the_robot_went(home: HomeWorld, enter: Make) -> None:
+    robot = enter(DifferentialRobot(world=home))
+    robot.set_velocity((0.2, 0, 0, 0, 0, 0.5))
+    go(robot, 1.0)
+    left, right = robot.actuators["left"], robot.actuators["right"]
+    assert left.get_speed() == pytest.approx((0.2 - 0.5 * 0.12) / 0.04)
+    assert right.get_angle() - left.get_angle() == pytest.approx(0.5 * 0.24 / 0.04)
+
+
+def test_sensors_agree_with_the_location_in_any_frame(home: HomeWorld, enter: Make) -> None:
+    wall(home, (2, -3), (3, -3), (3, 3), (2, 3))
+    home.put("ball", rtkit.Marker((1.0, 1.5, 0.1), type="ball", color=(1.0, 0.1, 0.1)))
+    home.put("hidden", rtkit.Marker((4.0, 1.5, 0.1), type="ball"))
+    robot = enter(LeggedRobot(world=home, start=(1, 0, math.pi / 2)))
+    other = enter(DifferentialRobot(world=home, start=(1, 3, 0), body="other"))
+    assert robot.sensors["laser"].get_ranges()[0] == pytest.approx(1.0)  # the wall, on the right
+    eye = robot.sensors["eye"]
+    ball, seen = eye.get_markers()
+    assert (ball.id, ball.features["color"], ball.frame) == ("ball", (1.0, 0.1, 0.1), "")
+    assert ball.location == pytest.approx((1.5, 0.0, 0.1))
+    assert (seen.id, seen.type) == ("other", "robot")
+    in_world = eye.get_markers(frame="world")[0]
+    assert in_world.location == pytest.approx((1.0, 1.5, 0.1))
+    assert eye.get_location(frame="world") == pytest.approx((1, 0.1, 0.12, 0, 0, math.pi / 2))
+    other._frames.add("shelf", (1.0, 1.0, 0.0))
+    assert other.get_location(frame="shelf")[:2] == pytest.approx((0.0, 2.0))
+
+
+def test_an_eye_is_the_less_sure_the_further_off(home: HomeWorld, enter: Make) -> None:
+    for far in (1.0, 4.0):
+        home.put(f"at{far:g}", rtkit.Marker((far, 0.0, 0.1), type="ball"))
+    eyes = [
+        enter(MobileRobot(world=home, noise=0.02, seed=seed)).sensors["eye"] for seed in (1, 1, 2)
+    ]
+    near, off = (each for each in eyes[0].get_markers() if each.type == "ball")
+    assert off.variance == pytest.approx(0.08**2, rel=0.1)
+    assert near.variance < off.variance / 10
+    assert math.dist(off.location, (4, 0, 0.1)) < 0.4
+    first, same, another = (each.get_markers(frame="world")[0].location for each in eyes)
+    assert same != another
+    assert first is not None
+
+
+def test_a_camera_sees_the_world_as_it_stands(home: HomeWorld, enter: Make) -> None:
+    robot = enter(DifferentialRobot(world=home))
+    camera = robot.sensors["camera"]
+    before = camera.get_image(width=64, height=48)
+    assert before.startswith(b"\x89PNG")
+    home.put("ball", rtkit.Marker((1.0, 0.0, 0.2), type="ball", size=0.3))
+    assert camera.get_image(width=64, height=48) != before
+    with pytest.raises(rtkit.PropertyError, match="no picture"):
+        camera.get_image(width=0)
+
+
+def test_a_robot_that_leaves_is_gone_and_its_thread_ends(home: HomeWorld) -> None:
+    robot = MobileRobot(world=home, body="one")
+    with robot, MobileRobot(world=home):
+        assert len(home.bodies) == 2
+        assert len({id(crew) for crew in driving._CREWS.values()}) == 1
+    assert home.bodies == {}
+    assert driving._CREWS == {}
+
+
+def test_a_world_that_was_begun_anew_is_entered_anew(home: HomeWorld, enter: Make) -> None:
+    robot = enter(DifferentialRobot(world=home, body="one"))
+    one_metre(robot)
+    go(robot, 1.0)
+    at = robot.get_location()
+    home.leave("one")
+    go(robot, 0.05)
+    assert home.bodies["one"].get_location() == at
+    go(robot)
+    assert state(robot) == "done"
+
+
+class Silent(HomeWorld):
+    is_silent = False
+
+    def set_moves(self, moves: Any) -> None:
+        if self.is_silent:
+            raise rtkit.PropertyError("no-service", "nobody is there")
+        super().set_moves(moves)
+
+
+def test_a_robot_says_that_its_world_is_gone_and_goes_on_when_it_is_back(enter: Make) -> None:
+    home = Silent(pace=0)
+    robot = enter(DifferentialRobot(world=home))
+    one_metre(robot)
+    home.is_silent = True
+    go(robot, 0.1)
+    assert robot.get_status() == "waiting: nobody is there"
+    home.is_silent = False
+    go(robot)
+    assert robot.get_status() == "ready"
+    assert state(robot) == "done"
