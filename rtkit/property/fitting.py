@@ -20,7 +20,8 @@ from rtkit.property.types import Content, check
 from rtkit.property.values import Element, Value, Word, is_number, kind_of
 from rtkit.property.writing import write
 
-_SCALARS = (bool, int, float, str, bytes)
+SCALARS = (bool, int, float, str, bytes)
+"""Annotations that say all about a value: the present one need not be known."""
 _CONTAINERS = (list, tuple, set, frozenset)
 
 
@@ -38,7 +39,7 @@ def from_value(value: Content, hint: Any, present: object) -> Any:
         return _one_of(get_args(hint), value, present)
     if origin is typing.Literal:
         return _choice(get_args(hint), value)
-    if hint in _SCALARS:
+    if hint in SCALARS:
         return _scalar(hint, value)
     if hint is type(None):
         return _nothing(value)

@@ -23,7 +23,7 @@ from rtkit.property.annotations import (
 from rtkit.property.arguments import Taken, accepted, arguments_of, declared_of, given_to
 from rtkit.property.codes import PropertyError
 from rtkit.property.conversion import is_builtin, to_value
-from rtkit.property.fitting import from_value
+from rtkit.property.fitting import SCALARS, from_value
 from rtkit.property.functional import FunctionalProperty
 from rtkit.property.members import Member, is_data, is_nested, members
 from rtkit.property.mounting import MountPoint
@@ -290,7 +290,7 @@ class Exported:
         if found.takes:
             spec = replace(spec, parameters=declared_of(found.takes))
         is_unknown = member.hint is None and found.present is _UNSET
-        if name == "type" and spec.type.name == "list":
+        if name == "type" and spec.type.name in ("list", "list<string>"):
             spec = replace(spec, type=TYPE)
         in_words = spec.type == TYPE
         is_plain = member.kind == "attribute" and found.is_plain
@@ -312,7 +312,8 @@ class Exported:
         def write(value: Content, given: dict[str, Value]) -> Any:
             thing = holder()
             named = given_to(member.setter, found.takes, given) if given else {}
-            before = None if member.access == "w" else self._read(thing, member)
+            is_alone = member.access == "w" or bare(member.hint) in SCALARS
+            before = None if is_alone else self._read(thing, member)
             if is_unknown and self._learn(name, member, before):
                 raise Unfolded(name)  # the value is to be read as what it is now known to be
             wanted = from_value(value, member.hint, None if before is _UNSET else before)

@@ -23,7 +23,7 @@ class Device:
         take: Is given the bytes that came; a ValueError that it raises tells that they make no
             sense: the device is closed, and opened anew.
         report: Is given the state: ``ready``, ``ended`` at the end of an ordinary file, or
-            ``failed: why``; only when it is another one.
+            ``waiting: why``; only when it is another one.
         baud: Of a serial line; 0 leaves it as it is.
         opened: Is given the descriptor of the open device, before anything is read.
     """
@@ -58,7 +58,7 @@ class Device:
                 wait_s = self._read()
             except (OSError, ValueError, termios.error) as error:
                 text = getattr(error, "strerror", None) or (error.args or ("",))[-1]
-                self._report_once(f"failed: {self._path}: {text}")
+                self._report_once(f"waiting: {self._path}: {text}")
                 wait_s = LOOK_S
             if select.select([self._wake], [], [], wait_s)[0]:
                 return

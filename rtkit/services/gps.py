@@ -11,7 +11,9 @@ from typing import Annotated, Any, Final, NamedTuple
 
 import rtkit
 from rtkit.errors import Refused
-from rtkit.services.sensor import DeviceSensor, numbers
+from rtkit.services.frames import ORIGIN, Frames, transform
+from rtkit.services.hosting import init_of
+from rtkit.services.sensor import MIDDLE, DeviceSensor, Pose6, numbers
 
 _LONGEST = 256
 _EARTH_M = 6_378_137.0
@@ -99,10 +101,10 @@ class Gps(DeviceSensor):
         origin: Latitude, longitude and altitude of the world's origin [degrees, degrees, m]; the
             first fix where it is empty.
         accuracy: Standard deviation at a dilution of precision of 1 [m].
-        more: See `Sensor` and `DeviceSensor`.
+        baud, location, base, frames: See `DeviceSensor`.
 
     Attributes:
-        status: ``ready``, ``no fix``, or ``failed: why``.
+        status: ``ready``, ``no fix``, or ``waiting: why``.
         data: The last sentence.
         position: Latitude, longitude, altitude [degrees, degrees, m]; empty without a fix.
         fix: ``none``, ``gps``, ``dgps``, ``rtk`` …
@@ -129,9 +131,12 @@ class Gps(DeviceSensor):
         device: str,
         origin: tuple[float, ...] = (),
         accuracy: Annotated[float, rtkit.Unit("m")] = 5.0,
-        **more: Any,
+        baud: int = 0,
+        location: Pose6 = MIDDLE,
+        base: str = "",
+        frames: Frames | None = None,
     ) -> None:
-        super().__init__(device, **more)
+        super().__init__(device, baud, location, base, frames)
         self.origin: tuple[float, ...] = numbers("origin", origin, 0, 3)
         self.accuracy = accuracy
         self._nmea = NmeaReader()
@@ -186,12 +191,16 @@ class Gps(DeviceSensor):
 
     def get_markers(self, frame: str = "world") -> list[rtkit.Marker]:
         """The place of the receiver [m], x to the east and y to the north of the origin."""
+        pose = ORIGIN if frame == "world" else self._frames.between("world", frame)
         if len(self.position) < 3 or len(self.origin) < 3:
             return []
         x, y, z = self.position
         place = local((x, y, z), (self.origin[0], self.origin[1], self.origin[2]))
         found = rtkit.Marker(
-            self._frames.convert(place, "world", frame), type="gps", frame=frame,
+            transform(pose, place), type="gps", frame="" if frame == "base" else frame,
             variance=(self.accuracy * max(self.hdop, 1.0)) ** 2, fix=self.fix,
         )  # fmt: skip
         return [found]
+
+
+GpsInit = init_of(Gps)

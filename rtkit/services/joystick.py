@@ -6,11 +6,13 @@ read the device: the group ``input`` is, on most systems.
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Final
+from typing import Annotated, Final
 
 import rtkit
+from rtkit.services.frames import Frames
+from rtkit.services.hosting import init_of
 from rtkit.services.input_events import ABS, KEY, REL, InputEvent, InputReader, axis_range
-from rtkit.services.sensor import DeviceSensor, numbers
+from rtkit.services.sensor import MIDDLE, DeviceSensor, Pose6, numbers
 
 _TRIGGERS = frozenset({"gas", "brake", "throttle", "pressure"})
 _SLOT, _SLOT_X, _SLOT_Y, _SLOT_ID = 47, 53, 54, 57
@@ -19,8 +21,15 @@ _SLOT, _SLOT_X, _SLOT_Y, _SLOT_ID = 47, 53, 54, 57
 class _InputSensor(DeviceSensor):
     """Base of sensors behind an input device."""
 
-    def __init__(self, device: str, limits: tuple[float, float], more: dict[str, Any]) -> None:
-        super().__init__(device, **more)
+    def __init__(
+        self,
+        device: str,
+        limits: tuple[float, float],
+        location: Pose6,
+        base: str,
+        frames: Frames | None,
+    ) -> None:
+        super().__init__(device, 0, location, base, frames)
         self._limits = numbers("limits", limits, 2)
         if self._limits[0] >= self._limits[1]:
             raise ValueError(f"limits are the least and the greatest value, not {limits}")
@@ -53,7 +62,7 @@ class Joystick(_InputSensor):
         device: ``/dev/input/eventN``.
         limits: Least and greatest value of axes of a device that does not tell them.
         dead: Deflection up to which an axis is at rest, 0 to 1.
-        more: See `Sensor`.
+        location, base, frames: See `Sensor`.
 
     Attributes:
         data: Names and raw values of all axes and buttons that have been moved.
@@ -70,9 +79,11 @@ class Joystick(_InputSensor):
         device: str,
         limits: tuple[float, float] = (-32768, 32767),
         dead: float = 0.02,
-        **more: Any,
+        location: Pose6 = MIDDLE,
+        base: str = "",
+        frames: Frames | None = None,
     ) -> None:
-        super().__init__(device, limits, more)
+        super().__init__(device, limits, location, base, frames)
         self.dead: Annotated[float, rtkit.Range(0, 1)] = dead
         self.axes: Final[dict[str, float]] = {}
         self.buttons: Final[dict[str, bool]] = {}
@@ -115,7 +126,7 @@ class Pointer(_InputSensor):
         limits: Least and greatest value of axes of a device that does not tell them; a mouse counts
             its ways within them.
         size: Width and height of the plane [m].
-        more: See `Sensor`.
+        location, base, frames: See `Sensor`.
 
     Attributes:
         data: Where each finger, or the mouse, is: parts of width and height from the lower left.
@@ -133,9 +144,11 @@ class Pointer(_InputSensor):
         device: str,
         limits: tuple[float, float] = (0, 1023),
         size: tuple[float, float] = (1.0, 1.0),
-        **more: Any,
+        location: Pose6 = MIDDLE,
+        base: str = "",
+        frames: Frames | None = None,
     ) -> None:
-        super().__init__(device, limits, more)
+        super().__init__(device, limits, location, base, frames)
         self.size: Final[tuple[float, ...]] = numbers("size", size, 2)
         self.buttons: Final[dict[str, bool]] = {}
         middle = sum(self._limits) / 2
@@ -195,3 +208,7 @@ class Pointer(_InputSensor):
         width, height = self.size
         places = [(0.0, -x * width, y * height) for x, y in self.data]
         return [rtkit.Marker(each, type="touch", id=str(at)) for at, each in enumerate(places)]
+
+
+JoystickInit = init_of(Joystick)
+PointerInit = init_of(Pointer)

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING, Annotated, Any, Final
+from typing import TYPE_CHECKING, Annotated, Final
 
 import rtkit
-from rtkit.services.sensor import Sensor
+from rtkit.services.frames import Frames
+from rtkit.services.sensor import MIDDLE, Pose6, Sensor
 
 if TYPE_CHECKING:
     from rtkit.world import Noise, Scene
@@ -25,7 +26,7 @@ class RangeFinder(Sensor):
         reach: How far it sees [m].
         noise: Makes ranges noisy.
         rate: How often a reading is worth while [Hz].
-        more: See `Sensor`; its location is that of the scanner in the base.
+        location, base, frames: See `Sensor`; its location is that of the scanner in the base.
 
     Attributes:
         bearings: Of the rays, from ahead counter-clockwise [rad].
@@ -42,9 +43,11 @@ class RangeFinder(Sensor):
         reach: float = 4.0,
         noise: Noise | None = None,
         rate: float = 10.0,
-        **more: Any,
+        location: Pose6 = MIDDLE,
+        base: str = "",
+        frames: Frames | None = None,
     ) -> None:
-        super().__init__(**more)
+        super().__init__(location, base, frames)
         self.bearings: Final[Annotated[tuple[float, ...], rtkit.Unit("rad")]] = tuple(bearings)
         self.range: Final[tuple[float, ...]] = (0.0, reach)  # type: ignore[misc]
         self.rate: Final[Annotated[float, rtkit.Unit("Hz")]] = rate  # type: ignore[misc]

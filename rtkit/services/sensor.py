@@ -14,8 +14,10 @@ from typing import Annotated, Any, Final, Self
 import rtkit
 from rtkit.services.device import LOOK_S, Device
 from rtkit.services.frames import ORIGIN, Frames, Pose, transform, transform_covariance
+from rtkit.services.hosting import init_of
 
 Pose6 = tuple[float, float, float, float, float, float]
+MIDDLE: Pose6 = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 
 
 class Sensor:
@@ -28,7 +30,7 @@ class Sensor:
         frames: The frames of who has them at hand, in place of `base`.
 
     Attributes:
-        status: ``ready``, or ``failed: why``.
+        status: ``ready``, or ``waiting: why`` while a device or another service is away.
         unit: Of the numbers in `data`.
         rate: Readings in a second, 0 where they come when something happens [Hz].
         range: Least and greatest value of a reading.
@@ -43,7 +45,7 @@ class Sensor:
     range: Final[tuple[float, ...]] = ()
 
     def __init__(
-        self, location: Pose6 = (0, 0, 0, 0, 0, 0), base: str = "", frames: Frames | None = None
+        self, location: Pose6 = MIDDLE, base: str = "", frames: Frames | None = None
     ) -> None:
         self._location: Pose = numbers("location", location, 6)
         self._client: Any = None
@@ -121,13 +123,20 @@ class DeviceSensor(Sensor):
     Args:
         device: Path of the device; a pipe or an ordinary file will do.
         baud: Speed of a serial line [baud]; 0 leaves it as it is.
-        more: See `Sensor`.
+        location, base, frames: See `Sensor`.
     """
 
-    def __init__(self, device: str, baud: int = 0, **more: Any) -> None:
-        super().__init__(**more)
+    def __init__(
+        self,
+        device: str,
+        baud: int = 0,
+        location: Pose6 = MIDDLE,
+        base: str = "",
+        frames: Frames | None = None,
+    ) -> None:
+        super().__init__(location, base, frames)
         self.device: Final[str] = device
-        self._publish("status", f"failed: {device}: not opened")
+        self._publish("status", f"waiting: {device}: not opened")
         self._baud = baud
         self._reader: Device | None = None
 
@@ -143,7 +152,7 @@ class DeviceSensor(Sensor):
         super().__exit__(*raised)
 
     def _changed(self, state: str) -> None:
-        if state.startswith("failed"):
+        if state.startswith("waiting"):
             self._rest()
         self._publish("status", state)
 
@@ -163,7 +172,7 @@ class PropertySensor(Sensor):
 
     Args:
         source: The property, ``panel.speed``; waited for, and found again after it was away.
-        more: See `Sensor`.
+        location, base, frames: See `Sensor`.
 
     Attributes:
         data: Its value; the last one while its service is away, which `status` tells.
@@ -171,10 +180,16 @@ class PropertySensor(Sensor):
 
     data: Final[Any] = ()
 
-    def __init__(self, source: str, **more: Any) -> None:
-        super().__init__(**more)
+    def __init__(
+        self,
+        source: str,
+        location: Pose6 = MIDDLE,
+        base: str = "",
+        frames: Frames | None = None,
+    ) -> None:
+        super().__init__(location, base, frames)
         self.source: Final[str] = source
-        self._publish("status", f"failed: {source}: not asked yet")
+        self._publish("status", f"waiting: {source}: not asked yet")
         self._ended = threading.Event()
         self._thread: threading.Thread | None = None
 
@@ -198,10 +213,15 @@ class PropertySensor(Sensor):
                 self._client.listen(self.source, self._take)
                 return
             except rtkit.PropertyError as error:
-                self._publish("status", f"failed: {self.source}: {error.code}")
+                self._publish("status", f"waiting: {self.source}: {error.code}")
             self._ended.wait(LOOK_S)
 
     def _take(self, change: Any) -> None:
         if not change.code:
             self._publish("data", change.value)
-        self._publish("status", f"failed: {self.source}: {change.code}" if change.code else "ready")
+        self._publish(
+            "status", f"waiting: {self.source}: {change.code}" if change.code else "ready"
+        )
+
+
+PropertySensorInit = init_of(PropertySensor)

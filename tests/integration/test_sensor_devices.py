@@ -68,7 +68,7 @@ def test_a_joystick_is_unplugged_and_plugged_again(serving: Serve, place: str) -
             assert client.ask("data").value() == f'(("x" {turn}) ("south" 1))'
             marker = str(client.ask("markers").value())
             assert "<type>joystick</type>" in marker
-        until(lambda: status(client) == f"failed: {path}: unplugged", "it has gone")
+        until(lambda: status(client) == f"waiting: {path}: unplugged", "it has gone")
         assert client.ask("axes.x").value() == "0.0"
         assert client.ask("buttons.south").value() == "false"
 
@@ -111,7 +111,7 @@ def test_a_gps_on_a_terminal_is_unplugged_and_plugged_again(serving: Serve, plac
         os.unlink(path)
         os.close(master)
         os.close(slave)
-        until(lambda: status(client).startswith("failed: "), "it has gone")
+        until(lambda: status(client).startswith("waiting: "), "it has gone")
         assert client.ask("position").value() == "()"
 
 
@@ -147,7 +147,7 @@ class Panel:
 
 def test_a_widget_is_a_sensor_also_before_and_after_it_was_away(serving: Serve, place: str) -> None:
     client = serving(PropertySensor("panel.speed", location=(1, 0, 0, 0, 0, 0)))
-    until(lambda: status(client) == "failed: panel.speed: no-service", "it is waited for")
+    until(lambda: status(client) == "waiting: panel.speed: no-service", "it is waited for")
     for speed in (0.5, 0.75):
         panel = Panel()
         with serve(panel, "panel", is_on_zenoh=False):
@@ -155,4 +155,4 @@ def test_a_widget_is_a_sensor_also_before_and_after_it_was_away(serving: Serve, 
             until(lambda: status(client) == "ready", "it is found")
             until(lambda: client.ask("data").value() == str(speed), "it is read")  # noqa: B023
             assert f"<data>{speed}</data>" in text(client, "markers")
-        until(lambda: status(client) == "failed: panel.speed: no-service", "it has gone")
+        until(lambda: status(client) == "waiting: panel.speed: no-service", "it has gone")

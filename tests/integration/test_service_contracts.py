@@ -11,17 +11,26 @@ from contextlib import ExitStack
 from pathlib import Path
 from typing import Any, NamedTuple
 
+import numpy as np
 import pytest
 from bots import Bot
 
 import rtkit
 from rtkit.proxy.bridge import bridge
+from rtkit.services.camera import Camera
 from rtkit.services.environment import Environment
+from rtkit.services.gps import Gps
 from rtkit.services.group import Group
+from rtkit.services.images import encode
+from rtkit.services.joystick import Joystick, Pointer
 from rtkit.services.legged import LeggedRobot
+from rtkit.services.microphone import Microphone
 from rtkit.services.mobilerobot import DifferentialRobot
+from rtkit.services.ranging import RangeFinder
 from rtkit.services.storage import Storage
+from rtkit.services.vision import Vision
 from rtkit.services.world import HomeWorld
+from rtkit.world import Polygon, Pose, Scene
 
 _BOUND_S = 20.0
 
@@ -104,6 +113,32 @@ def _robot(make: Callable[[], object], joint: str) -> Contract:
     )
 
 
+def _sensor(
+    make: Callable[[Path], object],
+    types: Mapping[str, str],
+    refused: Mapping[str, tuple[str | None, str]] = {},
+    accepted: Mapping[str, str] = {},
+) -> Contract:
+    """Return the promises of a sensor, and its own."""
+    return Contract(
+        make,
+        {"type": "list<word>", "version": "string", "status": "string", "unit": "string",
+         "location": "vector[6]", "markers": "list<marker>", "rate": "number", "range": "vector"}
+        | types,
+        {"location": "(1.0 2.0 0.0 0.0 0.0 0.5)", **accepted},
+        {"location": ("(1 2)", "bad-value"), "location?frame=none": (None, "bad-parameter"),
+         "markers?frame=none": (None, "bad-parameter"),
+         "location?fame=base": (None, "bad-parameter"),
+         "status": ("ready", "read-only"), **refused},
+    )  # fmt: skip
+
+
+def _vision(folder: Path) -> Vision:
+    vision = Vision(active=("blobs",))
+    vision.set_image(encode(np.zeros((8, 8, 3), np.uint8), "png"))
+    return vision
+
+
 CONTRACTS: dict[str, Contract] = {
     "differential robot": _robot(DifferentialRobot, "left.angle"),
     "legged robot": _robot(LeggedRobot, "left_front.femur"),
@@ -159,6 +194,51 @@ CONTRACTS: dict[str, Contract] = {
          "behaviors.moveto": ("<marker><location>(2000 0)</location></marker>", "bad-value"),
          "behaviors.moveto?frame=x": ("1", "bad-parameter"),
          "robots.r1.location": ("(0 0 0 0 0 0)", "read-only")},
+    ),
+    "joystick": _sensor(
+        lambda folder: Joystick(str(folder / "none"), base="none"),
+        {"data": "list<list>", "device": "string", "dead": "number"},
+        {"dead": ("2", "bad-value"), "device": ("x", "read-only")},
+    ),
+    "pointer": _sensor(
+        lambda folder: Pointer(str(folder / "none")),
+        {"data": "list<vector[2]>", "wheel": "integer"}, {"wheel": ("2", "read-only")},
+    ),
+    "gps": _sensor(
+        lambda folder: Gps(str(folder / "none"), base="none"),
+        {"data": "string", "position": "vector", "fix": "string", "satellites": "integer",
+         "hdop": "number", "velocity": "vector[2]", "refused": "integer"},
+        {"position": ("(1 2 3)", "read-only")},
+    ),
+    "rangefinder": _sensor(
+        lambda folder: RangeFinder(
+            Scene([Polygon([(3, -5), (4, -5), (4, 5)])]), Pose, bearings=(0.0, 1.0)
+        ),
+        {"data": "vector", "ranges": "vector", "bearings": "vector"},
+        {"ranges": ("(1 2)", "read-only")},
+    ),
+    "camera": _sensor(
+        lambda folder: Camera(look=lambda: np.zeros((8, 8, 3), np.uint8)),
+        {"data": "bytes", "image": "bytes", "field": "number"},
+        {"image?format=gif": (None, "bad-parameter"), "image?width=-1": (None, "bad-parameter"),
+         "image": ("x", "read-only")},
+    ),
+    "microphone": _sensor(
+        lambda folder: Microphone(str(folder / "none")),
+        {"data": "bytes", "format": "string", "channels": "integer", "level": "number"},
+        {"rate": ("8000", "read-only")},
+    ),
+    "vision": _sensor(
+        _vision,
+        {"image": "bytes", "source": "string", "methods.edges.active": "boolean",
+         "methods.edges.forms": "list<string>", "methods.blobs.runs": "integer",
+         "cameras.camera.source": "string", "cameras.camera.location": "vector[6]"},
+        {"image": ("rubbish", "bad-value"), "image?format=gif": (None, "bad-parameter"),
+         "methods.edges.result": (None, "conflict"), "methods.none.active": ("true", "unknown"),
+         "methods.blobs.result?form=segments": (None, "bad-parameter"),
+         "methods.edges.least": ("-1", "bad-value"), "cameras.rear.image": (None, "unknown")},
+        {"methods.blobs.active": "false", "methods.edges.least": "15.0",
+         "cameras.camera.field": "0.9", "methods.fiducials.dictionary": '"5x5_100"'},
     ),
 }  # fmt: skip
 DOORS = ("unix", "zenoh", "tcp", "chain")

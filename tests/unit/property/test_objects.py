@@ -199,6 +199,28 @@ def test_getters_and_setters_are_one_property() -> None:
     assert service.get("get_by.parameters") == '((key string () () ""))'
 
 
+def test_what_cannot_be_got_yet_can_be_set() -> None:
+    class Frame:
+        def __init__(self) -> None:
+            self._image: bytes | None = None
+            self._asked = 0
+
+        def get_image(self) -> bytes:
+            self._asked += 1
+            if self._image is None:
+                raise PropertyError("no-service", "no picture yet")
+            return self._image
+
+        def set_image(self, image: bytes) -> None:
+            self._image = image
+
+    frame = Frame()
+    service = served(frame)
+    assert refused(service, "image") == "no-service"
+    service.set("image", b"\xff")
+    assert (service.get("image"), frame._asked) == (b"\xff", 3)
+
+
 def test_methods_are_actions_with_their_signature() -> None:
     service = served(Robot())
     assert service.get("move.parameters") == '((x number () () "") (fast boolean false () ""))'

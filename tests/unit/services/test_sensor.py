@@ -110,11 +110,11 @@ def test_a_joystick_tells_deflections_and_buttons_and_goes_to_rest() -> None:
     assert stick.axes == {"x": 1.0, "y": 0.0, "gas": 0.2, "hat_y": -1.0}
     assert stick.buttons == {"south": True}
     assert stick.data == [("x", 255), ("y", 128), ("gas", 51), ("hat_y", -1), ("south", 1)]
-    stick._changed("failed: unplugged")
+    stick._changed("waiting: unplugged")
     assert set(stick.axes.values()) == {0.0}
     assert stick.buttons == {"south": False}
     assert stick.data == []
-    assert stick.status == "failed: unplugged"
+    assert stick.status == "waiting: unplugged"
 
 
 def test_a_mouse_moves_within_its_plane() -> None:
@@ -200,8 +200,8 @@ def test_no_fix_is_reported_and_leaves_no_position(lost: str) -> None:
     assert gps.get_markers() == []
     gps._take(sentence(GGA.replace(",E,1,", ",E,4,")))
     assert (gps.status, gps.fix) == ("ready", "rtk")
-    gps._changed("failed: unplugged")
-    assert (gps.status, gps.fix, gps.position) == ("failed: unplugged", "none", ())
+    gps._changed("waiting: unplugged")
+    assert (gps.status, gps.fix, gps.position) == ("waiting: unplugged", "none", ())
 
 
 def test_a_degree_is_as_long_as_on_the_ellipsoid() -> None:

@@ -1,0 +1,149 @@
+"""Camera, a sensor: pictures of a video device, of recordings, or of a simulated world.
+
+``rtserve rtkit.services.camera:Camera cam -a /dev/video0 --http 8080``; a browser shows
+``<img src="/ps/cam/image?stream">``. Needs the extra ``vision``.
+"""
+
+from __future__ import annotations
+
+import os
+import threading
+from collections.abc import Callable, Iterator
+from time import monotonic
+from typing import TYPE_CHECKING, Annotated, Any, Final, Self
+
+import rtkit
+from rtkit.services.device import LOOK_S
+from rtkit.services.frames import ORIGIN, Frames
+from rtkit.services.hosting import init_of
+from rtkit.services.images import decode, encode, opencv
+from rtkit.services.sensor import MIDDLE, Pose6, Sensor
+
+if TYPE_CHECKING:
+    from rtkit.services.images import Picture
+
+_STILL = (".jpg", ".jpeg", ".png")
+
+
+class Camera(Sensor):
+    """Camera that looks along its x; `image` is listened to at its rate, and encoded only then.
+
+    Args:
+        source: A video device (``/dev/video0``), a video, a picture, or a folder of pictures,
+            which are shown one after the other, over and over.
+        rate: Pictures in a second [Hz].
+        field: Angle from the left to the right of the picture [rad].
+        location, base, frames: See `Sensor`.
+        look: Returns a picture, an array of rows of red, green and blue, in place of a source.
+    """
+
+    type: Final[tuple[str, ...]] = ("camera", "sensor")  # type: ignore[misc]
+
+    def __init__(
+        self,
+        source: str = "",
+        rate: Annotated[float, rtkit.Unit("Hz")] = 10.0,
+        field: Annotated[float, rtkit.Unit("rad")] = 1.2,
+        location: Pose6 = MIDDLE,
+        base: str = "",
+        frames: Frames | None = None,
+        look: Callable[[], Any] | None = None,
+    ) -> None:
+        super().__init__(location, base, frames)
+        if not rate > 0:
+            raise ValueError(f"a rate is above 0, not {rate}")
+        self.rate: Final[Annotated[float, rtkit.Unit("Hz")]] = rate  # type: ignore[misc]
+        self.source: Final[str] = str(source)
+        self.field: Final[Annotated[float, rtkit.Unit("rad")]] = field
+        self._look = look
+        self._lock = threading.Lock()
+        self._picture: Picture | None = None
+        self._encoded: dict[tuple[str, int], bytes] = {}
+        self._looked_at = -1e9
+        self._ended = threading.Event()
+        self._thread: threading.Thread | None = None
+        if look is None:
+            self._publish("status", f"waiting: {self.source}: not opened")
+
+    def __enter__(self) -> Self:
+        if self._look is None:
+            opencv()
+            self._ended.clear()
+            self._thread = threading.Thread(target=self._run, name=f"camera {self.source}")
+            self._thread.start()
+        return self
+
+    def __exit__(self, *raised: object) -> None:
+        self._ended.set()
+        if self._thread is not None:
+            self._thread.join()
+        super().__exit__(*raised)
+
+    def get_image(self, format: str = "jpeg", width: int = 0) -> bytes:
+        """The latest picture, as jpeg or png; 0 leaves its width as it is."""
+        with self._lock:
+            if self._look is not None and monotonic() - self._looked_at >= 1 / self.rate:
+                self._looked_at = monotonic()
+                self._show(self._look()[:, :, ::-1])
+            if self._picture is None:
+                raise rtkit.PropertyError("no-service", f"no picture yet: {self.status}")
+            known = self._encoded.get((format, width))
+            if known is None:
+                known = encode(self._picture, format, width)
+                if len(self._encoded) < 8:
+                    self._encoded[format, width] = known
+            return known
+
+    def get_data(self) -> bytes:
+        """The latest picture, as it is when nothing else is asked for."""
+        return self.get_image()
+
+    def _found(self) -> list[rtkit.Marker]:
+        """See `Sensor`: the camera itself."""
+        return [rtkit.Marker(ORIGIN, type="camera", field=self.field)]
+
+    def _show(self, picture: Picture) -> None:
+        self._picture, self._encoded = picture, {}
+
+    def _run(self) -> None:
+        while not self._ended.is_set():
+            try:
+                for picture in _pictures(self.source):
+                    with self._lock:
+                        self._show(picture)
+                    if self.status != "ready":
+                        self._publish("status", "ready")
+                    if self._ended.wait(1 / self.rate):
+                        return
+                why = "no more pictures"
+            except (OSError, rtkit.PropertyError) as error:
+                why = getattr(error, "strerror", None) or str(error)
+            if self.status != (status := f"waiting: {self.source}: {why}"):
+                self._publish("status", status)
+            self._ended.wait(LOOK_S)
+
+
+def _pictures(source: str) -> Iterator[Picture]:
+    """Yield the pictures of a source; OSError, PropertyError: it cannot be opened, or read."""
+    os.stat(source)
+    is_folder = os.path.isdir(source)
+    names = (
+        [os.path.join(source, each) for each in sorted(os.listdir(source))]
+        if is_folder
+        else [source]
+    )
+    stills = [each for each in names if each.lower().endswith(_STILL)]
+    for name in stills:
+        with open(name, "rb") as file:
+            yield decode(file.read())
+    if stills or is_folder:
+        return
+    capture = opencv().VideoCapture(source)
+    try:
+        while (read := capture.read())[0]:
+            yield read[1]
+    finally:
+        capture.release()
+
+
+CameraInit = init_of(Camera)
