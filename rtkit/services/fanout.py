@@ -18,6 +18,7 @@ _NAMES = ("location", "velocity", "behaviors.moveto", "behaviors.stop")
 """What a group has also while no member has told what it has."""
 _AGAIN_S = 5.0
 """How long until a member is asked again for its names that did not tell them [s]."""
+_TOLD = {"type", "access", "unit", "min", "max", "step", "choices", "doc", "functional"}
 _STATES = ("running", "failed", "stopped", "done", "idle")
 _ESCAPED = {'"': '\\"', "\\": "\\\\", "\n": "\\n", "\r": "\\r", "\t": "\\t"}
 
@@ -117,6 +118,14 @@ class Members:
     def _rename(self) -> None:
         names = tuple(dict.fromkeys((*_NAMES, *(n for own in self._known.values() for n in own))))
         self._names = self._names if names == self._names else names
+
+    def about(self, name: str) -> dict[str, Any]:
+        """Return what a member tells of a property: type, access, unit and more; none if none."""
+        for each in list(self._known):
+            meta = self.get([each], f"{name}.meta", {})[0].get(each)
+            if isinstance(meta, rtkit.Element):
+                return {each.name: each.leaf for each in meta.children if each.name in _TOLD}
+        return {}
 
     def pose_of(self, service: str) -> Sequence[float]:
         """Return the location of any service, whose name is the name of a frame."""

@@ -53,6 +53,10 @@ class _Led(rtkit.Names):
         """Return what differs after a while: members are not asked more often for listeners."""
         return int(monotonic() / _POLLED_S)
 
+    def about(self, name: str) -> Mapping[str, Any]:
+        """Return the meta data that a member has of a property."""
+        return self._members.about(name)
+
     def get(self, name: str, form: str = "", frame: str = "") -> Any:
         """Return what the members answer, combined; as ``?form=list`` of each."""
         if form not in ("", "list"):
@@ -181,6 +185,10 @@ class Subgroups(rtkit.Names):
     def stamp(self, name: str) -> object:
         """Return what differs after a while."""
         return int(monotonic() / _POLLED_S)
+
+    def about(self, name: str) -> Mapping[str, Any]:
+        """Return the meta data that a member has of a property."""
+        return self._members.about(name.partition(".")[2]) if "." in name else {}
 
     def get(self, name: str, form: str = "", frame: str = "") -> Any:
         """Return the members of a group, or what they answer."""

@@ -14,6 +14,9 @@ from waiting import until
 
 import rtkit
 from rtkit.services.group import Group
+from rtkit.services.legged import LeggedRobot
+from rtkit.services.mobilerobot import DifferentialRobot
+from rtkit.services.world import HomeWorld
 
 pytestmark = pytest.mark.usefixtures("place")
 
@@ -74,6 +77,29 @@ def test_the_client_of_one_robot_drives_a_swarm(swarm: Group, client: rtkit.Clie
     client.set("swarm.note", '"two words"')
     assert client.get("robots/r1.note") == client.get("swarm.note") == "two words"
     assert client.get("swarm.status") == "ready"
+    for name, access in (("location", "r"), ("velocity", "rw")):
+        for field, value in (("access", access), ("type", "vector[6]")):
+            assert client.get(f"swarm.{name}.meta.{field}") == value
+    assert client.get("swarm.location.meta.unit") == "m"
+
+
+def test_a_swarm_of_unlike_robots_is_driven_as_each_of_them(client: rtkit.Client) -> None:
+    home = HomeWorld(pace=8.0)
+    with ExitStack() as stack:
+        stack.enter_context(rtkit.serve(home, "home", is_on_zenoh=False))
+        for name, kind, y in (("wheels", DifferentialRobot, 0.5), ("legs", LeggedRobot, -0.5)):
+            robot = kind(world="home", body=name, start=(0.0, y, 0.0))
+            stack.enter_context(rtkit.serve(robot, name, is_on_zenoh=False))
+        group = Group(robots="wheels legs", deadline=5.0)
+        stack.enter_context(rtkit.serve(group, "swarm", is_on_zenoh=False))
+        for robot in ("wheels", "legs", "swarm"):
+            assert drive(client, robot) == pytest.approx((1.0, 0.0), abs=0.03)
+        ends = dict(client.get("swarm.location", form="list"))
+        offset = [a - b for a, b in zip(ends["wheels"], ends["legs"], strict=True)]
+        assert offset[:2] == pytest.approx((0.0, 1.0), abs=0.05)
+        length = [client.get(f"{each}.dimensions")[0] for each in ("wheels", "legs")]
+        assert client.get("swarm.dimensions")[0] == pytest.approx(sum(length) / 2)
+        assert client.get("swarm.robots.legs.actuators") == client.get("legs.actuators")
 
 
 def test_each_member_has_all_that_it_has_alone(swarm: Group, client: rtkit.Client) -> None:
@@ -107,6 +133,7 @@ def test_some_of_them_have_a_name_of_their_own(swarm: Group, client: rtkit.Clien
     assert client.get("swarm.groups") == ("all", "left")
     assert client.get("swarm.groups.left") == ("r0", "two")
     assert client.get("swarm.groups.left.location")[0] == 2.0
+    assert client.get("swarm.groups.left.location.meta.unit") == "m"
     client.set("swarm.groups.left.behaviors.moveto", rtkit.Marker((0, 5), frame="world"))
     assert [client.get(f"robots/r{at}.location")[:2] for at in range(3)] == [
         (-2.0, 5.0), (2.0, 0.0), (2.0, 5.0)

@@ -181,7 +181,7 @@ CONTRACTS: dict[str, Contract] = {
     "group": Contract(
         lambda folder: _Swarm(),
         {"type": "list<word>", "version": "string", "status": "string", "location": "vector[6]",
-         "velocity": "vector[6]", "behaviors.moveto": "any", "behaviors.stop": "any",
+         "velocity": "vector[6]", "behaviors.moveto": "any", "behaviors.stop": "action",
          "robots.r1.location": "vector[6]", "groups.all": "list", "join": "action",
          "leave": "action", "failures": "list<list>", "deadline": "number"},
         {"velocity": "(0.5 0.0 0.0 0.0 0.0 0.0)", "deadline": "4.0", "groups.a": "(r2)",
