@@ -31,7 +31,7 @@ from rtkit.property.names import METHODS, NameListing, Names, NameSource, NameTa
 from rtkit.property.naming import check_registrable, segment_of
 from rtkit.property.node import PropertyNode
 from rtkit.property.presenting import Choices, presented
-from rtkit.property.property_spec import PropertySpec
+from rtkit.property.property_spec import EMPTY_PLACE, PropertySpec
 from rtkit.property.returning import TIMEOUT, Returning
 from rtkit.property.service import Service
 from rtkit.property.standard import TYPE
@@ -46,6 +46,7 @@ DEEPEST = 4
 
 _UNSET = object()
 _NONE = Member("", "method")
+_EMPTY = Member("", "empty")
 _NAMED = Member("", "accessors", getter="get")
 _NOTHING: Mapping[str, Any] = MappingProxyType({})
 
@@ -145,6 +146,8 @@ class Exported:
         """Return whether a member is there as before: the same mount, if it is one."""
         if found is None:
             return False
+        if (found.member is _EMPTY) is not (self._names[name] is _EMPTY):
+            return False  # a place that is no longer empty, or is now
         mount = found.present if isinstance(found.present, MountPoint) else None
         return self._mounts.get(name) is mount
 
@@ -233,6 +236,8 @@ class Exported:
                 found[name] = _Found(holder, member)  # a GET of it tells why
             elif below.result is not None:
                 found |= below.result
+                if isinstance(present, Mapping) and not present:
+                    found[name] = _Found(held, _EMPTY)
             elif present is _UNSET or is_data(present):
                 takes = accepted(thing, member)
                 found[name] = _Found(holder, member, present, is_known, takes=takes)
@@ -285,6 +290,11 @@ class Exported:
             function = self._function(found)
             spec = PropertySpec(parse_type("element"), doc=member.doc, is_functional=True)
             self._service.add(name, spec=spec, function=function)
+            return
+        if member is _EMPTY:
+            self._service.add(
+                name, spec=EMPTY_PLACE, read=lambda _given: _nothing_in(holder(), name)
+            )
             return
         spec = _spec(member, found.present)
         if found.takes:
@@ -399,6 +409,13 @@ class Exported:
             is_behavior=getattr(found.method, "is_behavior", False),
             fit=lambda key, value: from_value(value, hints.get(key), None),
         )
+
+
+def _nothing_in(held: object, name: str) -> Content:
+    """Return what a place tells that had nothing in it when names were looked for."""
+    if not isinstance(held, Mapping) or held:
+        raise Unfolded(name)
+    return ()
 
 
 def _spec(member: Member, present: object) -> PropertySpec:

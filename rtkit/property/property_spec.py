@@ -111,6 +111,8 @@ def _numbers(value: Content | None) -> tuple[float, ...]:
     return value if is_vector(value) else ()  # type: ignore[return-value]
 
 
+EMPTY_PLACE = PropertySpec(parse_type("list"), "r")
+"""What is declared of a place below which there is nothing just now."""
 _SHARED: dict[str, PropertySpec] = {}
 
 

@@ -8,6 +8,7 @@ from typing import NamedTuple
 from rtkit.property.codes import PropertyError
 from rtkit.property.naming import EXTENSIONS, check_registrable
 from rtkit.property.node import PropertyNode
+from rtkit.property.property_spec import EMPTY_PLACE
 from rtkit.property.values import Value, Word
 from rtkit.property.writing import as_item
 
@@ -174,6 +175,8 @@ class Registry:
             prefix = ".".join(segments[:end])
             node = self.nodes.get(prefix)
             if node is not None:
+                if node.spec is EMPTY_PLACE:
+                    return None  # it has no parts, and what is not below it may come
                 return NameEntry(prefix, node, tuple(segments[end:]))
         return None
 

@@ -539,3 +539,25 @@ def test_what_cannot_be_looked_at_is_no_harm_to_the_rest() -> None:
     assert refused(service, "table") == "internal"
     assert refused(service, "untold") == "internal"
     assert "SystemExit: 3" in str(service.set("give?echo", ""))
+
+
+class Carrier:
+    def __init__(self) -> None:
+        self.tools: dict[str, Arm] = {}
+
+    def get_places(self) -> dict[str, int]:
+        return {}
+
+
+def test_a_place_with_nothing_in_it_is_there() -> None:
+    carrier = Carrier()
+    service = served(carrier)
+    assert service.get("properties") == "(tools places)"
+    assert service.get("tools") == service.get("tools.properties") == service.get("places") == "()"
+    assert refused(service, "tools", "(1)") == "read-only"
+    carrier.tools["left"] = Arm(0.5)
+    assert service.get("tools") == "(left)"
+    assert service.get("tools.left.angle") == "0.5"
+    del carrier.tools["left"]
+    assert service.get("properties?all=1") == "(places tools)"
+    assert service.get("tools") == "()"
