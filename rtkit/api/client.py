@@ -19,7 +19,7 @@ from rtkit.property.messages import Answer, Payload
 from rtkit.property.naming import parse_parameters, write_parameters
 from rtkit.property.reading import read
 from rtkit.property.values import Element, Value
-from rtkit.property.writing import write
+from rtkit.property.writing import quoted, write
 from rtkit.serving.event_loop import PropertyEventLoop
 from rtkit.tree.property_connections import printed_error
 from rtkit.wires.property_client import failure
@@ -94,6 +94,10 @@ class Client(Closing):
 
     def get(self, target: str, **parameters: Any) -> Any:
         """Return the value of a property.
+
+        Args:
+            target: The property.
+            parameters: Of the request; a text is a value as it is written, else a string.
 
         Raises:
             PropertyError: It cannot be got; its code tells how.
@@ -317,7 +321,13 @@ class Client(Closing):
 
 
 def _parameter(given: Any) -> str:
-    return given if isinstance(given, str) else write(_value(given))
+    if not isinstance(given, str):
+        return write(_value(given))
+    try:
+        read(given)
+    except PropertyError:
+        return quoted(given)
+    return given
 
 
 def _value(given: Any) -> Value:

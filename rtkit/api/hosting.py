@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import inspect
 import re
+import sys
 import types
 import typing
 from collections.abc import Callable, Mapping
@@ -118,7 +119,7 @@ def component_of(
         "__module__": served_class.__module__,
         "served_class": served_class,
         "arguments": arguments,
-        "vendor": served_class.__module__.partition(".")[0],
+        "vendor": (sys.modules[served_class.__module__].__package__ or "").partition(".")[0],
         "category": category,
         "version": version or str(getattr(served_class, "version", "") or "1.0"),
     }
@@ -153,6 +154,7 @@ def _parameter(given: inspect.Parameter, hint: Any, doc: str) -> tuple[Parameter
         is_as_it_is = default is None or isinstance(default, str)
         value = (default or "") if is_as_it_is else write(to_value(default))  # type: ignore[arg-type]
     constraint = _constraint(spec) if spec.choices or not (is_text or is_vector) else ""
+    doc = re.sub(rf"\s*\[{re.escape(spec.unit)}\]\.?$", "", doc) if spec.unit else doc
     made = Parameter(value, unit=spec.unit, doc=doc, constraint=constraint, name=given.name)
     return made, _Argument(hint, inspect.Parameter.empty if is_required else default, is_text)
 
@@ -177,8 +179,9 @@ def _read(name: str, value: Any, argument: _Argument) -> Any:
 def _documented(served_class: type, name: str) -> str:
     """Return what the documentation of a class says of an argument."""
     docs = (served_class.__doc__, served_class.__init__.__doc__)  # type: ignore[misc]
-    found = (re.search(rf"^\s+{name}(?: \(.*\))?: (.+)$", doc or "", re.MULTILINE) for doc in docs)
-    return next((each[1].strip() for each in found if each), "")
+    rule = re.compile(rf"^(\s+){name}(?: \(.*\))?: (.+(?:\n\1\s+\S.*)*)$", re.MULTILINE)
+    found = next((each for each in (rule.search(doc or "") for doc in docs) if each), None)
+    return "" if found is None else " ".join(found[2].replace("``", "").split())
 
 
 def _endpoints(text: str) -> dict[str, Any]:

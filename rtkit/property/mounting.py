@@ -36,9 +36,11 @@ class MountPoint(ABC):
 
     Attributes:
         target: Where that owner is.
+        has_value: The name itself is the object's own; the owner has only what is below.
     """
 
     target: str
+    has_value: bool = False
 
     @abstractmethod
     def table_for(self, service: Any) -> MountTable:

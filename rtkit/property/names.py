@@ -12,6 +12,7 @@ from types import MappingProxyType
 from typing import Any, NamedTuple
 
 from rtkit.property.conversion import to_value
+from rtkit.property.mounting import MountPoint
 from rtkit.property.property_spec import PropertySpec
 from rtkit.property.types import Content
 
@@ -43,6 +44,10 @@ class Names(ABC):
 
     def hint(self, name: str) -> Any:
         """Return the annotation of a value that is of another type, None of one that is not."""
+        return None
+
+    def mount(self, name: str) -> MountPoint | None:
+        """Return who answers for all below a name, None for nobody else."""
         return None
 
     def stamp(self, name: str) -> object:

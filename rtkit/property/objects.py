@@ -125,8 +125,7 @@ class Exported:
             del found[prefix]
         for name in [each for each in self._names if not self._is_still(each, found.get(each))]:
             del self._names[name]
-            if self._mounts.pop(name, None) is not None and self._service.mounts is not None:
-                self._service.mounts.remove(name)
+            self._unmount(name)
             if name in self._service.registry.nodes:
                 self._service.remove(name)
         for name, each in found.items():
@@ -165,12 +164,19 @@ class Exported:
                 raise PropertyError("unknown", f"no such property: {name}")
             raise Unfolded(name)
 
-        self._mounts[name] = mount
         doc = f"What {mount.target} has"
         self._service.add(name, spec=PropertySpec(parse_type("list"), "r", doc=doc), read=read)
+        self._add_mount(name, mount, is_there)
+
+    def _add_mount(self, name: str, mount: MountPoint, is_there: Callable[[], bool]) -> None:
+        self._mounts[name] = mount
         if self._service.mounts is None:
             self._service.mounts = mount.table_for(self._service)
         self._service.mounts.add(name, mount, is_there)
+
+    def _unmount(self, name: str) -> None:
+        if self._mounts.pop(name, None) is not None and self._service.mounts is not None:
+            self._service.mounts.remove(name)
 
     def _put_names(self, table: NameTable, listing: NameListing) -> None:
         nodes = self._service.registry.nodes
@@ -178,11 +184,15 @@ class Exported:
             node = nodes.get(table.prefix + name)
             if node is not None and node.source is not None:
                 self._service.remove(node.name, only=True)
+                self._unmount(node.name)
         for name, hint in listing.added:
             if table.prefix + name not in self._names:
                 spec, accessors = self._named(table, name, hint)
                 node = self._service.add(table.prefix + name, spec=spec, **accessors)
                 node.source = NameSource(table.owner, name)
+                mount = table.owner().mount(name)
+                if mount is not None:
+                    self._add_mount(node.name, mount, lambda: True)
 
     def _new(self, name: str) -> PropertyNode | None:
         """Return a property that is not there yet, None if nobody makes such."""

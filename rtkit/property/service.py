@@ -285,8 +285,7 @@ class Service:
         try:
             answer = self._done(self._perform, ask)
         except PropertyError as error:
-            is_unknown = error.code == "unknown" and self.mounts is not None
-            if is_unknown and self.mounts.takes(ask, is_again=True):  # type: ignore[union-attr]
+            if self.mounts is not None and self.mounts.takes(ask, is_again=True):
                 return  # a mount that was found only now
             answer = Answer(str(error), error.code)
         except Exception as error:

@@ -51,10 +51,12 @@ class Mount(MountPoint):
     Args:
         target: A service, a component's path, or the address of a service (``rtkit help wires``).
         timeout_s: Bound on each attempt to connect [s].
+        has_value: The name itself is not that owner's, only what is below.
     """
 
-    def __init__(self, target: str, *, timeout_s: float = 2.0) -> None:
+    def __init__(self, target: str, *, timeout_s: float = 2.0, has_value: bool = False) -> None:
         self.target = target
+        self.has_value = has_value
         self.timeout_s = timeout_s
 
     def __repr__(self) -> str:
@@ -80,6 +82,7 @@ class _Mounted:
         self, host: PropertyEventLoop, service: Service, name: str, mount: Mount, id: str
     ) -> None:
         self.name = name
+        self.has_value = mount.has_value
         self._waiting: list[PropertyRequest] = []
         self._is_known = False
         self.relay = Relay(
@@ -174,7 +177,8 @@ class Mounts:
     def _is_own(self, name: str, mounted: _Mounted) -> bool:
         """Return whether the object answers: for the mount point, or because it is gone."""
         rest = name[len(mounted.name) + 1 :]
-        return rest.partition(".")[0] in _OWN or not self._mounted[mounted.name][1]()
+        is_itself = rest.partition(".")[0] in _OWN or (mounted.has_value and not rest)
+        return is_itself or not self._mounted[mounted.name][1]()
 
     # Several owners at once
 

@@ -10,7 +10,8 @@ import math
 import os
 import time
 from abc import ABC, abstractmethod
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 from typing import TYPE_CHECKING
 
 from rtkit.deployment.delta import TREE
@@ -270,6 +271,10 @@ class LiveProperties(_LiveService):
         self._tree.close()
 
 
+def _words(look: Callable[[], Sequence[str]], _given: object) -> Value:
+    return tuple(map(Word, look()))
+
+
 class ThisHost(_LiveService):
     """This host: which managers and services of this user are on it, and how busy it is.
 
@@ -277,18 +282,21 @@ class ThisHost(_LiveService):
         names: Of its properties.
     """
 
-    def __init__(self, services: Sequence[str], managers: Sequence[str]) -> None:
+    def __init__(
+        self, services: Callable[[], Sequence[str]], managers: Callable[[], Sequence[str]]
+    ) -> None:
         super().__init__()
         uname = os.uname()
         values: Mapping[str, Value] = {
             "name": uname.nodename,
             "system": f"{uname.sysname} {uname.release} {uname.machine}",
             "processors": os.cpu_count() or 0,
-            "managers": tuple(map(Word, managers)),
-            "services": tuple(map(Word, services)),
         }
         for name, value in values.items():
             self._service.add(name, value, PropertySpec(access="r"))
+        for name, look in (("managers", managers), ("services", services)):
+            read = partial(_words, look)
+            self._service.add(name, spec=PropertySpec(access="r"), read=read)
         load = PropertySpec(
             parse_type("vector[3]"), "r", doc="Load average over 1, 5 and 15 minutes"
         )

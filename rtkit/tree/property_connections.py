@@ -245,7 +245,7 @@ def this_host() -> ThisHost:
     from rtkit.link.running import managers
     from rtkit.tree.live_properties import ThisHost
 
-    return ThisHost(services(), managers())
+    return ThisHost(services, managers)
 
 
 def no_service(name: str, known: Sequence[str], more: str = "") -> PropertyError:

@@ -27,6 +27,7 @@ from rtkit.services.legged import LeggedRobot
 from rtkit.services.microphone import Microphone
 from rtkit.services.mobilerobot import DifferentialRobot
 from rtkit.services.ranging import RangeFinder
+from rtkit.services.resource import Resource
 from rtkit.services.storage import Storage
 from rtkit.services.vision import Vision
 from rtkit.services.world import HomeWorld
@@ -139,6 +140,8 @@ def _vision(folder: Path) -> Vision:
     return vision
 
 
+EVERY = {"name": "string", "type": "list<word>", "status": "string", "version": "string"}
+"""What every service has."""
 CONTRACTS: dict[str, Contract] = {
     "differential robot": _robot(DifferentialRobot, "left.angle"),
     "legged robot": _robot(LeggedRobot, "left_front.femur"),
@@ -161,18 +164,28 @@ CONTRACTS: dict[str, Contract] = {
     ),
     "environment": Contract(
         lambda folder: Environment(),
-        {"type": "list<word>", "version": "string", "status": "string", "markers": "list<marker>",
-         "maxage": "number", "frame": "string"},
+        {"markers": "list<marker>", "maxage": "number", "frame": "string"},
         {"maxage": "30.0"},
         {"observe": ("7", "bad-value"), "observe?frame=moon": (_BALL, "bad-parameter"),
          "markers?near=1": (None, "bad-parameter"), "markers?frame=moon": (None, "bad-parameter"),
          "maxage": ("-1", "bad-value"), "grids.heat": (None, "unknown"),
          "grids.heat.observe": ("(1 2)", "bad-value"), "merge": ("nobody", "no-service")},
     ),
+    "resource": Contract(
+        lambda folder: Resource(frames=("kitchen 1 2 0 0 0 0",)),
+        {"search": "list", "start": "action", "started": "list<string>", "frames.kitchen": "vector",
+         "unanswered": "list<list>"},
+        {"frames.kitchen": "(1.0 2.5 0.0 0.0 0.0 0.0)", "frames.hall": "(0.0 0.0 0.0 0.0 0.0 1.0)",
+         "far.r1": '<service type="robot"><contact protocol="tcp">a:1</contact></service>'},
+        {"far.r2": ("<light/>", "bad-value"), "far.r2?lease=-1": ("<service/>", "bad-parameter"),
+         "search?near=(1)": (None, "bad-parameter"), "search?where=x": (None, "bad-parameter"),
+         "search?color=red": (None, "bad-parameter"),
+         "frames.hall": ("(1 2)", "bad-value"), "unanswered": ("()", "read-only")},
+    ),
     "storage": Contract(
         lambda folder: Storage(str(folder)),
-        {"type": "list<word>", "version": "string", "status": "string", "search": "list<word>",
-         "used": "integer", "quota": "integer", "largest": "integer", "left_out": "integer"},
+        {"search": "list<word>", "used": "integer", "quota": "integer", "largest": "integer",
+         "left_out": "integer"},
         {"image.jpg": "jpeg", "a%20b": "(1 2", "image.jpg?offset=0&size=2": "12"},
         {"none.jpg": (None, "unknown"), "%2E%2E": ("x", "denied"), "status": ("x", "read-only"),
          "none.jpg?delete=1": ("", "unknown"), "image.jpg?offset=7": ("x", "conflict"),
@@ -280,7 +293,7 @@ def test_a_service_keeps_its_promises_through_each_door(
 ) -> None:
     contract = CONTRACTS[service]
     at = _opened(door, contract.make(tmp_path), ends)
-    for name, kind in contract.types.items():
+    for name, kind in {**EVERY, **contract.types}.items():
         meta = client.get(f"{at}{name}.meta")
         declared = {each.name: str(each.leaf) for each in meta.children}
         assert (name, _kind(declared)) == (name, kind)

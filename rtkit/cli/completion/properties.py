@@ -109,7 +109,7 @@ def _of_host(typed: str) -> Iterable[Candidate]:
         return ()
     from rtkit.tree.live_properties import ThisHost
 
-    return _steps(front, ThisHost((), ()).names, typed[len(front) :])
+    return _steps(front, ThisHost(list, list).names, typed[len(front) :])
 
 
 def _listed(text: str) -> list[str]:

@@ -1,0 +1,411 @@
+"""Resource service: which services there are, where they can be reached, and which of them fit.
+
+Each registered service is a property, ``robots.r1`` for the service ``robots/r1``. Those of this
+host are found by their presence, so none needs to know of the registry; others register themselves
+by a SET. All are asked for a sign of life once a period.
+"""
+
+from __future__ import annotations
+
+import math
+import operator
+import re
+import shlex
+import subprocess
+import threading
+from collections.abc import Callable, Collection, Sequence
+from fnmatch import fnmatchcase
+from time import monotonic
+from typing import Annotated, Any, Final, NamedTuple, Self
+
+import rtkit
+from rtkit import Ask, Element, Names, PropertyError, Range, Unit, Word
+from rtkit.services.hosting import init_of
+
+_RESERVED = frozenset(["properties", "parameters", "gui", "listen", "meta", "history"])
+_OWN = frozenset(["search", "start", "started", "frames", "unanswered", "name", "type", "status"])
+_CONDITION = re.compile(r"\s*([^\s<>=!~]+)\s*(<=|>=|!=|==|<|>|=|~)\s*(.*?)\s*")
+_COMPARE: dict[str, Callable[[Any, Any], bool]] = {
+    "<": operator.lt, "<=": operator.le, ">": operator.gt, ">=": operator.ge,
+    "=": operator.eq, "==": operator.eq, "!=": operator.ne,
+    "~": lambda value, pattern: fnmatchcase(str(value), str(pattern)),
+}  # fmt: skip
+_ADDRESS = {"tcp": "tcp:{0}/{1}", "http": "http://{0}/ps/{1}", "unix": "{0}", "zenoh": "zenoh:{0}"}
+_ALIVE = frozenset({"unknown", "denied", "write-only", "internal", "busy", "bad-value"})
+"""Errors that only who lives can answer."""
+_LONGEST_LEASE_S = 3600.0
+_STARTING_S = 10.0
+_ENDING_S = 5.0
+_LOOK_S = 0.1
+
+
+class Entry(NamedTuple):
+    """Service that is registered.
+
+    Attributes:
+        service: Its name.
+        types: What it is, in words.
+        contacts: Protocol and address of each of its endpoints that is known.
+        ends_at: When its lease is over [s, monotonic].
+        misses: How many times in a row it has not answered; twice as many if nobody was there.
+    """
+
+    service: str
+    types: tuple[str, ...]
+    contacts: tuple[tuple[str, str], ...]
+    ends_at: float = math.inf
+    misses: int = 0
+
+    def at(self, name: str) -> str:
+        """Return the target of one of its properties."""
+        protocol, address = self.contacts[0]
+        where = _ADDRESS[protocol].format(address, self.service)
+        return f"{where}{'/' if protocol in ('tcp', 'http') else '.'}{name}"
+
+    @property
+    def element(self) -> Element:
+        """Element that describes it."""
+        contacts = [
+            Element("contact", {"protocol": each}, (), text) for each, text in self.contacts
+        ]
+        return Element("service", {"type": " ".join(self.types)}, tuple(contacts))
+
+
+class LiveCondition(NamedTuple):
+    """Condition on a property: ``level >= 0.5``."""
+
+    name: str
+    holds: Callable[[Any], bool]
+
+
+class NamedFrames(Names):
+    """Named frames: poses in the world, ``frames.kitchen`` [m, rad]."""
+
+    def __init__(self, poses: dict[str, tuple[float, ...]]) -> None:
+        self._poses = poses
+        self._names = tuple(poses)
+
+    def names(self) -> Collection[str]:
+        """Return their names."""
+        return self._names
+
+    def get(self, name: str) -> tuple[float, ...]:
+        """Return a pose."""
+        return self._poses[name]
+
+    def set(self, name: str, value: tuple[float, ...]) -> None:
+        """Put a frame somewhere, or make one: 6 numbers."""
+        if not isinstance(value, tuple) or len(value) != 6 or not all(map(_is_number, value)):
+            raise PropertyError("bad-value", "expected x y z a b c [m, rad]")
+        self._poses = {**self._poses, name: tuple(map(float, value))}
+        self._names = tuple(self._poses)
+
+
+class Resource(Names):
+    """Knows which services there are, finds those that fit, and starts some.
+
+    Args:
+        watch: Pattern of the names of this host's services that are registered by themselves.
+        period: How often each service is asked for a sign of life [s].
+        misses: After so many periods without one a service is gone; one in which its connection
+            was refused counts twice.
+        route: What is asked about ``NAME.PROPERTY`` is passed on to that service.
+        starts: What may be started: ``KIND COMMAND ARGUMENT...``; a kind is a word of a type.
+        frames: Named frames, ``NAME x y z a b c`` [m, rad].
+    """
+
+    type: Final = ("resource",)
+    version: Final = "1.0"
+    frames: Final[NamedFrames]
+
+    def __init__(
+        self,
+        *,
+        watch: str = "*",
+        period: Annotated[float, Range(0.05, 60), Unit("s")] = 1.0,
+        misses: Annotated[int, Range(1, 100)] = 3,
+        route: bool = False,
+        starts: tuple[str, ...] = (),
+        frames: tuple[str, ...] = (),
+    ) -> None:
+        self.frames = NamedFrames(dict(map(_frame, frames)))
+        self._unanswered: list[tuple[str, str]] = []
+        self._watch, self._period, self._misses, self._route = watch, period, misses, route
+        self._commands = {words[0]: words[1:] for words in map(shlex.split, starts) if words[1:]}
+        self._processes: list[tuple[str, subprocess.Popen[bytes]]] = []
+        self._entries: dict[str, Entry] = {}
+        self._names: tuple[str, ...] = ()
+        self._lock = threading.RLock()
+        self._is_over, self._has_looked = threading.Event(), threading.Event()
+        self._client = rtkit.Client()
+        self._trouble = ""
+
+    def __enter__(self) -> Self:
+        self._is_over.clear()
+        self._client = rtkit.Client()
+        threading.Thread(target=self._watching, name="probing", daemon=True).start()
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._is_over.set()
+        for _kind, process in self._processes:
+            process.terminate()
+        for _kind, process in self._processes:
+            _end(process)
+        self._processes.clear()
+        self._client.close()
+
+    @property
+    def status(self) -> str:
+        """``ready``, or ``failed`` with the reason."""
+        return f"failed: {self._trouble}" if self._trouble else "ready"
+
+    @property
+    def unanswered(self) -> list[tuple[str, str]]:
+        """Services that did not answer the last search, each with the code of its error."""
+        return self._unanswered
+
+    # Registry
+
+    def names(self) -> Collection[str]:
+        """Return the names of the registered services."""
+        return self._names
+
+    def get(self, name: str) -> Element:
+        """Return a service: its type, and how it is reached."""
+        return self._entries[name].element
+
+    def set(self, name: str, value: Element, lease: float = 30.0, remove: bool = False) -> None:
+        """Register a service until its lease is over [s], or again; 0 is for no lease."""
+        if remove:
+            self._put({each: entry for each, entry in self._entries.items() if each != name})
+            return
+        if not 0 <= lease <= _LONGEST_LEASE_S:
+            raise PropertyError("bad-parameter", f"lease: 0 to {_LONGEST_LEASE_S:g} s")
+        entry = _entry(name.replace(".", "/"), value)
+        ends_at = monotonic() + lease if lease else math.inf
+        with self._lock:
+            self._put({**self._entries, name: entry._replace(ends_at=ends_at)})
+
+    def mount(self, name: str) -> rtkit.Mount | None:
+        """Return what stands below the name of a service, where requests are passed on."""
+        return rtkit.Mount(self._entries[name].at("")[:-1], has_value=True) if self._route else None
+
+    def _put(self, entries: dict[str, Entry]) -> None:
+        with self._lock:
+            self._entries = entries
+            if entries.keys() != dict.fromkeys(self._names).keys():
+                self._names = tuple(entries)
+
+    # Signs of life
+
+    def _watching(self) -> None:
+        due = monotonic()
+        while not self._is_over.wait(max(0.0, due - monotonic())):
+            due = max(due + self._period, monotonic())
+            try:
+                self._probe()
+            except PropertyError as error:  # the host cannot be asked now; it is once more, soon
+                self._trouble = str(error)
+            else:
+                self._trouble = ""
+
+    def _probe(self) -> None:
+        """Ask all that are registered, and all that are here, for a sign of life."""
+        registered = self._entries
+        known = dict(registered)
+        for service in self._client.get("localhost.services"):
+            name = _property_of(service)
+            if name not in known and fnmatchcase(service, self._watch):
+                known[name] = Entry(service, (), (("unix", Word(service)),))
+        asks = [Ask(each.at("type")) for each in known.values()]
+        answers = self._client.ask_all(asks, 0.8 * self._period)
+        seen = {
+            name: _seen(entry, answer)
+            for (name, entry), answer in zip(known.items(), answers, strict=True)
+        }
+        with self._lock:
+            now = monotonic()
+            entries = {n: each for n, each in self._entries.items() if n not in seen}
+            for name, entry in seen.items():
+                present = self._entries.get(name)
+                if present is not registered.get(name):  # registered or removed meanwhile
+                    entries |= {name: present} if present is not None else {}
+                elif entry.misses < (self._misses if present else 1) and entry.ends_at > now:
+                    entries[name] = entry
+            self._put(entries)
+        self._has_looked.set()
+
+    # Search
+
+    def get_search(
+        self,
+        type: str = "",
+        near: tuple[float, ...] = (),
+        where: str = "",
+        within: float = 0.8,
+        start: bool = False,
+        failed: bool = False,
+    ) -> list[Word | Element]:
+        """Return the names of the services that fit now.
+
+        ``type`` is a word of their types; ``near`` is ``(x y r)`` or ``(x y z r)`` in the world
+        [m]; ``where`` is ``PROPERTY OP VALUE``, several joined by ``and``. All are asked at once,
+        and waited for at most ``within`` seconds: those that fail are in ``unanswered``, and with
+        ``failed=1`` behind the names. With ``start=1`` one of the type is started if none fits.
+        """
+        self._has_looked.wait(self._period)
+        found, unanswered = self._found(type, near, where, within)
+        if start and not found and type in self._commands:
+            self.start(type)
+            found, unanswered = self._found(type, near, where, within)
+        self._unanswered = unanswered
+        errors = [Element("failed", {"code": code}, (), Word(name)) for name, code in unanswered]
+        return [*map(Word, found), *(errors if failed else ())]
+
+    def _found(
+        self, type_word: str, near: Sequence[float], where: str, within: float
+    ) -> tuple[list[str], list[tuple[str, str]]]:
+        conditions = _conditions(where) + ([_near(near)] if near else [])
+        entries = [
+            each for each in self._entries.values() if not type_word or type_word in each.types
+        ]
+        if not conditions:
+            return [each.service for each in entries], []
+        asks = [Ask(entry.at(each.name)) for entry in entries for each in conditions]
+        answers = iter(self._client.ask_all(asks, within))
+        found, unanswered = [], []
+        for entry in entries:
+            values = [next(answers) for _ in conditions]
+            errors = [each.code for each in values if isinstance(each, PropertyError)]
+            if errors:
+                if set(errors) != {"unknown"}:  # what has no such property does not fit
+                    unanswered.append((entry.service, errors[0]))
+            elif all(each.holds(value) for each, value in zip(conditions, values, strict=True)):
+                found.append(entry.service)
+        return found, unanswered
+
+    # Starting
+
+    def start(self, kind: str) -> str:
+        """Start a service of a kind that may be started; return its name once it has registered."""
+        if kind not in self._commands:
+            known = " ".join(self._commands) or "nothing"
+            raise PropertyError("denied", f"not to be started here: {kind} ({known} is)")
+        before = self._of_type(kind)
+        process = subprocess.Popen(self._commands[kind], stdin=subprocess.DEVNULL)
+        self._processes.append((kind, process))
+        end = monotonic() + _STARTING_S
+        while not (new := self._of_type(kind) - before):
+            if process.poll() is not None:
+                raise PropertyError("internal", f"{kind} ended with {process.returncode}")
+            if monotonic() > end:
+                raise PropertyError("timeout", f"{kind} does not register")
+            self._is_over.wait(_LOOK_S)
+            self._probe()
+        return min(new)
+
+    @property
+    def started(self) -> list[str]:
+        """Kinds that were started here and still run."""
+        return [kind for kind, process in self._processes if process.poll() is None]
+
+    def _of_type(self, kind: str) -> frozenset[str]:
+        return frozenset(each.service for each in self._entries.values() if kind in each.types)
+
+
+def _seen(entry: Entry, answer: Any) -> Entry:
+    """Return an entry after it was asked for its type."""
+    if isinstance(answer, tuple):
+        return entry._replace(misses=0, types=tuple(map(str, answer)))
+    if not isinstance(answer, PropertyError) or answer.code in _ALIVE:
+        return entry._replace(misses=0)
+    # Nobody is there, which is more than that nobody has answered yet.
+    return entry._replace(misses=entry.misses + (2 if answer.code == "no-service" else 1))
+
+
+def _property_of(service: str) -> str:
+    """Return the property that a service is; ``~`` stands before a part that would be another."""
+    first, *rest = service.split("/")
+    head = f"~{first}" if first in _OWN else first
+    return ".".join(f"~{each}" if each in _RESERVED else each for each in (head, *rest))
+
+
+def _end(process: subprocess.Popen[bytes]) -> None:
+    try:
+        process.wait(_ENDING_S)
+    except subprocess.TimeoutExpired:
+        process.kill()
+        process.wait()
+
+
+def _entry(service: str, value: object) -> Entry:
+    if not isinstance(value, Element) or value.name != "service":
+        raise PropertyError("bad-value", 'expected <service type="…"><contact …/></service>')
+    contacts = []
+    for each in value.children:
+        protocol = each.attributes.get("protocol", "")
+        if each.name != "contact" or protocol not in _ADDRESS or each.leaf is None:
+            known = " ".join(_ADDRESS)
+            raise PropertyError("bad-value", f'expected <contact protocol="…">: {known}')
+        contacts.append((protocol, each.leaf if isinstance(each.leaf, str) else str(each.leaf)))
+    if not contacts:
+        raise PropertyError("bad-value", "expected a contact")
+    return Entry(service, tuple(value.attributes.get("type", "").split()), tuple(contacts))
+
+
+def _conditions(where: str) -> list[LiveCondition]:
+    made = []
+    for each in re.split(r"\s+and\s+", where) if where.strip() else ():
+        match = _CONDITION.fullmatch(each)
+        if match is None:
+            raise PropertyError("bad-parameter", f"not PROPERTY OP VALUE: {each}")
+        made.append(_condition(match[1], match[2], _plain(match[3])))
+    return made
+
+
+def _condition(name: str, sign: str, wanted: Any) -> LiveCondition:
+    def holds(value: Any) -> bool:
+        if isinstance(value, tuple) and sign in ("=", "==") and not isinstance(wanted, tuple):
+            return wanted in value
+        try:
+            return _COMPARE[sign](value, wanted)
+        except TypeError:
+            return False  # of another kind
+
+    return LiveCondition(name, holds)
+
+
+def _near(near: Sequence[float]) -> LiveCondition:
+    if len(near) not in (3, 4):
+        raise PropertyError("bad-parameter", "near: (x y r) or (x y z r)")
+    *centre, radius = near
+
+    def holds(value: Any) -> bool:
+        is_place = isinstance(value, tuple) and len(value) >= len(centre)
+        return is_place and math.dist(value[: len(centre)], centre) <= radius
+
+    return LiveCondition("location", holds)
+
+
+def _plain(text: str) -> Any:
+    if text in ("true", "false"):
+        return text == "true"
+    try:
+        return float(text)
+    except ValueError:
+        return text.strip("\"'")
+
+
+def _frame(text: str) -> tuple[str, tuple[float, ...]]:
+    name, *numbers = text.replace("(", " ").replace(")", " ").split()
+    if len(numbers) != 6:
+        raise ValueError(f"not NAME x y z a b c: {text}")
+    return name, tuple(map(float, numbers))
+
+
+def _is_number(value: object) -> bool:
+    return isinstance(value, int | float) and not isinstance(value, bool)
+
+
+ResourceInit = init_of(Resource)

@@ -1,0 +1,201 @@
+"""The resource service knows what lives, finds what fits by live values, passes on, and starts."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+from collections.abc import Callable, Iterator, Sequence
+from queue import SimpleQueue
+from time import monotonic
+from typing import Any
+
+import pytest
+
+import rtkit
+from rtkit.services.resource import Resource
+
+_BOUND_S = 20.0
+_LIGHTS = """
+import sys, time
+import rtkit
+class Light:
+    type = ("light", "lamp")
+    def __init__(self, x):
+        self.location = (float(x), 0.0, 0.0, 0.0, 0.0, 0.0)
+        self.level = x / 10
+        self._slow_s = 0.0
+    def get_heat(self):
+        time.sleep(self._slow_s)
+        return 20.0 + self.level
+    def slow(self, seconds: float):
+        self._slow_s = seconds
+served = [rtkit.serve(Light(int(x)), f"lights/l{x}", is_on_zenoh=False) for x in sys.argv[1:]]
+print("up", flush=True)
+sys.stdin.read()
+"""
+
+
+class Lights:
+    """A process with lights, named after their places."""
+
+    def __init__(self, places: Sequence[int]) -> None:
+        self.process = subprocess.Popen(
+            [sys.executable, "-c", _LIGHTS, *map(str, places)],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+        )
+        assert self.process.stdout is not None
+        assert self.process.stdout.readline() == b"up\n"
+
+    def kill(self) -> None:
+        self.process.kill()
+        self.process.communicate()
+
+    def close(self) -> None:
+        self.process.communicate(b"")
+
+
+@pytest.fixture
+def client(place: str) -> Iterator[rtkit.Client]:
+    with rtkit.Client(timeout_s=_BOUND_S) as client:
+        yield client
+    for left in os.listdir(f"{place}/run"):  # of those that were killed
+        os.unlink(f"{place}/run/{left}")
+
+
+def served(resource: Resource) -> Any:
+    return rtkit.serve(resource, "resource", is_on_zenoh=False)
+
+
+def code(work: Callable[[], object]) -> str:
+    with pytest.raises(rtkit.PropertyError) as caught:
+        work()
+    return caught.value.code
+
+
+def until(holds: Callable[[], object]) -> None:
+    end = monotonic() + _BOUND_S
+    while not holds():
+        assert monotonic() < end
+
+
+def test_services_are_found_by_type_place_and_live_condition(client: rtkit.Client) -> None:
+    lights = Lights(range(1, 5))
+    with served(Resource(period=0.2)):
+        until(lambda: len(client.get("resource.search", type="light")) == 4)
+        assert client.get("resource.lights.l1.meta.type") == "element"
+        assert client.get("resource.lights.l1") == rtkit.Element(
+            "service",
+            {"type": "light lamp"},
+            (rtkit.Element("contact", {"protocol": "unix"}, (), rtkit.Word("lights/l1")),),
+        )
+        assert "resource" in client.get("resource.search", type="resource")
+        assert client.get("resource.search", near=(2.0, 0.0, 1.1), type="lamp") == (
+            "lights/l1",
+            "lights/l2",
+            "lights/l3",
+        )
+        assert client.get("resource.search", where="level > 0.25") == ("lights/l3", "lights/l4")
+        client.set("lights/l1.level", 1.0)
+        both = "level >= 0.4 and location.x < 2"
+        assert client.get("resource.search", where=both) == ("lights/l1",)
+        assert client.get("resource.search", where="name ~ */l3") == ("lights/l3",)
+        assert code(lambda: client.get("resource.search", where="level")) == "bad-parameter"
+        assert code(lambda: client.get("resource.search", near=(1.0,))) == "bad-parameter"
+        assert code(lambda: client.get("resource.search", color="red")) == "bad-parameter"
+    lights.close()
+
+
+def test_the_slow_are_named_in_time_and_who_is_killed_is_gone(client: rtkit.Client) -> None:
+    events: SimpleQueue[rtkit.PropertyChange] = SimpleQueue()
+    lights, others = Lights((1, 2)), Lights((3,))
+    with served(Resource()):
+        until(lambda: len(client.get("resource.search", type="light")) == 3)
+        client.call("lights/l2.slow", 3.0)
+        began = monotonic()
+        found = client.get("resource.search", type="light", where="heat > 0", failed=1)
+        assert monotonic() - began < 1.0 + 0.5
+        assert found[:2] == ("lights/l1", "lights/l3")
+        assert found[2] == rtkit.Element("failed", {"code": "timeout"}, (), rtkit.Word("lights/l2"))
+        assert client.get("resource.unanswered") == (("lights/l2", "timeout"),)
+        with client.listen("resource.lights.properties", events.put):
+            assert events.get(timeout=_BOUND_S).value == ("l1", "l2", "l3")
+            began = monotonic()
+            others.kill()
+            assert events.get(timeout=_BOUND_S).value == ("l1", "l2")
+            assert monotonic() - began < 4.0
+    lights.close()
+
+
+def test_who_is_silent_for_a_while_is_gone_and_comes_back(client: rtkit.Client) -> None:
+    lights = Lights((1, 2))
+    with served(Resource(period=0.1)):
+        until(lambda: len(client.get("resource.search", type="light")) == 2)
+        os.kill(lights.process.pid, signal.SIGSTOP)
+        until(lambda: not client.get("resource.search", type="light"))
+        os.kill(lights.process.pid, signal.SIGCONT)
+        until(lambda: client.get("resource.search", type="light") == ("lights/l1", "lights/l2"))
+    lights.close()
+
+
+def test_a_service_elsewhere_registers_itself_for_a_time(client: rtkit.Client) -> None:
+    class Far:
+        type = ("far",)
+        level = 3
+
+    events: SimpleQueue[rtkit.PropertyChange] = SimpleQueue()
+    with rtkit.serve(Far(), "far/one", port=0) as far, served(Resource(watch="", period=0.1)):
+        contact = f'<contact protocol="tcp">localhost:{far.port}</contact>'
+        entry = f'<service type="x">{contact}</service>'
+        with client.listen("resource.properties", events.put):
+            events.get(timeout=_BOUND_S)
+            client.set("resource.far.one", entry, lease=0.5)
+            assert "far" in events.get(timeout=_BOUND_S).value
+            until(lambda: client.get("resource.search", where="level = 3") == ("far/one",))
+            until(lambda: client.get("resource.search", type="far") == ("far/one",))
+            assert "far" not in events.get(timeout=_BOUND_S).value
+        client.set("resource.far.one", entry, lease=0)
+        client.set("resource.far.one", "<service/>", remove=1)
+        assert code(lambda: client.get("resource.far.one")) == "unknown"
+        for wrong in ("3", "<service/>", '<service><contact protocol="no">x</contact></service>'):
+            assert code(lambda w=wrong: client.set("resource.a", w)) == "bad-value"  # type: ignore[misc]
+        assert code(lambda: client.set("resource.a", entry, lease=1e9)) == "bad-parameter"
+
+
+def test_requests_are_passed_on_only_where_that_is_allowed(client: rtkit.Client) -> None:
+    lights = Lights((1,))
+    with served(Resource(period=0.2, route=True)):
+        until(lambda: client.get("resource.search", type="light"))
+        client.set("resource.lights.l1.level", 0.75)
+        assert client.get("lights/l1.level") == 0.75
+        assert client.get("resource.lights.l1").name == "service"
+        assert client.call("resource.lights.l1.slow", 0.0) is None
+    with served(Resource(period=0.2)):
+        until(lambda: client.get("resource.search", type="light"))
+        assert code(lambda: client.get("resource.lights.l1.level")) == "unknown"
+    lights.close()
+
+
+def test_what_is_on_the_list_is_started_also_by_a_search(client: rtkit.Client) -> None:
+    program = _LIGHTS.replace("sys.stdin.read()", "time.sleep(60)")
+    command = f"light {sys.executable} -c '{program}' 7"
+    with served(Resource(period=0.2, starts=(command, "broken false"))) as it:
+        assert client.get("resource.search", type="light") == ()
+        assert client.get("resource.search", type="light", start=1) == ("lights/l7",)
+        assert client.get("resource.started") == ("light",)
+        assert client.get("resource.search", type="light", start=1) == ("lights/l7",)
+        assert code(lambda: client.call("resource.start", "tank")) == "denied"
+        assert code(lambda: client.call("resource.start", "light; ls")) == "denied"
+        assert code(lambda: client.call("resource.start", "broken")) == "internal"
+        it.close()
+    assert code(lambda: client.get("lights/l7.level")) == "no-service"
+
+
+def test_frames_have_names(client: rtkit.Client) -> None:
+    with served(Resource(frames=("kitchen 1 2 0 0 0 1.5",))):
+        assert client.get("resource.frames.kitchen") == (1.0, 2.0, 0.0, 0.0, 0.0, 1.5)
+        client.set("resource.frames.hall", (0, 0, 0, 0, 0, 1))
+        assert client.get("resource.frames") == ("kitchen", "hall")
+        assert code(lambda: client.set("resource.frames.hall", (1, 2))) == "bad-value"
