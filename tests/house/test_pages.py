@@ -78,3 +78,13 @@ def test_check_lists_name_files_that_are_there() -> None:
     meant = {name for name in named if not re.search("[A-Z]{2,}|00NN", name)}
     assert len(meant) > 20
     assert [name for name in meant if not (ROOT / name).exists()] == []
+
+
+def test_a_newcomers_light_and_robot_are_small() -> None:
+    """Blank lines do not count."""
+    page = (ROOT / "docs/howto/write-a-service.md").read_text(encoding="utf-8")
+    files = re.findall(r"<!-- file: (\S+) -->\n```python\n(.*?)```", page, re.DOTALL)
+    sizes = {name: sum(bool(line.strip()) for line in text.splitlines()) for name, text in files}
+    assert sizes.keys() == {"light.py", "robot.py"}
+    assert sizes["light.py"] <= 25
+    assert sizes["robot.py"] <= 40
