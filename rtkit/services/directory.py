@@ -25,7 +25,7 @@ from rtkit.services.paths import DEEPEST, TEMPORARY, Path, is_allowed
 
 _STEP = os.O_RDONLY | os.O_DIRECTORY | os.O_NOFOLLOW | os.O_CLOEXEC
 _FILE = os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK | os.O_NOCTTY | os.O_CLOEXEC
-_NEW = os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_NOFOLLOW | os.O_CLOEXEC
+_NEW = os.O_RDWR | os.O_CREAT | os.O_EXCL | os.O_NOFOLLOW | os.O_CLOEXEC
 _TICK_NS = 30_000_000
 """What changes within this time of a look may bear the time of before [ns]."""
 _CODES = {
@@ -103,9 +103,8 @@ class Upload:
     def digest(self) -> str:
         """Return the SHA-256 of what was written."""
         with _without_paths():
-            again = os.open(self._name, _FILE, dir_fd=self._parent)
-            with open(again, "rb") as file:
-                return _digest(file.fileno())
+            os.lseek(self._file, 0, os.SEEK_SET)
+            return _digest(self._file)
 
     def commit(self, name: str) -> None:
         """Have the file take its name, at once and for good.

@@ -59,7 +59,7 @@ class Environment:
         self.frame = frame
         self.maxage: Annotated[float, rtkit.Unit("s"), rtkit.Range(0)] = maxage
         self.grids = Grids(side)
-        self._model = MarkerFusion(variance, gate, drift, most)
+        self._model = MarkerFusion(variance, gate, drift, most, frame)
         self._lock = threading.Lock()
         self._frames = Frames(self._pose_of)
         self._client: rtkit.Client | None = None
@@ -84,7 +84,7 @@ class Environment:
             if self.maxage > 0:
                 self._model.forget(time.time() - self.maxage)
             things = list(self._model.things())
-        found = [each.with_(frame=self.frame) for each in things if (each.time or 0.0) > since]
+        found = [each for each in things if (each.time or 0.0) > since]
         if frame not in ("", self.frame):
             pose = self._frames.between(self.frame, frame)
             found = [moved(each, pose, frame) for each in found]

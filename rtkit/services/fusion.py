@@ -24,15 +24,10 @@ _TURNS = 3
 
 
 class Estimate(NamedTuple):
-    """Location with what is known of it.
-
-    Attributes:
-        mean: The location [m, rad].
-        information: The inverse of its covariance.
-    """
+    """Location [m, rad] with its covariance."""
 
     mean: tuple[float, ...]
-    information: Rows
+    covariance: Rows
 
 
 def inverse(rows: Sequence[Sequence[float]]) -> Rows:
@@ -64,33 +59,46 @@ def fuse(one: Estimate, other: Estimate) -> Estimate:
     """Return what two estimates of one location tell together; one may have fewer numbers."""
     wide, narrow = (one, other) if len(one.mean) >= len(other.mean) else (other, one)
     size, seen = len(wide.mean), len(narrow.mean)
-    summed = [list(row) for row in wide.information]
+    information = inverse(narrow.covariance)
+    summed = [list(row) for row in inverse(wide.covariance)]
     for i in range(seen):
         for j in range(seen):
-            summed[i][j] += narrow.information[i][j]
+            summed[i][j] += information[i][j]
     apart = difference(narrow.mean, wide.mean)
-    pull = _times(narrow.information, apart) + (0.0,) * (size - seen)
-    information = tuple(map(tuple, summed))
-    step = _times(inverse(information), pull)
-    return Estimate(_moved(wide.mean, step), information)
+    pull = _times(information, apart) + (0.0,) * (size - seen)
+    covariance = inverse(summed)
+    return Estimate(_moved(wide.mean, _times(covariance, pull)), covariance)
 
 
-def distance(one: Estimate, other: Estimate) -> float:
-    """Return the Mahalanobis distance of two estimates, of the numbers that both have."""
+def distance(
+    one: Estimate, other: Estimate, drift: float = 0.0, bound: float = math.inf
+) -> float | None:
+    """Return the Mahalanobis distance of two estimates, of the numbers that both have.
+
+    Args:
+        one: An estimate.
+        other: Another one.
+        drift: What is to be added to the variances.
+        bound: None is returned for more than this.
+    """
+    far = one.mean[0] - other.mean[0]
+    if far * far > bound * bound * (one.covariance[0][0] + other.covariance[0][0] + drift):
+        return None  # as nearly all are
     apart = difference(one.mean, other.mean)
     size = len(apart)
-    spreads = inverse(one.information), inverse(other.information)
+    spreads = drifted(one, drift).covariance, other.covariance
     both = [[spreads[0][i][j] + spreads[1][i][j] for j in range(size)] for i in range(size)]
-    return math.sqrt(sum(a * b for a, b in zip(apart, _times(inverse(both), apart), strict=True)))
+    square = sum(a * b for a, b in zip(apart, _times(inverse(both), apart), strict=True))
+    return math.sqrt(square) if square <= bound * bound else None
 
 
 def drifted(estimate: Estimate, variance: float) -> Estimate:
     """Return what is known after the thing may have moved by a variance."""
     if variance <= 0.0:
         return estimate
-    spread = inverse(estimate.information)
-    wider = [[each + (i == j) * variance for j, each in enumerate(r)] for i, r in enumerate(spread)]
-    return estimate._replace(information=inverse(wider))
+    rows = enumerate(estimate.covariance)
+    wider = (tuple(each + (i == j) * variance for j, each in enumerate(row)) for i, row in rows)
+    return estimate._replace(covariance=tuple(wider))
 
 
 def difference(one: Sequence[float], other: Sequence[float]) -> tuple[float, ...]:
@@ -113,21 +121,20 @@ class Seen:
     """One look at a thing, or all looks of another model together.
 
     Attributes:
+        kind: The type of the marker.
+        key: The sensor, and by what it knows the thing; that is empty if it does not.
         time: When it was seen last [s since 1970].
         doubt: Probability that there is nothing of the kind; None if nobody said.
         count: How many looks it stands for.
     """
 
     marker: Marker
+    kind: str
+    key: tuple[str, str]
     estimate: Estimate
     time: float
     doubt: float | None
     count: int
-
-    @property
-    def key(self) -> tuple[str, str]:
-        """Return by what its sensor knows it; the second part is empty if it does not."""
-        return self.marker.source, self.marker.id
 
 
 @dataclass
@@ -137,11 +144,17 @@ class Track:
     id: str
     seen: Seen
     keys: dict[str, str] = field(default_factory=dict)
+    _shown: tuple[Seen, Marker] | None = None
 
-    def marker(self) -> Marker:
+    def marker(self, frame: str) -> Marker:
         """Return it as a marker; feature ``count`` says how often it was seen."""
+        if self._shown is None or self._shown[0] is not self.seen:
+            self._shown = (self.seen, self._marker(frame))
+        return self._shown[1]
+
+    def _marker(self, frame: str) -> Marker:
         seen = self.seen
-        spread = inverse(seen.estimate.information)
+        spread = seen.estimate.covariance
         first = spread[0][0]
         is_even = all(
             math.isclose(each, first * (i == j), rel_tol=1e-9, abs_tol=1e-12 * first)
@@ -156,6 +169,7 @@ class Track:
             id=self.id,
             time=seen.time,
             source=None,
+            frame=frame,
             count=seen.count,
             **about,
         )
@@ -169,11 +183,18 @@ class MarkerFusion:
         gate: Mahalanobis distance up to which a marker may be of a thing.
         drift: What the variance of the place of a thing grows by [m²/s, rad²/s].
         most: How many things are kept; those not seen for longest go first.
+        frame: In which all is.
     """
 
     def __init__(
-        self, variance: float = 0.01, gate: float = 3.4, drift: float = 0.0, most: int = 1000
+        self,
+        variance: float = 0.01,
+        gate: float = 3.4,
+        drift: float = 0.0,
+        most: int = 1000,
+        frame: str = "world",
     ) -> None:
+        self.frame = frame
         self.variance, self.gate, self.drift, self.most = variance, gate, drift, most
         self._things: dict[str, Track] = {}
         self._numbers: dict[str, int] = {}
@@ -210,25 +231,20 @@ class MarkerFusion:
         count = report.count - last.count
         if count <= 0:
             return None if report.estimate == last.estimate else report
-        rows = tuple(
-            tuple(a - b for a, b in zip(*each, strict=True))
-            for each in zip(report.estimate.information, last.estimate.information, strict=True)
-        )
+        mean, covariance = report.estimate
+        known = inverse(last.estimate.covariance)
+        pairs = zip(inverse(covariance), known, strict=True)
         try:
-            spread = inverse(rows)
+            spread = inverse([[a - b for a, b in zip(*rows, strict=True)] for rows in pairs])
+            step = _times(spread, _times(known, difference(mean, last.estimate.mean)))
+            estimate = Estimate(_moved(mean, step), spread)
         except PropertyError:  # it has drifted: new is the share of what was seen since
-            share = count / report.count
-            rows = tuple(tuple(each * share for each in r) for r in report.estimate.information)
-            return replace(report, estimate=report.estimate._replace(information=rows), count=count)
-        apart = difference(report.estimate.mean, last.estimate.mean)
-        step = _times(spread, _times(last.estimate.information, apart))
-        return replace(
-            report, estimate=Estimate(_moved(report.estimate.mean, step), rows), count=count
-        )
+            estimate = _weighted(report.estimate, count / report.count)
+        return replace(report, estimate=estimate, count=count)
 
     def things(self) -> Iterator[Marker]:
         """Yield all things as markers, in the order in which they came."""
-        return (each.marker() for each in self._things.values())
+        return (each.marker(self.frame) for each in self._things.values())
 
     def forget(self, before: float) -> None:
         """Forget the things that were not seen since a time [s since 1970]."""
@@ -246,12 +262,14 @@ class MarkerFusion:
         sure = marker.confidence
         if sure is not None and not 0.0 < sure <= 1.0:
             raise PropertyError("bad-value", "a confidence is above 0, and 1 at most")
-        information, count = inverse(rows), marker.features.get("count", 1)
+        inverse(rows)  # refuses what is none
+        estimate, count = Estimate(mean, rows), marker.features.get("count", 1)
         if "count" not in marker.features and sure is not None:  # else it is weighted already
-            information = tuple(tuple(each * sure for each in row) for row in information)
+            estimate = _weighted(estimate, sure)
         time = now if marker.time is None else marker.time
         doubt = None if sure is None else 1.0 - sure
-        return Seen(marker, Estimate(mean, information), time, doubt, int(count))
+        key = marker.source, marker.id
+        return Seen(marker, marker.type, key, estimate, time, doubt, int(count))
 
     def _take(self, group: list[Seen]) -> None:
         """Give each look of one sensor at one time the thing that it is of, nearest ones first."""
@@ -262,30 +280,24 @@ class MarkerFusion:
                 if far is not None:
                     pairs.append((far, number, thing))
         things: dict[int, Track] = {}
+        given: set[str] = set()
         for _, number, thing in sorted(pairs, key=lambda each: each[:2]):
-            if number not in things and all(each is not thing for each in things.values()):
+            if number not in things and thing.id not in given:
                 things[number] = thing
+                given.add(thing.id)
         for number, look in enumerate(group):
             self._join(things.get(number), look)
 
     def _distance(self, thing: Track, look: Seen) -> float | None:
         """Return how far a look is from a thing, -1 if it is told to be of it; None for too far."""
         source, id = look.key
-        if thing.seen.marker.type != look.marker.type:
+        if thing.seen.kind != look.kind:
             return None
         known = thing.keys.get(source)
         if known is not None and id:
             return -1.0 if known == id else None
-        far = distance(*self._at_one_time(thing.seen, look))
-        return far if far <= self.gate else None
-
-    def _at_one_time(self, one: Seen, other: Seen) -> tuple[Estimate, Estimate]:
-        """Return the estimates for the later time of both."""
-        late = max(one.time, other.time)
-        return (
-            drifted(one.estimate, self.drift * (late - one.time)),
-            drifted(other.estimate, self.drift * (late - other.time)),
-        )
+        drift = self.drift * abs(thing.seen.time - look.time)
+        return distance(thing.seen.estimate, look.estimate, drift, self.gate)
 
     def _join(self, thing: Track | None, look: Seen) -> None:
         source, id = look.key
@@ -296,14 +308,18 @@ class MarkerFusion:
             return
         thing.keys |= keys
         before = thing.seen
-        known, new = self._at_one_time(before, look)
-        has_moved = distance(known, new) > self.gate
+        late = max(before.time, look.time)
+        known = drifted(before.estimate, self.drift * (late - before.time))
+        new = drifted(look.estimate, self.drift * (late - look.time))
+        has_moved = distance(known, new, bound=self.gate) is None
         is_later = look.time >= before.time
         doubts = [each for each in (before.doubt, look.doubt) if each is not None]
         thing.seen = Seen(
             _together(before.marker, look.marker) if is_later else before.marker,
+            before.kind,
+            before.key,
             (new if is_later else known) if has_moved else fuse(known, new),
-            max(before.time, look.time),
+            late,
             math.prod(doubts) if doubts else None,
             before.count + look.count,
         )
@@ -315,6 +331,12 @@ class MarkerFusion:
             self._numbers[kind] = number = self._numbers.get(kind, 0) + 1
             name = f"{kind}-{number}"
         return name
+
+
+def _weighted(estimate: Estimate, weight: float) -> Estimate:
+    """Return an estimate that counts only by a weight."""
+    rows = tuple(tuple(each / weight for each in row) for row in estimate.covariance)
+    return estimate._replace(covariance=rows)
 
 
 def _of_one_look(seen: Seen) -> tuple[float, str]:

@@ -10,7 +10,8 @@ else a look at each of them.
 from __future__ import annotations
 
 import threading
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Iterator, Mapping
+from contextlib import suppress
 from fnmatch import fnmatchcase
 from math import inf
 from mimetypes import guess_type
@@ -25,8 +26,12 @@ from rtkit.services.paths import Path, names_of, path_of
 BLOCK = 1 << 20
 """The most that one request carries [bytes]."""
 MOST_UPLOADS = 16
+_MOST_SUMS = 1000
 UPLOAD_IDLE_S = 60.0
 _STEP_MS, _DEBOUNCE_MS = 20, 50
+_SURE_S = 2.0
+"""How long it may take until all directories are watched [s]."""
+_OWN = {"name", "type", "status", "version", "search", "used", "quota", "largest", "left_out"}
 
 
 class _Listed(NamedTuple):
@@ -95,6 +100,7 @@ class Storage(Names):
         self._used: tuple[float, int] = (-inf, 0)
         self._stop = threading.Event()
         self._is_changed: threading.Event | None = None
+        self._sure_at = 0.0
 
     # Begin and end
 
@@ -105,23 +111,27 @@ class Storage(Names):
             from watchfiles import watch
         except ImportError:
             return self  # directories are looked at as often as somebody listens
+        changes = watch(
+            self._where,
+            watch_filter=None,
+            debounce=_DEBOUNCE_MS,
+            step=_STEP_MS,
+            rust_timeout=500,
+            stop_event=self._stop,
+            raise_interrupt=False,
+            ignore_permission_denied=True,
+        )
         changed = self._is_changed = threading.Event()
-
-        def run() -> None:
-            for _ in watch(
-                self._where,
-                watch_filter=None,
-                debounce=_DEBOUNCE_MS,
-                step=_STEP_MS,
-                rust_timeout=500,
-                stop_event=self._stop,
-                raise_interrupt=False,
-                ignore_permission_denied=True,
-            ):
-                changed.set()
-
-        threading.Thread(target=run, name="watch", daemon=True).start()
+        self._sure_at = monotonic() + _SURE_S
+        threading.Thread(target=self._watch, args=(changes, changed), daemon=True).start()
         return self
+
+    def _watch(self, changes: Iterator[object], changed: threading.Event) -> None:
+        with suppress(OSError, RuntimeError):  # more than the system watches: each is looked at
+            for _ in changes:
+                changed.set()
+        if self._is_changed is changed:
+            self._is_changed = None
 
     def __exit__(self, *_: object) -> None:
         self._stop.set()
@@ -163,7 +173,8 @@ class Storage(Names):
 
     def has_changed(self) -> bool:
         """See `rtkit.Names.has_changed`."""
-        return self._is_changed is None or self._is_changed.is_set()
+        changed = self._is_changed
+        return changed is None or changed.is_set() or monotonic() < self._sure_at
 
     def _look(self) -> _Listed:
         """Look again at directories that have changed."""
@@ -194,7 +205,6 @@ class Storage(Names):
 
     def _named(self, found: dict[Path, Folder]) -> _Listed:
         """Give each file its name: where two want the same one, the deeper has it."""
-        own = {name.removeprefix("get_") for name in dir(type(self))} | {"name"}
         files: dict[str, Path] = {}
         folders: dict[str, Path] = {}
         left_out = 0
@@ -205,7 +215,7 @@ class Storage(Names):
                 for each in names:
                     whole = (*path, each)
                     for name in names_of(whole) if len(files) + len(folders) < self._most else ():
-                        if name not in files and name not in folders and name not in own:
+                        if name not in files and name not in folders and name not in _OWN:
                             kind[name] = whole
                             break
                     else:
@@ -231,7 +241,8 @@ class Storage(Names):
         known = self._sums.get(path)
         found = self._files().status(path)
         if known is None or known[0] != stamp or time() - found.st_mtime < 1.0:
-            known = self._sums[path] = (stamp, self._files().digest(path))
+            known = (stamp, self._files().digest(path))
+            self._sums = {path: known} | dict(list(self._sums.items())[:_MOST_SUMS])
         return {"size": found.st_size, "time": found.st_mtime, "sha256": known[1]}
 
     def _path(self, name: str) -> Path:

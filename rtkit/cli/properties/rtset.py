@@ -73,14 +73,22 @@ def main(
         more.append(f"if={revision}")
     with connected(app, at, parameters) as places:
         from rtkit.property.blocks import as_bytes, blocks_of
-        from rtkit.tree.property_connections import asked, bound_of
+        from rtkit.property.codes import PropertyError
+        from rtkit.property.limits import LIMITS
+        from rtkit.tree.property_connections import asked, bound_of, printed_error
 
         place, end = places.find(given[0])
         more += bound_of(end, place.parameters, more, app.timeout_s)
         for where, block in blocks_of(as_bytes(payload)):
             target = place.target(joined([*more, *(f"{k}={v}" for k, v in where.items())]))
             sent = block if where else payload
-            value = asked(lambda: end.ask(target, sent), place.typed)  # noqa: B023
+            try:
+                value = asked(lambda: end.ask(target, sent), place.typed)  # noqa: B023
+            except PropertyError as error:
+                if not where or error.code != "bad-parameter":
+                    raise
+                text = f"longer than {LIMITS.text} bytes"  # it takes no blocks
+                raise printed_error(place.typed, PropertyError("too-large", text)) from None
     if has_echo:
         terminal.write([shown(value)])
 
