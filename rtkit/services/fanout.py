@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import threading
 from collections.abc import Collection, Iterable, Mapping, Sequence
+from contextlib import suppress
 from time import monotonic
 from typing import Any, NamedTuple
 
@@ -17,7 +18,9 @@ _OWN = {"robots", "groups", "join", "leave", "failures", "deadline", "name", "ty
 _NAMES = ("location", "velocity", "behaviors.moveto", "behaviors.stop")
 """What a group has also while no member has told what it has."""
 _AGAIN_S = 5.0
-"""How long until a member is asked again for its names that did not tell them [s]."""
+"""How long until members are asked again for their names [s]."""
+_WAITED_S = 0.2
+"""How long names of members are waited for [s]."""
 _TOLD = {"type", "access", "unit", "min", "max", "step", "choices", "doc", "functional"}
 _STATES = ("running", "failed", "stopped", "done", "idle")
 _ESCAPED = {'"': '\\"', "\\": "\\\\", "\n": "\\n", "\r": "\\r", "\t": "\\t"}
@@ -99,21 +102,37 @@ class Members:
             self._rename()
 
     def names(self) -> Collection[str]:
-        """Return the names that members have; those that have not told theirs are asked again."""
-        now = monotonic()
-        if self._client is None:
-            return self._names
-        with self._lock:
-            new = self._targets.keys() - self._known.keys()
-            due = [each for each in new if now - self._asked_at.get(each, -_AGAIN_S) >= _AGAIN_S]
-            self._asked_at |= dict.fromkeys(due, now)
-        if due:
-            values, _ = self.get(due, "properties", {"all": 1})
-            with self._lock:
-                for each, names in values.items():
-                    self._known[each] = tuple(n for n in map(str, names) if not is_own(n))
-                self._rename()
+        """Return the names that members have, as far as they are known.
+
+        Members are asked from time to time; who is slow to tell delays nobody.
+        """
+        if self._client is not None and (due := self._due(monotonic())):
+            learning = threading.Thread(target=self._learn, args=(due,), daemon=True)
+            learning.start()
+            learning.join(_WAITED_S)
         return self._names
+
+    def _due(self, now: float) -> list[str]:
+        """Return the members to be asked for their names: new ones, and one that was before."""
+        with self._lock:
+            old = [
+                each
+                for each in self._targets
+                if self._asked_at.get(each, -_AGAIN_S) <= now - _AGAIN_S
+            ]
+            new = [each for each in old if each not in self._known]
+            due = new or old[:1]
+            self._asked_at |= dict.fromkeys(due, now)
+        return due
+
+    def _learn(self, due: Sequence[str]) -> None:
+        with suppress(rtkit.PropertyError):  # the group has ended
+            values, _ = self._ask(dict.fromkeys(due, ()), "properties", {"all": 1}, _AGAIN_S)
+            with self._lock:
+                for each in self._targets.keys() & values.keys():
+                    names = map(str, values[each])
+                    self._known[each] = tuple(name for name in names if not is_own(name))
+                self._rename()
 
     def _rename(self) -> None:
         names = tuple(dict.fromkeys((*_NAMES, *(n for own in self._known.values() for n in own))))

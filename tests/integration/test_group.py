@@ -3,16 +3,19 @@ or take their time."""
 
 from __future__ import annotations
 
+import socket
 import time
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack
 from itertools import pairwise
+from pathlib import Path
 
 import pytest
 from bots import Bot, fleet
 from waiting import until
 
 import rtkit
+from rtkit.link import places
 from rtkit.services.group import Group
 from rtkit.services.legged import LeggedRobot
 from rtkit.services.mobilerobot import DifferentialRobot
@@ -126,6 +129,38 @@ def test_members_join_and_leave_during_use(swarm: Group, client: rtkit.Client) -
         client.call("swarm.leave", name)
     code, text = error_of(lambda: client.set("swarm.velocity", (0, 0, 0, 0, 0, 0)))
     assert (code, "there are no members" in text) == ("conflict", True)
+
+
+def test_what_a_member_gets_later_is_known_later(
+    swarm: Group, client: rtkit.Client, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("rtkit.services.fanout._AGAIN_S", 0.05)
+    assert "lamp" not in client.get("swarm.properties")
+    client.set("robots/r1.plug", True)
+    until(lambda: "lamp" in client.get("swarm.properties"), "one of them has it")
+    client.set("swarm.robots.r1.lamp", 0.5)
+    assert client.get("swarm.lamp") == 0.5
+    assert error_of(lambda: client.set("swarm.lamp", 1.0)) == (
+        "unknown",
+        "swarm.lamp: unknown: 2 of 3 failed: r0: unknown: no such property: lamp; "
+        "two: unknown: no such property: lamp",
+    )
+    assert client.get("robots/r1.lamp") == 1.0
+
+
+def test_who_is_slow_to_tell_its_names_delays_nobody(
+    client: rtkit.Client,
+) -> None:
+    with socket.socket(socket.AF_UNIX) as deaf:
+        deaf.bind(places.service_socket("deaf"))
+        deaf.listen()
+        group = Group(robots="deaf", deadline=0.1)
+        with rtkit.serve(group, "swarm", is_on_zenoh=False):
+            for _ in range(2):
+                began = time.monotonic()
+                assert error_of(lambda: client.set("swarm.velocity", (1,) * 6))[0] == "timeout"
+                assert time.monotonic() - began < 1.5
+        Path(places.service_socket("deaf")).unlink()
 
 
 def test_some_of_them_have_a_name_of_their_own(swarm: Group, client: rtkit.Client) -> None:

@@ -40,6 +40,9 @@ class Bot:
         x, y, z, a, b, c = self._at
         return x, y, z, a, b, c
 
+    def plug(self, now: bool = True) -> None:
+        self.lamp: float = 0.0
+
     def get_velocity(self) -> Six:
         time.sleep(self._takes_s)
         return self._velocity
