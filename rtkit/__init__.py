@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from rtkit.api.system_profiles import SystemProfile, load
     from rtkit.api.tree import Tree
     from rtkit.by_hand import run
-    from rtkit.property.annotations import Range, Returns, Unit
+    from rtkit.property.annotations import Range, Returns, Text, Unit
     from rtkit.property.codes import PropertyError
     from rtkit.property.functional import behavior
     from rtkit.property.marker import Marker
@@ -51,6 +51,7 @@ _HOMES = {
     "Returns": "rtkit.property.annotations",
     "SystemProfile": "rtkit.api.system_profiles",
     "Tree": "rtkit.api.tree",
+    "Text": "rtkit.property.annotations",
     "Unit": "rtkit.property.annotations",
     "__version__": "rtkit.version",
     "behavior": "rtkit.property.functional",
@@ -76,6 +77,7 @@ __all__ = [
     "Returns",
     "SystemPlan",
     "SystemProfile",
+    "Text",
     "Tree",
     "Unit",
     "Word",

@@ -52,7 +52,11 @@ class Returns(NamedTuple):
     to: Any = None
 
 
+Text = typing.NewType("Text", str)
+"""Text that is no value: as it is, without quotes (``text``)."""
+
 _BASES = {bool: "boolean", int: "integer", float: "number", str: "string", bytes: "bytes"}
+_BASES[Text] = "text"
 _OPEN = {bool: "boolean", int: "number", float: "number", str: "string", bytes: "bytes"}
 
 

@@ -28,6 +28,7 @@ from rtkit.services.microphone import Microphone
 from rtkit.services.mobilerobot import DifferentialRobot
 from rtkit.services.ranging import RangeFinder
 from rtkit.services.resource import Resource
+from rtkit.services.statemachine import StateMachineService
 from rtkit.services.storage import Storage
 from rtkit.services.vision import Vision
 from rtkit.services.world import HomeWorld
@@ -50,6 +51,12 @@ class Contract(NamedTuple):
     types: Mapping[str, str]
     accepted: Mapping[str, str] = {}
     refused: Mapping[str, tuple[str | None, str]] = {}
+
+
+_TURNSTILE = """@prefix sm: <urn:rtkit:statemachine#> . @prefix : <#> .
+:turnstile a sm:Machine ; sm:initial :locked ; sm:variable [ sm:name "n" ; sm:value 0 ] .
+:locked a sm:State ; sm:transition [ sm:on "coin" ; sm:to :open ] .
+:open a sm:State ; sm:transition [ sm:on "push" ; sm:to :locked ] ."""
 
 
 class _Lamp:
@@ -181,6 +188,18 @@ CONTRACTS: dict[str, Contract] = {
          "search?near=(1)": (None, "bad-parameter"), "search?where=x": (None, "bad-parameter"),
          "search?color=red": (None, "bad-parameter"),
          "frames.hall": ("(1 2)", "bad-value"), "unanswered": ("()", "read-only")},
+    ),
+    "state machine": Contract(
+        lambda folder: StateMachineService(_TURNSTILE, start=True),
+        {"type": "list<word>", "version": "string", "status": "string", "machine": "text",
+         "machine.locked": "text", "state": "string", "run": "string", "variables.n": "any",
+         "log": "list<list>", "source": "string", "graph": "text", "save": "action"},
+        {"machine": _TURNSTILE, "variables.n": "7"},
+        {"machine": ("rubbish", "bad-value"), "machine.locked?delete": ("", "bad-value"),
+         "machine.none": (None, "unknown"), "run": ("step", "conflict"),
+         "state": ("x", "read-only"), "variables.m": ("1", "unknown"),
+         "machine?form=json": (None, "bad-parameter"),
+         "source": ("nobody/files.x", "no-service"), "event": (None, "write-only")},
     ),
     "storage": Contract(
         lambda folder: Storage(str(folder)),

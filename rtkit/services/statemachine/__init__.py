@@ -1,0 +1,7 @@
+"""State machine service: machines as RDF that read and set properties of any services."""
+
+from __future__ import annotations
+
+from rtkit.services.statemachine.service import StateMachineService
+
+__all__ = ["StateMachineService"]

@@ -1,0 +1,129 @@
+"""Links of a machine to the services that it reads and sets, each with a thread of its own.
+
+A service that is dead or slow holds up nothing but what is sent to itself.
+"""
+
+from __future__ import annotations
+
+import threading
+from collections import deque
+from collections.abc import Callable
+from typing import Any
+
+import rtkit
+from rtkit.services.statemachine.expressions import VARIABLES
+from rtkit.services.statemachine.interpreter import MachineEvent, OutgoingSet
+
+_MOST_WAITING = 100
+_RETRY_S = 0.5
+_QUEUE = 1000
+"""Changes of a property that may wait; enough for what comes while the machine is edited."""
+
+
+class ServiceLink:
+    """Link to one service: sends SETs in their order, listens to what is wanted of it.
+
+    Args:
+        client: Asks the service.
+        received: Called with each change of what is listened to.
+        got: Called with the variable and the value that were to be got.
+        failed: Called with the target and the reason of what failed.
+    """
+
+    def __init__(
+        self,
+        client: rtkit.Client,
+        received: Callable[[MachineEvent], object],
+        got: Callable[[str, Any], object],
+        failed: Callable[[str, str], object],
+    ) -> None:
+        self._client = client
+        self._report, self._got, self._failed = received, got, failed
+        self._sends: deque[OutgoingSet] = deque()
+        self._wanted: frozenset[str] = frozenset()
+        self._listening: dict[str, Any] = {}
+        self._gone: set[str] = set()
+        self._is_closed = self._is_retrying = False
+        self._changed = threading.Condition()
+        self._thread = threading.Thread(target=self._work, name="service link", daemon=True)
+        self._thread.start()
+
+    def send(self, send: OutgoingSet) -> bool:
+        """Have a SET sent; return whether there is room; a repetition of what waits is left out."""
+        with self._changed:
+            if send.is_repeated and send.target in [each.target for each in self._sends]:
+                return True
+            if len(self._sends) >= _MOST_WAITING:
+                return False
+            self._sends.append(send)
+            self._changed.notify()
+        return True
+
+    def want(self, targets: frozenset[str]) -> None:
+        """Listen to these properties from now on."""
+        with self._changed:
+            self._wanted, self._is_retrying = targets, False
+            self._changed.notify()
+
+    def close(self, timeout_s: float) -> None:
+        """End when what waits has been sent, or after some time [s]."""
+        with self._changed:
+            self._is_closed, self._wanted = True, frozenset()
+            self._changed.notify()
+        self._thread.join(timeout_s)
+
+    def _work(self) -> None:
+        while True:
+            with self._changed:
+                if not self._is_due():
+                    self._changed.wait(_RETRY_S if self._is_retrying else None)
+                    self._is_retrying = False
+                send = self._sends.popleft() if self._sends else None
+                wanted, is_over = self._wanted, self._is_closed and not send
+            if send:
+                self._carry_out(send)
+            self._listen(wanted)
+            if is_over:
+                return
+
+    def _is_due(self) -> bool:
+        is_new = self._wanted != self._listening.keys() and not self._is_retrying
+        return bool(self._sends or self._gone) or is_new or self._is_closed
+
+    def _carry_out(self, send: OutgoingSet) -> None:
+        try:
+            if send.target.startswith(VARIABLES):
+                self._got(send.target.removeprefix(VARIABLES), self._client.get(send.get))
+                return
+            value: str | bytes = send.value
+            if send.get:
+                value = self._client.payload(rtkit.Ask(send.get), self._client.timeout_s)
+            self._client.set(send.target, value)
+        except (rtkit.PropertyError, ValueError) as error:
+            self._failed(send.target, f"{getattr(error, 'code', 'bad-value')}: {error}")
+
+    def _listen(self, wanted: frozenset[str]) -> None:
+        gone, self._gone = self._gone, set()
+        for target in (self._listening.keys() - wanted) | (gone & self._listening.keys()):
+            self._listening.pop(target).close()
+        for target in wanted - self._listening.keys():
+            try:
+                handle = self._client.listen(target, self._received, queue=_QUEUE)
+            except rtkit.PropertyError:
+                self._is_retrying = True  # the value stays unknown until the owner is there
+            else:
+                self._listening[target] = handle
+
+    def _received(self, change: Any) -> None:
+        self._report(MachineEvent(change.target, None if change.code else change.value, True))
+        if change.code not in ("", "no-service"):
+            with self._changed:
+                self._gone.add(change.target)  # nothing further will come of this listening
+                self._changed.notify()
+
+
+def service_of(target: str) -> str:
+    """Return the service of a property, as far as its name tells."""
+    path = target.partition("?")[0]
+    end = path.rfind("/") + 1
+    return path[:end] + path[end:].partition(".")[0]

@@ -1,0 +1,262 @@
+"""Writes machines as SCXML as far as it can say them, and reads a subset of it.
+
+Read are ``state``, ``final``, ``initial``, ``transition`` with ``event``, ``cond`` and one target,
+``onentry`` and ``onexit`` with ``send``, ``raise``, ``assign`` and ``cancel``, and ``datamodel``.
+Conditions and values are those of `rtkit.services.statemachine.expressions`, so documents with some
+state the data model ``rtkit``. A SET is a ``send`` of the type `SET`; a time-out is a delayed event
+that only its own state takes. Anything else is refused with its line.
+"""
+
+from __future__ import annotations
+
+import re
+from typing import Any
+
+from rtkit.services.statemachine.expressions import VARIABLES, Expression, plain_of, written
+from rtkit.services.statemachine.model import (
+    BadMachine,
+    GuardedTransition,
+    Machine,
+    MachineAction,
+    MachineState,
+    hint,
+)
+
+NAMESPACE = "http://www.w3.org/2005/07/scxml"
+SET = "urn:rtkit:set"
+"""Type of a ``send`` that is a SET: ``target`` is the property, ``content`` the value."""
+
+_TAG = f"{{{NAMESPACE}}}"
+_DELAY = re.compile(r"(\d+(?:\.\d+)?|\.\d+)(ms|s)")
+_ACTIONS = {"send", "raise", "assign", "cancel"}
+_KNOWN = {
+    "scxml": {"datamodel", "state", "final", "initial"},
+    "state": {"state", "final", "initial", "transition", "onentry", "onexit"},
+    "initial": {"transition"},
+    "datamodel": {"data"},
+    "send": {"content"},
+    **dict.fromkeys(("transition", "onentry", "onexit"), _ACTIONS),
+}
+
+
+def write_scxml(machine: Machine) -> str:
+    """Return a machine as SCXML; what that cannot say stands in comments."""
+    from lxml import etree
+
+    root = etree.Element(f"{_TAG}scxml", nsmap={None: NAMESPACE})  # type: ignore[dict-item]
+    _attributes(root, version="1.0", name=machine.name, initial=machine.initial, datamodel="rtkit")
+    if machine.variables:
+        data = etree.SubElement(root, f"{_TAG}datamodel")
+        for name, value in machine.variables.items():
+            _added(data, "data", id=name, expr=written(value))
+    made = {"": root}
+    for path, state in machine.states.items():
+        kind = "final" if state.is_final else "state"
+        node = _added(made[path.rpartition(".")[0]], kind, id=path, initial=state.initial)
+        made[path] = node
+        for each in state.do:
+            node.append(
+                etree.Comment(f" do {each.target} every {each.every:g} s ".replace("--", "- -"))
+            )
+        _write_state(node, state)
+    etree.indent(root, "    ")
+    return etree.tostring(root, encoding="unicode") + "\n"
+
+
+def _write_state(node: Any, state: MachineState) -> None:
+    timers = {f"after.{state.path}.{index}": way for index, way in enumerate(state.transitions)
+              if way.after is not None}  # fmt: skip
+    for word, actions in (("onentry", state.entry), ("onexit", state.exit)):
+        if actions or timers:
+            block = _added(node, word)
+            _write_actions(block, actions)
+            for name, way in timers.items():
+                if word == "onentry":
+                    _added(block, "send", event=name, id=name, delay=f"{way.after:g}s")
+                else:
+                    _added(block, "cancel", sendid=name)
+    for index, way in enumerate(state.transitions):
+        name = f"after.{state.path}.{index}"
+        if way.after is not None and (way.on or way.when):
+            _noted(node, f"{way.cause}: here asked only when the time is over")
+        event = name if name in timers else way.on
+        cond = way.when.text if way.when else ""
+        _write_actions(
+            _added(node, "transition", event=event, cond=cond, target=way.to), way.actions
+        )
+
+
+def _write_actions(block: Any, actions: tuple[MachineAction, ...]) -> None:
+    for each in actions:
+        computed = each.expression.text if each.expression else ""
+        if each.get:
+            _noted(block, f"{each.target} = GET {each.get}")
+        elif each.kind == "raise":
+            _added(block, "raise", event=each.target)
+        elif each.kind == "assign":
+            value = computed or written(plain_of(each.value))
+            _added(block, "assign", location=each.target, expr=value)
+        else:
+            sent = _added(
+                _added(block, "send", type=SET, target=each.target), "content", expr=computed
+            )
+            sent.text = None if computed else each.value
+
+
+def _noted(outer: Any, text: str) -> None:
+    from lxml import etree
+
+    outer.append(etree.Comment(f" {text.replace('--', '- -')} "))
+
+
+def _added(outer: Any, tag: str, **attributes: str) -> Any:
+    from lxml import etree
+
+    return _attributes(etree.SubElement(outer, _TAG + tag), **attributes)
+
+
+def _attributes(node: Any, **attributes: str) -> Any:
+    for name, value in attributes.items():
+        if value:
+            node.set(name, value)
+    return node
+
+
+def read_scxml(text: str) -> Machine:
+    """Read a machine.
+
+    Raises:
+        BadMachine: It is none, or says what is not in the subset; with its line.
+    """
+    from lxml import etree
+
+    parser = etree.XMLParser(resolve_entities=False, no_network=True, load_dtd=False)
+    try:
+        root: Any = etree.fromstring(text.encode(), parser)
+    except etree.XMLSyntaxError as error:
+        raise BadMachine(error.msg, error.lineno or 0) from None
+    if root.getroottree().docinfo.doctype:
+        raise BadMachine("a DOCTYPE is refused", 1)
+    if root.tag != f"{_TAG}scxml":
+        raise BadMachine(f'the root is not scxml of xmlns="{NAMESPACE}"', root.sourceline)
+    return _Reader(root).machine()
+
+
+class _Reader:
+    def __init__(self, root: Any) -> None:
+        self._root = root
+        self._paths: dict[str, str] = {}
+        self._nodes: dict[str, Any] = {}
+        self._lines: dict[tuple[str, str], int] = {("", ""): root.sourceline}
+
+    def machine(self) -> Machine:
+        self._place(self._root, "")
+        data = self._root.iterfind(f"{_TAG}datamodel/{_TAG}data")
+        variables = {e.get("id", ""): plain_of(e.get("expr", "0").strip('"')) for e in data}
+        states = {path: self._state(node, path) for path, node in self._nodes.items()}
+        name = self._root.get("name") or "machine"
+        return Machine(name, self._initial(self._root, ""), states, variables).check(self._lines)
+
+    def _children(self, node: Any) -> list[Any]:
+        known = _KNOWN.get(node.tag.removeprefix(_TAG), set())
+        children = [each for each in node if isinstance(each.tag, str)]
+        for each in children:
+            word = each.tag.removeprefix(_TAG)
+            if word not in known:
+                raise BadMachine(f"not read here: {word}{hint(word, known)}", each.sourceline)
+        return children
+
+    def _place(self, root: Any, outer: str) -> None:
+        waiting = [(root, outer)]
+        while waiting:
+            node, outer = waiting.pop()
+            inside = [e for e in self._children(node) if e.tag in (f"{_TAG}state", f"{_TAG}final")]
+            for each in inside:
+                id_ = each.get("id") or ""
+                path = f"{outer}.{id_.removeprefix(f'{outer}.').replace('.', '_')}".lstrip(".")
+                if not re.fullmatch(r"[A-Za-z_][\w.-]*", id_, re.ASCII) or id_ in self._paths:
+                    raise BadMachine(f"not a new id of a state: {id_ or 'none'}", each.sourceline)
+                self._paths[id_], self._nodes[path] = path, each
+                self._lines[path, ""] = each.sourceline
+                waiting.append((each, path))
+
+    def _initial(self, node: Any, path: str) -> str:
+        way = node.find(f"{_TAG}initial/{_TAG}transition")
+        named = node.get("initial") if way is None else way.get("target")
+        inside = [each for each in self._nodes if each.rpartition(".")[0] == path]
+        return self._paths.get(named, named) if named else next(iter(inside), "")
+
+    def _state(self, node: Any, path: str) -> MachineState:
+        blocks: dict[str, list[MachineAction]] = {"onentry": [], "onexit": []}
+        timers: dict[str, float] = {}
+        for each in self._children(node):
+            word = each.tag.removeprefix(_TAG)
+            if word in blocks:
+                blocks[word] += self._actions(each, timers)
+        ways = [way for each in node.iterfind(f"{_TAG}transition")
+                for way in self._transitions(each, path, timers)]  # fmt: skip
+        if timers:
+            why = f"no transition of {path} takes the delayed event {next(iter(timers))}"
+            raise BadMachine(why, node.sourceline)
+        is_final = node.tag == f"{_TAG}final"
+        entry, exit_ = map(tuple, blocks.values())
+        return MachineState(
+            path, self._initial(node, path), is_final, entry, exit_, (), tuple(ways)
+        )
+
+    def _transitions(
+        self, node: Any, path: str, timers: dict[str, float]
+    ) -> list[GuardedTransition]:
+        target = node.get("target", "")
+        to = self._paths.get(target, target)
+        self._lines[path, f"to {to}"] = node.sourceline
+        cond = node.get("cond")
+        when = self._expression(cond, node) if cond else None
+        actions = tuple(self._actions(node, {}))
+        events = (node.get("event") or "").split() or [""]
+        if not to and events == [""]:
+            raise BadMachine("a transition has a target or an event", node.sourceline)
+        made = []
+        for each in events:
+            after = timers.pop(each, None)
+            on = "" if after is not None else each.removesuffix(".*")
+            made.append(GuardedTransition(to, on, when, after, actions))
+        return made
+
+    def _expression(self, text: str, node: Any) -> Expression:
+        if self._root.get("datamodel") != "rtkit":
+            raise BadMachine('expressions are read where datamodel="rtkit"', node.sourceline)
+        try:
+            return Expression(text)
+        except ValueError as error:
+            raise BadMachine(str(error), node.sourceline) from None
+
+    def _actions(self, node: Any, timers: dict[str, float]) -> list[MachineAction]:
+        """Return what a block does; note the delayed events that it sends."""
+        made = []
+        for each in self._children(node):
+            word = each.tag.removeprefix(_TAG)
+            event, target = each.get("event", ""), each.get("target", "")
+            delay = _DELAY.fullmatch(each.get("delay", ""))
+            if word == "assign":
+                value = self._expression(each.get("expr", ""), each)
+                location = each.get("location", "").removeprefix(VARIABLES)
+                made.append(MachineAction("assign", location, "", value))
+            elif word == "raise":
+                made.append(MachineAction("raise", event))
+            elif word == "send" and each.get("type") == SET and target:
+                made.append(self._set(each, target))
+            elif word == "send" and event and delay and node.tag == f"{_TAG}onentry":
+                timers[event] = float(delay[1]) * (0.001 if delay[2] == "ms" else 1.0)
+            elif word != "cancel":
+                why = f"a send is a SET (type {SET}), or a delayed event in onentry"
+                raise BadMachine(why, each.sourceline)
+        return made
+
+    def _set(self, node: Any, target: str) -> MachineAction:
+        for content in self._children(node):
+            self._children(content)
+            if computed := content.get("expr"):
+                return MachineAction("set", target, "", self._expression(computed, node))
+            return MachineAction("set", target, content.text or "")
+        return MachineAction("set", target)

@@ -1,0 +1,343 @@
+"""State machine service: a machine that reads and sets properties of any services while it runs."""
+
+from __future__ import annotations
+
+import re
+import threading
+import time
+from collections import deque
+from collections.abc import Collection
+from functools import partial
+from typing import Any, Final, Literal
+
+import rtkit
+from rtkit.services.statemachine.expressions import Plain
+from rtkit.services.statemachine.interpreter import Interpreter, MachineEvent, OutgoingSet
+from rtkit.services.statemachine.links import ServiceLink, service_of
+from rtkit.services.statemachine.model import Machine, MachineState, hint
+from rtkit.services.statemachine.rdf import read_machine, write_machine
+
+_RETRY_S = 1.0
+_BASE = "file:///machine"
+_NOTHING = Machine("machine", "nothing", {"nothing": MachineState("nothing")})
+_XML = re.compile(r"\ufeff?\s*<(\?xml|rdf:RDF|scxml)")
+_COMMANDS = ("start", "stop", "pause", "step")
+
+
+class StateMachineService(rtkit.Names):
+    """Runs a machine of states with guards on properties of any service; takes edits meanwhile.
+
+    ``machine`` is its text, ``machine.STATE`` that of a state with all inside it; a SET of either
+    is one edit, in force between two steps or refused whole.
+
+    Args:
+        machine: Text of the machine: Turtle, RDF/XML or SCXML.
+        source: Property that it is got from instead, e.g. of a storage service.
+        start: Whether it runs at once.
+        timeout: Bound on each request to another service [s].
+        length: Entries of the log that are kept.
+        logs_all: Log events and values that lead to nothing, too.
+
+    Attributes:
+        state: Path of the innermost active state.
+    """
+
+    type: Final = ("statemachine",)
+    version: Final = "1.0"
+    state: Final = ""
+
+    def __init__(
+        self,
+        machine: str = "",
+        source: str = "",
+        *,
+        start: bool = False,
+        timeout: float = 2.0,
+        length: int = 1000,
+        logs_all: bool = False,
+    ) -> None:
+        self._trouble = ""
+        self._source, self._is_autostarted, self._timeout = source, start, timeout
+        first = _read(machine) if machine else _NOTHING
+        self._interpreter = Interpreter(first, length, logs_all=logs_all)
+        self._text = machine if machine and not _XML.match(machine) else ""
+        self._names = _names(first)
+        self._offset = time.time() - time.monotonic()
+        self._client: rtkit.Client | None = None
+        self._links: dict[str, ServiceLink] = {}
+        self._wanted: frozenset[str] = frozenset()
+        self._news: deque[str] = deque()
+        self._publish: Any = partial(setattr, self)
+        self._edit_lock, self._publish_lock = threading.Lock(), threading.RLock()
+        self._changed = threading.Condition(threading.Lock())
+
+    def __served__(self, publish: Any) -> None:
+        self._publish = publish
+
+    def __enter__(self) -> StateMachineService:
+        if self._client is None:
+            self._client = rtkit.Client(self._timeout)
+            is_ready = self._begin()
+            threading.Thread(target=self._work, args=(is_ready,), daemon=True).start()
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        if self._client is None:
+            return
+        if self._interpreter.state:
+            self.set_run("stop")
+        client, self._client = self._client, None
+        with self._changed:
+            links, self._links = list(self._links.values()), {}
+            self._changed.notify()
+        until = time.monotonic() + self._timeout
+        for link in links:
+            link.close(max(0.0, until - time.monotonic()))
+        client.close()
+
+    # Properties
+
+    def names(self) -> Collection[str]:
+        """Return ``machine``, its states and its variables."""
+        return self._names
+
+    def hint(self, name: str) -> Any:
+        """Return the kind of a variable's present value; all else is text."""
+        if not name.startswith("variables."):
+            return rtkit.Text
+        value = self._interpreter.variables.get(name.partition(".")[2], "")
+        return str if isinstance(value, str) else bool if isinstance(value, bool) else int | float
+
+    def get(self, name: str, form: Literal["turtle", "xml", "scxml"] = "turtle") -> Any:
+        """Return the text of the machine or of a state, or a variable."""
+        head, _, rest = name.partition(".")
+        machine, variables = self._interpreter.machine, self._interpreter.variables
+        if head == "variables" and rest in variables:
+            return variables[rest]
+        if head != "machine" or (rest and rest not in machine.states):
+            known = machine.states if head == "machine" else variables
+            raise rtkit.PropertyError("unknown", f"no such property: {name}{hint(rest, known)}")
+        if form == "scxml":
+            from rtkit.services.statemachine.scxml import write_scxml
+
+            if rest:
+                raise rtkit.PropertyError("bad-parameter", "only a whole machine is SCXML")
+            return write_scxml(machine)
+        text = self._text if not rest and self._text else write_machine(machine, rest)
+        return text if form == "turtle" else _as_xml(text)
+
+    def set(self, name: str, value: Any, goto: str = "", delete: bool = False) -> None:
+        """Edit the machine or a state of it, or set a variable.
+
+        Args:
+            name: Of the property; a state that is not there is put in.
+            value: Text.
+            goto: State to enter where the active one would be gone.
+            delete: Take the state off instead.
+        """
+        head, _, rest = name.partition(".")
+        if head == "variables":
+            self._assign(rest, value)
+        elif head != "machine" or (delete and rest not in self._interpreter.machine.states):
+            raise rtkit.PropertyError("unknown", f"no such property: {name}")
+        else:
+            with self._edit_lock:
+                now = self._interpreter.machine  # changed by edits only, so this may take time
+                if delete:
+                    machine = now.without(rest).check()
+                else:
+                    machine = read_machine(value, now, rest) if rest else _read(value)
+                text = "" if rest or _XML.match(value) else value
+                self._done(self._edited, machine, goto, text)
+
+    def _edited(self, now: float, machine: Machine, goto: str, text: str) -> list[OutgoingSet]:
+        shown = text or write_machine(machine)
+        try:
+            sends = self._interpreter.edit(machine, now, goto, shown)
+        except ValueError as error:
+            raise rtkit.PropertyError("conflict", str(error)) from None
+        self._text, self._names = text, _names(machine)
+        return sends
+
+    def _assign(self, name: str, value: Plain) -> None:
+        if name not in self._interpreter.variables:
+            near = hint(name, self._interpreter.variables)
+            raise rtkit.PropertyError("unknown", f"no variable {name}{near}")
+        self._done(lambda now: self._interpreter.assign(name, value, now))
+
+    def get_run(self) -> str:
+        """``stopped``, ``running``, ``paused`` or ``done``; SET to ``start stop pause step``."""
+        return self._interpreter.run
+
+    def set_run(self, word: str) -> None:
+        """Carry out ``start``, ``stop``, ``pause``, or ``step``: one transition while paused."""
+        if word not in _COMMANDS:
+            raise ValueError(f"expected one of {' '.join(_COMMANDS)}{hint(word, _COMMANDS)}")
+        if self._client is None:
+            raise rtkit.PropertyError("conflict", "the service is not active")
+        try:
+            self._done(lambda now: self._interpreter.command(word, now))
+        except ValueError as error:
+            raise rtkit.PropertyError("conflict", str(error)) from None
+
+    def set_event(self, name: str) -> None:
+        """Have the machine take a named event."""
+        self._done(lambda now: self._interpreter.take(MachineEvent(name), now))
+
+    @property
+    def status(self) -> str:
+        """State of the run, or the reason why there is no machine yet."""
+        return self._trouble or self._interpreter.run
+
+    def get_source(self) -> str:
+        """Property that the machine was got from; a SET gets it from there."""
+        return self._source
+
+    def set_source(self, target: str, goto: str = "") -> None:
+        """Get the machine from a property of another service, and put it in force."""
+        text = self._asked().get(target)
+        if not isinstance(text, str | bytes):
+            raise rtkit.PropertyError("bad-value", f"{target}: expected a text")
+        self.set("machine", text.decode() if isinstance(text, bytes) else text, goto)
+        self._source = target
+
+    def save(self, target: str = "") -> str:
+        """Put the text of the machine into a property, by default where it was got from."""
+        target = target or self._source
+        if not target:
+            raise ValueError("save where? It was not got from a property")
+        self._asked().set(target, self.get("machine").encode())
+        self._source = target
+        return target
+
+    def get_log(self, n: int = 100, since: int = 0, detail: bool = False) -> list[tuple[Any, ...]]:
+        """Return ``(number time kind text)`` of the last ``n`` things that happened."""
+        with self._changed:
+            found = [each for each in self._interpreter.log if each.number > since]
+        return [
+            (each.number, each.time + self._offset, each.kind, each.text)
+            + ((each.detail,) if detail else ())
+            for each in found[max(0, len(found) - n) :]
+        ]
+
+    def get_graph(self) -> rtkit.Text:
+        """Return the picture of the machine [SVG], the active states in green."""
+        from rtkit.services.statemachine.picture import draw_machine
+
+        return rtkit.Text(draw_machine(self._interpreter.machine, self._interpreter.state))
+
+    def gui(self) -> rtkit.Gui:
+        """Return the widget of the service: its graph."""
+        return rtkit.Gui(html=str(self.get_graph()))
+
+    def gui_run(self) -> rtkit.Gui:
+        """Return the widget of ``run``: what it may be SET to."""
+        return rtkit.Gui("choice", choices=tuple(map(rtkit.Word, _COMMANDS)))
+
+    # Work
+
+    def _asked(self) -> rtkit.Client:
+        if self._client is None:
+            raise rtkit.PropertyError("conflict", "the service is not active")
+        return self._client
+
+    def _done(self, work: Any, *args: Any) -> None:
+        """Have the interpreter do something, send what it wants sent, tell what has changed."""
+        with self._changed:
+            sends = work(time.monotonic(), *args)
+            self._news.append(self._interpreter.state)
+            self._changed.notify()
+            full = [each for each in sends if not self._link(each).send(each)]
+            self._watch()
+        for each in full:
+            self._failed(each.target, "busy: very many SETs wait")
+        with self._publish_lock:  # one at a time, so that listeners hear of states in their order
+            while self._news:
+                state = self._news.popleft()
+                if state != self.state:
+                    self._publish("state", state)
+
+    def _link(self, send: OutgoingSet) -> ServiceLink:
+        is_own = send.target.startswith("variables.")
+        return self._link_to(service_of(send.get if is_own else send.target))
+
+    def _link_to(self, service: str) -> ServiceLink:
+        if service not in self._links:
+            callbacks = (self._received, self._got, self._failed)
+            self._links[service] = ServiceLink(self._asked(), *callbacks)
+        return self._links[service]
+
+    def _watch(self) -> None:
+        """Listen to the properties that the active states look at, and to no others."""
+        wanted = self._interpreter.wanted()
+        if wanted == self._wanted or self._client is None:
+            return
+        services = {service_of(each) for each in wanted | self._wanted}
+        self._wanted = wanted
+        for service in services:
+            of = frozenset(each for each in wanted if service_of(each) == service)
+            self._link_to(service).want(of)
+
+    def _begin(self) -> bool:
+        """Get the machine from its source, and start it if it is to be; return whether it could."""
+        try:
+            if self._source:
+                self.set_source(self._source)
+            if self._is_autostarted:
+                self.set_run("start")
+        except (rtkit.PropertyError, ValueError) as error:
+            self._trouble = f"failed: {error}"
+        else:
+            self._trouble = ""
+        return not self._trouble
+
+    def _work(self, is_ready: bool) -> None:
+        while self._client is not None and not is_ready:
+            with self._changed:
+                self._changed.wait(_RETRY_S)
+            is_ready = self._client is None or self._begin()
+        while self._client is not None:
+            with self._changed:
+                at = self._interpreter.next_time()
+                wait = None if at is None else at - time.monotonic()
+                if wait is None or wait > 0:
+                    self._changed.wait(wait)
+                    continue
+            self._done(self._interpreter.tick)
+
+    def _received(self, event: MachineEvent) -> None:
+        self._done(lambda now: self._interpreter.take(event, now))
+
+    def _got(self, name: str, value: Any) -> None:
+        if not isinstance(value, Plain):
+            self._failed(f"variables.{name}", f"bad-value: no single value: {value}"[:200])
+        elif name in self._interpreter.variables:
+            self._assign(name, value)
+
+    def _failed(self, target: str, why: str) -> None:
+        self._done(lambda now: self._interpreter.fail(target, why, now))
+
+
+def _names(machine: Machine) -> tuple[str, ...]:
+    states = (f"machine.{path}" for path in machine.states)
+    return ("machine", *states, *(f"variables.{name}" for name in machine.variables))
+
+
+def _read(text: str) -> Machine:
+    if not (_XML.match(text) and "<scxml" in text):
+        return read_machine(text)
+    from rtkit.services.statemachine.scxml import read_scxml
+
+    return read_scxml(text)
+
+
+def _as_xml(text: str) -> str:
+    import warnings
+
+    from rdflib import Graph
+
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # of lists, which are written all the same
+        return (
+            Graph().parse(data=text, format="turtle", publicID=_BASE).serialize(format="pretty-xml")
+        )

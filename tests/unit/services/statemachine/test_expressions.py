@@ -1,0 +1,110 @@
+"""Expressions of state machines: grammar, unknown values, refusals with their place."""
+
+from __future__ import annotations
+
+import re
+from typing import Any
+
+import pytest
+
+from rtkit.services.statemachine.expressions import Expression, plain_of, written
+
+VALUES = {
+    "robots/r1.location.x": 1.5,
+    "light.on": True,
+    "door.state": "open",
+    "light.pose": (1, 2),
+    "variables.n": 3,
+}
+
+
+def value(text: str) -> Any:
+    return Expression(text).value(VALUES.get)
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        ("robots/r1.location.x > 1", True),
+        ("robots/r1.location.x>1 and not light.on", False),
+        ("not (light.on and door.state = closed)", True),
+        ('door.state = "open" or gone.away > 1', True),
+        ("variables.n * 2 - 1 >= 5", True),
+        ("variables.n / 2", 1.5),
+        ("2 + 3 * 4", 14),
+        ("-variables.n + 1 < -1", True),
+        ("robots/r1.location.x?frame=world > 1", None),  # another property: not known
+        ("gone.away > 1", None),
+        ("gone.away > 1 and light.on", None),
+        ("gone.away > 1 and not light.on", False),
+        ("not gone.away > 1", None),
+        ("light.on = 1", False),
+        ("light.on < 2", None),
+        ("light.on and 1", None),
+        ("light.pose = 1", None),
+        ("variables.n / 0", None),
+        ("door.state < shut", True),
+        ("light.on", True),
+    ],
+)
+def test_expression_has_the_value(text: str, expected: Any) -> None:
+    assert value(text) == expected
+    assert type(value(text)) is type(expected)
+
+
+@pytest.mark.parametrize(
+    ("text", "place"),
+    [
+        ("", "character 1: did not expect the end"),
+        ("a.b >", "character 6: did not expect the end"),
+        ("1 < 2 < 3", "character 7: did not expect <"),
+        ("(a.b", "character 5: did not expect the end"),
+        ("a.b and and c.d", "character 9: did not expect and"),
+        ("__import__('os')", "character 12: cannot be read: 'os')"),
+        ("a.b[0]", "character 4: cannot be read: [0]"),
+        ("a..b > 1", "character 2: cannot be read: ..b > 1"),
+        ("f(1)", "character 2: did not expect ("),
+        ("1 + " * 300 + "1", "too long"),
+        ("(" * 300 + "1" + ")" * 300, "too long"),
+    ],
+)
+def test_what_is_no_expression_is_refused_with_its_place(text: str, place: str) -> None:
+    with pytest.raises(ValueError, match=re.escape(place)):
+        Expression(text)
+
+
+def test_expression_tells_what_it_reads() -> None:
+    read = Expression("a.b > variables.n and not (c/d.e = word)")
+    assert (read.names, read.variables) == ({"a.b", "c/d.e"}, {"n"})
+
+
+def test_numbers_stay_small() -> None:
+    assert value(" * ".join(["9007199254740993"] * 30)) == float("inf")
+
+
+@pytest.mark.parametrize(
+    ("plain", "text"),
+    [
+        (True, "true"),
+        (1, "1"),
+        (-0.5, "-0.5"),
+        ("a", "a"),
+        ("a b", '"a b"'),
+        ("1", '"1"'),
+        ("true", '"true"'),
+        ('"', '"\\""'),
+        ("", '""'),
+    ],
+)
+def test_values_are_written_as_a_set_carries_them(plain: Any, text: str) -> None:
+    assert written(plain) == text
+
+
+def test_plain_text_is_number_truth_or_text() -> None:
+    assert [plain_of(each) for each in ("1", "1.5", "true", "x", "1_0")] == [
+        1,
+        1.5,
+        True,
+        "x",
+        "1_0",
+    ]

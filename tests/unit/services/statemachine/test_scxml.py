@@ -1,0 +1,99 @@
+"""SCXML: the subset that is read, the rest that is refused by line, what is written."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from xml.etree import ElementTree as ET
+
+import pytest
+
+from rtkit.services.statemachine.interpreter import Interpreter, MachineEvent
+from rtkit.services.statemachine.model import BadMachine
+from rtkit.services.statemachine.picture import draw_machine
+from rtkit.services.statemachine.rdf import read_machine
+from rtkit.services.statemachine.scxml import read_scxml, write_scxml
+
+HERE = Path(__file__).parent
+TURNSTILE = (HERE / "scxml" / "turnstile.scxml").read_text(encoding="utf-8")
+NESTED = (HERE / "scxml" / "nested.scxml").read_text(encoding="utf-8")
+
+
+def test_events_lead_on() -> None:
+    made = Interpreter(read_scxml(TURNSTILE))
+    made.command("start", 0.0)
+    visited = []
+    for event in ("push", "coin.foreign", "push", "coin", "push", "kick.hard"):
+        made.take(MachineEvent(event), 0.0)
+        visited.append(made.state)
+    assert visited == ["locked", "unlocked", "locked", "unlocked", "locked", "broken"]
+    assert made.run == "done"
+
+
+def test_conditions_actions_and_time_outs_are_read() -> None:
+    made = Interpreter(read_scxml(NESTED))
+    (on,) = made.command("start", 0.0)
+    assert (made.state, on.target, on.value, made.next_time()) == (
+        "work.fast",
+        "light.on",
+        "true",
+        1.5,
+    )
+    made.take(MachineEvent("meter.value", 4, True), 1.0)
+    assert (made.state, made.variables) == ("work.slow", {"count": 1})
+    (off,) = made.tick(1.5)
+    assert (made.state, off.value) == ("rest", "false")
+
+
+@pytest.mark.parametrize("text", [TURNSTILE, NESTED])
+def test_what_was_read_is_written_and_read_alike(text: str) -> None:
+    written = write_scxml(read_scxml(text))
+    assert write_scxml(read_scxml(written)) == written
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "why"),
+    [
+        ('<state id="rest"/>', '<parallel id="rest"/>', "line 26: not read here: parallel"),
+        ('<state id="rest"/>', '<state id="rest"><history id="h"/></state>', "line 26: not read"),
+        ('<raise event="slower"/>', "<script>x()</script>", "line 22: not read here: script"),
+        ('<raise event="slower"/>', '<if cond="1"/>', "line 22: not read here: if"),
+        ('target="rest"', 'target="bed"', "line 17: work: no state to go to: bed"),
+        ('target="fast"', 'target="rest"', "line 5: initial state of work is none of those"),
+        ("variables.count &lt;", "variables.cont &lt;", "line 19: work.fast: no variable cont"),
+        ("meter.value &gt;", "alert(1) &gt;", "line 20: character 6: did not expect ("),
+        ('datamodel="rtkit"', 'datamodel="ecmascript"', "line 20: expressions are read where"),
+        ('event="late" target', 'event="soon" target', "line 5: no transition of work takes the"),
+        ('delay="1500ms"', 'delay="soon"', "line 11: a send is a SET"),
+        ("<content>true</content>", "<content><b/></content>", "line 10: not read here: b"),
+        ('id="slow"', 'id="fast"', "line 19: not a new id of a state: fast"),
+        ("</scxml>", "", "line 28: Premature end"),
+        ("http://www.w3.org/2005/07/scxml", "urn:x", "line 1: the root is not scxml of xmlns="),
+    ],
+)
+def test_what_is_not_in_the_subset_is_refused_by_line(old: str, new: str, why: str) -> None:
+    assert old in NESTED
+    with pytest.raises(BadMachine) as refused:
+        read_scxml(NESTED.replace(old, new, 1))
+    assert str(refused.value).startswith(why), refused.value
+
+
+def test_entities_are_refused() -> None:
+    bomb = '<!DOCTYPE scxml [<!ENTITY x SYSTEM "file:///etc/passwd">]>'
+    with pytest.raises(BadMachine, match="a DOCTYPE is refused"):
+        read_scxml(bomb + NESTED.replace("true", "&x;"))
+
+
+def test_what_scxml_cannot_say_is_noted() -> None:
+    written = write_scxml(read_machine((HERE / "patrol.ttl").read_text(encoding="utf-8")))
+    assert "<!-- do robots/r1.velocity every 0.3 s -->" in written
+
+
+def test_the_picture_has_every_state_and_cause() -> None:
+    machine = read_machine((HERE / "patrol.ttl").read_text(encoding="utf-8"))
+    root = ET.fromstring(draw_machine(machine, "patrol.out"))
+    space = "{http://www.w3.org/2000/svg}"
+    texts = [each.text for each in root.iter(f"{space}text")]
+    assert {"● wait", "patrol", "● out", "back", "end ◉"} <= set(texts)
+    assert "4. patrol.out → patrol.back: when robots/r1.location.x > 1" in texts
+    boxes = [each.get("class") for each in root.iter(f"{space}rect")]
+    assert boxes == ["", "active", "active", "", ""]
