@@ -34,6 +34,7 @@ GROUPS = (
     "group",
     "prompt",
     "planner",
+    "vision",
     "table3",
 )
 _BUSY = 0.5

@@ -18,6 +18,7 @@ from rtkit.services import images, vision_methods
 from rtkit.services.frames import ORIGIN, Frames, compose, inverse, transform
 from rtkit.services.images import decode, encode, size_of
 from rtkit.services.vision import Vision
+from rtkit.world import Ball, Polygon, Scene, photo
 
 HARD = [{}, {"noise": 10.0}, {"blur": 1.5}, {"noise": 20.0, "blur": 1.5}]
 CAMERA = (0.2, -0.1, 0.5, 0.0, 0.1, 0.2)
@@ -126,6 +127,24 @@ def test_a_ball_of_known_size_is_where_it_is(hard: dict[str, float]) -> None:
     away = [(a - b) / far for a, b in zip(center, CAMERA, strict=False)]
     assert (endless, bearing) == (math.inf, pytest.approx(math.atan2(away[1], away[0]), abs=0.01))
     assert height == pytest.approx(math.asin(away[2]), abs=0.01)
+
+
+@pytest.mark.parametrize(
+    ("eye", "center"),
+    [((0.0, 0.0, 0.4, 0.3), (1.5, 0.2, 0.15)), ((1.0, -1.0, 0.3, 2.0), (0.5, 1.0, 0.1))],
+)
+def test_a_ball_of_the_simulated_world_is_where_it_is(
+    eye: tuple[float, ...], center: tuple[float, float, float]
+) -> None:
+    wall = [(-4, -4), (4, -4), (4, 4), (-4, 4)]
+    outer = [(-5, -5), (5, -5), (5, 5), (-5, 5)]
+    shown = photo(Scene([Polygon(outer, [wall])]), eye, [Ball(center, 0.1, (0.9, 0.1, 0.1))])
+    vision = Vision(active=("blobs",), location=(*eye[:3], 0.0, 0.0, eye[3]))
+    vision.methods["blobs"].diameter = 0.2  # type: ignore[attr-defined]
+    vision.methods["blobs"].colors = ("red",)  # type: ignore[attr-defined]
+    vision.set_image(encode(np.ascontiguousarray(shown[:, :, ::-1]), "png"))
+    (ball,) = vision.get_markers()
+    assert math.dist(ball.location or (), center) < 0.03 * math.dist(center, eye[:3])
 
 
 # fiducials
