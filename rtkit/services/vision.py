@@ -60,7 +60,9 @@ class PictureStore:
                     self._data, self._picture = data, None
                 self._asked = (source, monotonic())
             if not self._data:
-                raise rtkit.PropertyError("no-service", "no picture yet: SET image, or a source")
+                raise rtkit.PropertyError(
+                    "no-service", "no picture yet: SET image, or image.source"
+                )
             if self._picture is None:
                 self._picture = decode(self._data)
             return self._data, self._picture
@@ -318,7 +320,10 @@ METHODS: dict[str, type[Method]] = {
 }
 
 
-class Vision(Sensor):
+_SOURCE = ("image.source",)
+
+
+class Vision(Sensor, rtkit.Names):
     """Vision of one camera or several.
 
     Args:
@@ -334,6 +339,8 @@ class Vision(Sensor):
         cameras: Cameras by name: `source`, `location`, `field`, `image`.
         camera: Name of the camera whose picture `image` is.
         methods: Methods by name: `active`, `result`, and settings.
+
+    Besides there is ``image.source``, the property of another service whose picture is processed.
     """
 
     type: Final[tuple[str, ...]] = ("vision", "sensor")  # type: ignore[misc]
@@ -378,13 +385,23 @@ class Vision(Sensor):
         """Process this picture, a JPEG or PNG, in place of that of the camera."""
         self._chosen("").pictures.put(data)
 
-    def get_source(self) -> str:
-        """Property whose picture is processed; empty: the one that was SET."""
+    def names(self) -> tuple[str, ...]:
+        """See `rtkit.Names`: ``image.source``, the property whose picture is processed."""
+        return _SOURCE
+
+    def get(self, name: str) -> str:
+        """See `rtkit.Names`."""
         return self._chosen("").pictures.source
 
-    def set_source(self, source: str) -> None:
-        """Process the pictures of a property of another service."""
+    def set(self, name: str, source: str) -> None:
+        """See `rtkit.Names`: process the pictures of a property of another service."""
+        if name not in _SOURCE:
+            raise rtkit.PropertyError("unknown", f"no such property: {name}")
         self._chosen("").pictures.source = source
+
+    def has_changed(self) -> bool:
+        """See `rtkit.Names`."""
+        return False
 
     def get_data(self) -> bytes:
         """The picture of the camera."""

@@ -113,7 +113,7 @@ def test_vision_processes_the_pictures_of_another_service(client: rtkit.Client) 
 
     eye = Eye()
     with serve(Vision(active=("blobs",), rate=1000), "vision", is_on_zenoh=False):
-        client.set("vision.source", '"robots/r1/eye.image"')
+        client.set("vision.image.source", '"robots/r1/eye.image"')
         with pytest.raises(rtkit.PropertyError) as refused:
             client.get("vision.markers")
         assert refused.value.code == "no-service"
@@ -126,7 +126,7 @@ def test_vision_processes_the_pictures_of_another_service(client: rtkit.Client) 
         until(lambda: _code(client, "vision.markers") == "no-service", "its source has gone")
         client.set_bytes("vision.image", picture(250))
         assert at(client) == pytest.approx(250, abs=1)
-        assert client.get("vision.source") == ""
+        assert client.get("vision.image.source") == ""
 
 
 def _code(client: rtkit.Client, target: str) -> str:

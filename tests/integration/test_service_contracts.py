@@ -262,7 +262,7 @@ CONTRACTS: dict[str, Contract] = {
     ),
     "vision": _sensor(
         _vision,
-        {"image": "bytes", "source": "string", "methods.edges.active": "boolean",
+        {"image": "bytes", "image.source": "string", "methods.edges.active": "boolean",
          "methods.edges.forms": "list<string>", "methods.blobs.runs": "integer",
          "cameras.camera.source": "string", "cameras.camera.location": "vector[6]"},
         {"image": ("rubbish", "bad-value"), "image?format=gif": (None, "bad-parameter"),
