@@ -410,3 +410,42 @@ def test_a_storage_that_is_killed_in_an_upload_leaves_nothing_half(place: str, r
     with rtkit.serve(Storage(str(root)), "files"), rtkit.Client(20.0) as client:
         assert client.get_bytes("files.f") == b"old"
         assert not left(root)
+
+
+def test_whoever_reads_gets_one_file_or_the_other(place: str, root: Path) -> None:
+    contents = [bytes([n]) * 300_000 for n in range(4)]
+    with rtkit.serve(Storage(str(root), synced=False), "files"), rtkit.Client(20.0) as client:
+        client.set_bytes("files.f", contents[0])
+        ended = threading.Event()
+
+        def write(own: bytes) -> None:
+            with rtkit.Client(20.0) as writer:
+                while not ended.is_set():
+                    writer.set_bytes("files.f", own)
+                    half = {"offset": 0, "size": len(own) + 1, "upload": str(own[0])}
+                    writer.set("files.f", own, **half)  # and never goes on
+
+        threads = [threading.Thread(target=write, args=(each,)) for each in contents[1:]]
+        for thread in threads:
+            thread.start()
+        try:
+            seen = {client.get_bytes("files.f") for _ in range(100)}
+            sums = {hashlib.sha256(each).hexdigest() for each in contents}
+            assert client.get("files.f.meta.sha256") in sums
+        finally:
+            ended.set()
+            for thread in threads:
+                thread.join()
+    assert seen <= set(contents)
+    assert len(seen) > 1
+    assert not left(root)
+
+
+def test_it_stands_beside_other_services_at_one_endpoint(place: str, root: Path) -> None:
+    served = {"files": Storage(str(root)), "more": Storage(str(root), largest=2)}
+    with rtkit.serve(served, "home"), rtkit.Client(20.0) as client:
+        client.set_bytes("home.files.a.txt", b"hello")
+        assert client.get_bytes("home.more.a.txt") == b"hello"
+        with pytest.raises(PropertyError) as caught:
+            client.set_bytes("home.more.b.txt", b"hello")
+        assert caught.value.code == "too-large"
