@@ -2,6 +2,8 @@
 
 A SET goes to all members at once, a GET combines what they answer; one deadline holds for all of
 it, and a member that is dead or slow is named and delays no other.
+
+See decision 63.
 """
 
 from __future__ import annotations

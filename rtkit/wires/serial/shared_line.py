@@ -3,6 +3,8 @@
 A device that does not answer is named, its properties are ``no-service`` until it answers again,
 and it costs the others no more than a short question now and then. Devices do not speak unasked:
 whoever listens has them asked again and again.
+
+See decision 63.
 """
 
 from __future__ import annotations
