@@ -58,6 +58,7 @@ TOPICS: dict[str, dict[str, str]] = {
     },
     "properties": {
         "rtget": "Print the values of live properties, a line each.",
+        "rtgui": "Show a panel of a live service: see and set its properties.",
         "rtlisten": "Print live properties as they change.",
         "rtproxy": "Open another endpoint, on another wire, to live properties.",
         "rtserve": "Serve a Python object as live properties.",

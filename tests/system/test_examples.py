@@ -249,6 +249,7 @@ STATUS = {
     "rtcheck --diff robot.xml": (0, 1),
     "rtconf /localhost/Robot0.rtc diff careful": (1,),
     "rtdoctor": (0, 1),
+    **{line: (1,) for line, _ in examples()["rtgui"]},  # no terminal
     "rtplan --cost Motor0=1000 robot.xml": (0, 2),  # there is no Motor0 here
     "rtplan --detailed-exitcode robot.xml": (0, 2),
     "rtdoctor --strict --json": (0, 1),

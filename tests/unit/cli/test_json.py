@@ -87,6 +87,7 @@ WITHOUT = {
     "rtcwd",  # prints what a shell is to evaluate
     "rtprofile",  # its words have it
     "rtdoc", "rtstodot",  # write documents of other forms
+    "rtgui",  # for a terminal only
 }  # fmt: skip
 
 

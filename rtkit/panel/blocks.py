@@ -1,0 +1,29 @@
+"""Draws a picture as blocks of colour: two pixels a character."""
+
+from __future__ import annotations
+
+from typing import Any
+
+Line = list[tuple[str, str]]
+
+
+def blocks(data: bytes, columns: int) -> list[Line]:
+    """Return the lines of a JPEG or PNG in so many columns; a sentence where there is no reader."""
+    try:
+        import cv2
+        import numpy
+    except ImportError:
+        return [[(f"{len(data)} bytes; to see it: pip install 'rtkit[vision]'", "dim")]]
+    found: Any = cv2.imdecode(numpy.frombuffer(data, numpy.uint8), cv2.IMREAD_COLOR)
+    if found is None:
+        return [[(f"no picture: {len(data)} bytes", "dim")]]
+    height, width = found.shape[:2]
+    rows = max(1, min(20, round(columns * height / width / 2)))
+    small = cv2.resize(found, (columns, 2 * rows), interpolation=cv2.INTER_AREA)
+    return [[("▀", f"{_hex(upper)} on {_hex(lower)}") for upper, lower in zip(*pair, strict=True)]
+            for pair in zip(small[::2], small[1::2], strict=True)]  # fmt: skip
+
+
+def _hex(pixel: Any) -> str:
+    blue, green, red = (int(each) for each in pixel)
+    return f"#{red:02x}{green:02x}{blue:02x}"

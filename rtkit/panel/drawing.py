@@ -1,0 +1,222 @@
+"""Draws the value of a widget as lines of styled text; nothing here knows of a terminal.
+
+State is told by a word and a sign as well as by colour.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Any
+
+from rtkit.panel.description import Panel
+from rtkit.panel.state import WidgetState
+from rtkit.property.values import Element, is_number, is_vector
+from rtkit.property.writing import write
+
+Segment = tuple[str, str]
+"""Text and its style: empty, ``dim``, ``good``, ``warn``, ``alarm``, ``accent``, ``#rrggbb …``."""
+Line = list[Segment]
+
+SIGNS = {
+    "alarm": "▲ alarm",
+    "warn": "△ warning",
+    "bad": "✕ bad",
+    "uncertain": "? uncertain",
+    "stale": "◷ stale",
+    "gone": "⊘ gone",
+}
+STYLES = {"alarm": "alarm", "bad": "alarm", "gone": "alarm"}
+_BARS = "▁▂▃▄▅▆▇█"
+_MOST_LINES = 12
+_DIALS = "↙←↖↑↗→↘"
+
+
+def lines(panel: Panel, shown: WidgetState, width: int, part: int = 0) -> list[Line]:
+    """Return a value as it is drawn in so many columns; `part` of a vector is marked."""
+    value = shown.value
+    if value is None:
+        return [[("…", "dim")]]
+    if isinstance(value, bytes):
+        if panel.kind == "image":
+            from rtkit.panel.blocks import blocks
+
+            return blocks(value, max(8, min(56, width)))
+        return [[(f"{len(value)} bytes", "")]]
+    if panel.kind in ("slider", "knob") and is_number(value):
+        return [_bar(panel, float(value), width)]
+    if panel.kind == "toggle":
+        return [[("[●━] on" if value is True else "[━○] off", "accent" if value is True else "")]]
+    if panel.kind == "choice":
+        return [_choices(panel, value)]
+    if panel.kind == "plot":
+        return [[(_spark(shown.trace, max(8, width - 16)), "accent"), (f" {text_of(value)}", "")]]
+    if panel.kind == "joystick" and is_vector(value):
+        return _pad(panel, value)
+    if panel.kind == "map":
+        return _map(list(value) if isinstance(value, tuple) else [value], width)
+    if panel.kind == "button":
+        return [_call(value)]
+    if panel.kind == "marker" and (found := _location(value)) is not None:
+        return [_parts(panel, found, part), *_features(value)]
+    if is_vector(value) and value:
+        return [_parts(panel, value, part)]
+    return _other(value)
+
+
+def text_of(value: Any) -> str:
+    """Return a value as people read it: no quotes, numbers not longer than needed."""
+    if isinstance(value, bool):
+        return write(value)
+    if isinstance(value, int | float):
+        return f"{value:.6g}"
+    if isinstance(value, str):
+        return value.translate(_CONTROLS)
+    if is_vector(value):
+        return "  ".join(map(text_of, value))
+    return write(_plain(value))
+
+
+_CONTROLS = {code: "�" for code in (*range(32), *range(127, 160)) if code != 10}
+
+
+def _plain(value: Any) -> Any:
+    from rtkit.property.conversion import to_value
+
+    return to_value(value)
+
+
+def _bar(panel: Panel, value: float, width: int) -> Line:
+    low, high = panel.number("min", 0.0), panel.number("max", 1.0)
+    part = min(1.0, max(0.0, (value - low) / (high - low))) if high > low else 0.0
+    text = f" {text_of(value)}"
+    if panel.kind == "knob":
+        dial = _DIALS[round(part * (len(_DIALS) - 1))]
+        return [(f"({dial})", "accent"), (text, "")]
+    room = max(4, min(40, width - 12) - 1)
+    done = round(part * room)
+    return [("━" * done, "accent"), ("●", "accent"), ("─" * (room - done), "dim"), (text, "")]
+
+
+def _choices(panel: Panel, value: Any) -> Line:
+    made: Line = []
+    for each in panel.words("choices"):
+        is_it = text_of(each) == text_of(value)
+        made.append((f"◉ {text_of(each)}  " if is_it else f"○ {text_of(each)}  ",
+                     "accent" if is_it else "dim"))  # fmt: skip
+    return made or [(text_of(value), "")]
+
+
+def _spark(trace: Sequence[float], room: int) -> str:
+    kept = [each for each in trace[-room:] if math.isfinite(each)]
+    if not kept:
+        return ""
+    low, high = min(kept), max(kept)
+    scale = (len(_BARS) - 1) / (high - low) if high > low else 0.0
+    return "".join(_BARS[int((each - low) * scale)] for each in kept)
+
+
+def axes(panel: Panel, value: Sequence[float]) -> tuple[int, int]:
+    """Return which parts of a vector a joystick moves: ahead and to the left."""
+    labels = [str(each) for each in panel.words("labels")]
+    wanted = [str(each) for each in panel.words("axes")]
+    if not wanted:
+        wanted = ["x", "c"] if len(value) == 6 else labels[:2]
+    found = [labels.index(each) for each in wanted if each in labels]
+    return (found[0], found[1]) if len(found) > 1 else (0, min(1, len(value) - 1))
+
+
+def _pad(panel: Panel, value: Sequence[float]) -> list[Line]:
+    ahead, left = (value[each] / (panel.number("max", 1.0) or 1.0) for each in axes(panel, value))
+    row = 2 - max(-2, min(2, round(ahead * 2)))
+    column = 4 - max(-4, min(4, round(left * 4)))
+    grid = [[("●" if (each, at) == (row, column) else "┼" if (each, at) == (2, 4) else "·")
+             for at in range(9)] for each in range(5)]  # fmt: skip
+    grid[2] += [f"  {text_of(value)}"]
+    return [[("".join(each), "accent" if row == index else "dim")]
+            for index, each in enumerate(grid)]  # fmt: skip
+
+
+def _parts(panel: Panel, value: Sequence[float], part: int) -> Line:
+    labels = [str(each) for each in panel.words("labels")]
+    made: Line = []
+    for index, each in enumerate(value):
+        label = labels[index] if index < len(labels) else str(index)
+        is_it = index == part and not panel.is_read_only
+        made.append((f"{label} ", "dim"))
+        made.append((f"{text_of(each)}  ", "accent" if is_it else ""))
+    return made
+
+
+def _location(value: Any) -> tuple[float, ...] | None:
+    """Return where a marker is, None if that is not told."""
+    found = getattr(value, "location", None)
+    if found is None and isinstance(value, Element):
+        child = value.find("location")
+        found = child.leaf if child is not None else None
+    return found if is_vector(found) and len(found or ()) > 1 else None
+
+
+def _features(value: Any) -> list[Line]:
+    parts = [str(getattr(value, key, "") or "") for key in ("name", "type", "id", "frame")]
+    words = " ".join(text_of(each) for each in parts if each)
+    return [[(words, "dim")]] if words else []
+
+
+def _map(markers: list[Any], width: int) -> list[Line]:
+    places = [(each, found) for each in markers if (found := _location(each)) is not None]
+    if not places:
+        return [[("no places", "dim")]]
+    columns, rows = max(12, min(48, width - 2)), 9
+    xs = [0.0, *(at[0] for _, at in places)]
+    ys = [0.0, *(at[1] for _, at in places)]
+    unit = max((max(xs) - min(xs)) / (columns - 1), (max(ys) - min(ys)) * 2 / (rows - 1) / 2, 1e-9)
+    grid = [[" "] * columns for _ in range(rows)]
+
+    def put(x: float, y: float, sign: str) -> None:
+        column, row = round((x - min(xs)) / unit), round((max(ys) - y) / unit / 2)
+        grid[min(rows - 1, row)][min(columns - 1, column)] = sign
+
+    put(0.0, 0.0, "+")
+    listed: list[Line] = []
+    for index, (marker, at) in enumerate(places[:26]):
+        sign = chr(ord("A") + index)
+        put(at[0], at[1], sign)
+        words = "".join(text for line in _features(marker) for text, _ in line)
+        listed.append([(f"{sign} ", "accent"), (f"{text_of(at)}  ", ""), (words, "dim")])
+    return [*([("".join(each), "accent")] for each in grid), *listed[:_MOST_LINES]]
+
+
+def _call(value: Any) -> Line:
+    if not isinstance(value, Element):
+        return [(text_of(value), "")]
+    state = value.attributes.get("state", "")
+    parts = {each.name: each.leaf for each in value.children}
+    progress = parts.get("progress")
+    made: Line = [("" if state == "idle" else state, "alarm" if state == "failed" else "accent")]
+    if state == "running" and is_number(progress):
+        part = float(progress) if progress <= 1 else float(progress) / 100  # type: ignore[arg-type,operator]
+        done = round(10 * min(1.0, max(0.0, part)))
+        made.append((f" {'█' * done}{'░' * (10 - done)} {part:.0%}", "accent"))
+    for key in ("error", "result", "remaining", "progress"):
+        if parts.get(key) is not None and not (key == "progress" and state == "running"):
+            made.append((f" {text_of(parts[key])}", "alarm" if key == "error" else ""))
+            break
+    return made
+
+
+def _other(value: Any) -> list[Line]:
+    plain = value if isinstance(value, str | tuple) else _plain(value)
+    if isinstance(plain, Element):
+        return _tree(plain, 0)[:_MOST_LINES]
+    if isinstance(plain, tuple) and plain and not is_vector(plain):
+        rows = [each if isinstance(each, tuple) else (each,) for each in plain]
+        return [[("  ".join(map(text_of, each)), "")] for each in rows][:_MOST_LINES]
+    return [[(each, "")] for each in (text_of(plain).splitlines() or [""])][:_MOST_LINES]
+
+
+def _tree(element: Element, depth: int) -> list[Line]:
+    words = " ".join(f"{key}={text_of(each)}" for key, each in element.attributes.items())
+    leaf = "" if element.leaf is None else text_of(element.leaf)
+    own: Line = [("  " * depth + element.name, "dim"), (f" {words} {leaf}".rstrip(), "")]
+    return [own, *(line for each in element.children for line in _tree(each, depth + 1))]

@@ -1,0 +1,85 @@
+"""Serves a panel: its widgets are properties, and what its user does is an event.
+
+The user interface is a sensor: ``PANEL.NAME`` has what a widget shows, ``PANEL.focus`` where the
+user is, ``PANEL.input`` what the user has asked for last. SET of a widget does what the user would.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from rtkit.closing import Closing
+from rtkit.panel.description import Panel
+from rtkit.property.codes import PropertyError
+from rtkit.property.conversion import to_value
+from rtkit.property.property_spec import PropertySpec
+from rtkit.property.service import Service
+from rtkit.property.types import Content, parse_type
+from rtkit.property.values import Value, Word
+
+_OWN = frozenset({"type", "focus", "input"})
+_NO_VALUES = frozenset({"group", "button", "image"})
+
+
+class ServedPanel(Closing):
+    """Service of a panel.
+
+    Args:
+        name: Of the service.
+        panel: The widgets.
+        wishes: Called with the name of a widget and a value that somebody sets it to.
+
+    Raises:
+        Refused: A service of that name runs.
+    """
+
+    def __init__(self, name: str, panel: Panel, wishes: Callable[[str, Any], object]) -> None:
+        from rtkit.wires.serve import serve
+
+        self.name = name
+        self._wishes = wishes
+        self._service = Service()
+        self._service.add("type", (Word("gui"), Word("sensor")), PropertySpec(access="r"))
+        self._service.add("focus", "", PropertySpec(parse_type("string"), "r"))
+        self._service.add("input", (), PropertySpec(parse_type("list"), "r"))
+        self._panels = {each.name: each for each in panel.all() if each.kind not in _NO_VALUES}
+        self._served = serve(self._service, name)
+
+    def show(self, name: str, value: Any) -> None:
+        """Take what a widget shows now."""
+        panel = self._panels.pop(name, None)
+        if name in _OWN or value is None or isinstance(value, bytes):
+            return
+        if panel is not None:
+            self._served.owned(lambda: self._add(panel, to_value(value)))
+        else:
+            self._put(name, to_value(value))
+
+    def _add(self, panel: Panel, value: Content) -> None:
+        def changed(value: Content, given: dict[str, Value]) -> None:
+            self._wishes(panel.name, value)
+
+        write = None if panel.is_read_only else changed
+        self._service.add(panel.name, value, panel.spec, write=write)
+
+    def focus(self, name: str) -> None:
+        """Take where the user is."""
+        self._put("focus", name)
+
+    def input(self, name: str, value: Any) -> None:
+        """Take what the user has asked for."""
+        self._put("input", (name, to_value("" if value is None else value)))  # type: ignore[arg-type]
+
+    def _put(self, name: str, value: Content) -> None:
+        def put() -> None:
+            try:
+                self._service.update(name, value)
+            except PropertyError:
+                return  # a widget that came later
+
+        self._served.owned(put)
+
+    def close(self) -> None:
+        """Serve it no longer."""
+        self._served.close()

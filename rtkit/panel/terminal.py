@@ -1,0 +1,360 @@
+"""Draws a panel in a terminal with textual, by keyboard and mouse."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from functools import partial
+from time import monotonic
+from typing import Any, ClassVar
+
+from rich.text import Text
+from textual import events
+from textual.app import App, ComposeResult
+from textual.containers import Vertical, VerticalScroll
+from textual.screen import ModalScreen
+from textual.timer import Timer
+from textual.widget import Widget
+from textual.widgets import Footer, Input, Static
+
+from rtkit.panel import drawing, state
+from rtkit.panel.description import Panel
+from rtkit.panel.live import LiveService
+from rtkit.panel.served import ServedPanel
+from rtkit.property.values import is_vector
+
+_NAME_COLUMNS = 18
+_HELD_S = 0.7
+"""How long a joystick stays where an arrow key has moved it: terminals tell of no release."""
+_STYLES = {"accent": "bold cyan", "alarm": "bold red", "warn": "bold yellow", "dim": "dim", "": ""}
+_ACTED = frozenset({"slider", "toggle", "choice", "button"})
+_EDITED = frozenset(
+    {"text", "number", "slider", "knob", "vector", "marker", "table", "tree", "map", "label"}
+)
+
+
+class PanelRow(Widget, can_focus=True):
+    """One widget of a panel: its name, what it shows, its unit and its state."""
+
+    DEFAULT_CSS = """
+    PanelRow { height: auto; padding: 0 1; }
+    PanelRow:focus { background: $boost; border-left: thick $accent; padding: 0 1 0 0; }
+    """
+
+    def __init__(self, panel: Panel, app: PanelApp) -> None:
+        super().__init__()
+        self.panel = panel
+        self.shown = app.live.shown[panel.name]
+        self.part = 0
+        self.tooltip = Text(panel.attributes["doc"]) if "doc" in panel.attributes else None
+        self.can_focus = not panel.is_read_only
+        self._panel_app = app
+        self._timer: Timer | None = None
+        self._held_until = 0.0
+
+    def render(self) -> Text:
+        """Draw it."""
+        panel, shown = self.panel, self.shown
+        name = panel.attributes.get("label", panel.name.rpartition(".")[2])
+        width = max(20, self.size.width - _NAME_COLUMNS - 16)
+        found = shown.state(panel)
+        made = Text(f"{name[: _NAME_COLUMNS - 1]:{_NAME_COLUMNS}}")
+        for index, line in enumerate(drawing.lines(panel, shown, width, self.part)):
+            made.append("\n" + " " * _NAME_COLUMNS if index else "")
+            for text, style in line:
+                faded = " dim" if found in ("gone", "stale") else ""
+                made.append(text, (_STYLES.get(style, style) + faded).strip())
+            if not index:
+                made.append(f" {panel.attributes.get('unit', '')}".rstrip(), "dim")
+                if found:
+                    made.append(
+                        f"  {drawing.SIGNS[found]}", _STYLES[drawing.STYLES.get(found, "warn")]
+                    )
+        if panel.kind == "button":
+            made.append("  Enter starts, s stops" if self.has_focus else "", "dim")
+        if shown.problem:
+            made.append(
+                f"\n{' ' * _NAME_COLUMNS}{drawing.text_of(shown.problem)}", _STYLES["alarm"]
+            )
+        return made
+
+    def on_key(self, event: events.Key) -> None:
+        """Change the value, or a part of it, or have it typed."""
+        key, value, panel = event.key, self.shown.value, self.panel
+        wanted = state.wish(panel, value, key, self.part)
+        if wanted is not None:
+            self.wish(wanted)
+        elif panel.kind == "joystick" and is_vector(value) and (moved := self._steered(key)):
+            self._hold(moved)
+        elif panel.kind == "vector" and key in ("left", "right") and is_vector(value):
+            self.part = (self.part + (1 if key == "right" else -1)) % max(1, len(value))
+            self.refresh()
+        elif panel.kind == "button" and key in ("enter", "space"):
+            self._start()
+        elif panel.kind == "button" and key == "s":
+            self._panel_app.ask(panel.name, None, partial(self._live.stop, panel.name))
+        elif key == "enter" and panel.kind in _EDITED:
+            self._edit()
+        else:
+            return
+        event.stop()
+        event.prevent_default()
+
+    def on_click(self, event: events.Click) -> None:
+        """Do what a key would; a slider goes where it is clicked."""
+        panel, room = (
+            self.panel,
+            max(4, min(40, max(20, self.size.width - _NAME_COLUMNS - 16) - 12) - 1),
+        )
+        if panel.kind not in _ACTED or panel.is_read_only:
+            return
+        if panel.kind == "slider":
+            low, high = panel.number("min", 0.0), panel.number("max", 1.0)
+            part = min(1.0, max(0.0, (event.x - 1 - _NAME_COLUMNS) / room))
+            self.wish(float(f"{low + part * (high - low):.4g}"))
+        elif panel.kind == "button":
+            self._start()
+        else:
+            self.wish(
+                state.wish(panel, self.shown.value, "space" if panel.kind == "toggle" else "right")
+            )
+
+    @property
+    def _live(self) -> LiveService:
+        return self._panel_app.live
+
+    def wish(self, value: Any) -> None:
+        """Show what is wished, and have it set."""
+        self.shown.take(value, self.shown.quality)
+        self.refresh(layout=True)
+        self._panel_app.ask(self.panel.name, value, partial(self._live.set, self.panel.name, value))
+
+    def _edit(self) -> None:
+        text = (
+            drawing.text_of(self.shown.value)
+            if self.panel.kind in ("text", "label")
+            else _text(self.shown.value)
+        )
+
+        def done(given: dict[str, str] | None) -> None:
+            if given is not None:
+                set = partial(self._live.set, self.panel.name, given[self.panel.name])
+                self._panel_app.ask(self.panel.name, given[self.panel.name], set)
+
+        self.app.push_screen(Form(self.panel.name, [(self.panel, text)]), done)
+
+    def _start(self) -> None:
+        def call(given: dict[str, str] | None) -> None:
+            if given is not None:
+                work = partial(self._live.call, self.panel, given)
+                self._panel_app.ask(self.panel.name, tuple(given.values()), work)
+
+        arguments = [(each, each.attributes.get("default", "")) for each in self.panel.arguments]
+        if arguments:
+            self.app.push_screen(Form(self.panel.name, arguments), call)
+        else:
+            call({})
+
+    # Joystick: held as long as keys come, zero after that, and wherever the user goes elsewhere
+
+    def _steered(self, key: str) -> tuple[float, ...] | None:
+        value = self.shown.value
+        return state.steered(self.panel, drawing.axes(self.panel, value), len(value), key)
+
+    def _hold(self, moved: tuple[float, ...]) -> None:
+        if not any(moved):
+            self.release()
+            return
+        self._held_until = monotonic() + _HELD_S
+        self.wish(moved)
+        if self._timer is None:
+            again_s = self.panel.number("after", 0.5) / 4
+            self._timer = self.set_interval(again_s, self._repeat)
+
+    def _repeat(self) -> None:
+        if monotonic() > self._held_until:
+            self.release()
+        else:
+            self.wish(self.shown.value)
+
+    def release(self) -> None:
+        """Let a joystick go back to zero, if it is held."""
+        if self._timer is not None:
+            self._timer.stop()
+            self._timer = None
+            self.wish((0.0,) * len(self.shown.value))
+
+    def on_focus(self) -> None:
+        """Say where the user is."""
+        self._panel_app.focused_on(self.panel.name)
+
+    def on_blur(self) -> None:
+        """Hold nothing that the user has left."""
+        self.release()
+
+
+def _text(value: Any) -> str:
+    from rtkit.property.conversion import to_value
+    from rtkit.property.writing import write
+
+    if value is None or isinstance(value, bytes):
+        return ""
+    found = to_value(value)
+    return "" if isinstance(found, bytes) else write(found)
+
+
+class Form(ModalScreen[dict[str, str] | None]):
+    """Asks for texts: of a value, or of the arguments of an action."""
+
+    DEFAULT_CSS = """
+    Form { align: center middle; }
+    Form > Vertical {
+        width: 70; max-width: 95%; height: auto; border: round $accent; padding: 0 1;
+        background: $surface;
+    }
+    """
+    BINDINGS: ClassVar = [("escape", "dismiss(None)", "Cancel")]
+
+    def __init__(self, title: str, asked: list[tuple[Panel, str]]) -> None:
+        super().__init__()
+        self._title = title
+        self._asked = asked
+
+    def compose(self) -> ComposeResult:
+        """Make the fields."""
+        with Vertical():
+            yield Static(Text(f"{self._title}: Enter sets, Escape cancels", "bold"))
+            for panel, text in self._asked:
+                words = [
+                    panel.attributes.get(key, "") for key in ("name", "unit", "choices", "doc")
+                ]
+                yield Static(Text("  ".join(each for each in words if each)))
+                yield Input(text, placeholder=panel.attributes.get("type", ""))
+
+    def on_input_submitted(self, event: Input.Submitted) -> None:
+        """Go to the next field; after the last, return what was given."""
+        inputs = list(self.query(Input))
+        if event.input is not inputs[-1]:
+            self.focus_next()
+            return
+        names = [panel.name for panel, _ in self._asked]
+        self.dismiss({name: each.value for name, each in zip(names, inputs, strict=True)})
+
+
+class PanelApp(App[None]):
+    """Panel of a service.
+
+    Args:
+        live: The service.
+        name: Under which the panel is served, empty if it is not.
+    """
+
+    CSS = """
+    #state { dock: top; padding: 0 1; background: $panel; }
+    .group { padding: 1 1 0 1; text-style: bold; }
+    .below { height: auto; margin-left: 2; border-left: solid $panel; }
+    """
+    BINDINGS: ClassVar = [
+        ("q", "quit", "Quit"),
+        ("down,j", "app.focus_next", "Next"),
+        ("up,k", "app.focus_previous", "Previous"),
+        ("ctrl+r", "again", "Ask again"),
+    ]
+    ENABLE_COMMAND_PALETTE = False
+
+    def __init__(self, live: LiveService, name: str = "") -> None:
+        super().__init__()
+        self.live = live
+        self._fields: dict[str, PanelRow] = {}
+        self._is_asking = False
+        self._state = Static(id="state", markup=False)
+        self._box = VerticalScroll(id="panel", can_focus=False)
+        wishes = lambda name, value: live.wish(name, partial(live.set, name, value))  # noqa: E731
+        self._served = ServedPanel(name, live.panel, wishes) if name else None
+
+    def compose(self) -> ComposeResult:
+        """Make the widgets."""
+        yield self._state
+        with self._box:
+            yield from self._widgets(self.live.panel)
+        yield Footer()
+
+    def _widgets(self, panel: Panel) -> Iterator[Widget]:
+        if panel.kind != "group":
+            field = self._fields[panel.name] = PanelRow(panel, self)
+            yield field
+        elif panel.name:
+            yield Static(Text(panel.attributes.get("label", panel.name)), classes="group")
+        below = [widget for each in panel.children for widget in self._widgets(each)]
+        if below:
+            yield from [Vertical(*below, classes="below")] if panel.name else below
+
+    def on_mount(self) -> None:
+        """Begin to follow the service."""
+        self.title = self.live.name
+        self.set_interval(0.05, self._follow)
+        self._follow()
+
+    def _follow(self) -> None:
+        if not self._state.is_attached:
+            return  # the panel ends
+        for name in self.live.take():
+            field = self._fields.get(name)
+            if field is not None:
+                field.refresh(layout=True)
+                if self._served is not None:
+                    self._served.show(name, field.shown.value)
+        lost = [each for each in self._fields.values() if each.shown.quality == "gone"]
+        is_lost = bool(lost) and len(lost) == len(self._fields)
+        words = "⊘ not there: what is shown is what was known last" if is_lost else "● live"
+        name = f"  as {self._served.name}" if self._served is not None else ""
+        self._state.update(
+            Text.assemble(
+                (self.live.target, "bold"), f"  {words}{name}", style="red" if is_lost else ""
+            )
+        )
+        if self.live.is_outdated and not self._is_asking:
+            self.action_again()
+
+    def action_again(self) -> None:
+        """Ask for the widgets anew, and draw them if they are others."""
+        self._is_asking = True
+        self.run_worker(self._asked_again, thread=True, exit_on_error=False)
+
+    def _asked_again(self) -> None:
+        from rtkit.errors import RtkitError
+
+        before = self.live.panel
+        try:
+            self.live.refresh()
+        except RtkitError:
+            self.live.is_outdated = True
+        finally:
+            self._is_asking = False
+        if self.live.panel != before:
+            self.call_from_thread(self._draw_again)
+
+    async def _draw_again(self) -> Any:
+        where = self.focused.panel.name if isinstance(self.focused, PanelRow) else ""
+        await self._box.remove_children()
+        self._fields.clear()
+        await self._box.mount_all(self._widgets(self.live.panel))
+        if where in self._fields:
+            self._fields[where].focus()
+
+    def ask(self, name: str, value: Any, work: Callable[[], object]) -> None:
+        """Have something done that the user has asked for."""
+        self.live.wish(name, work)
+        if self._served is not None:
+            self._served.input(name, value)
+
+    def focused_on(self, name: str) -> None:
+        """Take where the user is."""
+        if self._served is not None:
+            self._served.focus(name)
+
+    def on_unmount(self) -> None:
+        """Let go of what is held."""
+        for each in self._fields.values():
+            each.release()
+        if self._served is not None:
+            self._served.close()

@@ -1,0 +1,196 @@
+"""The panel in a terminal, driven by textual's own pilot, against services that are served."""
+
+from __future__ import annotations
+
+import asyncio
+import time
+from collections.abc import Awaitable, Callable
+from typing import Annotated, Final, Literal
+
+import pytest
+from textual import events
+from textual.widgets import Input, Static
+
+import rtkit
+from rtkit.panel.live import LiveService
+from rtkit.panel.terminal import PanelApp
+from rtkit.property.codes import PropertyError
+
+
+class Arm:
+    angle: Annotated[float, rtkit.Unit("rad"), rtkit.Range(-1.5, 1.5, 0.1)] = 0.0
+
+
+class Robot:
+    type: Final = ("mobilerobot",)
+    speed: Annotated[float, rtkit.Unit("m/s"), rtkit.Range(-1, 1, 0.25)] = 0.25
+    is_on = True
+    mode: Literal["idle", "drive"] = "idle"
+    title: str = "two words"
+    velocity: Annotated[tuple[float, float, float, float, float, float], rtkit.Returns(0.3)] = (
+        0.0,
+    ) * 6
+
+    def __init__(self) -> None:
+        self.arm = Arm()
+        self.seen: list[tuple[float, ...]] = []
+
+    def wave(self, times: int = 1, how: str = "up"):  # type: ignore[no-untyped-def]
+        """Waves."""
+        self.title = f"{times} {how}"
+        while True:
+            yield 0.5
+            time.sleep(0.01)
+
+
+def run(work: Callable[[PanelApp], Awaitable[None]], name: str = "") -> None:
+    """Drive the panel of ``robots/r1``."""
+
+    async def driven() -> None:
+        with LiveService("robots/r1", 5.0) as live:
+            app = PanelApp(live, name)
+            async with app.run_test(size=(100, 40)):
+                await work(app)
+
+    asyncio.run(driven())
+
+
+async def until(condition: Callable[[], object]) -> None:
+    """Let the panel go on until something is so."""
+    end = time.monotonic() + 10.0
+    while not condition():
+        assert time.monotonic() < end
+        await asyncio.sleep(0.01)
+
+
+def press(app: PanelApp, *keys: str) -> None:
+    """Press keys; pilot.press would wait until the whole process is idle after each."""
+    assert app._driver is not None
+    for key in keys:
+        app._driver.send_message(events.Key(key, None))
+
+
+def row(app: PanelApp, name: str) -> str:
+    return app._fields[name].render().plain
+
+
+def test_keys_set_and_changes_show(place: str) -> None:
+    robot = Robot()
+
+    async def work(app: PanelApp) -> None:
+        await until(lambda: "0.25 m/s" in row(app, "speed"))
+        app._fields["speed"].focus()
+        press(app, "right", "right")
+        await until(lambda: robot.speed == 0.75)
+        robot.speed = -1.0
+        await until(lambda: "-1 m/s" in row(app, "speed"))
+        press(app, "tab")
+        await until(lambda: app.focused is app._fields["is_on"])
+        press(app, "space")
+        await until(lambda: robot.is_on is False)
+        press(app, "down")
+        await until(lambda: app.focused is app._fields["mode"])
+        press(app, "right")
+        await until(lambda: robot.mode == "drive")
+        press(app, "down")
+        await until(lambda: app.focused is app._fields["title"])
+        press(app, "enter")
+        await until(lambda: len(app.screen.query(Input)) == 1)
+        app.screen.query_one(Input).value = 'a "b'
+        press(app, "enter")
+        await until(lambda: robot.title == 'a "b')
+        app._fields["arm.angle"].focus()
+        press(app, "end")
+        await until(lambda: robot.arm.angle == 1.5)
+        press(app, "enter")
+        await until(lambda: len(app.screen.query(Input)) == 1)
+        app.screen.query_one(Input).value = "9"
+        press(app, "enter")
+        await until(lambda: "bad-value: 9 is above 1.5" in row(app, "arm.angle"))
+        assert robot.arm.angle == 1.5
+
+    with rtkit.serve(robot, "robots/r1", is_on_zenoh=False):
+        run(work)
+
+
+def test_an_action_is_started_with_arguments_and_stopped(place: str) -> None:
+    robot = Robot()
+
+    async def work(app: PanelApp) -> None:
+        app._fields["wave"].focus()
+        press(app, "enter")
+        await until(lambda: len(app.screen.query(Input)) == 2)
+        first, second = app.screen.query(Input)
+        first.value, second.value = "3", "two words"
+        second.focus()
+        press(app, "enter")
+        await until(lambda: "running █████░░░░░ 50%" in row(app, "wave"))
+        assert robot.title == "3 two words"
+        press(app, "s")
+        await until(lambda: "stopped" in row(app, "wave"))
+
+    with rtkit.serve(robot, "robots/r1", is_on_zenoh=False):
+        run(work)
+
+
+def test_a_joystick_returns_when_it_is_left(place: str) -> None:
+    robot = Robot()
+
+    async def work(app: PanelApp) -> None:
+        stick = app._fields["velocity"]
+        assert stick.panel.kind == "joystick"
+        await until(lambda: stick.shown.value is not None)
+        stick.focus()
+        press(app, "up")
+        await until(lambda: robot.velocity[0] == 1.0)
+        app._fields["speed"].focus()
+        await until(lambda: robot.velocity == (0.0,) * 6)
+
+    with rtkit.serve(robot, "robots/r1", is_on_zenoh=False):
+        run(work)
+
+
+def test_the_panel_is_a_service(place: str) -> None:
+    robot = Robot()
+    heard: list[object] = []
+
+    async def work(app: PanelApp) -> None:
+        with rtkit.Client() as client:
+            await until(lambda: "0.25" in row(app, "speed"))
+            listening = client.listen("panel.input", lambda change: heard.append(change.value))
+            app._fields["speed"].focus()
+            press(app, "right")
+            await until(lambda: heard[-1:] == [("speed", 0.5)])
+            assert client.get("panel.focus") == "speed"
+            await until(lambda: client.get("panel.speed") == 0.5)
+            assert client.get("panel.type") == ("gui", "sensor")
+            client.set("panel.speed", -0.5)
+            await until(lambda: robot.speed == -0.5)
+            with pytest.raises(PropertyError, match="above"):
+                client.set("panel.speed", 5)
+            listening.close()
+
+    with rtkit.serve(robot, "robots/r1", is_on_zenoh=False):
+        run(work, "panel")
+
+
+def test_what_goes_looks_so_and_names_come_and_go(place: str) -> None:
+    async def work(app: PanelApp) -> None:
+        def state() -> str:
+            return str(app.query_one("#state", Static).render())
+
+        await until(lambda: "● live" in state())
+        first.owned(lambda: first.service.add("later", 3, "number"))
+        await until(lambda: "later" in app._fields)
+        first.close()
+        await until(lambda: "⊘ not there" in state())
+        assert "0.25" in row(app, "speed")
+        assert "⊘ gone" in row(app, "speed")
+        robot = Robot()
+        robot.speed = 0.5
+        with rtkit.serve(robot, "robots/r1", is_on_zenoh=False):
+            await until(lambda: "● live" in state() and "0.5 m/s" in row(app, "speed"))
+            await until(lambda: "later" not in app._fields)
+
+    first = rtkit.serve(Robot(), "robots/r1", is_on_zenoh=False)
+    run(work)
