@@ -74,6 +74,8 @@ class Gripper:
 class Slide(Chassis):
     """Carries the jaws, and turns them only where a marker tells a heading."""
 
+    dimensions = (0.05, 0.05, 0.1)
+
     def steer(self, far: float, bearing: float, seconds: float) -> Twist:
         """Return how to go to a point."""
         return (*super().steer(far, bearing, seconds)[:2], 0.0)
@@ -89,8 +91,7 @@ class Jaws(MobileRobot):
     """
 
     type = ("manipulator", "mobilerobot")  # type: ignore[assignment,misc]
-    _dimensions = (0.05, 0.05, 0.1)
-    _chassis_type = Slide
+    chassis_type = Slide
 
     def __init__(
         self, *, site: str = "switch", seed: int = 1, top_speed: float = 0.2, pace: float = 1.0
@@ -98,9 +99,5 @@ class Jaws(MobileRobot):
         self._table = TableWorld(table_of(site_named(site), seed=seed), pace)
         start = tuple(self._table.table.pose)
         super().__init__(world=self._table, body="jaws", start=start, top_speed=top_speed)
-
-    def _actuators(self) -> dict[str, Any]:
-        return {"gripper": Gripper(self._table)}
-
-    def _sensors(self, noise: float, seed: int) -> dict[str, Any]:
-        return {}
+        self.actuators = {"gripper": Gripper(self._table)}
+        self.sensors = {}

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import Annotated, Any
 
 import rtkit
 from rtkit.services import driving
 from rtkit.services.driving import Row
+from rtkit.services.frames import Frames
 from rtkit.services.running import Running, Twist
 
 STANDS: Twist = (0.0, 0.0, 0.0)
@@ -27,9 +28,9 @@ class Chassis:
         body: Its name there.
         start: Where it begins: x, y [m] and heading [rad].
         tops: How fast it goes and turns [m/s, rad/s].
-        size: Its radius and height [m].
 
     Attributes:
+        dimensions: Length, width and height [m].
         pose: Where it is: x, y [m] and heading [rad].
         velocity: How it moves [m/s, rad/s].
         running: The behaviour that was started last.
@@ -37,13 +38,14 @@ class Chassis:
         world: Where it is, while it is entered.
     """
 
+    dimensions = (0.3, 0.3, 0.3)
+
     def __init__(
         self,
         world: Any,
         body: str,
         start: tuple[float, float, float],
         tops: tuple[float, float],
-        size: tuple[float, float] = (0.15, 0.3),
     ) -> None:
         self.body = body
         self.pose = start
@@ -52,7 +54,7 @@ class Chassis:
         self.running: Running | None = None
         self.world: Any = None
         self._in = world
-        self._size = size
+        self._size = max(self.dimensions[:2]) / 2, self.dimensions[2]
         self._driven = STANDS
         self.trouble = ""
         self._still_s = 0.0
@@ -160,6 +162,10 @@ class Chassis:
     def carried(self, seconds: float) -> None:
         """Have what moves it follow where it went."""
 
+    def actuators(self, frames: Frames) -> dict[str, Any]:
+        """Return what moves it, by name, as objects that are served."""
+        return {}
+
     def steer(self, far: float, bearing: float, seconds: float) -> Twist:
         """Return how to go to a point that is so far off, at a bearing [m, rad]."""
         speed = min(self.tops[0], far * _GAIN, far / seconds)
@@ -198,9 +204,28 @@ class Wheels(Chassis):
         left, right = (a + s * seconds for a, s in zip(self.angles, self.speeds, strict=True))
         self.angles = left, right
 
+    def actuators(self, frames: Frames) -> dict[str, Any]:
+        """Return its wheels."""
+        return {"left": _Wheel(self, 0), "right": _Wheel(self, 1)}
+
     def steer(self, far: float, bearing: float, seconds: float) -> Twist:
         """Return how to go to a point: first turn to it."""
         if abs(bearing) > _TURNS_FIRST:
             return 0.0, 0.0, self._turn(bearing)
         speed = min(self.tops[0], far * _GAIN, far / seconds) * math.cos(bearing)
         return speed, 0.0, self._turn(bearing)
+
+
+class _Wheel:
+    """Wheel that turns as the robot went."""
+
+    def __init__(self, wheels: Wheels, side: int) -> None:
+        self._wheels, self._side = wheels, side
+
+    def get_angle(self) -> Annotated[float, rtkit.Unit("rad")]:
+        """Angle by which it has turned."""
+        return self._wheels.angles[self._side]
+
+    def get_speed(self) -> Annotated[float, rtkit.Unit("rad/s")]:
+        """Speed of its turning."""
+        return self._wheels.speeds[self._side]

@@ -111,6 +111,8 @@ class Legs(Chassis):
         feet: One for each of `LEGS`.
     """
 
+    dimensions = (0.4, 0.4, 0.12)
+
     def __init__(self, *args: Any, **named: Any) -> None:
         super().__init__(*args, **named)
         self._twist = STANDS
@@ -155,6 +157,10 @@ class Legs(Chassis):
             foot if foot.is_down else self._swung(leg, foot)
             for leg, foot in zip(LEGS, self.feet, strict=True)
         )
+
+    def actuators(self, frames: Frames) -> dict[str, Any]:
+        """Return its legs."""
+        return {leg.name: _LegActuator(self, frames, n) for n, leg in enumerate(LEGS)}
 
     def _swung(self, leg: Leg, foot: Foot) -> Foot:
         """Return a foot on its way to where it will be at rest in the midst of its stance."""
@@ -224,10 +230,4 @@ class _LegActuator:
 class LeggedRobot(MobileRobot):
     """Mobile robot with six legs: it goes into any direction, and turns."""
 
-    _dimensions = (0.4, 0.4, 0.12)
-    _chassis_type = Legs
-
-    def _actuators(self) -> dict[str, Any]:
-        legs = self._chassis
-        assert isinstance(legs, Legs)
-        return {leg.name: _LegActuator(legs, self._frames, n) for n, leg in enumerate(LEGS)}
+    chassis_type = Legs

@@ -39,8 +39,7 @@ class MobileRobot:
 
     type: Final = ("mobilerobot",)
     version: Final = "1.0"
-    _dimensions = (0.3, 0.3, 0.3)
-    _chassis_type = Chassis
+    chassis_type = Chassis
 
     def __init__(
         self,
@@ -56,13 +55,17 @@ class MobileRobot:
         resource: str = "resource",
     ) -> None:
         body = body or f"body{os.getpid()}x{next(_NUMBERS)}"
-        size = max(self._dimensions[:2]) / 2, self._dimensions[2]
         x, y, theta = map(float, start)
         tops = top_speed, top_turning
-        self._chassis = chassis = self._chassis_type(world, body, (x, y, theta), tops, size)
+        self._chassis = chassis = self.chassis_type(world, body, (x, y, theta), tops)
         self._frames = frames = Frames(service_lookup(resource), self.get_location)
-        self.actuators: dict[str, Any] = self._actuators()
-        self.sensors: dict[str, Any] = self._sensors(noise, seed)
+        self.actuators: dict[str, Any] = chassis.actuators(frames)
+        head = (0.1, 0.0, chassis.dimensions[2], 0.0, 0.0, 0.0)
+        self.sensors: dict[str, Any] = {
+            "laser": Laser(chassis, frames, ORIGIN, noise, seed),
+            "eye": Eye(chassis, frames, head, noise, seed),
+            "camera": Camera(chassis, frames, head),
+        }
         kinds = {"moveto": MoveTo, **loaded(behaviors)}
         self.behaviors: Final = behaviors_of(chassis, frames, kinds)
 
@@ -73,21 +76,13 @@ class MobileRobot:
     def __exit__(self, *_: object) -> None:
         self._chassis.leave()
 
-    def _actuators(self) -> dict[str, Any]:
-        return {}
-
-    def _sensors(self, noise: float, seed: int) -> dict[str, Any]:
-        at = (self._chassis, self._frames, (0.1, 0.0, self._dimensions[2], 0.0, 0.0, 0.0))
-        laser = Laser(self._chassis, self._frames, ORIGIN, noise, seed)
-        return {"laser": laser, "eye": Eye(*at, noise, seed), "camera": Camera(*at)}
-
     def get_status(self) -> str:
         """State: ready, moving, or waiting for its world and why."""
         return self._chassis.status
 
     def get_dimensions(self) -> Annotated[tuple[float, float, float], rtkit.Unit("m")]:
         """Length, width and height."""
-        return self._dimensions
+        return self._chassis.dimensions
 
     def get_location(self, frame: str = "world") -> Annotated[Six, rtkit.Unit("m")]:
         """Pose: x y z a b c."""
@@ -125,26 +120,7 @@ class MobileRobot:
             raise rtkit.PropertyError("unknown", f"there is none: {kind}.{name}")
 
 
-class _Wheel:
-    """Wheel that turns as the robot went."""
-
-    def __init__(self, wheels: Wheels, side: int) -> None:
-        self._wheels, self._side = wheels, side
-
-    def get_angle(self) -> Annotated[float, rtkit.Unit("rad")]:
-        """Angle by which it has turned."""
-        return self._wheels.angles[self._side]
-
-    def get_speed(self) -> Annotated[float, rtkit.Unit("rad/s")]:
-        """Speed of its turning."""
-        return self._wheels.speeds[self._side]
-
-
 class DifferentialRobot(MobileRobot):
     """Mobile robot with two driven wheels: it goes ahead, back, and turns."""
 
-    _chassis_type = Wheels
-
-    def _actuators(self) -> dict[str, Any]:
-        assert isinstance(self._chassis, Wheels)
-        return {"left": _Wheel(self._chassis, 0), "right": _Wheel(self._chassis, 1)}
+    chassis_type = Wheels
