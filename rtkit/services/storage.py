@@ -27,6 +27,8 @@ BLOCK = 1 << 20
 """The most that one request carries [bytes]."""
 MOST_UPLOADS = 16
 _MOST_SUMS = 1000
+_WHOLE = "/"
+"""The upload of a file that comes in one piece, beside which another one may go on."""
 UPLOAD_IDLE_S = 60.0
 _STEP_MS, _DEBOUNCE_MS = 20, 50
 _SURE_S = 2.0
@@ -265,7 +267,9 @@ class Storage(Names):
         if offset < 0 or length < -1:
             raise PropertyError("bad-parameter", "offset and length are not negative")
         path = self._path(name)
-        wanted = length if length >= 0 else self._files().status(path).st_size - offset
+        size = self._files().status(path).st_size
+        offset = min(offset, size)
+        wanted = min(length, size - offset) if length >= 0 else size - offset
         if wanted > BLOCK:
             text = f"{wanted} bytes: get blocks of at most {BLOCK}, ?offset=&length="
             raise PropertyError("too-large", text)
@@ -291,8 +295,8 @@ class Storage(Names):
         """See `rtkit.Names.set`: a whole file, a block of one, none any more, or a directory.
 
         Raises:
-            PropertyError: ``denied``: no file may be called so; ``too-large``, ``conflict``,
-                ``checksum``-like ``bad-value``.
+            PropertyError: ``denied``: no file may be called so; ``too-large``; ``conflict``: it is
+                not the next block; ``bad-value``: the SHA-256 is another one.
         """
         with self._lock:
             if delete:
@@ -311,8 +315,10 @@ class Storage(Names):
             if directory:
                 self._files().make(path)
                 return
+            if offset < -1 or size < -1:
+                raise PropertyError("bad-parameter", "offset and size are not negative")
             if offset < 0:
-                offset, size, upload = 0, len(value), ""
+                offset, size, upload = 0, len(value), _WHOLE
             self._put((name, upload), path, value, (offset, size), sha256)
 
     def _put(

@@ -204,7 +204,14 @@ def test_a_large_file_goes_in_blocks(files: Files, root: Path) -> None:
     size = int(str(files.get("big.bin.meta.size")))
     blocks = [files.get(f"big.bin?offset={at}&length={BLOCK}") for at in range(0, size, BLOCK)]
     assert b"".join(map(bytes, blocks)) == data  # type: ignore[arg-type]
-    assert files.get(f"big.bin?offset={size}&length=5") == b""
+    for far in (size, size + 1, 1 << 70):
+        assert files.get(f"big.bin?offset={far}&length=5") == b""
+    assert files.get(f"big.bin?offset={size - 3}&length={1 << 70}") == data[-3:]
+    for wrong in ("offset=-1", "length=-2", "offset=x"):
+        assert files.code(f"big.bin?{wrong}") == "bad-parameter"
+    for wrong in ("offset=-2", "offset=0", "offset=0&size=-2", "offset=1e9", "size=-7"):
+        assert files.code(f"big.bin?{wrong}", b"x") == "bad-parameter"
+    assert files.code(f"big.bin?offset=0&size={1 << 70}", b"x") == "too-large"
     assert hashlib.sha256(data).hexdigest() in str(files.get("big.bin.meta.sha256"))
     assert not left(root)
 
@@ -223,6 +230,10 @@ def test_an_upload_that_ends_half_way_leaves_the_file_as_it_was(files: Files, ro
     assert files.get("f") == b"old"
     assert not left(root)
     assert files.code("f?offset=8", b"90") == "conflict"
+    files.set("f?offset=0&size=3", b"1")
+    files.set("f", b"whole")
+    files.set("f?offset=1&size=3", b"23")
+    assert files.get("f") == b"123"
     files.set("f?offset=0&size=10&upload=mine", b"12345")
     files.set("f?offset=0&size=10&upload=yours", b"abcde")
     files.set("f?offset=5&upload=mine", b"67890")
