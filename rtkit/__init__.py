@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from rtkit.property.names import Names
     from rtkit.property.presenting import Choices, Gui
     from rtkit.property.values import Element, Word
-    from rtkit.proxy.mounts import Mount
+    from rtkit.proxy.mounts import Mount, mounts
     from rtkit.version import __version__
     from rtkit.wires.serve import serve
 
@@ -59,6 +59,7 @@ _HOMES = {
     "connect": "rtkit.api.connect",
     "init_of": "rtkit.api.hosting",
     "load": "rtkit.api.system_profiles",
+    "mounts": "rtkit.proxy.mounts",
     "run": "rtkit.by_hand",
     "serve": "rtkit.wires.serve",
 }
@@ -88,6 +89,7 @@ __all__ = [
     "connect",
     "init_of",
     "load",
+    "mounts",
     "run",
     "serve",
 ]

@@ -3,7 +3,7 @@
 A mount is a relay of its own behind a prefix. Requests about several owners, listings and bulk GETs
 above the mounts, are put together here; the object itself answers for what is its own.
 
-See decision 27 for relays.
+See decisions 27 and 65.
 """
 
 from __future__ import annotations
@@ -73,6 +73,11 @@ class Mount(MountPoint):
             RtkitError: It is not there.
         """
         return source_of(self.target, "/", WireSettings(host, self.timeout_s)).connect()
+
+
+def mounts(**targets: str) -> dict[str, Mount]:
+    """Return mounts to be served, by name: ``rtserve rtkit:mounts all -a r1=robots/r1``."""
+    return {name: Mount(target) for name, target in targets.items()}
 
 
 class _Mounted:
@@ -278,16 +283,16 @@ def _joined(
     """Return one listing of what several owners have; one that fails is named with its error."""
     entries: dict[str, Value] = {}
     for owner, reply in gathered.items():
+        name = "" if owner is None else owner.name[len(place) :]
+        if name and "values" in target.parameters:
+            entries.pop(name, None)  # the mount point itself has no value
         if reply.error:
             if owner is None or wanted is not None:
                 return reply
             if "values" in target.parameters:
-                name = owner.name[len(place) :]
                 error = Element("error", {"code": reply.error}, (), str(reply.payload))
                 entries[name] = (as_value(name), error)
             continue
-        if owner is not None and "values" in target.parameters:
-            entries.pop(owner.name[len(place) :], None)  # the mount point itself has no value
         for item in _group(str(reply.payload)):
             head = item[0] if isinstance(item, tuple) and item else item
             entries.setdefault(str(head), item)
