@@ -35,6 +35,8 @@ from rtkit.wires.wire import WireSettings
 _LISTED = "properties"
 _OWN = frozenset({"meta", "gui", "parameters", "history"})
 """Extensions of the mount point itself, which its owner has no name for."""
+_OF_TREE = frozenset({"rtc", "mgr"})
+"""Endings of names in the tree, behind which no place begins."""
 _LISTING_S = 2.0
 """How long the owners of a listing are waited for [s]."""
 _HOP_S = 0.1
@@ -49,7 +51,8 @@ class Mount(MountPoint):
     attributes do that hold them.
 
     Args:
-        target: A service, a component's path, or the address of a service (``rtkit help wires``).
+        target: A service, or a place in one (``line.7``), a component's path, or the address of a
+            service (``rtkit help wires``).
         timeout_s: Bound on each attempt to connect [s].
         has_value: The name itself is not that owner's, only what is below.
     """
@@ -58,6 +61,9 @@ class Mount(MountPoint):
         self.target = target
         self.has_value = has_value
         self.timeout_s = timeout_s
+        service, _, place = target.partition(".")
+        is_whole = ":" in target or target.startswith("/") or place.partition(".")[0] in _OF_TREE
+        self._owner, self.place = (target, "") if is_whole else (service, place)
 
     def __repr__(self) -> str:
         return f"Mount({self.target!r})"
@@ -72,7 +78,7 @@ class Mount(MountPoint):
         Raises:
             RtkitError: It is not there.
         """
-        return source_of(self.target, "/", WireSettings(host, self.timeout_s)).connect()
+        return source_of(self._owner, "/", WireSettings(host, self.timeout_s)).connect()
 
 
 def mounts(**targets: str) -> dict[str, Mount]:
@@ -93,7 +99,7 @@ class _Mounted:
         self.relay = Relay(
             host,
             partial(mount.connect, host),
-            names=PrefixedNames(name),
+            names=PrefixedNames(name, mount.place),
             allowed=Allowed(("*",)),
             on_status=self._known,
             id=id,

@@ -20,13 +20,15 @@ class PrefixedNames:
 
     Args:
         prefix: Parts joined by dots; empty for none.
+        place: Part of the owner that is meant, by its name there; empty for all of it.
 
     Raises:
         PropertyError: The prefix is no name.
     """
 
-    def __init__(self, prefix: str = "") -> None:
+    def __init__(self, prefix: str = "", place: str = "") -> None:
         self.prefix = canonical(prefix) if prefix else ""
+        self._place = f"{canonical(place)}." if place else ""
         self._inner = [""]
         for part in self.prefix.split("."):
             self._inner.append(f"{self._inner[-1]}.{part}".lstrip("."))
@@ -41,14 +43,15 @@ class PrefixedNames:
         if not prefix:
             return name
         if name == prefix:
-            return _LISTED
+            return self._place + _LISTED
         if name.startswith(f"{prefix}."):
-            return name[len(prefix) + 1 :]
+            return self._place + name[len(prefix) + 1 :]
         raise PropertyError("unknown", f"no such property: {name}")
 
     def outward(self, name: str) -> str:
         """Return how is called here what the owner calls `name`."""
-        return f"{self.prefix}.{name}" if self.prefix else name
+        inner = f"{name}."[len(self._place) :].rstrip(".")
+        return f"{self.prefix}.{inner}".rstrip(".") if self.prefix else name
 
     def above(self, name: str) -> str | None:
         """Return the inner name above the prefix whose names `name` asks for, None if it is none.

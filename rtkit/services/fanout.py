@@ -127,7 +127,10 @@ class Members:
 
     def _learn(self, due: Sequence[str]) -> None:
         with suppress(rtkit.PropertyError):  # the group has ended
-            values, _ = self._ask(dict.fromkeys(due, ()), "properties", {"all": 1}, _AGAIN_S)
+            given: Mapping[str, tuple[Any, ...]] = dict.fromkeys(due, ())
+            values, failures = self._ask(given, "properties", {"all": 1}, _AGAIN_S)
+            small = {each.name: () for each in failures if each.code == "bad-parameter"}
+            values |= self._ask(small, "properties", {}, _AGAIN_S)[0]
             with self._lock:
                 for each in self._targets.keys() & values.keys():
                     names = map(str, values[each])

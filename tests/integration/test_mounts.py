@@ -124,6 +124,24 @@ def test_listings_and_bulk_requests_span_the_owners(place: str, client: rtkit.Cl
         assert client.get("g.size") == 3
 
 
+def test_a_place_in_a_service_is_mounted_too(place: str, client: rtkit.Client) -> None:
+    with serve({"a": Robot(1), "b": {"c": Robot(2)}}, "r"), serve(Group(x="r.a", y="r.b.c"), "g"):
+        assert client.get("g.robots.x") == ("jump", "x", "arm", "seen")
+        assert client.get("g.robots.y.properties", all=1) == client.get("r.b.c.properties", all=1)
+        client.set("g.robots.y.arm.angle", 0.75)
+        assert client.get("r.b.c.arm.angle") == client.get("g.robots.y.arm.angle") == 0.75
+        assert code(lambda: client.get("g.robots.x.c")) == "unknown"
+        changes: SimpleQueue[object] = SimpleQueue()
+        note = lambda change: changes.put(change.value)  # noqa: E731
+        with client.listen("g.robots.y.x", note):
+            assert changes.get(timeout=_BOUND_S) == 2
+            client.set("r.b.c.x", 3)
+            assert changes.get(timeout=_BOUND_S) == 3
+        with client.listen("g.robots.y.properties", note):
+            assert changes.get(timeout=_BOUND_S) == client.get("r.b.c.properties")
+        assert client.get("g.robots.x.x.meta.type") == "number"
+
+
 def test_while_an_owner_is_away_its_names_say_so_and_listening_goes_on_later(
     place: str, client: rtkit.Client
 ) -> None:

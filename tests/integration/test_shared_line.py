@@ -19,9 +19,12 @@ from serialkit import Cable, build_device, noise
 from small_profile import small_rows
 from waiting import until
 
+import rtkit
 from rtkit.errors import Malformed, Unreachable
+from rtkit.link import places
 from rtkit.property.messages import Answer, PropertyEvent
 from rtkit.proxy.bridge import bridge
+from rtkit.services.group import Group
 from rtkit.wires.line.client import connect_unix
 from rtkit.wires.serial.client import connect_serial
 from rtkit.wires.serial.shared_line import SharedLine
@@ -197,6 +200,25 @@ def test_a_proxy_stands_for_the_whole_line(built: Path, cable: Cable, place: str
         cable.plug(cable.near)
         until(lambda: client.ask("4.count?echo", "9").error == "", "it is back")
         until(lambda: (told := client.event(BOUND_S)) is not None and told.payload == "9", "")
+
+
+def test_devices_of_a_line_are_members_of_a_group(built: Path, cable: Cable, place: str) -> None:
+    path = f"unix:{places.service_socket('line')}"
+    group = Group(robots="line.1 line.2 line.3", deadline=5.0)
+    with (
+        devices(built, cable, "1", "3"),
+        bridge(f"serial:{cable.near}?address=1-3", path, allow_set=["*"]),
+        serve(group, "swarm", is_on_zenoh=False),
+        rtkit.Client(BOUND_S) as client,
+    ):
+        client.set("swarm.speed", 0.25)
+        assert [client.get(f"line.{each}.speed") for each in (1, 2, 3)] == [0.25] * 3
+        client.set("swarm.robots.2.speed", 1.0)
+        assert client.get("swarm.speed") == 0.5
+        assert client.get("swarm.robots.2.arm.angle") == 3
+        client.set("swarm.groups.few", "(1 3)")
+        client.set("swarm.groups.few.speed", 0.0)
+        assert dict(client.get("swarm.speed", form="list")) == {"1": 0.0, "2": 1.0, "3": 0.0}
 
 
 def test_a_line_that_is_gone_is_said(built: Path, cable: Cable) -> None:
