@@ -424,9 +424,7 @@ class Vision(Sensor, rtkit.Names):
     def _picture_of(self, source: str) -> bytes:
         if self._client is None:
             self._client = rtkit.Client()
-        found = self._client.get(source)
-        if not isinstance(found, bytes):
-            raise rtkit.PropertyError("bad-value", f"no picture: {source}")
+        found: bytes = self._client.get_bytes(source)
         return found
 
 

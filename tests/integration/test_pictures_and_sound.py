@@ -121,6 +121,10 @@ def test_vision_processes_the_pictures_of_another_service(client: rtkit.Client) 
             assert at(client) == pytest.approx(100, abs=1)
             eye.image = picture(400)
             until(lambda: abs(at(client) - 400) < 1, "it follows")
+            grain = np.random.default_rng(1).integers(0, 99, (900, 1200, 3)).astype(np.uint8)
+            eye.image = encode(grain, "png")
+            assert len(eye.image) > 2_000_000  # more than one message holds
+            until(lambda: size_of(client.get("vision.image")) == (1200, 900), "it follows")
             eye.image = b"\xff\xd8 damaged"
             until(lambda: _code(client, "vision.markers") == "bad-value", "it says so")
         until(lambda: _code(client, "vision.markers") == "no-service", "its source has gone")

@@ -99,15 +99,35 @@ def viewer(served: ServedObject, query: str, accept: str = "image/*,*/*") -> Ite
             yield answer
 
 
-def part(stream: HTTPResponse) -> tuple[str, bytes]:
-    """Return type and content of the next part, and the boundary that shows it at once."""
-    kind = stream.readline().decode().removeprefix("Content-Type: ").strip()
-    length = int(stream.readline().removeprefix(b"Content-Length: "))
-    assert stream.readline() == b"\r\n"
-    content = stream.read(length)
-    assert stream.readline() == b"\r\n"
-    assert stream.readline() == b"--rtkit-part\r\n"
-    return kind, content
+class Parts:
+    """Parts of a stream; each is there as soon as the head of the next one is."""
+
+    def __init__(self, stream: HTTPResponse) -> None:
+        kind, _, mark = stream.headers["Content-Type"].partition("; boundary=")
+        assert kind == "multipart/x-mixed-replace"
+        self._stream, self._mark = stream, f"--{mark}\r\n".encode()
+        assert self._content() == b""
+        self._kind = self._head()
+
+    def __call__(self) -> tuple[str, bytes]:
+        """Return type and content of the next part that is not empty."""
+        while True:
+            kind, content = self._kind, self._content()
+            self._kind = self._head()
+            if content:
+                return kind, content
+
+    def _content(self) -> bytes:
+        lines = []
+        while (line := self._stream.readline()) != self._mark:
+            assert line
+            lines.append(line)
+        return b"".join(lines).removesuffix(b"\r\n")
+
+    def _head(self) -> str:
+        kind = self._stream.readline().decode().removeprefix("Content-Type: ").strip()
+        assert self._stream.readline() == b"\r\n"
+        return kind
 
 
 @pytest.mark.parametrize(
@@ -118,20 +138,19 @@ def test_pictures_are_streamed_as_parts(
     served: ServedObject, source: Source, query: str, accept: str
 ) -> None:
     with viewer(served, query, accept) as stream:
-        kind = stream.headers["Content-Type"]
-        assert kind == "multipart/x-mixed-replace; boundary=rtkit-part"
-        assert stream.readline() == b"--rtkit-part\r\n"
-        assert part(stream) == ("image/jpeg", JPEG)
-        source.publish("image", b"\x89PNG\r\n\x1a\n--rtkit-part\r\n")
-        assert part(stream) == ("image/png", b"\x89PNG\r\n\x1a\n--rtkit-part\r\n")
+        part = Parts(stream)
+        assert part() == ("image/jpeg", JPEG)
+        source.publish("image", JPEG + b"2")
+        assert part() == ("image/jpeg", JPEG + b"2")
+        source.publish("image", b"\x89PNG\r\n\x1a\n--rtkit\r\n")
+        assert part() == ("image/png", b"\x89PNG\r\n\x1a\n--rtkit\r\n")
         source.publish("image", b"<svg>")
-        assert part(stream) == ("application/octet-stream", b"<svg>")
+        assert part() == ("application/octet-stream", b"<svg>")
 
 
 def test_values_are_streamed_as_parts_of_text(served: ServedObject) -> None:
     with viewer(served, "text?stream") as stream:
-        stream.readline()
-        assert part(stream) == ("text/plain; charset=utf-8", b'"one"')
+        assert Parts(stream)() == ("text/plain; charset=utf-8", b'"one"')
 
 
 def test_one_picture_says_what_it_is(served: ServedObject) -> None:
@@ -158,15 +177,14 @@ def test_a_viewer_that_does_not_read_gets_the_latest_and_delays_nobody(
 ) -> None:
     frames = [JPEG + b"%06d" % each + bytes(300_000) for each in range(120)]
     with viewer(served, "image?stream") as slow, viewer(served, "image?stream") as quick:
-        for stream in (slow, quick):
-            assert stream.readline()
-            part(stream)
+        late, early = Parts(slow), Parts(quick)
+        assert late() == early()
         for frame in frames:
             source.publish("image", frame)
-            assert part(quick)[1] == frame  # the quick one has each, at once
+            assert early()[1] == frame  # the quick one has each, at once
         seen = []
         while not seen or seen[-1] != frames[-1]:
-            seen.append(part(slow)[1])
+            seen.append(late()[1])
         order = [frames.index(each) for each in seen]
         assert order == sorted(order)
         assert len(seen) < len(frames) / 2
@@ -174,7 +192,6 @@ def test_a_viewer_that_does_not_read_gets_the_latest_and_delays_nobody(
 
 def test_a_viewer_that_goes_is_forgotten(served: ServedObject, source: Source) -> None:
     with viewer(served, "image?stream") as stream:
-        stream.readline()
-        part(stream)
+        assert Parts(stream)()
         assert served.service.listeners.is_any
     until(lambda: not served.service.listeners.is_any, "the viewer is forgotten")

@@ -30,7 +30,7 @@ from rtkit.wires.http.client import DEADLINE
 from rtkit.wires.http.events import SseProgress, write_refused, write_sse
 from rtkit.wires.http.guard import Guard, stranger
 from rtkit.wires.http.pages import POLICY, framed, page
-from rtkit.wires.http.parts import BOUNDARY, PARTS, as_parts, write_part
+from rtkit.wires.http.parts import PARTS, PartWriter, as_parts
 from rtkit.wires.http.request import EVENTS, METHODS, HttpRequest, Response, failure
 from rtkit.wires.line.login import PATIENCE_S
 
@@ -133,7 +133,9 @@ class HttpConnection(SocketClient):
                 self.close()
         elif self.is_stream:
             is_quiet = not self._out and now - self._moved_at > HEARTBEAT_S
-            if is_quiet and self._written is not write_part:  # between parts nothing can be said
+            if is_quiet and not isinstance(
+                self._written, PartWriter
+            ):  # between parts nothing can be said
                 self._stream(b":\n\n")
                 self._send()
         elif self._is_asked or self._out:
@@ -255,7 +257,7 @@ class HttpConnection(SocketClient):
             elif is_get and EVENTS in self._headers.get("accept", ""):
                 self._open_stream(asked)
             elif is_get and (parts := as_parts(asked, self._headers.get("accept", ""))):
-                self._open_stream(parts, write_part)
+                self._open_stream(parts, PartWriter())
             else:
                 self._ask_service(asked, uri, is_get=is_get)
         except PropertyError as error:
@@ -342,8 +344,8 @@ class HttpConnection(SocketClient):
             self._respond(failure(reply.error, str(reply.payload)))
         else:
             self.is_stream = True
-            is_parts = self._written is write_part
-            media, begin = (PARTS, BOUNDARY) if is_parts else (EVENTS, b"retry: 1000\n\n")
+            is_parts = isinstance(self._written, PartWriter)
+            media, begin = (PARTS, b"") if is_parts else (EVENTS, b"retry: 1000\n\n")
             kind = [("Content-Type", media), ("Connection", "close"), *_ALWAYS]
             self._out += self._http.send(h11.Response(status_code=200, headers=kind)) or b""
             self._stream(begin)
