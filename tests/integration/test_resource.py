@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import random
 import signal
 import subprocess
 import sys
@@ -31,9 +32,12 @@ class Light:
         return 20.0 + self.level
     def slow(self, seconds: float):
         self._slow_s = seconds
-served = [rtkit.serve(Light(int(x)), f"lights/l{x}", is_on_zenoh=False) for x in sys.argv[1:]]
+served = {x: rtkit.serve(Light(int(x)), f"lights/l{x}", is_on_zenoh=False) for x in sys.argv[1:]}
 print("up", flush=True)
-sys.stdin.read()
+for line in sys.stdin:
+    for x in line.split():
+        served[x].close()
+    print("closed", flush=True)
 """
 
 
@@ -48,6 +52,13 @@ class Lights:
         )
         assert self.process.stdout is not None
         assert self.process.stdout.readline() == b"up\n"
+
+    def close_some(self, places: Sequence[int]) -> None:
+        assert self.process.stdin is not None
+        assert self.process.stdout is not None
+        self.process.stdin.write(f"{' '.join(map(str, places))}\n".encode())
+        self.process.stdin.flush()
+        assert self.process.stdout.readline() == b"closed\n"
 
     def kill(self) -> None:
         self.process.kill()
@@ -179,7 +190,7 @@ def test_requests_are_passed_on_only_where_that_is_allowed(client: rtkit.Client)
 
 
 def test_what_is_on_the_list_is_started_also_by_a_search(client: rtkit.Client) -> None:
-    program = _LIGHTS.replace("sys.stdin.read()", "time.sleep(60)")
+    program = _LIGHTS.replace("in sys.stdin", "in iter(lambda: time.sleep(60), 1)")
     command = f"light {sys.executable} -c '{program}' 7"
     with served(Resource(period=0.2, starts=(command, "broken false"))) as it:
         assert client.get("resource.search", type="light") == ()
@@ -199,3 +210,44 @@ def test_frames_have_names(client: rtkit.Client) -> None:
         client.set("resource.frames.hall", (0, 0, 0, 0, 0, 1))
         assert client.get("resource.frames") == ("kitchen", "hall")
         assert code(lambda: client.set("resource.frames.hall", (1, 2))) == "bad-value"
+
+
+@pytest.mark.parametrize(
+    ("processes", "each", "killed"),
+    [
+        (4, 10, "endpoints"),
+        pytest.param(10, 50, "endpoints", marks=pytest.mark.campaign),
+        pytest.param(10, 50, "process", marks=pytest.mark.campaign),
+    ],
+)
+def test_of_many_services_a_tenth_is_killed_at_random_and_named_in_a_second(
+    processes: int, each: int, killed: str, client: rtkit.Client
+) -> None:
+    """A killed endpoint is one that is no more: its socket refuses, or is gone."""
+    count = processes * each
+    lights = [Lights(range(at, at + each)) for at in range(0, count, each)]
+    chance = random.Random(count)
+    with served(Resource()):
+        until(lambda: len(client.get("resource.search", type="light")) == count)
+        until(lambda: len(client.get("resource.search", where="level >= 0")) == count)
+        gone = set(chance.sample(range(count), count // 10))
+        if killed == "process":
+            at = chance.randrange(processes)
+            gone = set(range(at * each, (at + 1) * each))
+            lights[at].kill()
+        else:
+            for at, light in enumerate(lights):
+                light.close_some([x for x in gone if x // each == at])
+        began = monotonic()
+        answer = client.get("resource.search", type="light", where="level >= 0", failed=1)
+        took = monotonic() - began
+        found = {name for name in answer if isinstance(name, str)}
+        named = {str(each.leaf) for each in answer if not isinstance(each, str)}
+        assert took < 1.0
+        assert found == {f"lights/l{x}" for x in range(count) if x not in gone}
+        assert named == {f"lights/l{x}" for x in gone}
+        until(lambda: len(client.get("resource.search", type="light")) == count - len(gone))
+        assert monotonic() - began < 4.0
+        for at, light in enumerate(lights):
+            if killed == "endpoints" or at * each not in gone:
+                light.close()
