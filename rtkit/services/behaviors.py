@@ -129,6 +129,8 @@ def loaded(words: str) -> dict[str, Callable[..., Any]]:
     for word in words.split():
         name, _, place = word.partition("=")
         module, _, attribute = place.partition(":")
+        if not (name and module and attribute):
+            raise rtkit.PropertyError("bad-value", f"no behaviour {word}: it is NAME=MODULE:CLASS")
         try:
             found[name] = getattr(import_module(module), attribute)
         except (ImportError, AttributeError, ValueError) as error:

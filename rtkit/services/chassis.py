@@ -64,9 +64,10 @@ class Chassis:
         self.world = driving.enlist(self, self._in)
         try:
             self.world.join(self.body, self.pose, *self._size)
-        except rtkit.PropertyError as error:
-            self.lost(error)  # a world that comes later is entered then
-        except BaseException:
+        except BaseException as error:
+            if getattr(error, "code", "") in ("no-service", "timeout", "busy"):
+                self.lost(error)  # a world that comes later is entered then
+                return
             driving.discharge(self, self._in)
             raise
 
@@ -142,7 +143,7 @@ class Chassis:
         self.velocity = (cos * dx + sin * dy, cos * dy - sin * dx, 2 * half / seconds)
         self.carried(seconds)
 
-    def lost(self, error: Exception) -> None:
+    def lost(self, error: BaseException) -> None:
         """Take that the world does not answer."""
         self.trouble = str(error)
         self.velocity = STANDS

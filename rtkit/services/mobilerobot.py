@@ -7,6 +7,7 @@ import os
 from typing import Annotated, Any, Final, Literal
 
 import rtkit
+from rtkit.errors import Malformed
 from rtkit.services.behaviors import MoveTo, behaviors_of, loaded
 from rtkit.services.chassis import Chassis, Wheels
 from rtkit.services.frames import ORIGIN, Frames, pose_of, service_lookup, transform
@@ -55,8 +56,10 @@ class MobileRobot:
         resource: str = "resource",
     ) -> None:
         body = body or f"body{os.getpid()}x{next(_NUMBERS)}"
+        if len(start) != 3 or not (top_speed > 0 < top_turning):
+            raise Malformed("start is x, y and heading; top_speed and top_turning are more than 0")
         x, y, theta = map(float, start)
-        tops = top_speed, top_turning
+        tops = float(top_speed), float(top_turning)
         self._chassis = chassis = self.chassis_type(world, body, (x, y, theta), tops)
         self._frames = frames = Frames(service_lookup(resource), self.get_location)
         self.actuators: dict[str, Any] = chassis.actuators(frames)

@@ -74,7 +74,9 @@ class HomeWorld:
     status: Final = "ready"
 
     def __init__(self, *, file: str = "", pace: float = 1.0) -> None:
-        self.pace: Final = pace
+        self.pace: Final = float(pace)
+        if not 0 <= self.pace < math.inf:
+            raise Malformed(f"pace is 0 or more, not {pace}")
         self.objects: dict[str, rtkit.Marker] = {}
         self.rooms: dict[str, tuple[tuple[float, float], ...]] = {}
         self.bodies: dict[str, Standing] = {}
@@ -85,7 +87,10 @@ class HomeWorld:
 
     def __enter__(self) -> HomeWorld:
         if self._file:
-            self._read(json.loads(Path(self._file).read_text("utf-8")))
+            try:
+                self._read(json.loads(Path(self._file).read_text("utf-8")))
+            except (ValueError, TypeError, AttributeError, Malformed) as error:
+                raise InvalidDocument(f"{self._file}: {error}") from error
         return self
 
     def __exit__(self, *_: object) -> None:
@@ -93,15 +98,19 @@ class HomeWorld:
 
     def _read(self, document: Mapping[str, Any]) -> None:
         if unknown := document.keys() - {"walls", "rooms", "objects"}:
-            raise InvalidDocument(f"{self._file}: no such key: {' '.join(sorted(unknown))}")
-        walls = document.get("walls", ())
-        polygons = [Polygon(**w) if isinstance(w, dict) else Polygon(w) for w in walls]
-        self._scene = Scene(polygons)
-        self.rooms = {name: Polygon(ring).outer for name, ring in document.get("rooms", {}).items()}
-        self.objects = {
-            name: rtkit.Marker(**{"id": name, "frame": "world", **parts})
-            for name, parts in document.get("objects", {}).items()
-        }
+            raise Malformed(f"no such key: {' '.join(sorted(unknown))}")
+        polygons = [
+            Polygon(**wall) if isinstance(wall, dict) else Polygon(wall)
+            for wall in document.get("walls", ())
+        ]
+        rooms = {name: Polygon(ring).outer for name, ring in document.get("rooms", {}).items()}
+        objects = {}
+        for name, parts in document.get("objects", {}).items():
+            try:
+                objects[name] = rtkit.Marker(**{"id": name, "frame": "world", **parts})
+            except (TypeError, rtkit.PropertyError) as error:
+                raise Malformed(f"objects.{name}: {error}") from error
+        self._scene, self.rooms, self.objects = Scene(polygons), rooms, objects
 
     # bodies
 

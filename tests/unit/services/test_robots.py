@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+import json
 import math
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack
+from pathlib import Path
 from typing import Any
 
 import pytest
 
 import rtkit
+from rtkit.errors import InvalidDocument, Malformed, Refused
 from rtkit.services import driving
 from rtkit.services.legged import LeggedRobot
 from rtkit.services.mobilerobot import DifferentialRobot, MobileRobot
@@ -297,3 +300,51 @@ def test_a_robot_says_that_its_world_is_gone_and_goes_on_when_it_is_back(enter: 
     go(robot)
     assert robot.get_status() == "ready"
     assert state(robot) == "done"
+
+
+@pytest.mark.parametrize(
+    ("text", "why"),
+    [
+        ("{", "home.json: Expecting"),
+        ("[]", "home.json: "),
+        ('{"wals": []}', "no such key: wals"),
+        ('{"walls": [[1, 2]]}', "corners are pairs"),
+        ('{"walls": [{"outr": []}]}', "outr"),
+        ('{"objects": {"ball": {"color": [1, 0, 0]}}}', "objects.ball: .*location"),
+        ('{"objects": {"ball": {"location": [1]}}}', "objects.ball: .*"),
+    ],
+)
+def test_a_home_that_cannot_be_read_is_refused_with_its_place(
+    tmp_path: Path, text: str, why: str
+) -> None:
+    file = tmp_path / "home.json"
+    file.write_text(text)
+    with pytest.raises(InvalidDocument, match=why), HomeWorld(file=str(file)):
+        pass
+
+
+def test_a_home_has_rooms_that_are_dark_while_no_light_is_on(tmp_path: Path) -> None:
+    lamp = {"type": "light", "location": [1, 1, 2], "on": False}
+    square = [[0, 0], [2, 0], [2, 2], [0, 2]]
+    file = tmp_path / "home.json"
+    file.write_text(json.dumps({"rooms": {"hall": square}, "objects": {"lamp": lamp}}))
+    with HomeWorld(file=str(file)) as home:
+        assert (home.get_room((1, 1)), home.get_room((3, 1))) == ("hall", "")
+        dark = home.get_image((0.5, 0.5, 1, 0), 32, 24)
+        assert (home.get_light((1, 1)), home.get_light((3, 1))) == (0.25, 1.0)
+        home.objects["lamp"] = home.objects["lamp"].with_(on=True)
+        assert home.get_light((1, 1)) == 1.0
+        assert home.get_image((0.5, 0.5, 1, 0), 32, 24) != dark
+
+
+@pytest.mark.parametrize("given", [{"start": (1, 2)}, {"top_speed": 0}, {"top_turning": -1}])
+def test_what_no_robot_can_be_is_refused(given: dict[str, Any]) -> None:
+    with pytest.raises(Malformed, match="more than 0"):
+        DifferentialRobot(**given)
+
+
+def test_a_robot_that_would_begin_in_a_wall_is_refused(home: HomeWorld) -> None:
+    wall(home, (-1, -1), (1, -1), (1, 1), (-1, 1))
+    with pytest.raises(Refused, match="in a wall"), DifferentialRobot(world=home):
+        pass
+    assert driving._CREWS == {}
