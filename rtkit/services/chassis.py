@@ -58,9 +58,13 @@ class Chassis:
         self._driven = STANDS
         self.trouble = ""
         self._still_s = 0.0
+        self._entered = 0
 
     def enter(self) -> None:
-        """Appear in the world, and be moved there from now on."""
+        """Appear in the world, and be moved there from now on; who is there already stays."""
+        self._entered += 1
+        if self._entered > 1:
+            return
         self.world = driving.enlist(self, self._in)
         try:
             self.world.join(self.body, self.pose, *self._size)
@@ -68,11 +72,15 @@ class Chassis:
             if getattr(error, "code", "") in ("no-service", "timeout", "busy"):
                 self.lost(error)  # a world that comes later is entered then
                 return
+            self._entered = 0
             driving.discharge(self, self._in)
             raise
 
     def leave(self) -> None:
-        """Vanish from the world."""
+        """Vanish from the world, once for each time that it was entered."""
+        self._entered -= 1
+        if self._entered:
+            return
         self.halt()
         try:
             self.world.leave(self.body)

@@ -266,6 +266,9 @@ def test_a_robot_that_leaves_is_gone_and_its_thread_ends(home: HomeWorld) -> Non
         assert len({id(crew) for crew in driving._CREWS.values()}) == 1
     assert home.bodies == {}
     assert driving._CREWS == {}
+    with robot, robot:  # served by two
+        assert len(next(iter(driving._CREWS.values())).robots) == 1
+    assert (home.bodies, driving._CREWS) == ({}, {})
 
 
 def test_a_world_that_was_begun_anew_is_entered_anew(home: HomeWorld, enter: Make) -> None:
