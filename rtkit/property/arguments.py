@@ -6,14 +6,12 @@ import inspect
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from rtkit.property.annotations import bare, choices_of, extra_of, hints_of_function, type_of
+from rtkit.property.annotations import hints_of_function, spec_of
 from rtkit.property.codes import PropertyError
 from rtkit.property.conversion import to_value
 from rtkit.property.fitting import from_value
 from rtkit.property.members import Member, is_data
-from rtkit.property.presenting import Choices
 from rtkit.property.property_spec import RequestParameter
-from rtkit.property.types import parse_type
 from rtkit.property.values import Value
 
 Taken = Mapping[str, tuple[tuple[RequestParameter, ...], dict[str, Any]]]
@@ -66,7 +64,7 @@ def arguments_of(
         return None, {}
     named = [each for each in parameters if each.kind != each.VAR_KEYWORD]
     declared = tuple(_parameter(each, hints.get(each.name)) for each in named)
-    return declared, {name: bare(hint) for name, hint in hints.items()}
+    return declared, hints
 
 
 def _parameter(parameter: inspect.Parameter, hint: Any) -> RequestParameter:
@@ -74,7 +72,5 @@ def _parameter(parameter: inspect.Parameter, hint: Any) -> RequestParameter:
     if parameter.default is not parameter.empty:
         value = to_value(parameter.default) if is_data(parameter.default) else ()
         default = () if isinstance(value, bytes) else value
-    plain, chosen = bare(hint), extra_of(hint, Choices)
-    kind = type_of(plain) if plain is not None else parse_type("any")
-    choices = chosen.of() if chosen is not None and chosen.is_fixed else choices_of(plain)
-    return RequestParameter(parameter.name, kind, default, choices)
+    spec = spec_of(hint, None, "rw", "")
+    return RequestParameter(parameter.name, spec.type, default, spec.choices, spec=spec)

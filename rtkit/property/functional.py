@@ -180,6 +180,8 @@ class FunctionalProperty:
         if parameter.choices and value not in parameter.choices:
             raise PropertyError("bad-value", f"{parameter.key}: not one of its choices")
         try:
+            if parameter.spec is not None:
+                parameter.spec.within(value)
             self._fit(parameter.key, value)  # type: ignore[arg-type]
         except (ValueError, TypeError, PropertyError) as error:
             raise PropertyError("bad-value", f"{parameter.key}: {error}") from None

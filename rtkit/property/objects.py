@@ -407,6 +407,12 @@ class Exported:
         declared, hints = arguments_of(found.method)  # type: ignore[arg-type]
         name, holder = found.member.name, found.holder
 
+        def fit(key: str, value: Value) -> None:
+            wanted = from_value(value, hints.get(key), None)
+            chosen = extra_of(hints.get(key), Choices)
+            if chosen is not None and not chosen.is_fixed:
+                chosen.check(holder(), wanted)
+
         def call(*args: Value, **named: Value) -> object:
             given = {key: from_value(each, hints.get(key), None) for key, each in named.items()}
             return getattr(holder(), name)(*map(_positional, args), **given)
@@ -417,7 +423,7 @@ class Exported:
             to_value,
             is_open=declared is None,
             is_behavior=getattr(found.method, "is_behavior", False),
-            fit=lambda key, value: from_value(value, hints.get(key), None),
+            fit=fit,
         )
 
 

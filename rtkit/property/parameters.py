@@ -42,6 +42,8 @@ def checked_parameters(
         try:
             value: Value = True if text is None else _given(parameter, text)
             checked = check(parameter.type, value)
+            if parameter.spec is not None and not parameter.choices:
+                parameter.spec.within(checked)
         except PropertyError as error:
             raise PropertyError("bad-parameter", f"{key}: {error}") from None
         assert not isinstance(checked, bytes)

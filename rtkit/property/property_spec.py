@@ -13,13 +13,18 @@ from rtkit.property.writing import write
 
 
 class RequestParameter(NamedTuple):
-    """Key that may follow the question mark, or an argument of a functional property."""
+    """Key that may follow the question mark, or an argument of a functional property.
+
+    Attributes:
+        spec: Range and widget, where they are declared.
+    """
 
     key: str
     type: Type
     default: Value | None = None
     choices: tuple[Value, ...] = ()
     doc: str = ""
+    spec: PropertySpec | None = None
 
     def described(self) -> Value:
         """Return it as ``.parameters`` shows it: ``(key type default choices doc)``."""

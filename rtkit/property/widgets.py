@@ -99,7 +99,7 @@ def _access(spec: PropertySpec, name: str, caller: Requester) -> str:
 
 
 def _argument(declared: RequestParameter) -> Element:
-    spec = PropertySpec(declared.type, "rw", choices=declared.choices, doc=declared.doc)
+    spec = declared.spec or PropertySpec(declared.type, choices=declared.choices, doc=declared.doc)
     made = _element(declared.key, spec, "rw", None)
     more = {"argument": "true"}
     if declared.default is not None:

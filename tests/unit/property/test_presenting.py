@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Annotated, Any
 
-from rtkit import Choices, Gui, Returns, Word
+from rtkit import Choices, Gui, Range, Returns, Unit, Word
 from rtkit.property.reading import read
 from tests.unit.property.test_objects import refused, served
 
@@ -32,6 +32,17 @@ class Player:
 
     def set_level(self, level: Word) -> None:
         self._level = level
+
+    def play(
+        self,
+        song: Annotated[str, Choices("songs")],
+        speed: Annotated[float, Unit("1"), Range(0.5, 2, 0.1)] = 1.0,
+        mode: Annotated[str, Choices(("loud", "quiet"))] = "loud",
+    ) -> str:
+        return f"{song} {mode} at {speed}"
+
+    def get_sound(self, channel: Annotated[int, Range(1, 2)] = 1) -> str:
+        return f"from {channel}"
 
     def _levels(self) -> list[Word]:
         return [Word("low"), Word("high")] if len(self.songs) > 1 else []
@@ -104,3 +115,25 @@ def test_widgets_are_told_by_methods_and_are_no_properties() -> None:
     (arm,) = [each for each in tree.children if each.attributes["name"] == "arm"]
     assert arm.attributes == {"kind": "group", "name": "arm", "forms": "(html)"}
     assert refused(service, "gui.html", "x") == "read-only"
+
+
+def test_arguments_have_ranges_choices_and_widgets() -> None:
+    player = Player()
+    service = served(player)
+    for wrong in ("(three)", "(one 3)", "(one 1 soft)"):
+        assert refused(service, "play", wrong) == "bad-value"
+    assert service.get("play.state") == "idle"
+    assert "two quiet at 2.0" in str(service.set("play?echo=1", "(two 2 quiet)"))
+    assert refused(service, "sound?channel=3") == "bad-parameter"
+    assert service.get("sound?channel=2") == '"from 2"'
+    tree: Any = read(str(service.get("play.gui")))
+    song, speed, mode = (each.attributes for each in tree.children)
+    assert (speed["kind"], speed["min"], speed["max"], speed["step"]) == (
+        "slider",
+        "0.5",
+        "2",
+        "0.1",
+    )
+    assert (mode["kind"], mode["choices"]) == ("choice", '("loud" "quiet")')
+    assert (song["argument"], speed["default"]) == ("true", "1.0")
+    assert '(speed number 1.0 () "")' in str(service.get("play.parameters"))
