@@ -1,5 +1,8 @@
 """Parts of values by name: of a pose ``x y z a b c``, of an element its children, else by index.
 
+Attributes of an element are parts, too, where no child has the name; their text is read as that
+of a leaf is.
+
 Source: `property-service` reference, section 4.
 """
 
@@ -7,7 +10,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from rtkit.property.codes import PropertyError
+from rtkit.property.reading import read
 from rtkit.property.values import Element, Value, is_vector
+from rtkit.property.writing import write
 
 _LABELS = {3: ("x", "y", "z"), 6: ("x", "y", "z", "a", "b", "c")}
 
@@ -20,7 +26,7 @@ def names(value: object, labels: Sequence[str] = ()) -> list[str]:
             return list(labels)
         return [str(index) for index in range(len(value))]
     if isinstance(value, Element):
-        return list(dict.fromkeys(child.name for child in value.children))
+        return list(dict.fromkeys((*value.attributes, *(child.name for child in value.children))))
     return []
 
 
@@ -42,7 +48,8 @@ def get(value: Value, path: Sequence[str], labels: Sequence[str] = ()) -> Value 
             nth = int(steps[0]) if _has_several(current, name, steps) else 0
             child = current.find(name, nth)
             if child is None:
-                return None
+                text = current.attributes.get(name)
+                return None if text is None or steps else _leaf(text)
             if _has_several(current, name, steps):
                 steps.pop(0)
             current = child if child.leaf is None else child.leaf
@@ -50,6 +57,13 @@ def get(value: Value, path: Sequence[str], labels: Sequence[str] = ()) -> Value 
             return None
         labels = ()
     return current
+
+
+def _leaf(text: str) -> Value:
+    try:
+        return read(text)
+    except PropertyError:
+        return text
 
 
 def replace(value: Value, path: Sequence[str], part: Value, labels: Sequence[str] = ()) -> Value:
@@ -64,6 +78,11 @@ def replace(value: Value, path: Sequence[str], part: Value, labels: Sequence[str
         index = _index(value, name, labels) or 0
         return (*value[:index], replace(value[index], rest, part), *value[index + 1 :])
     assert isinstance(value, Element)
+    if value.find(name) is None:
+        text = part if isinstance(part, str) else write(part)
+        return Element(
+            value.name, {**value.attributes, name: str(text)}, value.children, value.leaf
+        )
     nth = int(rest.pop(0)) if _has_several(value, name, rest) else 0
     children = []
     for child in value.children:
