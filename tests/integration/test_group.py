@@ -203,7 +203,7 @@ def test_a_hundred_robots_of_which_ten_fail(client: rtkit.Client) -> None:
     on_zenoh = {at for index, each in enumerate(over) if index % 2 for at in each}
     places = (f"r{at}=zenoh:robots/r{at}" if at in on_zenoh else f"robots/r{at}"
               for at in range(100))  # fmt: skip
-    group = Group(robots=" ".join(places), deadline=1.9)
+    group = Group(robots=" ".join(places), deadline=3.0)
     with fleet(bounds, slow) as processes, rtkit.serve(group, "swarm", is_on_zenoh=False):
         processes[-1].kill()
         processes[-1].wait()
@@ -211,16 +211,17 @@ def test_a_hundred_robots_of_which_ten_fail(client: rtkit.Client) -> None:
         code, text = error_of(
             lambda: client.set("swarm.behaviors.moveto", rtkit.Marker((0, 50), frame="world"))
         )
-        took_s = time.monotonic() - began
-        assert took_s < 1.9 + 0.5
+        assert time.monotonic() - began < 3.0 + 0.5
         assert code == "conflict"
         assert "10 of 100 failed" in text
-        failed = {f"r{at}" for at in (*slow, *range(95, 100))}
-        assert {name for name, _, _ in client.get("swarm.failures")} == failed
-        assert {code for _, code, _ in client.get("swarm.failures")} == {"timeout", "no-service"}
-        places_now = dict(client.get("swarm.location", form="list"))
-        assert {f"r{at}" for at in range(100)} - places_now.keys() == failed
-        assert {place[1] for place in places_now.values()} == {50.0}
-        xs = [place[0] for place in places_now.values()]
+        dead = {f"r{at}" for at in range(95, 100)}
+        late = {f"r{at}" for at in slow}
+        failures = client.get("swarm.failures")
+        assert {name for name, code, _ in failures if code == "timeout"} == late
+        assert {name for name, code, _ in failures if code == "no-service"} == dead
+        now = dict(client.get("swarm.location", form="list"))
+        assert {f"r{at}" for at in range(100)} - now.keys() == dead
+        assert {name for name, there in now.items() if there[1] != 50.0} == late
+        xs = [there[0] for name, there in now.items() if name not in late]
         assert max(xs) - min(xs) == 94.0
         assert client.get("swarm.behaviors.moveto").attributes == {"state": "done"}

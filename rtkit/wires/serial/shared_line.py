@@ -59,6 +59,8 @@ class _Device(SerialExchange):
         self._replies = AddressedReplies(self.name, has_checks=has_checks)
 
     def _encoded(self, message: bytes) -> bytes:
+        if b"\n" in message[:-1] and not self.has_checks:
+            raise PropertyError("too-large", "several lines need a check on a shared line")
         return super()._encoded(addressed(message, self.name))
 
     def _silence(self) -> Silence:
@@ -78,8 +80,6 @@ class _Device(SerialExchange):
             if self.trouble or not self._has_begun:
                 self.begin(self.usual_wait_s if self.trouble else math.inf)
                 self._has_begun, self.trouble, self._pause_s = True, "", _FIRST_PAUSE_S
-            if not self.has_checks and payload is not None and b"\n" in _line_of(target, payload):
-                return Answer("several lines need a check on a shared line", "too-large")
             return self.ask(target, payload, same_as, until)
         except Silence as error:
             if monotonic() - began < self._timeout_s and not self.trouble:
@@ -93,8 +93,6 @@ class _Device(SerialExchange):
     def broadcast(self, target: str, payload: Payload) -> Answer:
         """SET at all devices, of which none answers."""
         is_checked = self.has_checks = self._settings.has_checks is not False
-        if not is_checked and b"\n" in _line_of(target, payload):
-            return Answer("several lines need a check on a shared line", "too-large")
         data = self._encoded(write_request(target, payload, self._next_id() if is_checked else ""))
         for _ in range(_TIMES_SENT if is_checked else 1):
             self._send(data, monotonic() + self._timeout_s)
@@ -106,10 +104,6 @@ class _Device(SerialExchange):
             self._read()
             wait_s = 0.0
         self._talk(has_checks=self.has_checks)
-
-
-def _line_of(target: str, payload: Payload) -> bytes:
-    return write_request(target, payload)[:-1]
 
 
 class _Watched(Listener):
@@ -183,6 +177,7 @@ class SharedLine(Closing):
 
         Raises:
             Unreachable: The line is gone.
+            PropertyError: ``too-large``: several lines, which need a check here.
         """
         name, mark, tail = target.partition("?")
         if payload is not None and name.endswith(".listen"):
