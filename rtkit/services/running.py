@@ -58,16 +58,14 @@ class Running:
 
     def step(self, seconds: float) -> Twist | None:
         """Return how to move next; None when it has ended."""
+        twist, state = None, "done"
         try:
             twist = self._leader.step(seconds)
-        except (
-            Exception
-        ) as error:  # code of users: whatever it raises is told, and the robot stands
+        except Exception as error:  # of a user: the robot stands, and others go on
             kind = "" if isinstance(error, RtkitError) else f"{type(error).__name__}: "
-            self.state, self._error = "failed", f"{kind}{error}"
-            return None
-        if twist is None:
-            self.state = "done"
+            state, self._error = "failed", f"{kind}{error}"
+        if twist is None and self.state == "running":
+            self.state = state
         return twist
 
     def stop(self) -> None:
@@ -86,8 +84,3 @@ class Running:
         if self._error:
             children.append(rtkit.Element("error", {}, (), self._error))
         return rtkit.Element("behavior", {"state": self.state}, tuple(children))
-
-    @property
-    def trouble(self) -> str:
-        """Return why it failed; empty if it did not."""
-        return self._error

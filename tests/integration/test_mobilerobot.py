@@ -12,6 +12,7 @@ from typing import Any
 import pytest
 
 import rtkit
+from rtkit.services.frames import transform
 from rtkit.services.legged import LeggedRobot
 from rtkit.services.mobilerobot import DifferentialRobot
 from rtkit.services.world import HomeWorld
@@ -138,6 +139,12 @@ def test_sensors_are_asked_of_the_world_as_it_stands(home: Any, client: rtkit.Cl
     (seen,) = client.get("robots/r1.sensors.eye.markers", frame="world")
     assert (seen.id, seen.frame) == ("ball", "world")
     assert seen.location == pytest.approx(ball.location)
+    (of_other,) = client.get("robots/r1.sensors.eye.markers", frame="robots/r2")
+    assert of_other.frame == "robots/r2"
+    there = transform(client.get("robots/r2.location"), of_other.location)
+    assert there == pytest.approx(ball.location)
+    (own,) = client.get("robots/r1.sensors.eye.markers")
+    assert transform(client.get("robots/r1.location"), own.location) == pytest.approx(there)
     assert len(client.get("robots/r2.sensors.laser.ranges")) == 181
     feet = client.get("robots/r2.actuators.left_front.foot", frame="world")
     assert feet[2] == 0.0
@@ -171,3 +178,14 @@ def test_a_hundred_robots_of_one_process_share_a_thread_and_a_request(
         robot.behaviors.set_moveto(rtkit.Marker((0.5, 0.0)))
     running = [robot._chassis.running for robot in robots.values()]
     until(lambda: all(each.state == "done" for each in running))
+
+
+@pytest.mark.parametrize("kind", ["DifferentialRobot", "LeggedRobot", "HomeWorld"])
+def test_robots_and_their_home_are_components_of_one_module(kind: str) -> None:
+    from rtkit.services import robots
+
+    made: list[Any] = []
+    manager = type("Manager", (), {"register_factory": lambda self, each: made.append(each)})()
+    getattr(robots, f"{kind}Init")(manager)
+    assert (made[0].__name__, made[0].vendor, made[0].category) == (kind, "rtkit", "service")
+    assert {"world", "body", "start"} <= made[0].arguments.keys() or kind == "HomeWorld"
