@@ -7,7 +7,7 @@ service equal to the list.
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping
 from types import MappingProxyType
 from typing import Any, NamedTuple
 
@@ -111,12 +111,12 @@ class NameListing(NamedTuple):
     Attributes:
         listed: What the owner returned.
         present: The names, each once.
-        added: New ones, with their annotations.
+        hints: The annotations of new ones.
     """
 
     listed: Collection[str] = ()
     present: Mapping[str, None] = MappingProxyType({})
-    added: Sequence[tuple[str, Any]] = ()
+    hints: Mapping[str, Any] = MappingProxyType({})
 
 
 class NameTable:
@@ -140,11 +140,21 @@ class NameTable:
         if listed is before.listed:
             return None
         present = dict.fromkeys(listed)
-        added = [(name, owner.hint(name)) for name in present if name not in before.present]
-        return NameListing(listed, present, added)
+        hints = {name: owner.hint(name) for name in present if name not in before.present}
+        return NameListing(listed, present, hints)
 
-    def put(self, listing: NameListing) -> list[str]:
-        """Have the table know what was found; return the names that are gone."""
-        gone = [name for name in self.known.present if name not in listing.present]
-        self.known = listing._replace(added=())
-        return gone
+    def put(self, listing: NameListing) -> tuple[list[str], dict[str, Any]]:
+        """Have the table know what was found; return names that are gone, and new ones with hints.
+
+        Others may have put what they found meanwhile; what went and came again since is left to the
+        next look.
+        """
+        before, present, hints = self.known.present, listing.present, listing.hints
+        gone = [name for name in before if name not in present]
+        missing = {name for name in present if name not in before and name not in hints}
+        added = {name: hint for name, hint in hints.items() if name not in before}
+        self.known = listing._replace(hints={})
+        if missing:
+            kept = {name: None for name in present if name not in missing}
+            self.known = NameListing([], kept)  # like none that is listed
+        return gone, added

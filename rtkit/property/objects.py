@@ -180,12 +180,13 @@ class Exported:
 
     def _put_names(self, table: NameTable, listing: NameListing) -> None:
         nodes = self._service.registry.nodes
-        for name in table.put(listing):
+        gone, added = table.put(listing)
+        for name in gone:
             node = nodes.get(table.prefix + name)
             if node is not None and node.source is not None:
                 self._service.remove(node.name, only=True)
                 self._unmount(node.name)
-        for name, hint in listing.added:
+        for name, hint in added.items():
             if table.prefix + name not in self._names:
                 spec, accessors = self._named(table, name, hint)
                 node = self._service.add(table.prefix + name, spec=spec, **accessors)

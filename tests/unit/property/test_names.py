@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import threading
 import time
 from collections.abc import Collection, Mapping
 
 import pytest
 
 from rtkit.property.codes import PropertyError
-from rtkit.property.names import Names
+from rtkit.property.names import Names, NameTable
 from rtkit.property.objects import Exported
 from rtkit.property.requests import ListeningRequester, PropertyRequest
 from rtkit.property.service import Service
@@ -242,3 +243,75 @@ def test_ten_thousand_names_are_listed_fast(drawer: Drawer) -> None:
     print(took_s, first_s, again_s, gone_s)
     assert (took_s, first_s, again_s, gone_s) < (3.0, 0.5, 0.05, 1.0)
     assert max(first_s, again_s, gone_s) < 1.0
+
+
+def test_two_who_list_the_same_new_name_at_once_add_it_once(drawer: Drawer) -> None:
+    """One has listed the names, and waits; the other one applies what it has found meanwhile."""
+    service = served(drawer)
+    has_listed, may_go_on = threading.Event(), threading.Event()
+    failures: list[BaseException] = []
+    drawer.put("a", "b")
+    listed = drawer.names
+
+    def second() -> Collection[str]:
+        found = listed()
+        if threading.current_thread() is late:
+            has_listed.set()
+            assert may_go_on.wait(20)
+        return found
+
+    def look() -> None:
+        try:
+            service.values.names_now()
+        except PropertyError as error:
+            failures.append(error)
+
+    drawer.hint = lambda name: second() and None  # type: ignore[method-assign]
+    late = threading.Thread(target=look)
+    early_look = service.values.on_names
+    assert early_look is not None
+    # The first to begin is the first to end, so neither is out of date.
+    begun, may_end = threading.Event(), threading.Event()
+
+    def first() -> None:
+        drawer.names = begin_first  # type: ignore[method-assign]
+        look()
+
+    def begin_first() -> Collection[str]:
+        drawer.names = listed  # type: ignore[method-assign]
+        begun.set()
+        assert may_end.wait(20)
+        return listed()
+
+    early = threading.Thread(target=first)
+    early.start()
+    assert begun.wait(20)
+    late.start()
+    assert has_listed.wait(20)
+    may_end.set()
+    early.join()
+    may_go_on.set()
+    late.join()
+    assert not failures
+    assert service.get("properties") == "(label put take a b)"
+
+
+def test_what_went_and_came_while_somebody_looked_comes_with_the_next_look(drawer: Drawer) -> None:
+    table = NameTable("", lambda: drawer)
+    drawer.put("a", "b")
+    first = table.looked()
+    assert first is not None
+    assert table.put(first) == ([], {"a": None, "b": None})
+    drawer.put("c")
+    slow = table.looked()
+    drawer.take("a")
+    quick = table.looked()
+    assert slow is not None
+    assert quick is not None
+    assert table.put(quick) == (["a"], {"c": None})
+    assert table.put(slow) == ([], {})
+    drawer.put("a")
+    again = table.looked()
+    assert again is not None
+    assert table.put(again) == ([], {"a": None})
+    assert table.looked() is None
