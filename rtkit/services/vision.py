@@ -43,6 +43,7 @@ class PictureStore:
         self._data = b""
         self._asked: tuple[str, float] = ("", 0.0)
         self._picture: Picture | None = None
+        self._failure: rtkit.PropertyError | None = None
 
     def put(self, data: bytes) -> None:
         """Keep this picture; the source is asked no more."""
@@ -55,10 +56,9 @@ class PictureStore:
         with self._lock:
             source = self.source
             if source and (self._asked[0] != source or monotonic() - self._asked[1] > self._age):
-                data = self._get(source)
-                if data != self._data:
-                    self._data, self._picture = data, None
-                self._asked = (source, monotonic())
+                self._ask(source)
+            if source and self._failure is not None:
+                raise self._failure
             if not self._data:
                 raise rtkit.PropertyError(
                     "no-service", "no picture yet: SET image, or image.source"
@@ -66,6 +66,17 @@ class PictureStore:
             if self._picture is None:
                 self._picture = decode(self._data)
             return self._data, self._picture
+
+    def _ask(self, source: str) -> None:
+        """Ask the source; if it is silent, those who wait here are not to ask it once more each."""
+        self._failure = None
+        try:
+            data = self._get(source)
+            if data != self._data:
+                self._data, self._picture = data, None
+        except rtkit.PropertyError as error:
+            self._failure = error
+        self._asked = (source, monotonic())
 
 
 class CameraView:
@@ -370,7 +381,7 @@ class Vision(Sensor, rtkit.Names):
         self.cameras: Final[dict[str, CameraView]] = {
             name: CameraView(each, field) for name, each in self._stores.items()
         }
-        self.camera: str = next(iter(named))
+        self.camera: Annotated[str, rtkit.Choices("cameras")] = next(iter(named))
         self.methods: Final[dict[str, Method]] = {
             name: each(self._chosen, self.get_location) for name, each in METHODS.items()
         }

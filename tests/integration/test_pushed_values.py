@@ -81,6 +81,38 @@ def test_a_name_that_is_hidden_is_set_and_sent_to_nobody(place: str, source: Sou
     assert source.text == "two"
 
 
+def test_an_owner_may_publish_until_it_is_left(place: str) -> None:
+    class Busy:
+        count: int = 0
+
+        def __served__(self, publish: Callable[[str, object], None]) -> None:
+            self._publish = publish
+
+        def __enter__(self) -> None:
+            self._ended, self._after = threading.Event(), threading.Event()
+            self._thread = threading.Thread(target=self._run)
+            self._thread.start()
+
+        def _run(self) -> None:
+            while not self._ended.is_set():
+                self._publish("count", self.count + 1)
+                self._after.set()
+
+        def __exit__(self, *raised: object) -> None:
+            self._after.clear()
+            assert self._after.wait(BOUND_S)  # nothing is served any more
+            self._ended.set()
+            self._thread.join()
+
+    for _ in range(5):
+        with (
+            serve(Busy(), "busy", is_on_zenoh=False) as served,
+            connect_unix(served.socket, BOUND_S) as client,
+        ):
+            client.listen("count")
+            assert client.event(BOUND_S)
+
+
 # parts
 
 

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import math
 import struct
+import threading
+import time
 import zlib
 from typing import Any
 
@@ -17,7 +19,7 @@ import rtkit
 from rtkit.services import images, vision_methods
 from rtkit.services.frames import ORIGIN, Frames, compose, inverse, transform
 from rtkit.services.images import decode, encode, size_of
-from rtkit.services.vision import Vision
+from rtkit.services.vision import PictureStore, Vision
 from rtkit.world import Ball, Polygon, Scene, photo
 
 HARD = [{}, {"noise": 10.0}, {"blur": 1.5}, {"noise": 20.0, "blur": 1.5}]
@@ -260,6 +262,32 @@ def test_an_inactive_method_computes_nothing(monkeypatch: pytest.MonkeyPatch) ->
     vision.set_image(encode(pictures.shown(pictures.canvas(), noise=3), "jpeg"))
     vision.get_markers()
     assert [each.runs for each in vision.methods.values()] == [2, 1, 2]
+
+
+def test_a_source_that_is_silent_is_not_asked_by_each_who_waits() -> None:
+    asked = []
+
+    def silent(source: str) -> bytes:
+        asked.append(source)
+        time.sleep(0.05)
+        raise rtkit.PropertyError("timeout", "no answer")
+
+    store = PictureStore(silent, "camera.image", age=10.0)
+    codes = []
+
+    def look() -> None:
+        with pytest.raises(rtkit.PropertyError) as refused:
+            store.latest()
+        codes.append(refused.value.code)
+
+    waiting = [threading.Thread(target=look) for _ in range(9)]
+    for each in waiting:
+        each.start()
+    for each in waiting:
+        each.join()
+    assert (codes, asked) == (["timeout"] * 9, ["camera.image"])
+    store.put(encode(PLAIN, "png"))
+    assert store.latest()[1].shape == PLAIN.shape
 
 
 # pictures in and out
