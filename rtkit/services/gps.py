@@ -42,14 +42,14 @@ class NmeaReader:
         refused: How many lines were no sentence, or had no check sum or a wrong one.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, refused: int = 0) -> None:
         try:
             import pynmea2
         except ImportError as error:
             raise Refused("GPS needs pynmea2: pip install 'rtkit[gps]'") from error
         self._library = pynmea2
         self._rest = b""
-        self.refused = 0
+        self.refused = refused
 
     def feed(self, data: bytes) -> list[Sentence]:
         """Return the sentences that are whole now; a first line may lack its beginning."""
@@ -142,7 +142,7 @@ class Gps(DeviceSensor):
         self._nmea = NmeaReader()
 
     def _opened(self, descriptor: int) -> None:
-        self._nmea = NmeaReader()
+        self._nmea = NmeaReader(self.refused)
 
     def _take(self, data: bytes) -> None:
         for sentence in self._nmea.feed(data):

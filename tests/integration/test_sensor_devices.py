@@ -61,11 +61,11 @@ def test_a_joystick_is_unplugged_and_plugged_again(serving: Serve, place: str) -
     for turn in (100, -100):
         with open(path, "wb", buffering=0) as device:  # waits until it is read
             device.write(report((3, 0, turn), (1, 0x130, 1)))
-            until(lambda: status(client) == "ready", "it is open")
-            until(lambda: "axes" in text(client, "properties"), "it is listed")
+            raw = f'(("x" {turn}) ("south" 1))'
+            until(lambda raw=raw: client.ask("data").value() == raw, "it is read")  # type: ignore[misc]
+            assert status(client) == "ready"
             assert client.ask("axes.x").value() == f"{turn / 100}"
             assert client.ask("buttons.south").value() == "true"
-            assert client.ask("data").value() == f'(("x" {turn}) ("south" 1))'
             marker = str(client.ask("markers").value())
             assert "<type>joystick</type>" in marker
         until(lambda: status(client) == f"waiting: {path}: unplugged", "it has gone")
@@ -98,14 +98,14 @@ def test_what_is_no_input_device_is_told(serving: Serve, place: str) -> None:
 def test_a_gps_on_a_terminal_is_unplugged_and_plugged_again(serving: Serve, place: str) -> None:
     path = f"{place}/ttyGPS"
     client = serving(Gps(path, baud=4800))
-    for fix in (b",E,1,", b",E,0,"):
+    for number, fix in enumerate((b",E,1,", b",E,0,"), 1):
         line = GGA.replace(b",E,1,", fix).replace(b"*7E", b"*7E" if fix == b",E,1," else b"*7F")
         master, slave = pty.openpty()
         os.symlink(os.ttyname(slave), path)
         until(lambda: status(client) == "no fix", "it is open")
         os.write(master, line[:30])
         os.write(master, line[30:] + GGA.replace(b"*7E", b"*00"))
-        until(lambda: client.ask("refused").value() == "1", "the lines are read")
+        until(lambda: client.ask("refused").value() == f"{number}", "it is read")  # noqa: B023
         wanted = ("gps", "ready") if fix == b",E,1," else ("none", "no fix")
         assert (text(client, "fix"), status(client)) == wanted
         os.unlink(path)
