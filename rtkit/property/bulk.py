@@ -150,7 +150,10 @@ class Bulk:
             if is_strict:
                 raise
             return None if error.code == "write-only" else write(_error(error))
-        return write(item(payload)) if isinstance(payload, bytes) else payload
+        if isinstance(payload, bytes):
+            return write(item(payload))
+        is_value = node is None or node.spec.type.base != "text"
+        return payload if is_value else write(payload)
 
     def set(self, place: NameEntry, payload: str, caller: Requester) -> None:
         """Set several properties, all or none: each is checked before any is set.

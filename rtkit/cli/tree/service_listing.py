@@ -107,8 +107,12 @@ def _completed(end: PropertyClient, above: str, rows: Sequence[Value]) -> Iterat
             continue
         path = f"{above}.{name}" if above else name
         answer, error = end.ask(f"{path}?timeout={_CALL_S}")
-        is_shown = not error and isinstance(answer, str)
-        yield (name, meta, read(str(answer), ValueLimits(text=1 << 26))) if is_shown else row
+        if error or not isinstance(answer, str):
+            yield row
+        elif _field(cast("Element", meta), "type") == "text":
+            yield (name, meta, answer)
+        else:
+            yield (name, meta, read(answer, ValueLimits(text=1 << 26)))
 
 
 def _row(row: Value) -> tuple[str, Value, *tuple[Value, ...]]:

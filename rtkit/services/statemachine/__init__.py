@@ -2,6 +2,6 @@
 
 from __future__ import annotations
 
-from rtkit.services.statemachine.service import StateMachineService
+from rtkit.services.statemachine.service import StateMachineService, StateMachineServiceInit
 
-__all__ = ["StateMachineService"]
+__all__ = ["StateMachineService", "StateMachineServiceInit"]

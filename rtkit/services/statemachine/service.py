@@ -11,6 +11,7 @@ from functools import partial
 from typing import Any, Final, Literal
 
 import rtkit
+from rtkit.services.hosting import init_of
 from rtkit.services.statemachine.expressions import Plain
 from rtkit.services.statemachine.interpreter import Interpreter, MachineEvent, OutgoingSet
 from rtkit.services.statemachine.links import ServiceLink, service_of
@@ -316,6 +317,9 @@ class StateMachineService(rtkit.Names):
 
     def _failed(self, target: str, why: str) -> None:
         self._done(lambda now: self._interpreter.fail(target, why, now))
+
+
+StateMachineServiceInit = init_of(StateMachineService)
 
 
 def _names(machine: Machine) -> tuple[str, ...]:
