@@ -50,6 +50,8 @@ class Members:
     """
 
     def __init__(self, deadline: float) -> None:
+        if not 0 < deadline < math.inf:
+            raise rtkit.PropertyError("bad-value", f"the deadline is above 0 s: {deadline}")
         self.deadline = deadline
         self.failures: Sequence[MemberFailure] = ()
         self._targets: dict[str, str] = {}

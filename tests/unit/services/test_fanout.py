@@ -128,6 +128,12 @@ def test_members_have_names() -> None:
         members.get(["r1"], "speed", {})
 
 
+@pytest.mark.parametrize("deadline", [0, -1, math.inf, math.nan])
+def test_a_deadline_is_a_time(deadline: float) -> None:
+    with pytest.raises(rtkit.PropertyError, match="above 0 s"):
+        Members(deadline)
+
+
 def test_markers_are_found_alone_and_in_lists_and_nothing_else() -> None:
     marker = rtkit.Marker((1, 2))
     element = marker.__element__()
