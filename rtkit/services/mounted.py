@@ -5,9 +5,10 @@ from __future__ import annotations
 import math
 import random
 import time
-from typing import Annotated, Final
+from typing import Annotated, Final, Literal
 
 import rtkit
+from rtkit.services import images
 from rtkit.services.chassis import Chassis
 from rtkit.services.frames import Frames, Pose, compose, inverse, transform
 
@@ -85,10 +86,17 @@ class Eye(_Mounted):
 class Camera(_Mounted):
     """Pictures of the world as it stands when they are asked for."""
 
-    def get_image(self, width: int = 320, height: int = 240, field: float = 1.2) -> bytes:
-        """Picture (PNG)."""
+    def get_image(
+        self,
+        width: int = 320,
+        height: int = 240,
+        field: float = 1.2,
+        format: Literal["png", "jpeg"] = "png",
+    ) -> bytes:
+        """Picture; JPEG takes the extra ``vision``."""
         x, y, z, _, _, heading = self._place()
         at = (x, y, z, heading)
         found = self._chassis.world.get_image(at=at, width=width, height=height, field=field)
-        assert isinstance(found, bytes)
-        return found
+        if format == "jpeg":
+            found = images.encode(images.decode(found), format)
+        return bytes(found)

@@ -89,6 +89,21 @@ def test_velocity_ends_by_itself_after_its_time_out(home: Any, client: rtkit.Cli
     assert 0.1 < math.dist(client.get("robots/r1.location")[:2], START["r1"][:2]) < 4.0
 
 
+def test_who_listens_to_the_state_of_a_behaviour_is_told_of_its_end(
+    home: Any, client: rtkit.Client, ends: ExitStack
+) -> None:
+    states: list[str] = []
+    ends.enter_context(
+        client.listen("robots/r1.behaviors.moveto.state", lambda each: states.append(each.value))
+    )
+    until(lambda: states == ["idle"])
+    one_metre(client, "robots/r1")
+    until(lambda: "done" in states)
+    assert states == ["idle", "running", "done"]
+    assert client.get("robots/r1.behaviors.moveto.state") == "done"
+    assert client.get("robots/r1.behaviors.moveto.target.location.0") == 1.0
+
+
 def test_an_expired_velocity_stops_no_behaviour_that_began_meanwhile(
     home: Any, client: rtkit.Client
 ) -> None:
@@ -149,6 +164,9 @@ def test_sensors_are_asked_of_the_world_as_it_stands(home: Any, client: rtkit.Cl
     feet = client.get("robots/r2.actuators.left_front.foot", frame="world")
     assert feet[2] == 0.0
     assert -2.5 < client.get("robots/r2.actuators.left_front.tibia") < 0
+    pytest.importorskip("cv2")
+    jpeg = client.get_bytes("robots/r1.sensors.camera.image?format=jpeg")
+    assert jpeg.startswith(b"\xff\xd8")
 
 
 def test_a_world_that_comes_later_is_entered_then(
