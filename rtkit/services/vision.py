@@ -167,6 +167,10 @@ class Method(ABC):
         pose, named = compose(self._place(frame), view.location), "" if frame == "base" else frame
         return [_placed(each, pose, named).with_(camera=name) for each in self._places(found, lens)]
 
+    def gui_result(self) -> rtkit.Gui:
+        """See `rtkit.Gui`: the result is drawn as it usually is."""
+        return rtkit.Gui("image" if self.forms[0] == "image" else "map")
+
     def _outcome(self, name: str, data: bytes, picture: Picture, lens: Lens) -> Any:
         """Return what is found in a picture; computed once, until a setting is changed."""
         settings = {key: each for key, each in vars(self).items() if key[0] != "_"}
@@ -267,6 +271,10 @@ class BlobMethod(Method):
             )  # fmt: skip
 
 
+def _dictionaries(method: object) -> list[str]:
+    return vision_methods.dictionaries()
+
+
 class FiducialMethod(Method):
     """ArUco marks with pose: x to the right of the mark, y up, z out of it.
 
@@ -280,7 +288,7 @@ class FiducialMethod(Method):
     def __init__(self, camera: Callable[[str], NamedCamera], place: Callable[[str], Pose]) -> None:
         super().__init__(camera, place)
         self.size: Annotated[float, rtkit.Unit("m"), rtkit.Range(0.001)] = 0.1
-        self.dictionary: str = "4x4_50"
+        self.dictionary: Annotated[str, rtkit.Choices(_dictionaries)] = "4x4_50"
 
     def _compute(self, picture: Picture, lens: Lens) -> Any:
         return vision_methods.fiducials(picture, lens, self.size, self.dictionary)

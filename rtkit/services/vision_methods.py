@@ -246,6 +246,12 @@ class Fiducial(NamedTuple):
     far: float
 
 
+def dictionaries() -> list[str]:
+    """Return the names of the dictionaries of marks that there are."""
+    names = [each for each in dir(opencv().aruco) if each.startswith("DICT_") and each.isupper()]
+    return [each.removeprefix("DICT_").lower() for each in names]
+
+
 def fiducials(picture: Picture, lens: Lens, size: float, dictionary: str) -> list[Fiducial]:
     """Return the ArUco marks in a picture.
 
@@ -261,9 +267,9 @@ def fiducials(picture: Picture, lens: Lens, size: float, dictionary: str) -> lis
     cv2 = opencv()
     import numpy as np
 
-    words = getattr(cv2.aruco, f"DICT_{dictionary.upper()}", None)
-    if words is None:
+    if dictionary not in dictionaries():
         raise rtkit.PropertyError("bad-value", f"no dictionary of fiducials: {dictionary}")
+    words = getattr(cv2.aruco, f"DICT_{dictionary.upper()}")
     settings = cv2.aruco.DetectorParameters()
     settings.cornerRefinementMethod = cv2.aruco.CORNER_REFINE_SUBPIX
     detector = cv2.aruco.ArucoDetector(cv2.aruco.getPredefinedDictionary(words), settings)

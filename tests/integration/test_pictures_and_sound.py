@@ -147,6 +147,9 @@ def test_methods_are_switched_one_by_one_and_run_together(client: rtkit.Client) 
         assert client.get("vision.methods") == ("edges", "blobs", "fiducials")
         assert client.get("vision.cameras") == ("camera",)
         assert client.get("vision.markers") == ()
+        kinds = [client.get(f"vision.methods.{each}.result.gui").attributes["kind"]
+                 for each in ("edges", "blobs", "fiducials")]  # fmt: skip
+        assert kinds == ["image", "map", "map"]
         for name in ("edges", "blobs"):
             client.set(f"vision.methods.{name}.active", "true")
         assert size_of(client.get("vision.methods.edges.result", form="image")) == (640, 480)

@@ -56,6 +56,7 @@ def test_each_value_comes_in_order_also_the_equal_ones(
     with connect_unix(served.socket, BOUND_S) as client:
         client.listen("block?queue=1000&mode=all")
         assert client.event(BOUND_S)
+        assert served.service.is_polled  # until its owner has published it
         blocks = [b"\xff%d" % (each // 2) for each in range(200)]  # each twice
         sender = threading.Thread(target=lambda: [source.publish("block", each) for each in blocks])
         sender.start()
@@ -69,6 +70,7 @@ def test_each_value_comes_in_order_also_the_equal_ones(
             got.append(event.payload)
         sender.join()
         assert got == blocks
+        assert not served.service.is_polled
         assert client.event(0.05) is None  # nor does polling send one twice
         assert client.ask("block").value() == blocks[-1] == source.block
 
