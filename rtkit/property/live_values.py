@@ -15,7 +15,7 @@ from rtkit.property.listeners import Listeners
 from rtkit.property.messages import Payload
 from rtkit.property.node import PropertyNode
 from rtkit.property.presenting import EMPTY, Gui
-from rtkit.property.property_spec import PropertySpec
+from rtkit.property.property_spec import EMPTY_PLACE, PropertySpec
 from rtkit.property.registry import NameEntry, Registry
 from rtkit.property.types import Content, from_payload, parse_type, to_payload
 from rtkit.property.user_code import AT_ONCE, Unfolded, UserCode, result_of
@@ -99,7 +99,8 @@ class LiveValues:
                 raise
             unknown = error
         node = place.node
-        is_known = node is not None and (not place.path or node.source is None)
+        has_parts = node is not None and node.source is None and node.spec is not EMPTY_PLACE
+        is_known = node is not None and (not place.path or has_parts)
         is_new = self.on_new is not None and not place.extension and not is_known
         made = self.on_new(name) if is_new and self.on_new else None
         if made is None and unknown is not None:

@@ -247,7 +247,7 @@ class Exported:
                 found[name] = _Found(holder, member)  # a GET of it tells why
             elif below.result is not None:
                 found |= below.result
-                if isinstance(present, Mapping) and not present:
+                if _is_empty(present):
                     found[name] = _Found(held, _EMPTY)
             elif present is _UNSET or is_data(present):
                 takes = accepted(thing, member)
@@ -430,9 +430,14 @@ class Exported:
 
 def _nothing_in(held: object, name: str) -> Content:
     """Return what a place tells that had nothing in it when names were looked for."""
-    if not isinstance(held, Mapping) or held:
+    if not _is_empty(held):
         raise Unfolded(name)
     return ()
+
+
+def _is_empty(held: object) -> bool:
+    """Return whether a place has no names just now, and may come to have some."""
+    return not (held.names() if isinstance(held, Names) else held or not isinstance(held, Mapping))
 
 
 def _spec(member: Member, present: object) -> PropertySpec:

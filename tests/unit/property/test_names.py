@@ -315,3 +315,38 @@ def test_what_went_and_came_while_somebody_looked_comes_with_the_next_look(drawe
     assert again is not None
     assert table.put(again) == ([], {"a": None})
     assert table.looked() is None
+
+
+def test_a_place_that_has_no_names_yet_is_there(drawer: Drawer) -> None:
+    class Empty:
+        def __init__(self) -> None:
+            self.kept = Bare()
+
+    class Bare(Names):
+        def __init__(self) -> None:
+            self._kept: dict[str, int] = {}
+
+        def names(self) -> Collection[str]:
+            return tuple(self._kept)
+
+        def get(self, name: str) -> int:
+            return self._kept[name]
+
+        def set(self, name: str, value: int) -> None:
+            self._kept[name] = value
+
+    made = Empty()
+    service = served(made)
+    assert service.get("properties") == "(kept)"
+    assert service.get("kept") == "()"
+    assert service.get("kept.properties") == "()"
+    assert code(service, "kept.a.b") == "unknown"
+    service.set("kept.a.b", "1")
+    assert service.get("kept.a.b") == "1"
+    assert service.get("kept") == "(a)"
+    made.kept._kept.clear()
+    assert service.get("properties") == "(kept)"
+    assert service.get("kept") == "()"
+    made.kept._kept["c"] = 3
+    assert service.get("kept.c") == "3"
+    assert service.get("kept") == "(c)"
