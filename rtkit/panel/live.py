@@ -190,11 +190,14 @@ class LiveService(Closing):
     def _dressed(self, panel: Panel) -> Panel:
         """Return widgets with the components of properties, or of their types, put on."""
         known: dict[str, Panel | None] = {}
+        groups = [each for each in panel.children if "gui" in map(str, each.words("type"))]
+        if groups:
+            self._components = f"{self.name}.{groups[0].name}"
 
         def worn(each: Panel) -> Panel:
             made = each._replace(children=tuple(map(worn, each.children)))
             component = self._own(each)
-            types = each.words("type") or (each.attributes.get("type", ""),)
+            types = each.words("type") or (each.spec.type.name,)
             for word in () if component else [str(one) for one in types if one]:
                 if word not in known:
                     known[word] = self._of_type(word)
@@ -208,7 +211,7 @@ class LiveService(Closing):
         return self._component(f"{self.name}.{panel.name}.gui.text") if is_there else None
 
     def _of_type(self, word: str) -> Panel | None:
-        if self._components and "[" not in word and "<" not in word:
+        if self._components and word != "any":
             return self._component(f"{self._components}.{word}.text", is_followed=True)
         return None
 

@@ -264,7 +264,7 @@ class PanelApp(App[None]):
     def __init__(self, live: LiveService, name: str = "") -> None:
         super().__init__()
         self.live = live
-        self._fields: dict[str, PanelRow] = {}
+        self._rows: dict[str, PanelRow] = {}
         self._is_asking = False
         self._state = Static(id="state", markup=False)
         self._box = VerticalScroll(id="panel", can_focus=False)
@@ -280,7 +280,7 @@ class PanelApp(App[None]):
 
     def _widgets(self, panel: Panel) -> Iterator[Widget]:
         if panel.kind != "group":
-            field = self._fields[panel.name] = PanelRow(panel, self)
+            field = self._rows[panel.name] = PanelRow(panel, self)
             yield field
         elif panel.name:
             yield Static(Text(panel.attributes.get("label", panel.name)), classes="group")
@@ -298,13 +298,13 @@ class PanelApp(App[None]):
         if not self._state.is_attached:
             return  # the panel ends
         for name in self.live.take():
-            field = self._fields.get(name)
+            field = self._rows.get(name)
             if field is not None:
                 field.refresh(layout=True)
                 if self._served is not None:
                     self._served.show(name, field.shown.value)
-        lost = [each for each in self._fields.values() if each.shown.quality == "gone"]
-        is_lost = bool(lost) and len(lost) == len(self._fields)
+        lost = [each for each in self._rows.values() if each.shown.quality == "gone"]
+        is_lost = bool(lost) and len(lost) == len(self._rows)
         words = "⊘ not there: what is shown is what was known last" if is_lost else "● live"
         name = f"  as {self._served.name}" if self._served is not None else ""
         self._state.update(
@@ -336,10 +336,10 @@ class PanelApp(App[None]):
     async def _draw_again(self) -> Any:
         where = self.focused.panel.name if isinstance(self.focused, PanelRow) else ""
         await self._box.remove_children()
-        self._fields.clear()
+        self._rows.clear()
         await self._box.mount_all(self._widgets(self.live.panel))
-        if where in self._fields:
-            self._fields[where].focus()
+        if where in self._rows:
+            self._rows[where].focus()
 
     def ask(self, name: str, value: Any, work: Callable[[], object]) -> None:
         """Have something done that the user has asked for."""
@@ -354,7 +354,7 @@ class PanelApp(App[None]):
 
     def on_unmount(self) -> None:
         """Let go of what is held."""
-        for each in self._fields.values():
+        for each in self._rows.values():
             each.release()
         if self._served is not None:
             self._served.close()

@@ -63,11 +63,9 @@ class _Tree:
         names = [prefix + each for each in self._registry.children(name)]
         below = [self.of(each) for each in names if self._caller.may("GET", each)]
         if node is None:
-            own = self._registry.nodes.get(f"{prefix}type")
-            own = own or self._values.standard.nodes.get(f"{prefix}type")
-            types = own.payload if own is not None and own.value is not None else ""
+            types = self._types(f"{prefix}type")
             attributes = {"kind": "group", "name": name, **_own(self._spec(None, name))}
-            if isinstance(types, str) and types.startswith("("):
+            if types.startswith("("):
                 attributes["type"] = types
             return Element("gui", attributes, tuple(below))
         spec = self._spec(node, name)
@@ -79,6 +77,15 @@ class _Tree:
         arguments = function.parameters if function is not None else ()
         children = (*map(_argument, arguments), *below)
         return Element("gui", made.attributes, children)
+
+    def _types(self, name: str) -> str:
+        """Return what a property says of which types its owner is, empty where it is not there."""
+        nodes = self._registry.nodes
+        own = nodes.get(name) or self._values.standard.nodes.get(name)
+        try:
+            return "" if own is None else str(self._values.payload_of(NameEntry(name, own), {}))
+        except PropertyError:
+            return ""
 
     def _spec(self, node: PropertyNode | None, name: str) -> PropertySpec:
         """Return what is declared; without what code tells that fails, for the others go on."""

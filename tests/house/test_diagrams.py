@@ -10,7 +10,7 @@ from lxml import etree
 
 ROOT = Path(__file__).parents[2]
 PICTURES: dict[str, str] = runpy.run_path(str(ROOT / "tools" / "make_diagrams.py"))["pictures"]()
-FILES = sorted((ROOT / "docs" / "pictures").iterdir())
+FILES = sorted((ROOT / "docs" / "pictures").glob("*.svg"))
 _MOST_BYTES = 8192
 
 
@@ -27,3 +27,8 @@ def test_a_picture_is_small_and_has_a_background_of_its_own(file: Path) -> None:
     back = etree.fromstring(data).find("{http://www.w3.org/2000/svg}rect")
     assert back is not None
     assert back.get("class") == "rt-back"
+
+
+def test_what_is_photographed_is_small() -> None:
+    sizes = {each.name: each.stat().st_size for each in (ROOT / "docs/pictures").glob("*.png")}
+    assert {name: size for name, size in sizes.items() if size > 8 * _MOST_BYTES} == {}

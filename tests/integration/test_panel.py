@@ -177,8 +177,9 @@ def test_what_is_lost_looks_so_and_comes_back(place: str) -> None:
 
 STRANGER = """<p id=out></p><script>
 const told = [];
-const note = (text) => { told.push(text); parent.postMessage({id: 0, method: "SET", name: "title",
-    value: JSON.stringify(JSON.stringify(told))}, "*"); };
+const note = (text) => told.push(text);
+setInterval(() => parent.postMessage({id: 0, method: "SET", name: "title",
+    value: JSON.stringify(JSON.stringify(told))}, "*"), 200);
 const asks = {1: ["GET", ""], 2: ["GET", "gui"], 3: ["GET", "../speed"], 4: ["CALL", "x"]};
 onmessage = ({data}) => { if (data.id) note(`${data.id} ${data.value ?? data.error}`); };
 for (const [id, [method, name]] of Object.entries(asks))

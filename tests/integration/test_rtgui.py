@@ -71,7 +71,7 @@ def press(app: PanelApp, *keys: str) -> None:
 
 
 def row(app: PanelApp, name: str) -> str:
-    return app._fields[name].render().plain
+    return app._rows[name].render().plain
 
 
 def test_keys_set_and_changes_show(place: str) -> None:
@@ -79,27 +79,27 @@ def test_keys_set_and_changes_show(place: str) -> None:
 
     async def work(app: PanelApp) -> None:
         await until(lambda: "0.25 m/s" in row(app, "speed"))
-        app._fields["speed"].focus()
+        app._rows["speed"].focus()
         press(app, "right", "right")
         await until(lambda: robot.speed == 0.75)
         robot.speed = -1.0
         await until(lambda: "-1 m/s" in row(app, "speed"))
         press(app, "tab")
-        await until(lambda: app.focused is app._fields["is_on"])
+        await until(lambda: app.focused is app._rows["is_on"])
         press(app, "space")
         await until(lambda: robot.is_on is False)
         press(app, "down")
-        await until(lambda: app.focused is app._fields["mode"])
+        await until(lambda: app.focused is app._rows["mode"])
         press(app, "right")
         await until(lambda: robot.mode == "drive")
         press(app, "down")
-        await until(lambda: app.focused is app._fields["title"])
+        await until(lambda: app.focused is app._rows["title"])
         press(app, "enter")
         await until(lambda: len(app.screen.query(Input)) == 1)
         app.screen.query_one(Input).value = 'a "b'
         press(app, "enter")
         await until(lambda: robot.title == 'a "b')
-        app._fields["arm.angle"].focus()
+        app._rows["arm.angle"].focus()
         press(app, "end")
         await until(lambda: robot.arm.angle == 1.5)
         press(app, "enter")
@@ -117,7 +117,7 @@ def test_an_action_is_started_with_arguments_and_stopped(place: str) -> None:
     robot = Robot()
 
     async def work(app: PanelApp) -> None:
-        app._fields["wave"].focus()
+        app._rows["wave"].focus()
         press(app, "enter")
         await until(lambda: len(app.screen.query(Input)) == 2)
         first, second = app.screen.query(Input)
@@ -137,13 +137,13 @@ def test_a_joystick_returns_when_it_is_left(place: str) -> None:
     robot = Robot()
 
     async def work(app: PanelApp) -> None:
-        stick = app._fields["velocity"]
+        stick = app._rows["velocity"]
         assert stick.panel.kind == "joystick"
         await until(lambda: stick.shown.value is not None)
         stick.focus()
         press(app, "up")
         await until(lambda: robot.velocity[0] == 1.0)
-        app._fields["speed"].focus()
+        app._rows["speed"].focus()
         await until(lambda: robot.velocity == (0.0,) * 6)
 
     with rtkit.serve(robot, "robots/r1", is_on_zenoh=False):
@@ -158,7 +158,7 @@ def test_the_panel_is_a_service(place: str) -> None:
         with rtkit.Client() as client:
             await until(lambda: "0.25" in row(app, "speed"))
             listening = client.listen("panel.input", lambda change: heard.append(change.value))
-            app._fields["speed"].focus()
+            app._rows["speed"].focus()
             press(app, "right")
             await until(lambda: heard[-1:] == [("speed", 0.5)])
             assert client.get("panel.focus") == "speed"
@@ -181,7 +181,7 @@ def test_what_goes_looks_so_and_names_come_and_go(place: str) -> None:
 
         await until(lambda: "● live" in state())
         first.owned(lambda: first.service.add("later", 3, "number"))
-        await until(lambda: "later" in app._fields)
+        await until(lambda: "later" in app._rows)
         first.close()
         await until(lambda: "⊘ not there" in state())
         assert "0.25" in row(app, "speed")
@@ -190,7 +190,7 @@ def test_what_goes_looks_so_and_names_come_and_go(place: str) -> None:
         robot.speed = 0.5
         with rtkit.serve(robot, "robots/r1", is_on_zenoh=False):
             await until(lambda: "● live" in state() and "0.5 m/s" in row(app, "speed"))
-            await until(lambda: "later" not in app._fields)
+            await until(lambda: "later" not in app._rows)
 
     first = rtkit.serve(Robot(), "robots/r1", is_on_zenoh=False)
     run(work)

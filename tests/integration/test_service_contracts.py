@@ -21,6 +21,7 @@ from rtkit.services.camera import Camera
 from rtkit.services.environment import Environment
 from rtkit.services.gps import Gps
 from rtkit.services.group import Group
+from rtkit.services.gui import GuiService
 from rtkit.services.images import encode
 from rtkit.services.joystick import Joystick, Pointer
 from rtkit.services.legged import LeggedRobot
@@ -209,6 +210,14 @@ CONTRACTS: dict[str, Contract] = {
         {"none.jpg": (None, "unknown"), "%2E%2E": ("x", "denied"), "status": ("x", "read-only"),
          "none.jpg?delete=1": ("", "unknown"), "image.jpg?offset=7": ("x", "conflict"),
          "image.jpg?size=x": (None, "bad-parameter"), "search?size=1": (None, "bad-parameter")},
+    ),
+    "gui": Contract(
+        lambda folder: GuiService(),
+        {"store": "string", "vector.html": "text", "vector.text": "text", "marker.html": "text",
+         "mobilerobot.text": "text"},
+        {"lamp.html": "<p>a lamp</p>", "vector.text": '<gui kind="vector"/>'},
+        {"lamp.text": ("<p/>", "bad-value"), "lamp.exe": ("x", "unknown"),
+         "status": ("x", "read-only"), "lamp.svg": (None, "unknown")},
     ),
     "group": Contract(
         lambda folder: _Swarm(),

@@ -14,8 +14,8 @@ const LONGEST = 1 << 16;
 export class Frame extends HTMLElement {
   begin(gui, source, address) {
     this.name = gui.attributes.name ?? "";
+    this.dataset.of = this.name;
     this.source = source;
-    this.known = new Map();
     this.spent = [];
     const what = this.name || "the service";
     this.opener = make("button", {type: "button", "aria-expanded": "false"}, `Component of ${what}`);

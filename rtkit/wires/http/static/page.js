@@ -1,14 +1,14 @@
 // The page of the HTTP endpoint: a panel of a service, or of a part of it, live by one stream of events.
 import "./frames.js";
-import {make} from "./widgets.js";
-import {child, itemTexts, read, write} from "./values.js";
+import {dressed, make} from "./widgets.js";
+import {itemTexts, read, write} from "./values.js";
 
 const element = (id) => document.getElementById(id);
 // An address with user and password in it is none that may be fetched from; the origin has neither.
 const at = (path) => `${location.origin}/ps${path}`;
 const panel = element("panel");
-const LATER_MS = 1000;
-let stream = null, shown = null, again = 0, asked = 0;
+const LATER_MS = 1000, LOOK_MS = 3000;
+let stream = null, shown = null, again = 0, asked = 0, looked = 0;
 
 async function fetched(path, options, isRaw) {
   const reply = await fetch(at(path), options);
@@ -28,17 +28,25 @@ class Source {
   // The component of a property itself, else what the GUI service has for its type.
   component({attributes: {name, type, forms}}) {
     if (name && forms && itemTexts(forms).includes("html")) return at(`/${this.service}/${name}.gui.html`);
-    const types = type?.startsWith("(") ? itemTexts(type) : [type];
-    const known = types.find((each) => this.components.names.has(`${each}.html`));
-    return known && at(`/${this.components.service}/${known}.html`);
+    const known = typed(type, this.components, "html");
+    return known && at(known);
   }
 }
 
-// What the GUI service behind this endpoint has, by type.
-async function components(services) {
-  const service = services.find((each) => /(^|\/)gui$/.test(each));
-  const told = service ? await fetched(`/${service}/properties?all=1`) : "()";
-  return {service, names: new Set(itemTexts(told))};
+// What the GUI service has, by type: one behind this endpoint, or mounted in the shown service.
+async function components(services, service, gui) {
+  const other = services.find((each) => /(^|\/)gui$/.test(each));
+  const group = gui.children.find((each) => typesOf(each.attributes.type).includes("gui"));
+  const root = other ? `/${other}/` : group ? `/${service}/${group.attributes.name}.` : "";
+  return {root, names: new Set(root ? itemTexts(await fetched(`${root}properties?all=1`)) : [])};
+}
+
+const typesOf = (type) => type?.startsWith("(") ? itemTexts(type).map(read) : [(type ?? "").replace(/[[<].*/, "")];
+
+// The address of a component for one of the types, if there is any.
+function typed(type, {root, names}, form) {
+  const known = typesOf(type).find((each) => names.has(`${each}.${form}`));
+  return known && `${root}${known}.${form}`;
 }
 
 // The widgets of a service: as it says, or of each of its names where it does not know.
@@ -54,6 +62,23 @@ async function description(service, part) {
     return {name: "gui", children: told.children, attributes: {...told.attributes, name}};
   }));
   return write({name: "gui", attributes: {kind: "group", name: ""}, children: each});
+}
+
+// What is drawn in place of the usual widgets: the component of a property itself, else of its type, as <gui>.
+async function dressedBy(gui, service, known, used) {
+  const {name, type, forms} = gui.attributes;
+  const ofType = typed(type, known, "text");
+  const path = name && forms && itemTexts(forms).includes("text") ? `/${service}/${name}.gui.text` : ofType;
+  const children = await Promise.all(gui.children.map((each) => dressedBy(each, service, known, used)));
+  const made = {...gui, children};
+  if (!path) return made;
+  const component = read(await fetched(path));
+  if (path === ofType) used.add(`${path}.meta.revision`);
+  return component?.name === "gui" ? dressed(made, component) : made;
+}
+
+async function revisions(paths) {
+  return String(await Promise.all(paths.map((each) => fetched(each).catch(() => ""))));
 }
 
 function say(text, isLost = false) {
@@ -72,9 +97,10 @@ async function open() {
     list(services, service);
     if (!service) { panel.replaceChildren(); say(services.length ? "Choose a service." : "There is no service."); return; }
     const text = await description(service, part);
-    const known = await components(services);
+    const known = await components(services, service, read(text));
+    const used = new Set(), gui = await dressedBy(read(text), service, known, used);
     if (turn !== asked) return;
-    const gui = read(text), key = `${service} ${text} ${[...known.names]}`;
+    const key = `${service} ${write(gui)} ${[...known.names]}`;
     if (shown !== key) {
       const focused = document.activeElement?.closest("[data-name]")?.dataset.name;
       panel.draw(gui, new Source(service, known));
@@ -84,6 +110,11 @@ async function open() {
     document.title = `${[service, part].filter(Boolean).join("/")} – panel`;
     element("name").textContent = document.title.replace(" – panel", "");
     listen(service, part, gui.attributes.kind === "group");
+    const before = await revisions([...used]);
+    clearInterval(looked);
+    looked = setInterval(async () => {
+      if (used.size && !document.hidden && await revisions([...used]) !== before) open();
+    }, LOOK_MS);
   } catch (error) {
     lost(error.message);
   }
@@ -99,6 +130,7 @@ function wanted(services) {
 }
 
 function list(services, present) {
+  element("services").hidden = services.length < 2;
   element("services").replaceChildren(...services.map((each) =>
     make("a", {href: `/#${each}`, "aria-current": each === present && "page"}, each)));
 }

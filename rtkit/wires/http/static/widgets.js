@@ -232,7 +232,7 @@ class Vector extends Widget {
   display(value, text) {
     const numbers = this.numbers(value);
     if (!isVector(numbers)) { this.body.textContent = text; this.fields = []; return; }
-    const labels = this.is.labels ? itemTexts(this.is.labels) : [];
+    const labels = this.is.labels ? itemTexts(this.is.labels) : ["x", "y", "z", "a", "b", "c"].slice(0, numbers.length);
     if (numbers.length !== this.fields.length)
       this.build(numbers.map((_, index) => labels[index] ?? String(index)));
     numbers.forEach((each, index) => { this.fields[index].value = short(each); });
@@ -483,7 +483,9 @@ class Map2D extends Widget {
         const turn = at.length === 6 ? -at[5] * 180 / Math.PI : 0;
         const shape = at.length === 6 ? `M${unit * 1.5} 0L${-unit} ${unit}L${-unit} ${-unit}Z`
           : `M${unit} 0L0 ${unit}L${-unit} 0L0 ${-unit}Z`;
-        const label = drawn("text", {x: at[0] + unit * 1.5, y: -at[1] - unit, "font-size": unit * 2.5});
+        const isRight = at[0] > low[0] + size[0] * 0.6;
+        const label = drawn("text", {x: at[0] + (isRight ? -1.5 : 1.5) * unit, y: -at[1] - unit,
+          "text-anchor": isRight ? "end" : "start", "font-size": unit * 1.7});
         label.textContent = String(name ?? id ?? type ?? "");
         return [drawn("path", {d: shape, transform: `translate(${at[0]} ${-at[1]}) rotate(${turn})`}), label];
       }));
@@ -536,6 +538,7 @@ export class Group extends HTMLElement {
     const title = gui.attributes.label ?? (gui.attributes.name ?? "").split(".").pop();
     const id = `rt-${++ids}`;
     this.setAttribute("role", "group");
+    if (!gui.attributes.name) this.frame(gui, source);
     if (title) {
       this.append(make(`h${Math.min(6, depth)}`, {id, title: gui.attributes.doc}, title));
       this.setAttribute("aria-labelledby", id);
@@ -554,6 +557,19 @@ export class Group extends HTMLElement {
       }
     }
   }
+}
+
+// Widgets as a component wants them drawn: its attributes stand for theirs, but for what a property is;
+// its children, named from there, choose and order them.
+export function dressed(gui, component) {
+  const {name, type, access, argument, default: _, ...changed} = component.attributes;
+  const made = {...gui, attributes: {...gui.attributes, ...changed}};
+  if (!component.children.length) return made;
+  const prefix = gui.attributes.name ? `${gui.attributes.name}.` : "", known = new Map();
+  const note = (each) => { known.set(each.attributes.name, each); each.children.forEach(note); };
+  gui.children.forEach(note);
+  const wanted = component.children.map((each) => [known.get(prefix + each.attributes.name), each]);
+  return {...made, children: wanted.filter(([found]) => found).map(([found, each]) => dressed(found, each))};
 }
 
 // Panel of a service, or of a part of one.
