@@ -111,12 +111,7 @@ def _goal(marker: rtkit.Marker, frames: Frames) -> Goal:
     """Return where a marker is in the world; one without a frame is of the robot's base."""
     if marker.location is None:
         raise rtkit.PropertyError("bad-value", "the marker has no location")
-    try:
-        return Goal(frames.convert(marker.location, marker.frame or "base", "world"))
-    except rtkit.PropertyError as error:
-        if error.code != "bad-parameter":
-            raise
-        raise rtkit.PropertyError("bad-value", str(error)) from None  # it is part of the value
+    return Goal(frames.convert(marker.location, marker.frame or "base", "world"))
 
 
 def loaded(words: str) -> dict[str, Callable[..., Any]]:

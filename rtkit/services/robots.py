@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from rtkit.services.hosting import init_of
+from rtkit import init_of
 from rtkit.services.legged import LeggedRobot
 from rtkit.services.mobilerobot import DifferentialRobot
 from rtkit.services.world import HomeWorld
