@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Callable, Coroutine
+from contextlib import suppress
 from typing import TYPE_CHECKING, Any
 
 from rtkit.guard import GuardedResult
@@ -33,12 +34,28 @@ class Coroutines:
         import asyncio  # 39 ms, for services that have coroutine functions only
         from concurrent.futures import CancelledError
 
-        future = asyncio.run_coroutine_threadsafe(_shielded(coroutine), self._started())
-        cancelled = threading.Event()
+        loop, cancelled = self._started(), threading.Event()
+        tasks: list[asyncio.Task[Any] | None] = []
+
+        async def begun() -> GuardedResult:
+            if cancelled.is_set():
+                coroutine.close()
+                raise asyncio.CancelledError
+            tasks.append(asyncio.current_task())
+            return await _shielded(coroutine)
+
+        def cancel_all() -> None:
+            for task in tasks:
+                if task is not None:
+                    task.cancel()
 
         def cancel() -> None:
             cancelled.set()
-            future.cancel()
+            # Not the future: who waits for that is to wait until the coroutine has ended.
+            with suppress(RuntimeError):  # the loop is closed, and all has ended
+                loop.call_soon_threadsafe(cancel_all)
+
+        future = asyncio.run_coroutine_threadsafe(begun(), loop)
 
         cancellable(cancel)
         try:
