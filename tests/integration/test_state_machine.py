@@ -108,6 +108,44 @@ def test_one_machine_controls_two_robots_and_a_light(client: rtkit.Client, ends:
     ]
 
 
+class Finder:
+    """Finds lights, and has a picture."""
+
+    def __init__(self) -> None:
+        self.picture = bytes(range(256)) * 8
+
+    def get_search(self, type: str = "") -> list[str]:
+        return ["house/light"] if type == "light" else []
+
+
+GETTING = f"""{HEAD}
+:m a sm:Machine ; sm:initial :find ; sm:variable [ sm:name "light" ; sm:value "" ] .
+:find a sm:State ;
+    sm:entry [ sm:set "variables.light" ; sm:get "finder.search.0?type=light" ] ;
+    sm:transition ( [ sm:when "variables.light != \\"\\"" ; sm:to :use ]
+                    [ sm:on "failed.variables.light" ; sm:to :none ] ) .
+:use a sm:State ; sm:entry ( [ sm:set "${{light}}.on" ; sm:value "true" ]
+                             [ sm:set "files.ball.jpg" ; sm:get "finder.picture" ] ) .
+:none a sm:State .
+"""
+
+
+def test_what_is_got_is_used_and_copied(
+    client: rtkit.Client, ends: ExitStack, tmp_path: Path
+) -> None:
+    ends.enter_context(rtkit.serve(Storage(str(tmp_path)), "files"))
+    ends.enter_context(rtkit.serve(Finder(), "finder"))
+    _, _, light = served(ends, StateMachineService(GETTING, start=True))
+    until(lambda: light.lit)
+    until(lambda: (tmp_path / "ball.jpg").exists())
+    assert (tmp_path / "ball.jpg").read_bytes() == Finder().picture
+    assert client.get("butler.variables.light") == "house/light"
+    client.set("butler.run", "stop")
+    client.set("butler.machine", GETTING.replace("type=light", "type=door"))
+    client.set("butler.run", "start")
+    until(lambda: client.get("butler.state") == "none")
+
+
 def test_listeners_hear_of_every_state_in_order(client: rtkit.Client, ends: ExitStack) -> None:
     served(ends, StateMachineService(HOME.replace("robots/r1.location.x > 1", "light.x > 1")))
     heard: list[str] = []
