@@ -135,7 +135,7 @@ class DeviceSensor(Sensor):
         frames: Frames | None = None,
     ) -> None:
         super().__init__(location, base, frames)
-        self.device: Final[str] = device
+        self.device: Final[str] = str(device)
         self._publish("status", f"waiting: {device}: not opened")
         self._baud = baud
         self._reader: Device | None = None

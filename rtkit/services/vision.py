@@ -377,10 +377,13 @@ class Vision(Sensor, rtkit.Names):
     ) -> None:
         super().__init__(location, base, frames)
         opencv()
+        active = (active,) if isinstance(active, str) else active
         if unknown := set(active) - METHODS.keys():
             raise ValueError(f"no method {min(unknown)} (there is {' '.join(METHODS)})")
         if not rate > 0:
             raise ValueError(f"a rate is above 0, not {rate}")
+        if any(isinstance(each, str) or len(each) != 2 for each in cameras):
+            raise ValueError("cameras are names and sources, ((left a.image) (right b.image))")
         named = dict(cameras) if cameras else {"camera": source}
         self._stores = {
             name: PictureStore(self._picture_of, each, 1 / rate) for name, each in named.items()

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
-from typing import Final
+from typing import Any, Final
 
 import pytest
 from hypothesis import given
@@ -213,6 +213,17 @@ def test_a_degree_is_as_long_as_on_the_ellipsoid() -> None:
         pytest.approx(111_412 / 2, rel=1e-3),
         10,
     )
+
+
+@pytest.mark.parametrize(
+    ("wrong", "why"),
+    [({"limits": 5}, "limits is 2 numbers"), ({"limits": (5, 1)}, "least and the greatest"),
+     ({"location": (1, 2)}, "location is 6 numbers"), ({"location": "x"}, "location is 6 numbers")],
+)  # fmt: skip
+def test_wrong_settings_are_refused_at_once(wrong: dict[str, Any], why: str) -> None:
+    with pytest.raises(ValueError, match=why):
+        Joystick("/nowhere", **wrong)
+    assert Joystick(5).device == "5"  # type: ignore[arg-type]  as a shell may give it
 
 
 def test_an_origin_has_three_numbers() -> None:

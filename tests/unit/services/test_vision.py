@@ -375,6 +375,9 @@ def test_what_is_not_there_is_told() -> None:
         vision.get_markers()
     with pytest.raises(ValueError, match="no method lines"):
         Vision(active=("lines",))
+    with pytest.raises(ValueError, match="names and sources"):
+        Vision(cameras=("left", "right"))  # type: ignore[arg-type]
+    assert Vision(active="edges").methods["edges"].active  # type: ignore[arg-type]
 
 
 def test_without_opencv_it_is_told_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
