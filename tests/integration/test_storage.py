@@ -176,8 +176,8 @@ def test_what_is_swapped_meanwhile_leads_nowhere(files: Files, root: Path) -> No
     thread.start()
     got, refused = 0, 0
     try:
-        until = time.monotonic() + 1.0
-        while time.monotonic() < until:
+        begin = time.monotonic()
+        while (waited := time.monotonic() - begin) < 1.0 or (got <= 10 and waited < 20.0):
             for target, payload in (("d.f", None), ("d.g", b"mine"), ("d.g?delete=1", b"")):
                 try:
                     found = files.get(target) if payload is None else files.set(target, payload)
@@ -330,9 +330,10 @@ def test_ten_thousand_files_are_listed_fast(many: Files) -> None:
     begin = time.perf_counter()
     assert len(str(files.get("search?name=d7.*.jpg")).split()) == 100
     search_s = time.perf_counter() - begin
-    print(first_s, again_s, set_s, search_s)
-    assert first_s < 2.0
-    assert max(again_s, set_s, search_s) < 0.2
+    # Quiet: 0.25 s, 0.7 ms, 17 ms, 4 ms; a look at each file for each listing would be 100 ms.
+    assert first_s < 10.0
+    assert again_s < 0.05
+    assert max(set_s, search_s) < 2.0
 
 
 @pytest.mark.parametrize("wire", ["unix", "tcp", "http"])
@@ -440,7 +441,10 @@ def test_whoever_reads_gets_one_file_or_the_other(place: str, root: Path) -> Non
         for thread in threads:
             thread.start()
         try:
-            seen = {client.get_bytes("files.f") for _ in range(100)}
+            seen = {client.get_bytes("files.f") for _ in range(50)}
+            until = time.monotonic() + 20
+            while len(seen) < 2 and time.monotonic() < until:
+                seen.add(client.get_bytes("files.f"))
             sums = {hashlib.sha256(each).hexdigest() for each in contents}
             assert client.get("files.f.meta.sha256") in sums
         finally:

@@ -240,9 +240,10 @@ def test_ten_thousand_names_are_listed_fast(drawer: Drawer) -> None:
     begin = time.perf_counter()
     service.get("properties")
     gone_s = time.perf_counter() - begin
-    print(took_s, first_s, again_s, gone_s)
-    assert (took_s, first_s, again_s, gone_s) < (3.0, 0.5, 0.05, 1.0)
-    assert max(first_s, again_s, gone_s) < 1.0
+    # Quiet: 90 ms, 20 ms, 0.1 ms, 24 ms; each removal by a walk of all names would take seconds.
+    assert took_s < 10.0
+    assert again_s < 0.02
+    assert max(first_s, gone_s) < 3.0
 
 
 def test_two_who_list_the_same_new_name_at_once_add_it_once(drawer: Drawer) -> None:
