@@ -10,6 +10,8 @@ from contextlib import contextmanager
 from typing import Annotated, Final, Literal
 
 import browser
+import cv2
+import numpy
 import pytest
 
 import rtkit
@@ -213,4 +215,75 @@ def test_a_component_of_a_stranger_is_shut_in(place: str) -> None:
             "1 value of lamp", "2 denied only what lies below", "3 denied only what lies below",
             "4 denied GET and SET only", "fetch failed", "parent SecurityError",
             "storage SecurityError"]  # fmt: skip
+        assert page.troubles() == []
+
+
+class Rover:
+    velocity: Annotated[
+        tuple[float, float, float, float, float, float], rtkit.Range(-2, 2), rtkit.Returns(0.4)
+    ] = (0.0,) * 6
+
+    def __init__(self) -> None:
+        self.image = picture((0, 0, 255))
+        self.seen: list[rtkit.Marker] = [rtkit.Marker((1.0, 2.0, 0.0), name=HOSTILE)]
+
+
+def picture(colour: tuple[int, int, int]) -> bytes:
+    pixels = numpy.full((20, 30, 3), colour, numpy.uint8)
+    return bytes(cv2.imencode(".png", pixels)[1].tobytes())
+
+
+def test_a_joystick_goes_back_when_it_is_let_go(place: str) -> None:
+    rover = Rover()
+    at = widget("velocity", "output") + ".textContent"
+    zero = f"{at} === '0  0  0  0  0  0'"
+    with shown(rover, place, "/ps/robots/r1") as (served, page):
+        page.wait_for(zero)
+        left, top, width, _ = page.place('[data-name="velocity"] .pad')
+        page.mouse("mousePressed", left + width / 2, top + 1)
+        page.wait_for(f"{at}.startsWith('1.9')")
+        page._do("Runtime.evaluate", awaitPromise=True,
+                 expression="new Promise((done) => setTimeout(done, 700))")  # fmt: skip
+        assert rover.velocity[0] > 1.9, "it is sent again and again while it is held"
+        page.mouse("mouseReleased", left + width / 2, top + 1)
+        page.wait_for(zero)
+        page.evaluate(f"{widget('velocity', '.pad')}.focus()")
+        page.key("ArrowLeft", ["keyDown"])
+        page.wait_for(f"{at} === '0  0  0  0  0  2'")
+        page.evaluate("document.activeElement.blur()")
+        page.wait_for(zero)
+        assert page.evaluate(f"{widget('velocity')}.timer") is None
+        # And where the connection goes, nothing is held that would go on when it returns.
+        page.evaluate(f"{widget('velocity', '.pad')}.focus()")
+        page.key("ArrowUp", ["keyDown"])
+        page.wait_for(f"{at}.startsWith('2')")
+
+        def hang_up() -> None:
+            for each in list(served._host._handlers.values()):
+                if isinstance(each, HttpConnection) and each.is_stream:
+                    each.close()
+
+        served.owned(hang_up)
+        page.wait_for(f"{widget('velocity')}.timer === null")
+        page.wait_for(zero)
+        assert page.troubles() == []
+
+
+def test_a_picture_is_fetched_when_it_changes_and_places_are_drawn(place: str) -> None:
+    rover = Rover()
+    colour = """(() => {
+        const canvas = document.createElement("canvas");
+        const found = document.querySelector("rt-image img");
+        if (!found.naturalWidth) return "";
+        const context = canvas.getContext("2d");
+        context.drawImage(found, 0, 0);
+        return context.getImageData(3, 3, 1, 1).data.slice(0, 3).join(" ");
+    })()"""
+    with shown(rover, place, "/ps/robots/r1") as (_, page):
+        page.wait_for(f"{colour} === '255 0 0'")
+        rover.image = picture((0, 255, 0))
+        page.wait_for(f"{colour} === '0 255 0'")
+        rover.image = b"no picture"
+        page.wait_for(widget("image", ".problem") + ".textContent === 'no picture: 10 bytes'")
+        page.wait_for(widget("seen", "text") + f"?.textContent === {json.dumps(HOSTILE)}")
         assert page.troubles() == []
