@@ -29,6 +29,7 @@ SIGNS = {
 STYLES = {"alarm": "alarm", "bad": "alarm", "gone": "alarm"}
 _BARS = "▁▂▃▄▅▆▇█"
 _MOST_LINES = 12
+_MOST_PARTS = 12
 _DIALS = "↙←↖↑↗→↘"
 
 
@@ -50,7 +51,12 @@ def lines(panel: Panel, shown: WidgetState, width: int, part: int = 0) -> list[L
     if panel.kind == "choice":
         return [_choices(panel, value)]
     if panel.kind == "plot":
-        return [[(_spark(shown.trace, max(8, width - 16)), "accent"), (f" {text_of(value)}", "")]]
+        return [
+            [
+                (_spark(shown.trace[16 - width :], max(8, width - 16)), "accent"),
+                (f" {text_of(value)}", ""),
+            ]
+        ]
     if panel.kind == "joystick" and is_vector(value):
         return _pad(panel, value)
     if panel.kind == "map":
@@ -59,6 +65,9 @@ def lines(panel: Panel, shown: WidgetState, width: int, part: int = 0) -> list[L
         return [_call(value)]
     if panel.kind == "marker" and (found := _location(value)) is not None:
         return [_parts(panel, found, part), *_features(value)]
+    if is_vector(value) and len(value) > _MOST_PARTS:
+        ends = f" {len(value)} from {text_of(min(value))} to {text_of(max(value))}"
+        return [[(_spark(value, max(8, width - len(ends))), "accent"), (ends, "")]]
     if is_vector(value) and value:
         return [_parts(panel, value, part)]
     return _other(value)
@@ -108,7 +117,8 @@ def _choices(panel: Panel, value: Any) -> Line:
 
 
 def _spark(trace: Sequence[float], room: int) -> str:
-    kept = [each for each in trace[-room:] if math.isfinite(each)]
+    every = max(1, math.ceil(len(trace) / room))
+    kept = [each for each in trace[::every] if math.isfinite(each)]
     if not kept:
         return ""
     low, high = min(kept), max(kept)

@@ -32,6 +32,7 @@ _KINDS = {
 }
 _OF_READERS = frozenset({"map", "marker", "table", "tree", "vector"})
 """Kinds that are drawn also where nothing can be set."""
+_OF_BEHAVIORS = frozenset({"any", "element", "marker"})
 _IMAGES = frozenset({"image", "picture", "photo"})
 
 
@@ -75,6 +76,9 @@ class _Tree:
             made.attributes |= {"kind": "joystick", "after": write(node.returning.after)}
         function = node.function
         arguments = function.parameters if function is not None else ()
+        if made.attributes["kind"] == "button" and function is None:
+            target = RequestParameter("target", parse_type("marker"))
+            arguments = (target,)  # of a behaviour, which a SET of its target starts
         children = (*map(_argument, arguments), *below)
         return Element("gui", made.attributes, children)
 
@@ -145,6 +149,8 @@ def _kind(name: str, spec: PropertySpec, access: str, value: Content | None) -> 
     if spec.is_functional:
         return "button"
     base = spec.type.base
+    if name.split(".")[-2:-1] == ["behaviors"] and "w" in access and base in _OF_BEHAVIORS:
+        return "button"
     if base == "any" and value is not None:
         base = kind_of(value)
     kind = _KINDS.get(base, "text")

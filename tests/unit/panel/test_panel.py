@@ -52,6 +52,7 @@ DRAWN = [
     (panel("button"), call("done", result=42.0), ["done 42"]),
     (panel("button"), call("failed", error="no way"), ["failed no way"]),
     (panel("what"), (1.0, 2.0), ["0 1  1 2"]),
+    (panel("vector"), tuple(map(float, range(16))), ["▁▁▁▂▂▃▃▄▄▅▅▆▆▇▇█ 16 from 0 to 15"]),
 ]  # fmt: skip
 
 

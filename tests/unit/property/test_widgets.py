@@ -79,6 +79,15 @@ def test_a_service_is_one_tree_with_the_arguments_of_its_actions() -> None:
     assert read(str(service.get("arm.gui"))) == arm
 
 
+def test_a_behaviour_is_a_button_with_its_target() -> None:
+    service = Service("it")
+    service.add("behaviors.moveto", Element("behavior", {"state": "idle"}), "any")
+    found = read(str(service.get("behaviors.moveto.gui")))
+    assert isinstance(found, Element)
+    assert found.attributes["kind"] == "button"
+    assert [each.attributes["type"] for each in found.children] == ["marker"]
+
+
 def test_who_may_not_set_sees_widgets_that_do_nothing() -> None:
     answers: list[str] = []
     stranger = Requester()

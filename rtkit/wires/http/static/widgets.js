@@ -232,11 +232,24 @@ class Vector extends Widget {
   display(value, text) {
     const numbers = this.numbers(value);
     if (!isVector(numbers)) { this.body.textContent = text; this.fields = []; return; }
+    if (numbers.length > MOST_PARTS) { this.body.replaceChildren(...outline(numbers)); this.fields = []; return; }
     const labels = this.is.labels ? itemTexts(this.is.labels) : ["x", "y", "z", "a", "b", "c"].slice(0, numbers.length);
     if (numbers.length !== this.fields.length)
       this.build(numbers.map((_, index) => labels[index] ?? String(index)));
     numbers.forEach((each, index) => { this.fields[index].value = short(each); });
   }
+}
+
+const MOST_PARTS = 12;
+
+// Many numbers as one line, from the first to the last.
+function outline(numbers) {
+  const low = Math.min(...numbers), high = Math.max(...numbers);
+  const points = numbers.map((each, index) =>
+    `${(200 * index / (numbers.length - 1)).toFixed(1)},${high > low ? (57 - 54 * (each - low) / (high - low)).toFixed(1) : 30}`);
+  return [drawn("svg", {viewBox: "0 0 200 60", preserveAspectRatio: "none", class: "plot", "aria-hidden": "true"},
+    drawn("polyline", {points: points.join(" ")})),
+    make("small", {}, `${numbers.length} numbers from ${short(low)} to ${short(high)}`)];
 }
 
 class Marker extends Vector {
@@ -266,7 +279,9 @@ class Button extends Widget {
     for (const each of inputs) {
       const argument = {...each, attributes: {...each.attributes, access: "rw", ...SUITABLE[each.attributes.kind]}};
       const widget = widgetOf(argument);
-      const source = {set: async (name, text) => { this.given.set(name, text); widget.show(text); }};
+      const asMarker = (text) => each.attributes.type === "marker" && text && !text.startsWith("<")
+        ? `<marker><location>(${text.replace(/[()]/g, "")})</location></marker>` : text;
+      const source = {set: async (name, text) => { this.given.set(name, asMarker(text)); widget.show(text, {isRaw: each.attributes.type === "marker"}); }};
       widget.begin(argument, source);
       if (each.attributes.default) widget.show(each.attributes.default);
       body.append(widget);
@@ -397,7 +412,7 @@ class Plot extends Widget {
     this.line = drawn("polyline", {points: ""});
     this.out = make("output");
     this.range = make("small");
-    body.append(drawn("svg", {viewBox: "0 0 200 60", preserveAspectRatio: "none", "aria-hidden": "true"}, this.line),
+    body.append(drawn("svg", {viewBox: "0 0 200 60", preserveAspectRatio: "none", class: "plot", "aria-hidden": "true"}, this.line),
                 this.out, this.range);
     this.timer = setInterval(() => { if (this.points.length) this.trace(); }, 500);
   }
