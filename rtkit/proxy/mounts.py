@@ -13,6 +13,7 @@ from collections.abc import Callable
 from functools import partial
 from time import monotonic
 
+from rtkit.errors import Malformed
 from rtkit.property.codes import PropertyError
 from rtkit.property.lanes import first_only, wait_of
 from rtkit.property.messages import Answer
@@ -37,7 +38,7 @@ _OWN = frozenset({"meta", "gui", "parameters", "history"})
 """Extensions of the mount point itself, which its owner has no name for."""
 _OF_TREE = frozenset({"rtc", "mgr"})
 """Endings of names in the tree, behind which no place begins."""
-_LISTING_S = 2.0
+_LISTING_S = 1.0
 """How long the owners of a listing are waited for [s]."""
 _HOP_S = 0.1
 """How long a mount waits for the routes behind it, for each hop that is left [s]."""
@@ -55,9 +56,14 @@ class Mount(MountPoint):
             service (``rtkit help wires``).
         timeout_s: Bound on each attempt to connect [s].
         has_value: The name itself is not that owner's, only what is below.
+
+    Raises:
+        Malformed: There is no target.
     """
 
     def __init__(self, target: str, *, timeout_s: float = 2.0, has_value: bool = False) -> None:
+        if not isinstance(target, str) or not target:
+            raise Malformed(f"not a service to mount: {target!r}")
         self.target = target
         self.has_value = has_value
         self.timeout_s = timeout_s

@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+import os
+import signal
+import subprocess
+import sys
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack
 from queue import SimpleQueue
@@ -10,6 +14,7 @@ from time import monotonic
 import pytest
 
 import rtkit
+from rtkit.errors import Malformed
 
 _BOUND_S = 20.0
 
@@ -213,3 +218,42 @@ def test_rules_of_an_endpoint_hold_for_what_is_mounted(place: str, client: rtkit
         assert code(lambda: client.set("g.robots.a.x", 2)) == "denied"
         assert client.get("g.robots.a.x.meta.access") == "r"
         assert client.get("r1.x") == 1.0
+
+
+def test_a_mount_has_a_target_and_one_that_is_no_address_is_not_there(
+    place: str, client: rtkit.Client
+) -> None:
+    for wrong in ("", 3, None):
+        with pytest.raises(Malformed, match="not a service to mount"):
+            rtkit.Mount(wrong)  # type: ignore[arg-type]
+    with serve(rtkit.mounts(a="ftp:x", b="no such/*"), "g"):  # type: ignore[arg-type]
+        assert code(lambda: client.get("g.a.x")) == "no-service"
+        assert code(lambda: client.get("g.b.x")) == "no-service"
+
+
+def test_an_owner_that_is_stopped_delays_no_other_and_is_named_in_listings(
+    place: str, client: rtkit.Client
+) -> None:
+    program = """
+import rtkit, sys
+class Robot:
+    x = 1
+with rtkit.serve(Robot(), 'r1', is_on_zenoh=False):
+    print('up', flush=True)
+    sys.stdin.read()
+"""
+    pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE}
+    owner = subprocess.Popen([sys.executable, "-c", program], **pipes)  # type: ignore[call-overload]
+    assert owner.stdout.readline() == b"up\n"
+    with serve(Robot(2.0), "r2"), serve(Group(a="r1", b="r2"), "g"):
+        assert client.get("g.robots.a.x") == 1
+        owner.send_signal(signal.SIGSTOP)
+        os.waitpid(owner.pid, os.WUNTRACED)
+        asks = [rtkit.Ask("g.robots.a.x"), rtkit.Ask("g.robots.b.x")]
+        slow, quick = client.ask_all(asks, 0.3)
+        assert (slow.code, quick) == ("timeout", 2.0)
+        values = dict(client.get("g.robots.properties", all=True, values=True))
+        assert (values["b.x"], values["a"].attributes) == (2.0, {"code": "timeout"})
+        owner.send_signal(signal.SIGCONT)
+        assert client.get("g.robots.a.x") == 1
+    owner.communicate(b"")

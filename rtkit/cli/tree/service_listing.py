@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, cast
 
 from rtkit.cli.shared import terminal
 from rtkit.cli.shared.app import App, working_directory
+from rtkit.errors import Unreachable
 
 if TYPE_CHECKING:
     from rtkit.property.values import Element, Value
@@ -106,7 +107,10 @@ def _completed(end: PropertyClient, above: str, rows: Sequence[Value]) -> Iterat
             yield row
             continue
         path = f"{above}.{name}" if above else name
-        answer, error = end.ask(f"{path}?timeout={_CALL_S}")
+        try:
+            answer, error = end.ask(f"{path}?timeout={_CALL_S}")
+        except Unreachable:  # a service that passes the request on may give up a little later
+            answer, error = "", "timeout"
         if error or not isinstance(answer, str):
             yield row
         elif _field(cast("Element", meta), "type") == "text":
