@@ -10,11 +10,12 @@ report = $(if $(REPORTS),--junitxml=$(REPORTS)/$(1).xml)
 BIN := .venv/bin
 READY := .venv/.ready
 
-.PHONY: help venv demo demo-bug demo-manipulation test test-pure test-real campaign campaign-faults laws lint bench commands man docs pictures bench-page first-value clean
+.PHONY: help venv demo demo-bug demo-home demo-manipulation test test-pure test-real campaign campaign-faults laws lint bench commands man docs pictures bench-page first-value clean
 
 help:
 	@echo "make demo    bring up a small robot, break it, repair it, take it down"
 	@echo "make demo-bug  21 deployments of Bug navigation, with tables and pictures in build/bug"
+	@echo "make demo-home  robots, lights, storage and a state machine in a simulated home, with pictures in build/home"
 	@echo "make demo-manipulation  supervise a manipulator by dialogues, kill it on the way, draw pictures"
 	@echo "make test    linters, types, layers and all tests"
 	@echo "make campaign  200 random faults on a system at work, their recovery times in docs/campaign.md"
@@ -47,6 +48,9 @@ demo-bug: $(READY)
 	@$(BIN)/rtbug run --all --sensors laser --out build/bug
 	@cat build/bug/table.md
 	@ls build/bug/*.svg
+
+demo-home: $(READY)
+	@$(BIN)/python examples/home/demo.py build/home
 
 demo-manipulation: $(READY)
 	@$(BIN)/python examples/manipulation/demo.py

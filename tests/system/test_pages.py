@@ -15,7 +15,7 @@ from pagekit import MARK, ROOT, pages, script
 
 from rtkit.cli.shared.commands import COMMANDS, TABLE
 
-TAUGHT = [ROOT / "examples" / name / "README.md" for name in ("bug", "manipulation")]
+TAUGHT = [ROOT / "examples" / name / "README.md" for name in ("bug", "home", "manipulation")]
 WITH_EXAMPLES = [page for page in (*pages(), *TAUGHT) if script(page).text]
 HERE = {"EXAMPLES": str(ROOT / "examples")}
 

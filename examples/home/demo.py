@@ -1,0 +1,175 @@
+"""Runs the home from its system profile, and shows what came of it: ``make demo-home``.
+
+Deploys ``system.yaml``, follows the state machine to its end, compares what the environment model
+has with the world, keeps plan and photograph in the folder that is named, else ``build/home``; the
+exit status is 0 only when everything was as it must be and nothing is left.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import math
+import os
+import shutil
+import sys
+import tempfile
+import threading
+import time
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import rtkit
+from rtkit.errors import RtkitError
+
+HERE = Path(__file__).resolve().parent
+sys.path.insert(0, str(HERE.parent))
+from home.pictures import Outcome, plan  # noqa: E402
+
+ROBOTS = ("r1", "r2")
+PATIENCE_S = 50.0
+NEAR_M = 0.05
+"""How far off the truth the model may be."""
+
+
+class NotAsExpected(Exception):
+    """The demonstration did not go as it must."""
+
+
+class Watched:
+    """Follows a run by live properties.
+
+    Attributes:
+        states: Of the machine, one after the other.
+        paths: Of each robot [m].
+        sightings: Where each robot saw the ball [m].
+    """
+
+    def __init__(self, client: rtkit.Client) -> None:
+        self.states: list[str] = []
+        self.paths: dict[str, list[tuple[float, float]]] = {each: [] for each in ROBOTS}
+        self.sightings: dict[str, list[tuple[float, float]]] = {each: [] for each in ROBOTS}
+        self.is_over = threading.Event()
+        self._client = client
+        client.listen("home/butler.state", self._entered, queue=100)
+        for robot in ROBOTS:
+            client.listen(f"robots/{robot}.location", self._moved, every=0.05)
+
+    def _entered(self, change: rtkit.PropertyChange) -> None:
+        if change.code:
+            return
+        self.states.append(str(change.value))
+        print(f"  {change.value}", flush=True)
+        if change.value in ("end", "stuck"):
+            self.is_over.set()
+
+    def _moved(self, change: rtkit.PropertyChange) -> None:
+        if not change.code:
+            robot = change.target.removeprefix("robots/").partition(".")[0]
+            self.paths[robot].append(tuple(change.value[:2]))
+
+    def look(self) -> None:
+        """Note where the robots see the ball now."""
+        for robot in ROBOTS:
+            for each in self._client.get(f"robots/{robot}.sensors.eye.markers", frame="world"):
+                if each.type == "ball":
+                    self.sightings[robot].append(tuple(each.location[:2]))
+
+
+def run(values: Mapping[str, str], folder: Path, out: Path) -> None:
+    """Deploy, follow, compare, draw, take down."""
+    files = folder / "files"
+    files.mkdir()
+    shutil.copy(HERE / "butler.ttl", files)
+    given = {"home": str(HERE / "home.json"), "files": str(files), **values}
+    began = time.monotonic()
+    with rtkit.connect(start=True) as tree, rtkit.Client() as client:
+        try:
+            tree.apply_profile(rtkit.load(HERE / "system.yaml", values=given))
+            print(f"deployed in {time.monotonic() - began:.1f} s: {' '.join(tree.ls())}")
+            watched = Watched(client)
+            if not watched.is_over.wait(PATIENCE_S) or watched.states[-1] == "stuck":
+                rows = client.get("home/butler.log", n=5)
+                raise NotAsExpected("\n".join(" ".join(map(str, row)) for row in rows))
+            for _ in range(5):
+                watched.look()
+            outcome = _outcome(client, watched)
+            pictures = {
+                "home.svg": plan(outcome).encode(),
+                "butler.svg": client.get_bytes("home/butler.graph"),
+                **{
+                    name: client.get_bytes(f"home/files.{name}")
+                    for name in ("dark.png", "ball.png")
+                },
+            }
+        finally:
+            tree.stop_manager()
+    _check(watched, outcome, pictures["ball.png"])
+    out.mkdir(parents=True, exist_ok=True)
+    for name, picture in pictures.items():
+        (out / name).write_bytes(picture)
+    print(f"{', '.join(pictures)} in {out}; {time.monotonic() - began:.0f} s in all")
+
+
+def _outcome(client: rtkit.Client, watched: Watched) -> Outcome:
+    truth = client.get("home/world.objects.ball").location
+    seen = client.get("home/environment.markers", type="ball")
+    if len(seen) != 1:
+        raise NotAsExpected(f"one ball is there, the model has {len(seen)}")
+    (ball,) = seen
+    off = math.dist(ball.location[:2], truth[:2])
+    print(f"ball: at {truth[:2]}, in the model at {ball.location[:2]}, {1000 * off:.0f} mm off")
+    home = json.loads((HERE / "home.json").read_text("utf-8"))
+    walls = [ring for each in home["walls"] for ring in (each["outer"], *each["holes"])]
+    lights = {
+        name: (client.get(f"home/lights/{name}.on"), client.get(f"home/lights/{name}.location"))
+        for name in ("hall", "kitchen")
+    }
+    return Outcome(home["rooms"], walls, lights, watched.paths, truth, watched.sightings,
+                   ball.location, _covariance(ball))  # fmt: skip
+
+
+def _covariance(marker: rtkit.Marker) -> Any:
+    if marker.covariance is not None:
+        return marker.covariance
+    variance = marker.variance or 0.0
+    return ((variance, 0.0), (0.0, variance))
+
+
+def _check(watched: Watched, outcome: Outcome, photo: bytes) -> None:
+    off = math.dist(outcome.fused[:2], outcome.truth[:2])
+    promises = {
+        f"it ended as it should, not in {watched.states[-1]}": watched.states[-1] == "end",
+        "the light of the kitchen is on, that of the hall is off":
+            [on for on, _ in outcome.lights.values()] == [False, True],
+        "there is a photograph": photo.startswith(b"\x89PNG"),
+        "both robots saw the ball": all(watched.sightings.values()),
+        f"the model has it within {NEAR_M} m": off <= NEAR_M,
+    }  # fmt: skip
+    broken = [promise for promise, is_kept in promises.items() if not is_kept]
+    if broken:
+        raise NotAsExpected("; ".join(broken))
+
+
+def main() -> None:
+    """Run it with folders of its own."""
+    parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
+    parser.add_argument("out", nargs="?", default="build/home", type=Path)
+    parser.add_argument("--set", action="append", default=[], metavar="NAME=VALUE")
+    given = parser.parse_args()
+    folder = Path(tempfile.mkdtemp(prefix="home-"))
+    os.environ |= {
+        "RTKIT_RUNTIME_DIR": str(folder / "run"), "RTKIT_STATE_DIR": str(folder / "state"),
+        "RTKIT_MODULE_PATH": str(HERE), "RTKIT_PORT": "none", "RTKIT_MANAGER": "manager",
+    }  # fmt: skip
+    try:
+        run(dict(each.split("=", 1) for each in given.set), folder, given.out)
+    except (NotAsExpected, RtkitError) as error:
+        sys.exit(f"demo-home: {error}")
+    finally:
+        shutil.rmtree(folder)
+
+
+if __name__ == "__main__":
+    main()

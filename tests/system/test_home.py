@@ -1,0 +1,35 @@
+"""The home of standard services: one profile brings it up, whatever moves its robots."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from pathlib import Path
+
+from pagekit import ROOT
+
+RUNS_PROCESSES = True
+DEMO = ROOT / "examples" / "home" / "demo.py"
+
+
+def test_a_home_is_lit_photographed_and_known_by_whatever_robots(tmp_path: Path) -> None:
+    given = ("r1=LeggedRobot", "r2=DifferentialRobot", "pace=4")  # the other way about by default
+    words = [word for each in given for word in ("--set", each)]
+    done = subprocess.run(
+        [sys.executable, DEMO, tmp_path, *words], capture_output=True, text=True, timeout=55
+    )
+    assert done.returncode == 0, done.stderr
+    assert {each.name for each in tmp_path.iterdir()} == {
+        "ball.png", "butler.svg", "dark.png", "home.svg",
+    }  # fmt: skip
+
+
+def test_a_home_that_cannot_be_is_refused_in_a_sentence(tmp_path: Path) -> None:
+    done = subprocess.run(
+        [sys.executable, DEMO, tmp_path / "out", "--set", "r1=Unicycle"],
+        capture_output=True, text=True, timeout=55,
+    )  # fmt: skip
+    assert done.returncode == 1
+    assert done.stderr.startswith("demo-home: impossible: r1 cannot be")
+    assert "component type Unicycle is not known" in done.stderr
+    assert not (tmp_path / "out").exists()
