@@ -12,6 +12,7 @@ import re
 from collections.abc import Callable, Iterator
 from typing import Any
 
+from rtkit.errors import Refused
 from rtkit.services.statemachine.expressions import (
     VARIABLES,
     Expression,
@@ -73,6 +74,7 @@ def read_machine(text: str, machine: Machine | None = None, at: str = "") -> Mac
 
     Raises:
         BadMachine: It is none; nothing of it is taken.
+        Refused: rdflib is not there.
     """
     return _Reader(text).machine(machine, at)
 
@@ -81,7 +83,10 @@ class _Statements:
     """The statements of a document: of each node predicate, object and line, in their order."""
 
     def __init__(self, text: str) -> None:
-        from rdflib import Graph
+        try:
+            from rdflib import Graph
+        except ImportError as error:
+            raise Refused("state machines need rdflib: pip install 'rtkit[rdf]'") from error
 
         found: dict[Any, list[tuple[str, Any, int]]] = {}
 

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import sys
 from pathlib import Path
 
 import pytest
 from rdflib import Graph
 
+from rtkit.errors import Refused
 from rtkit.resources import resource
 from rtkit.services.statemachine.model import BadMachine
 from rtkit.services.statemachine.rdf import _WORDS, NAMESPACE, read_machine, write_machine
@@ -121,6 +123,12 @@ def test_a_state_is_not_put_anywhere(at: str, why: str) -> None:
             write_machine(machine, "patrol.out").replace("@", "\n" * 19 + "@", 1), machine, at
         )
     assert str(refused.value).startswith(why), refused.value
+
+
+def test_a_missing_library_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "rdflib", None)
+    with pytest.raises(Refused, match=r"pip install 'rtkit\[rdf\]'"):
+        read_machine(PATROL)
 
 
 def test_the_vocabulary_has_every_word_that_is_read() -> None:
