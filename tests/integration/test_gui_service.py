@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import time
 from collections.abc import Callable
+from importlib.metadata import entry_points
 from pathlib import Path
 from typing import Annotated, Final
 
@@ -33,6 +34,11 @@ def until(condition: Callable[[], object]) -> None:
     while not condition():
         assert time.monotonic() < end
         time.sleep(0.01)
+
+
+def test_it_is_a_component_under_the_name_of_its_class() -> None:
+    found = {each.value: each.name for each in entry_points(group="rtkit.components")}
+    assert found["rtkit.services.gui:GuiInit"] == GuiService.__name__
 
 
 def test_components_are_kept_by_type_and_in_a_storage(place: str, tmp_path: Path) -> None:
