@@ -193,9 +193,9 @@ class Resource(Names):
 
     def _put(self, entries: dict[str, Entry]) -> None:
         with self._lock:
-            self._entries = entries
+            self._entries = dict(sorted(entries.items()))  # whoever was found first
             if entries.keys() != dict.fromkeys(self._names).keys():
-                self._names = tuple(entries)
+                self._names = tuple(self._entries)
 
     # Signs of life
 
