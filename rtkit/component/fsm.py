@@ -40,7 +40,7 @@ from rtkit.component.base import Component
 from rtkit.component.buffer import Sink, Source
 from rtkit.component.options import PortStatus
 from rtkit.component.port import InPort, Listener, Renew
-from rtkit.component.state_table import StateMachine, StateTransition, Table, lineage
+from rtkit.component.state_table import StateTable, StateTransition, Table, lineage
 from rtkit.component.typenames import type_by_name, type_name
 from rtkit.errors import Malformed, NotFound, Refused
 from rtkit.rtc.data_types import is_same_type, scoped_name
@@ -246,7 +246,7 @@ class FsmComponent(Component):
     state_classes: ClassVar[Mapping[str, type[State]]] = {}
 
     def __init__(self, instance: str, options: Mapping[str, str] | None = None) -> None:
-        self.machine = StateMachine(self.states)
+        self.machine = StateTable(self.states)
         self.state = ""
         self.ignored = 0
         super().__init__(instance, options)
@@ -326,7 +326,7 @@ class FsmComponent(Component):
         Raises:
             Malformed: The table is none.
         """
-        machine = StateMachine(table)
+        machine = StateTable(table)
         self.machine = machine
         if self.state and self.state not in machine.table:
             self.state = machine.initial

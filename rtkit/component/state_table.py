@@ -25,7 +25,7 @@ class StateTransition(NamedTuple):
     entered: tuple[str, ...]
 
 
-class StateMachine:
+class StateTable:
     """The states of one machine; immutable.
 
     Attributes:

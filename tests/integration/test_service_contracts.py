@@ -29,7 +29,7 @@ from rtkit.services.microphone import Microphone
 from rtkit.services.mobilerobot import DifferentialRobot
 from rtkit.services.ranging import RangeFinder
 from rtkit.services.resource import Resource
-from rtkit.services.statemachine import StateMachineService
+from rtkit.services.statemachine import StateMachine
 from rtkit.services.storage import Storage
 from rtkit.services.vision import Vision
 from rtkit.services.world import HomeWorld
@@ -191,7 +191,7 @@ CONTRACTS: dict[str, Contract] = {
          "frames.hall": ("(1 2)", "bad-value"), "unanswered": ("()", "read-only")},
     ),
     "state machine": Contract(
-        lambda folder: StateMachineService(_TURNSTILE, start=True),
+        lambda folder: StateMachine(_TURNSTILE, start=True),
         {"type": "list<word>", "version": "string", "status": "string", "machine": "text",
          "machine.locked": "text", "state": "string", "run": "string", "variables.n": "any",
          "log": "list<list>", "source": "string", "graph": "text", "save": "action"},

@@ -12,7 +12,7 @@ import pytest
 from state_machine_reference import Reference
 
 import rtkit
-from rtkit.services.statemachine import StateMachineService
+from rtkit.services.statemachine import StateMachine
 from rtkit.services.statemachine.interpreter import MachineLogEntry
 from rtkit.services.statemachine.rdf import read_machine
 from rtkit.services.storage import Storage
@@ -74,7 +74,7 @@ def until(holds: Callable[[], object]) -> None:
         time.sleep(0.005)
 
 
-def served(ends: ExitStack, machine: StateMachineService) -> tuple[Robot, Robot, Light]:
+def served(ends: ExitStack, machine: StateMachine) -> tuple[Robot, Robot, Light]:
     r1, r2, light = Robot(), Robot(), Light()
     for thing, name in ((r1, "robots/r1"), (r2, "robots/r2"), (light, "house/light")):
         ends.enter_context(rtkit.serve(thing, name))
@@ -83,7 +83,7 @@ def served(ends: ExitStack, machine: StateMachineService) -> tuple[Robot, Robot,
 
 
 def test_one_machine_controls_two_robots_and_a_light(client: rtkit.Client, ends: ExitStack) -> None:
-    r1, r2, light = served(ends, StateMachineService(HOME))
+    r1, r2, light = served(ends, StateMachine(HOME))
     light.lit = True
     client.set("butler.run", "start")
     assert client.get("butler.state") == "dark"
@@ -135,7 +135,7 @@ def test_what_is_got_is_used_and_copied(
 ) -> None:
     ends.enter_context(rtkit.serve(Storage(str(tmp_path)), "files"))
     ends.enter_context(rtkit.serve(Finder(), "finder"))
-    _, _, light = served(ends, StateMachineService(GETTING, start=True))
+    _, _, light = served(ends, StateMachine(GETTING, start=True))
     until(lambda: light.lit)
     until(lambda: (tmp_path / "ball.jpg").exists())
     assert (tmp_path / "ball.jpg").read_bytes() == Finder().picture
@@ -147,7 +147,7 @@ def test_what_is_got_is_used_and_copied(
 
 
 def test_listeners_hear_of_every_state_in_order(client: rtkit.Client, ends: ExitStack) -> None:
-    served(ends, StateMachineService(HOME.replace("robots/r1.location.x > 1", "light.x > 1")))
+    served(ends, StateMachine(HOME.replace("robots/r1.location.x > 1", "light.x > 1")))
     heard: list[str] = []
     with client.listen("butler.state", lambda change: heard.append(change.value), queue=100):
         client.set("butler.run", "start")
@@ -166,7 +166,7 @@ def test_a_service_that_hangs_or_is_dead_holds_up_nothing(
     text = text.replace(
         '[ sm:on "swap"', '[ sm:on "failed.nobody/here" ; sm:to :second ] [ sm:on "x"'
     )
-    _, r2, light = served(ends, StateMachineService(text, timeout=0.5))
+    _, r2, light = served(ends, StateMachine(text, timeout=0.5))
     light._is_free.clear()
     begun = time.monotonic()
     client.set("butler.run", "start")
@@ -185,7 +185,7 @@ def test_a_service_that_hangs_or_is_dead_holds_up_nothing(
 def test_a_guard_waits_for_a_service_that_comes_later(
     client: rtkit.Client, ends: ExitStack
 ) -> None:
-    ends.enter_context(rtkit.serve(StateMachineService(HOME, start=True), "butler"))
+    ends.enter_context(rtkit.serve(StateMachine(HOME, start=True), "butler"))
     assert client.get("butler.state") == "dark"
     for name in ("robots/r1", "robots/r2"):
         robot = Robot()
@@ -199,7 +199,7 @@ def test_a_machine_is_got_from_storage_edited_and_saved_there(
 ) -> None:
     (tmp_path / "machines").mkdir()
     (tmp_path / "machines" / "home.ttl").write_text(HOME, encoding="utf-8")
-    butler = StateMachineService(source="files.machines.home.ttl", start=True)
+    butler = StateMachine(source="files.machines.home.ttl", start=True)
     ends.enter_context(rtkit.serve(butler, "butler"))
     assert client.get("butler.status").startswith("failed: ")
     ends.enter_context(rtkit.serve(Storage(str(tmp_path)), "files"))
@@ -238,7 +238,7 @@ def test_a_machine_is_got_from_storage_edited_and_saved_there(
 def test_what_is_wrong_is_refused_and_changes_nothing(
     client: rtkit.Client, ends: ExitStack, target: str, value: str, code: str, why: str
 ) -> None:
-    butler = StateMachineService(HOME, start=True)
+    butler = StateMachine(HOME, start=True)
     ends.enter_context(rtkit.serve(butler, "butler"))
     until(lambda: "failed" in [entry[2] for entry in client.get("butler.log")])  # there is no light
     before = client.get_bytes("butler.machine"), client.get("butler.log")
@@ -255,7 +255,7 @@ def test_deleting_the_active_state_must_say_where_to_go(
 ) -> None:
     text = f"""{HEAD}:m a sm:Machine ; sm:initial :a .
     :a a sm:State ; sm:transition [ sm:on "go" ; sm:to :b ] . :b a sm:State ."""
-    ends.enter_context(rtkit.serve(StateMachineService(text, start=True), "butler"))
+    ends.enter_context(rtkit.serve(StateMachine(text, start=True), "butler"))
     client.set("butler.event", "go")
     client.set("butler.machine.a", f"{HEAD}:a a sm:State .")
     with pytest.raises(rtkit.PropertyError, match="say where to go: goto=STATE") as refused:
@@ -291,7 +291,7 @@ class Meter:
 def test_a_hundred_edits_at_a_thousand_events_a_second_lose_nothing(
     client: rtkit.Client, ends: ExitStack
 ) -> None:
-    butler = StateMachineService(EDITED, length=1_000_000, logs_all=True, start=True)
+    butler = StateMachine(EDITED, length=1_000_000, logs_all=True, start=True)
     meter = Meter()
     ends.enter_context(rtkit.serve(meter, "meter"))
     ends.enter_context(rtkit.serve(butler, "butler"))

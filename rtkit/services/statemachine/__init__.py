@@ -2,6 +2,6 @@
 
 from __future__ import annotations
 
-from rtkit.services.statemachine.service import StateMachineService, StateMachineServiceInit
+from rtkit.services.statemachine.service import StateMachine, StateMachineInit
 
-__all__ = ["StateMachineService", "StateMachineServiceInit"]
+__all__ = ["StateMachine", "StateMachineInit"]

@@ -25,7 +25,7 @@ _XML = re.compile(r"\ufeff?\s*<(\?xml|rdf:RDF|scxml)")
 _COMMANDS = ("start", "stop", "pause", "step")
 
 
-class StateMachineService(rtkit.Names):
+class StateMachine(rtkit.Names):
     """Runs a machine of states with guards on properties of any service; takes edits meanwhile.
 
     ``machine`` is its text, ``machine.STATE`` that of a state with all inside it; a SET of either
@@ -75,7 +75,7 @@ class StateMachineService(rtkit.Names):
     def __served__(self, publish: Any) -> None:
         self._publish = publish
 
-    def __enter__(self) -> StateMachineService:
+    def __enter__(self) -> StateMachine:
         if self._client is None:
             self._client = rtkit.Client(self._timeout)
             is_ready = self._begin()
@@ -319,7 +319,7 @@ class StateMachineService(rtkit.Names):
         self._done(lambda now: self._interpreter.fail(target, why, now))
 
 
-StateMachineServiceInit = init_of(StateMachineService)
+StateMachineInit = init_of(StateMachine)
 
 
 def _names(machine: Machine) -> tuple[str, ...]:

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rtkit.component.state_table import StateMachine, lineage
+from rtkit.component.state_table import StateTable, lineage
 from rtkit.errors import Malformed, NotFound
 
 OVEN = {
@@ -20,13 +20,13 @@ OVEN = {
 
 @pytest.fixture
 def oven():
-    return StateMachine(OVEN)
+    return StateTable(OVEN)
 
 
 def test_outer_states_that_are_implied_are_there(oven):
     assert list(oven.table) == ["On", "On.Idle", "On.Set", "On.Cook", "Off"]
     assert oven.table["On"] == {"open": "Off", "again": "On"}
-    assert StateMachine({"a.b.c": {}}).table == {"a": {}, "a.b": {}, "a.b.c": {}}
+    assert StateTable({"a.b.c": {}}).table == {"a": {}, "a.b": {}, "a.b.c": {}}
 
 
 def test_it_begins_in_the_first_state_inside_the_first(oven):
@@ -71,7 +71,7 @@ def test_what_is_left_and_entered(oven, source, target, exited, entered, end):
 )
 def test_tables_that_are_none(table, why):
     with pytest.raises(Malformed, match=why):
-        StateMachine(table)
+        StateTable(table)
 
 
 def test_a_state_that_is_not_there(oven):
@@ -89,7 +89,7 @@ def machines(draw):
     states = draw(st.lists(NAMES, min_size=1, max_size=6, unique=True))
     known = sorted({each for state in states for each in lineage(state)})
     moves = st.dictionaries(st.sampled_from("xyz"), st.sampled_from(known), max_size=3)
-    return StateMachine({state: draw(moves) for state in states})
+    return StateTable({state: draw(moves) for state in states})
 
 
 @given(machines(), st.lists(st.sampled_from("xyz"), max_size=12))
@@ -112,5 +112,5 @@ def test_entering_and_leaving_always_add_up(machine, events):
 
 @given(machines())
 def test_a_table_that_was_completed_is_complete(machine):
-    assert StateMachine(machine.table).table == machine.table
-    assert StateMachine(machine.table).initial == machine.initial
+    assert StateTable(machine.table).table == machine.table
+    assert StateTable(machine.table).initial == machine.initial
