@@ -12,6 +12,7 @@ import json
 import math
 import os
 import shutil
+import signal
 import sys
 import tempfile
 import threading
@@ -163,6 +164,8 @@ def main() -> None:
         "RTKIT_RUNTIME_DIR": str(folder / "run"), "RTKIT_STATE_DIR": str(folder / "state"),
         "RTKIT_MODULE_PATH": str(HERE), "RTKIT_PORT": "none", "RTKIT_MANAGER": "manager",
     }  # fmt: skip
+    for ending in (signal.SIGINT, signal.SIGTERM):  # what was started is taken down, too
+        signal.signal(ending, lambda number, _: sys.exit(128 + number))
     try:
         run(dict(each.split("=", 1) for each in given.set), folder, given.out)
     except (NotAsExpected, RtkitError) as error:

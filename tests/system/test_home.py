@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+import signal
 import subprocess
 import sys
 from pathlib import Path
@@ -33,3 +35,26 @@ def test_a_home_that_cannot_be_is_refused_in_a_sentence(tmp_path: Path) -> None:
     assert done.stderr.startswith("demo-home: impossible: r1 cannot be")
     assert "component type Unicycle is not known" in done.stderr
     assert not (tmp_path / "out").exists()
+
+
+def test_a_home_that_is_ended_leaves_nothing(tmp_path: Path) -> None:
+    folders = tmp_path / "folders"
+    folders.mkdir()
+    with subprocess.Popen(
+        [sys.executable, DEMO, tmp_path / "out"],
+        env={**os.environ, "TMPDIR": str(folders)}, stdout=subprocess.PIPE, text=True,
+    ) as demo:  # fmt: skip
+        assert demo.stdout is not None
+        assert demo.stdout.readline().startswith("deployed")
+        (folder,) = folders.iterdir()
+        demo.send_signal(signal.SIGTERM)
+        assert demo.wait(20) == 128 + signal.SIGTERM
+    assert not list(folders.iterdir())
+    assert not [each for each in Path("/proc").glob("[0-9]*/environ") if _holds(each, folder)]
+
+
+def _holds(environment: Path, folder: Path) -> bool:
+    try:
+        return f"={folder}/run".encode() in environment.read_bytes()
+    except OSError:  # another user's, or it has ended
+        return False

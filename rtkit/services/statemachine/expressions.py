@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable
+from math import inf
 from typing import Any
 
 Plain = bool | int | float | str
@@ -18,6 +19,7 @@ Look = Callable[[str], Any]
 
 VARIABLES = "variables."
 _MOST_TOKENS = 200
+_DEEPEST = 50
 _EXACT = 2**53
 _TOKEN = re.compile(
     r"""\s*(?:(?P<number>(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)|(?P<text>"(?:[^"\\]|\\.)*")
@@ -79,7 +81,7 @@ class _Reader:
             self._tokens.append((kind, found[kind], found.start(kind)))
             position = found.end()
         self._tokens.append(("end", "", end))
-        self._at = 0
+        self._at = self._depth = 0
 
     def tree(self) -> tuple[Any, ...]:
         tree = self._binary(0)
@@ -115,7 +117,11 @@ class _Reader:
         if self._taken("-"):
             return ("-", ("is", 0), self._single())
         if self._taken("("):
+            self._depth += 1
+            if self._depth > _DEEPEST:
+                raise ValueError(f"more than {_DEEPEST} brackets inside each other")
             inside = self._binary(0)
+            self._depth -= 1
             if not self._taken(")"):
                 raise self._unexpected()
             return inside
@@ -200,7 +206,18 @@ def _compared(sign: str, left: Any, right: Any) -> bool | None:
 def _computed(sign: str, left: Any, right: Any) -> Plain | None:
     if not (_is_number(left) and _is_number(right)) or (sign == "/" and right == 0):
         return None
+    left, right = _exact(left), _exact(right)
     if sign == "/":
         return float(left / right)
     result = left + right if sign == "+" else left - right if sign == "-" else left * right
-    return result if isinstance(result, float) or abs(result) <= _EXACT else float(result)
+    return _exact(result)
+
+
+def _exact(number: float) -> float:
+    """Return a number as a float where it is a whole one that floats do not have all of."""
+    if isinstance(number, float) or abs(number) <= _EXACT:
+        return number
+    try:
+        return float(number)
+    except OverflowError:
+        return inf if number > 0 else -inf

@@ -36,6 +36,8 @@ _RDF = "http://www.w3.org/1999/02/22-rdf-syntax-ns#"
 _COMMENT = "http://www.w3.org/2000/01/rdf-schema#comment"
 _NAME = re.compile(r"[A-Za-z_][\w-]*", re.ASCII)
 _RESERVED = ("properties", "parameters", "gui", "listen", "meta", "history")
+_NO_TEXT = re.compile("[\x00-\x08\x0b\x0c\x0e-\x1f\ufffe\uffff]")
+"""What XML cannot say."""
 _DEEPEST = 30
 
 
@@ -92,7 +94,10 @@ class _Statements:
 
         class Lines(Graph):
             def add(graph, triple: Any) -> Any:  # noqa: N805
-                found.setdefault(triple[0], []).append((str(triple[1]), triple[2], self.line()))
+                line = self.line()
+                if _NO_TEXT.search(f"{triple[0]}{triple[2]}"):
+                    raise BadMachine("control characters are refused", line)
+                found.setdefault(triple[0], []).append((str(triple[1]), triple[2], line))
                 return graph
 
         self.of = found
@@ -114,7 +119,9 @@ class _Statements:
         except BadSyntax as error:
             why = str(error).partition("(")[2].partition(") at ^")[0]
             raise BadMachine(why, error.lines + 1) from None
-        except (ValueError, AssertionError, IndexError, RecursionError) as error:
+        except BadMachine:
+            raise
+        except Exception as error:  # whatever the parser of a library meets in rubbish
             raise BadMachine(str(error) or "cannot be read", self.line()) from None
 
     def _read_xml(self, text: str, graph: Any) -> None:
@@ -122,7 +129,6 @@ class _Statements:
         from xml.sax import SAXParseException
         from xml.sax.xmlreader import InputSource
 
-        from rdflib.exceptions import ParserError
         from rdflib.plugins.parsers.rdfxml import create_parser
 
         if "<!DOCTYPE" in text:  # entities, and all that they could reach
@@ -137,12 +143,18 @@ class _Statements:
             reader.parse(source)
         except SAXParseException as error:
             raise BadMachine(error.getMessage(), error.getLineNumber() or 0) from None
-        except (ParserError, ValueError, RecursionError) as error:
+        except BadMachine:
+            raise
+        except Exception as error:  # whatever the parser of a library meets in rubbish
             raise BadMachine(str(error), self.line()) from None
 
     def line_of(self, node: Any) -> int:
-        """Return the line at which a node is begun to be described."""
-        return self.of[node][0][2] if node in self.of else 0
+        """Return the line at which a node is begun to be described, else where it is named."""
+        if node in self.of:
+            return self.of[node][0][2]
+        return next(
+            (line for facts in self.of.values() for *_, each, line in facts if each == node), 0
+        )
 
     def items(self, node: Any) -> list[Any]:
         """Return the items of a list, of anything else itself."""
@@ -246,7 +258,7 @@ class _Reader:
 
     def _place(self, root: Any, at: str, states: list[Any]) -> None:
         """Give each state its path, outer ones first."""
-        inside = {each for node in states for each in self._of(node).get("substate", ())}
+        inside = {each for node in (root, *states) for each in self._of(node).get("substate", ())}
         outermost = [each for each in states if each not in inside and each != root]
         waiting = [(root, at)]
         while waiting:
@@ -356,7 +368,7 @@ def write_machine(machine: Machine, at: str = "") -> str:
     head = f"@prefix sm: <{NAMESPACE}> .\n@prefix rdfs: <{_COMMENT[:-7]}> .\n"
     blocks = [head]
     if not at:
-        facts = [f"sm:variable [ sm:name {_text(name)} ; sm:value {_text(written(value))} ]"
+        facts = [f"sm:variable [ sm:name {_text(name)} ; sm:value {_text(_bare(value))} ]"
                 for name, value in machine.variables.items()]  # fmt: skip
         about = f"<../{machine.name}>"
         blocks.append(
@@ -369,6 +381,11 @@ def write_machine(machine: Machine, at: str = "") -> str:
             kind = "sm:Final" if state.is_final else "sm:State"
             blocks.append(_block(_iri(path), kind, state.doc, _facts(machine, state)))
     return "\n".join(blocks)
+
+
+def _bare(value: Plain) -> str:
+    """Return a value as `plain_of` reads it: texts without quotes."""
+    return value if isinstance(value, str) else written(value)
 
 
 def _facts(machine: Machine, state: MachineState) -> Iterator[str]:

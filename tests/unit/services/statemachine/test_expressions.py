@@ -108,3 +108,13 @@ def test_plain_text_is_number_truth_or_text() -> None:
         "x",
         "1_0",
     ]
+
+
+def test_brackets_without_end_are_refused() -> None:
+    with pytest.raises(ValueError, match="brackets inside each other"):
+        Expression("(" * 199)
+
+
+@pytest.mark.parametrize("number", ["9" * 400, "-" + "9" * 400])
+def test_numbers_that_no_float_has_are_infinite(number: str) -> None:
+    assert value(f"{number} * 1.5 + 1 / 2") == float(f"{number[:-399]}e999")

@@ -15,6 +15,10 @@ from rtkit.services.statemachine.rdf import _WORDS, NAMESPACE, read_machine, wri
 
 PATROL = (Path(__file__).parent / "patrol.ttl").read_text(encoding="utf-8")
 
+NODELESS = """@prefix sm: <urn:rtkit:statemachine#> .
+<#m> a sm:Machine ; sm:initial <#a> .
+"""
+
 
 @pytest.mark.filterwarnings("ignore:Assertions on")
 def test_turtle_and_rdf_xml_say_the_same() -> None:
@@ -84,12 +88,32 @@ def test_a_bad_machine_is_refused_with_the_line(old: str, new: str, why: str) ->
             "line 2:",
         ),
         ("@prefix sm: <urn:rtkit:statemachine#> .\n" + "[ sm:to " * 5000, "line "),
+        ("@prefix sm: <urn:rtkit:statemachine#> .\n<#a> sm:entry ?x .", "line 2: "),
+        ('@prefix sm: <urn:rtkit:statemachine#> .\n<#a> sm:on "\\u0001" .', "line 2: control"),
+        (NODELESS + '<#a> a sm:State ;\nsm:entry ( "x" ) .', "line 4: an action is"),
+        (NODELESS + "<#a> a sm:State ; sm:transition <#z> .", "line 3: a transition says"),
+        (
+            f"""{NODELESS}<#a> a sm:State ;
+            sm:transition [ sm:when "{"(" * 199}" ; sm:to <#a> ] .""",
+            "line 4: sm:when: ",
+        ),
+        (
+            "<?xml version='1.0'?>\n<rdf:RDF xmlns:rdf='http://www.w3.org/1999/02/22-rdf-syntax-ns#'"
+            " xmlns:a='x:'>\n<rdf:Description><a:b rdf:parseType='Collection'><rdf:li/></a:b>"
+            "</rdf:Description></rdf:RDF",
+            "line 3: ",
+        ),
     ],
 )
 def test_what_is_no_machine_is_refused_with_the_line(text: str, why: str) -> None:
     with pytest.raises(BadMachine) as refused:
         read_machine(text)
     assert str(refused.value).startswith(why), refused.value
+
+
+def test_a_machine_may_name_its_outermost_states() -> None:
+    machine = read_machine(f"{NODELESS}<#m> sm:substate <#a> .\n<#a> a sm:State .")
+    assert list(machine.states) == ["a"]
 
 
 def test_states_inside_each_other_in_a_ring_are_refused() -> None:
@@ -139,3 +163,9 @@ def test_the_vocabulary_has_every_word_that_is_read() -> None:
     words = {word for each in _WORDS.values() for word in each}
     kinds = {"Machine", "State", "Final", "Transition", "Action", "Variable"}
     assert told == words | kinds
+
+
+@pytest.mark.parametrize("value", ["", "two words", 'a "b"', "inf.", "x"])
+def test_text_variables_are_read_as_they_were_written(value: str) -> None:
+    machine = read_machine(f"{NODELESS}<#a> a sm:State .")._replace(variables={"v": value})
+    assert read_machine(write_machine(machine)).variables == {"v": value}
