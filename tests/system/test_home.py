@@ -6,6 +6,7 @@ import os
 import signal
 import subprocess
 import sys
+import tempfile
 from pathlib import Path
 
 from pagekit import ROOT
@@ -38,19 +39,20 @@ def test_a_home_that_cannot_be_is_refused_in_a_sentence(tmp_path: Path) -> None:
 
 
 def test_a_home_that_is_ended_leaves_nothing(tmp_path: Path) -> None:
-    folders = tmp_path / "folders"
-    folders.mkdir()
-    with subprocess.Popen(
-        [sys.executable, DEMO, tmp_path / "out"],
-        env={**os.environ, "TMPDIR": str(folders)}, stdout=subprocess.PIPE, text=True,
-    ) as demo:  # fmt: skip
+    with (
+        tempfile.TemporaryDirectory() as short,  # paths of sockets are
+        subprocess.Popen(
+            [sys.executable, DEMO, tmp_path / "out"],
+            env={**os.environ, "TMPDIR": short}, stdout=subprocess.PIPE, text=True,
+        ) as demo,
+    ):  # fmt: skip
         assert demo.stdout is not None
         assert demo.stdout.readline().startswith("deployed")
-        (folder,) = folders.iterdir()
+        (folder,) = Path(short).iterdir()
         demo.send_signal(signal.SIGTERM)
         assert demo.wait(20) == 128 + signal.SIGTERM
-    assert not list(folders.iterdir())
-    assert not [each for each in Path("/proc").glob("[0-9]*/environ") if _holds(each, folder)]
+        assert not list(Path(short).iterdir())
+        assert not [each for each in Path("/proc").glob("[0-9]*/environ") if _holds(each, folder)]
 
 
 def _holds(environment: Path, folder: Path) -> bool:
