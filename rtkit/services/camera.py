@@ -13,9 +13,9 @@ from time import monotonic
 from typing import TYPE_CHECKING, Annotated, Any, Final, Self
 
 import rtkit
+from rtkit import init_of
 from rtkit.services.device import LOOK_S
 from rtkit.services.frames import ORIGIN, Frames
-from rtkit.services.hosting import init_of
 from rtkit.services.images import decode, encode, opencv
 from rtkit.services.sensor import MIDDLE, Pose6, Sensor
 

@@ -13,10 +13,10 @@ import time
 from typing import Annotated, Any, Final, Self
 
 import rtkit
+from rtkit import init_of
 from rtkit.services.frames import ORIGIN, Frames
 from rtkit.services.fusion import MarkerFusion
 from rtkit.services.grids import Grids
-from rtkit.services.hosting import init_of
 from rtkit.services.sensor import moved
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import operator
 import threading
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from contextlib import suppress
@@ -10,7 +11,7 @@ from time import monotonic
 from typing import Any, NamedTuple
 
 import rtkit
-from rtkit.services.frames import Frames, Pose, pose_of
+from rtkit.services.frames import Frames, Pose, is_number, pose_of
 
 _OWN = {"robots", "groups", "join", "leave", "failures", "deadline", "name", "type", "version",
         "status", "properties"}  # fmt: skip
@@ -22,8 +23,8 @@ _AGAIN_S = 5.0
 _WAITED_S = 0.2
 """How long names of members are waited for [s]."""
 _TOLD = {"type", "access", "unit", "min", "max", "step", "choices", "doc", "functional"}
+_ESCAPED = str.maketrans({'"': '\\"', "\\": "\\\\", "\n": "\\n", "\r": "\\r", "\t": "\\t"})
 _STATES = ("running", "failed", "stopped", "done", "idle")
-_ESCAPED = {'"': '\\"', "\\": "\\\\", "\n": "\\n", "\r": "\\r", "\t": "\\t"}
 
 
 def is_own(name: str) -> bool:
@@ -117,11 +118,8 @@ class Members:
     def _due(self, now: float) -> list[str]:
         """Return the members to be asked for their names: new ones, and one that was before."""
         with self._lock:
-            old = [
-                each
-                for each in self._targets
-                if self._asked_at.get(each, -_AGAIN_S) <= now - _AGAIN_S
-            ]
+            past = now - _AGAIN_S
+            old = [each for each in self._targets if self._asked_at.get(each, -_AGAIN_S) <= past]
             new = [each for each in old if each not in self._known]
             due = new or old[:1]
             self._asked_at |= dict.fromkeys(due, now)
@@ -211,9 +209,8 @@ def _why(error: rtkit.PropertyError) -> str:
 
 def _sent(value: Any) -> Any:
     """Return a value as requests take it: a text that is no word in quotes."""
-    if not isinstance(value, str) or isinstance(value, rtkit.Word):
-        return value
-    return '"' + "".join(_ESCAPED.get(each, each) for each in value) + '"'
+    is_text = isinstance(value, str) and not isinstance(value, rtkit.Word)
+    return f'"{value.translate(_ESCAPED)}"' if is_text else value
 
 
 def error_of(failures: Sequence[MemberFailure], count: int) -> rtkit.PropertyError:
@@ -251,7 +248,7 @@ def combined(values: Mapping[str, Any], failures: Sequence[MemberFailure], name:
     if all(each == first for each in answers):
         return first
     rows = [each if isinstance(each, tuple) else (each,) for each in answers]
-    if not all(len(row) == len(rows[0]) and all(map(_is_number, row)) for row in rows):
+    if not all(len(row) == len(rows[0]) and all(map(is_number, row)) for row in rows):
         return tuple((rtkit.Word(name), each) for name, each in values.items())
     if name == "location":
         return middle_of(rows)
@@ -276,10 +273,6 @@ def state_of(values: Mapping[str, Any], failures: Sequence[MemberFailure]) -> rt
     pairs = tuple((rtkit.Word(name), rtkit.Word(each)) for name, each in others)
     more = (rtkit.Element("others", {}, (), pairs),) if pairs else ()
     return rtkit.Element(one.name, {"state": state}, (*one.children, *more))
-
-
-def _is_number(value: Any) -> bool:
-    return isinstance(value, int | float) and not isinstance(value, bool)
 
 
 # Formations
@@ -315,12 +308,7 @@ def formation(
         frame = "middle of the group" if base else marker.frame
         place = frames.convert(marker.location or (), frame, "world")
         for name, pose in poses.items():
-            offset = (
-                *(own - mean for own, mean in zip(pose[:3], middle[:3], strict=True)),
-                0,
-                0,
-                0,
-            )
-            moved = tuple(a + b for a, b in zip(place, offset, strict=False))
+            offset = (own - mean for own, mean in zip(pose[:3], middle, strict=False))
+            moved = (*map(operator.add, place, offset), *place[3:])
             ways[name].append(marker.with_(location=moved, frame="world"))
     return ways

@@ -85,6 +85,11 @@ def pose_of(location: Sequence[float]) -> Pose:
     return (*map(float, _checked(location)), *ORIGIN[len(location) :])
 
 
+def is_number(value: object) -> bool:
+    """Return whether a value is a number; true and false are none."""
+    return isinstance(value, int | float) and not isinstance(value, bool)
+
+
 class Frames:
     """Tells locations of one frame in another.
 

@@ -10,9 +10,9 @@ import math
 from typing import Annotated, Any, Final, NamedTuple
 
 import rtkit
+from rtkit import init_of
 from rtkit.errors import Refused
 from rtkit.services.frames import ORIGIN, Frames, transform
-from rtkit.services.hosting import init_of
 from rtkit.services.sensor import MIDDLE, DeviceSensor, Pose6, numbers
 
 _LONGEST = 256

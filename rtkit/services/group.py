@@ -14,6 +14,7 @@ from time import monotonic
 from typing import Annotated, Any, Final
 
 import rtkit
+from rtkit import init_of
 from rtkit.services.fanout import (
     MemberFailure,
     Members,
@@ -24,7 +25,6 @@ from rtkit.services.fanout import (
     markers_in,
 )
 from rtkit.services.frames import Frames
-from rtkit.services.hosting import init_of
 
 Six = tuple[float, float, float, float, float, float]
 _POLLED_S = 0.2

@@ -14,8 +14,7 @@ from importlib.resources import files
 from time import monotonic
 from typing import Final, Self
 
-from rtkit import Client, Names, PropertyError, Text
-from rtkit.services.hosting import init_of
+from rtkit import Client, Names, PropertyError, Text, init_of
 
 LONGEST = 1 << 16
 """The most that a component has [characters]."""

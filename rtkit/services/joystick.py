@@ -9,8 +9,8 @@ from __future__ import annotations
 from typing import Annotated, Final
 
 import rtkit
+from rtkit import init_of
 from rtkit.services.frames import Frames
-from rtkit.services.hosting import init_of
 from rtkit.services.input_events import ABS, KEY, REL, InputEvent, InputReader, axis_range
 from rtkit.services.sensor import MIDDLE, DeviceSensor, Pose6, numbers
 

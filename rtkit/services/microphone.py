@@ -15,8 +15,8 @@ from time import monotonic
 from typing import Annotated, Final, Self
 
 import rtkit
+from rtkit import init_of
 from rtkit.services.frames import ORIGIN, Frames
-from rtkit.services.hosting import init_of
 from rtkit.services.sensor import MIDDLE, DeviceSensor, Pose6
 
 

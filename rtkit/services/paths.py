@@ -25,7 +25,8 @@ DEEPEST = 32
 TEMPORARY = ".rtkit-upload-"
 """What names of files begin with that are not whole yet."""
 
-_RESERVED = frozenset({"properties", "parameters", "gui", "listen", "meta", "history"})
+RESERVED = frozenset({"properties", "parameters", "gui", "listen", "meta", "history"})
+"""Parts of names behind which there is no further one, but what is told of a property."""
 _DRIVE = re.compile(r"[A-Za-z]:")
 
 
@@ -85,7 +86,7 @@ def names_of(path: Path) -> tuple[str, ...]:
 
 def _is_name(segments: list[str]) -> bool:
     is_known = "" not in segments and len(segments) <= DEEPEST
-    return is_known and _RESERVED.isdisjoint(segments)
+    return is_known and RESERVED.isdisjoint(segments)
 
 
 def _escaped(text: str) -> str:

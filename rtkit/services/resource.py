@@ -19,10 +19,10 @@ from time import monotonic
 from typing import Annotated, Any, Final, NamedTuple, Self
 
 import rtkit
-from rtkit import Ask, Element, Names, PropertyError, Range, Unit, Word
-from rtkit.services.hosting import init_of
+from rtkit import Ask, Element, Names, PropertyError, Range, Unit, Word, init_of
+from rtkit.services.frames import is_number
+from rtkit.services.paths import RESERVED
 
-_RESERVED = frozenset(["properties", "parameters", "gui", "listen", "meta", "history"])
 _OWN = frozenset(["search", "start", "started", "frames", "unanswered", "name", "type", "status"])
 _CONDITION = re.compile(r"\s*([^\s<>=!~]+)\s*(<=|>=|!=|==|<|>|=|~)\s*(.*?)\s*")
 _COMPARE: dict[str, Callable[[Any, Any], bool]] = {
@@ -65,9 +65,7 @@ class Entry(NamedTuple):
     @property
     def element(self) -> Element:
         """Element that describes it."""
-        contacts = [
-            Element("contact", {"protocol": each}, (), text) for each, text in self.contacts
-        ]
+        contacts = (Element("contact", {"protocol": key}, (), text) for key, text in self.contacts)
         return Element("service", {"type": " ".join(self.types)}, tuple(contacts))
 
 
@@ -95,7 +93,7 @@ class NamedFrames(Names):
 
     def set(self, name: str, value: tuple[float, ...]) -> None:
         """Put a frame somewhere, or make one: 6 numbers."""
-        if not isinstance(value, tuple) or len(value) != 6 or not all(map(_is_number, value)):
+        if not isinstance(value, tuple) or len(value) != 6 or not all(map(is_number, value)):
             raise PropertyError("bad-value", "expected x y z a b c [m, rad]")
         self._poses = {**self._poses, name: tuple(map(float, value))}
         self._names = tuple(self._poses)
@@ -328,7 +326,7 @@ def _property_of(service: str) -> str:
     """Return the property that a service is; ``~`` stands before a part that would be another."""
     first, *rest = service.split("/")
     head = f"~{first}" if first in _OWN else first
-    return ".".join(f"~{each}" if each in _RESERVED else each for each in (head, *rest))
+    return ".".join(f"~{each}" if each in RESERVED else each for each in (head, *rest))
 
 
 def _end(process: subprocess.Popen[bytes]) -> None:
@@ -402,10 +400,6 @@ def _frame(text: str) -> tuple[str, tuple[float, ...]]:
     if len(numbers) != 6:
         raise ValueError(f"not NAME x y z a b c: {text}")
     return name, tuple(map(float, numbers))
-
-
-def _is_number(value: object) -> bool:
-    return isinstance(value, int | float) and not isinstance(value, bool)
 
 
 ResourceInit = init_of(Resource)

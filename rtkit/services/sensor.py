@@ -12,9 +12,9 @@ from functools import partial
 from typing import Annotated, Any, Final, Self
 
 import rtkit
+from rtkit import init_of
 from rtkit.services.device import LOOK_S, Device
 from rtkit.services.frames import ORIGIN, Frames, Pose, transform, transform_covariance
-from rtkit.services.hosting import init_of
 
 Pose6 = tuple[float, float, float, float, float, float]
 MIDDLE: Pose6 = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)

@@ -18,9 +18,8 @@ from mimetypes import guess_type
 from time import monotonic, time
 from typing import Any, Final, NamedTuple, Self
 
-from rtkit import Names, PropertyError, Word
+from rtkit import Names, PropertyError, Word, init_of
 from rtkit.services.directory import Directory, Folder, Upload
-from rtkit.services.hosting import init_of
 from rtkit.services.paths import Path, names_of, path_of
 
 BLOCK = 1 << 20

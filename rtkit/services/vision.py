@@ -14,9 +14,9 @@ from time import monotonic, perf_counter
 from typing import TYPE_CHECKING, Annotated, Any, Final, Literal, NamedTuple
 
 import rtkit
+from rtkit import init_of
 from rtkit.services import vision_methods
 from rtkit.services.frames import Frames, Pose, compose, transform
-from rtkit.services.hosting import init_of
 from rtkit.services.images import decode, encode, opencv
 from rtkit.services.sensor import MIDDLE, Pose6, Sensor, moved
 from rtkit.services.vision_methods import Lens

@@ -10,7 +10,7 @@ MODULE = '''
 from typing import Annotated, Literal
 
 import rtkit
-from rtkit.services.hosting import init_of
+from rtkit import init_of
 
 
 class Lamp:

@@ -13,6 +13,7 @@ from collections.abc import Callable, Iterator
 from typing import Any
 
 from rtkit.errors import Refused
+from rtkit.services.paths import RESERVED
 from rtkit.services.statemachine.expressions import (
     VARIABLES,
     Expression,
@@ -28,6 +29,7 @@ from rtkit.services.statemachine.model import (
     MachineAction,
     MachineState,
     hint,
+    is_in,
 )
 
 NAMESPACE = "urn:rtkit:statemachine#"
@@ -35,7 +37,6 @@ _BASE = "file:///machine"
 _RDF = "http://www.w3.org/1999/02/22-rdf-syntax-ns#"
 _COMMENT = "http://www.w3.org/2000/01/rdf-schema#comment"
 _NAME = re.compile(r"[A-Za-z_][\w-]*", re.ASCII)
-_RESERVED = ("properties", "parameters", "gui", "listen", "meta", "history")
 _NO_TEXT = re.compile("[\x00-\x08\x0b\x0c\x0e-\x1f\ufffe\uffff]")
 """What XML cannot say."""
 _DEEPEST = 30
@@ -264,7 +265,7 @@ class _Reader:
         while waiting:
             node, path = waiting.pop()
             name, line = path.rpartition(".")[2], self._statements.line_of(node)
-            if path and (not _NAME.fullmatch(name) or name in _RESERVED):
+            if path and (not _NAME.fullmatch(name) or name in RESERVED):
                 raise BadMachine(f"not a name of a state: {name}", line)
             if node in self._paths or path in self._paths.values() or path.count(".") > _DEEPEST:
                 raise BadMachine(f"state {path} is there twice, or nested too deep", line)
@@ -371,13 +372,10 @@ def write_machine(machine: Machine, at: str = "") -> str:
         facts = [f"sm:variable [ sm:name {_text(name)} ; sm:value {_text(_bare(value))} ]"
                 for name, value in machine.variables.items()]  # fmt: skip
         about = f"<../{machine.name}>"
-        blocks.append(
-            _block(
-                about, "sm:Machine", machine.doc, [f"sm:initial {_iri(machine.initial)}", *facts]
-            )
-        )
+        facts.insert(0, f"sm:initial {_iri(machine.initial)}")
+        blocks.append(_block(about, "sm:Machine", machine.doc, facts))
     for path, state in machine.states.items():
-        if not at or path == at or path.startswith(f"{at}."):
+        if is_in(path, at):
             kind = "sm:Final" if state.is_final else "sm:State"
             blocks.append(_block(_iri(path), kind, state.doc, _facts(machine, state)))
     return "\n".join(blocks)
@@ -400,12 +398,14 @@ def _facts(machine: Machine, state: MachineState) -> Iterator[str]:
 
 
 def _transition_text(way: GuardedTransition) -> str:
-    facts = [f"sm:on {_text(way.on)}"] if way.on else []
-    facts += [f"sm:when {_text(way.when.text)}"] if way.when else []
-    facts += [] if way.after is None else [f"sm:after {_text(repr(way.after))}"]
-    facts += [f"sm:to {_iri(way.to)}"] if way.to else []
-    facts += [f"sm:action {_list(map(_action_text, way.actions), ' ' * 12)}"] if way.actions else []
-    return f"[ {' ; '.join(facts)} ]"
+    facts = {
+        "on": way.on and _text(way.on),
+        "when": way.when and _text(way.when.text),
+        "after": "" if way.after is None else _text(repr(way.after)),
+        "to": way.to and _iri(way.to),
+        "action": way.actions and _list(map(_action_text, way.actions), " " * 12),
+    }
+    return f"[ {' ; '.join(f'sm:{word} {text}' for word, text in facts.items() if text)} ]"
 
 
 def _action_text(action: MachineAction) -> str:

@@ -43,8 +43,8 @@ def write_scxml(machine: Machine) -> str:
     """Return a machine as SCXML; what that cannot say stands in comments."""
     from lxml import etree
 
-    root = etree.Element(f"{_TAG}scxml", nsmap={None: NAMESPACE})  # type: ignore[dict-item]
-    _attributes(root, version="1.0", name=machine.name, initial=machine.initial, datamodel="rtkit")
+    about = {"version": "1.0", "name": machine.name, "initial": machine.initial}
+    root = etree.Element(f"{_TAG}scxml", {**about, "datamodel": "rtkit"}, {None: NAMESPACE})  # type: ignore[dict-item]
     if machine.variables:
         data = etree.SubElement(root, f"{_TAG}datamodel")
         for name, value in machine.variables.items():
@@ -55,9 +55,7 @@ def write_scxml(machine: Machine) -> str:
         node = _added(made[path.rpartition(".")[0]], kind, id=path, initial=state.initial)
         made[path] = node
         for each in state.do:
-            node.append(
-                etree.Comment(f" do {each.target} every {each.every:g} s ".replace("--", "- -"))
-            )
+            _noted(node, f"do {each.target} every {each.every:g} s")
         _write_state(node, state)
     etree.indent(root, "    ")
     return etree.tostring(root, encoding="unicode") + "\n"
@@ -81,9 +79,8 @@ def _write_state(node: Any, state: MachineState) -> None:
             _noted(node, f"{way.cause}: here asked only when the time is over")
         event = name if name in timers else way.on
         cond = way.when.text if way.when else ""
-        _write_actions(
-            _added(node, "transition", event=event, cond=cond, target=way.to), way.actions
-        )
+        made = _added(node, "transition", event=event, cond=cond, target=way.to)
+        _write_actions(made, way.actions)
 
 
 def _write_actions(block: Any, actions: tuple[MachineAction, ...]) -> None:
@@ -97,10 +94,8 @@ def _write_actions(block: Any, actions: tuple[MachineAction, ...]) -> None:
             value = computed or written(plain_of(each.value))
             _added(block, "assign", location=each.target, expr=value)
         else:
-            sent = _added(
-                _added(block, "send", type=SET, target=each.target), "content", expr=computed
-            )
-            sent.text = None if computed else each.value
+            send = _added(block, "send", type=SET, target=each.target)
+            _added(send, "content", expr=computed).text = None if computed else each.value
 
 
 def _noted(outer: Any, text: str) -> None:
@@ -112,14 +107,8 @@ def _noted(outer: Any, text: str) -> None:
 def _added(outer: Any, tag: str, **attributes: str) -> Any:
     from lxml import etree
 
-    return _attributes(etree.SubElement(outer, _TAG + tag), **attributes)
-
-
-def _attributes(node: Any, **attributes: str) -> Any:
-    for name, value in attributes.items():
-        if value:
-            node.set(name, value)
-    return node
+    given = {name: value for name, value in attributes.items() if value}
+    return etree.SubElement(outer, _TAG + tag, given)
 
 
 def read_scxml(text: str) -> Machine:

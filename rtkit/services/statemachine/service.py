@@ -11,7 +11,7 @@ from functools import partial
 from typing import Any, Final, Literal
 
 import rtkit
-from rtkit.services.hosting import init_of
+from rtkit import init_of
 from rtkit.services.statemachine.expressions import Plain
 from rtkit.services.statemachine.interpreter import Interpreter, MachineEvent, OutgoingSet
 from rtkit.services.statemachine.links import ServiceLink, service_of
