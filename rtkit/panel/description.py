@@ -48,6 +48,10 @@ class Panel(NamedTuple):
         value = _read(self.attributes.get(key, ""))
         return value if isinstance(value, tuple) else ()
 
+    def texts(self, key: str) -> list[str]:
+        """Return the items of an attribute that is a list, as texts."""
+        return [str(each) for each in self.words(key)]
+
     def number(self, key: str, default: float) -> float:
         """Return an attribute that is a number."""
         value = _read(self.attributes.get(key, ""))

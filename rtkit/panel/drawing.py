@@ -11,6 +11,7 @@ from typing import Any
 
 from rtkit.panel.description import Panel
 from rtkit.panel.state import WidgetState
+from rtkit.property.conversion import to_value
 from rtkit.property.values import Element, is_number, is_vector
 from rtkit.property.writing import write
 
@@ -28,8 +29,7 @@ SIGNS = {
 }
 STYLES = {"alarm": "alarm", "bad": "alarm", "gone": "alarm"}
 _BARS = "▁▂▃▄▅▆▇█"
-_MOST_LINES = 12
-_MOST_PARTS = 12
+_MOST_LINES = _MOST_PARTS = 12
 _DIALS = "↙←↖↑↗→↘"
 
 
@@ -51,12 +51,8 @@ def lines(panel: Panel, shown: WidgetState, width: int, part: int = 0) -> list[L
     if panel.kind == "choice":
         return [_choices(panel, value)]
     if panel.kind == "plot":
-        return [
-            [
-                (_spark(shown.trace[16 - width :], max(8, width - 16)), "accent"),
-                (f" {text_of(value)}", ""),
-            ]
-        ]
+        spark = _spark(shown.trace[16 - width :], max(8, width - 16))
+        return [[(spark, "accent"), (f" {text_of(value)}", "")]]
     if panel.kind == "joystick" and is_vector(value):
         return _pad(panel, value)
     if panel.kind == "map":
@@ -83,16 +79,10 @@ def text_of(value: Any) -> str:
         return value.translate(_CONTROLS)
     if is_vector(value):
         return "  ".join(map(text_of, value))
-    return write(_plain(value))
+    return write(to_value(value))
 
 
 _CONTROLS = {code: "�" for code in (*range(32), *range(127, 160)) if code != 10}
-
-
-def _plain(value: Any) -> Any:
-    from rtkit.property.conversion import to_value
-
-    return to_value(value)
 
 
 def _bar(panel: Panel, value: float, width: int) -> Line:
@@ -102,9 +92,14 @@ def _bar(panel: Panel, value: float, width: int) -> Line:
     if panel.kind == "knob":
         dial = _DIALS[round(part * (len(_DIALS) - 1))]
         return [(f"({dial})", "accent"), (text, "")]
-    room = max(4, min(40, width - 12) - 1)
+    room = slider_room(width)
     done = round(part * room)
     return [("━" * done, "accent"), ("●", "accent"), ("─" * (room - done), "dim"), (text, "")]
+
+
+def slider_room(width: int) -> int:
+    """Return how far the knob of a slider goes, in columns."""
+    return max(4, min(40, width - 12) - 1)
 
 
 def _choices(panel: Panel, value: Any) -> Line:
@@ -128,8 +123,8 @@ def _spark(trace: Sequence[float], room: int) -> str:
 
 def axes(panel: Panel, value: Sequence[float]) -> tuple[int, int]:
     """Return which parts of a vector a joystick moves: ahead and to the left."""
-    labels = [str(each) for each in panel.words("labels")]
-    wanted = [str(each) for each in panel.words("axes")]
+    labels = panel.texts("labels")
+    wanted = panel.texts("axes")
     if not wanted:
         wanted = ["x", "c"] if len(value) == 6 else labels[:2]
     found = [labels.index(each) for each in wanted if each in labels]
@@ -148,7 +143,7 @@ def _pad(panel: Panel, value: Sequence[float]) -> list[Line]:
 
 
 def _parts(panel: Panel, value: Sequence[float], part: int) -> Line:
-    labels = [str(each) for each in panel.words("labels")]
+    labels = panel.texts("labels")
     made: Line = []
     for index, each in enumerate(value):
         label = labels[index] if index < len(labels) else str(index)
@@ -216,7 +211,7 @@ def _call(value: Any) -> Line:
 
 
 def _other(value: Any) -> list[Line]:
-    plain = value if isinstance(value, str | tuple) else _plain(value)
+    plain = value if isinstance(value, str | tuple) else to_value(value)
     if isinstance(plain, Element):
         return _tree(plain, 0)[:_MOST_LINES]
     if isinstance(plain, tuple) and plain and not is_vector(plain):

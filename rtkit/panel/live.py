@@ -168,12 +168,9 @@ class LiveService(Closing):
         target = f"{self.name}.{panel.name}"
         texts = {each.name: _text(each, arguments.get(each.name, "")) for each in panel.arguments}
         given = {key: text for key, text in texts.items() if text}
-        if (
-            len(panel.arguments) == 1
-            and given
-            and not texts[panel.arguments[0].name].startswith("(")
-        ):
-            self._client.set(target, next(iter(given.values())))
+        only = "".join(texts.values()) if len(texts) == 1 else ""
+        if only and not only.startswith("("):
+            self._client.set(target, only)
         else:
             self._client.set(target, "", **given)
 
@@ -190,15 +187,15 @@ class LiveService(Closing):
     def _dressed(self, panel: Panel) -> Panel:
         """Return widgets with the components of properties, or of their types, put on."""
         known: dict[str, Panel | None] = {}
-        groups = [each for each in panel.children if "gui" in map(str, each.words("type"))]
+        groups = [each for each in panel.children if "gui" in each.texts("type")]
         if groups:
             self._components = f"{self.name}.{groups[0].name}"
 
         def worn(each: Panel) -> Panel:
             made = each._replace(children=tuple(map(worn, each.children)))
             component = self._own(each)
-            types = each.words("type") or (each.spec.type.name,)
-            for word in () if component else [str(one) for one in types if one]:
+            types = each.texts("type") or [each.spec.type.name]
+            for word in () if component else filter(None, types):
                 if word not in known:
                     known[word] = self._of_type(word)
                 component = component or known[word]
@@ -207,7 +204,7 @@ class LiveService(Closing):
         return worn(panel)
 
     def _own(self, panel: Panel) -> Panel | None:
-        is_there = "text" in [str(each) for each in panel.words("forms")]
+        is_there = "text" in panel.texts("forms")
         return self._component(f"{self.name}.{panel.name}.gui.text") if is_there else None
 
     def _of_type(self, word: str) -> Panel | None:

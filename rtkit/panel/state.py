@@ -68,7 +68,7 @@ def _chosen(panel: Panel, value: Any, by: int) -> Any:
     choices = panel.words("choices")
     if not by or not choices:
         return None
-    known = [str(each) for each in choices]
+    known = panel.texts("choices")
     at = known.index(str(value)) if str(value) in known else -by
     return choices[(at + by) % len(choices)]
 

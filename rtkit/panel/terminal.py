@@ -20,7 +20,9 @@ from rtkit.panel import drawing, state
 from rtkit.panel.description import Panel
 from rtkit.panel.live import LiveService
 from rtkit.panel.served import ServedPanel
+from rtkit.property.conversion import to_value
 from rtkit.property.values import is_vector
+from rtkit.property.writing import write
 
 _NAME_COLUMNS = 18
 _HELD_S = 0.7
@@ -55,10 +57,9 @@ class PanelRow(Widget, can_focus=True):
         """Draw it."""
         panel, shown = self.panel, self.shown
         name = panel.attributes.get("label", panel.name.rpartition(".")[2])
-        width = max(20, self.size.width - _NAME_COLUMNS - 16)
         found = shown.state(panel)
         made = Text(f"{name[: _NAME_COLUMNS - 1]:{_NAME_COLUMNS}}")
-        for index, line in enumerate(drawing.lines(panel, shown, width, self.part)):
+        for index, line in enumerate(drawing.lines(panel, shown, self._width, self.part)):
             made.append("\n" + " " * _NAME_COLUMNS if index else "")
             for text, style in line:
                 faded = " dim" if found in ("gone", "stale") else ""
@@ -66,16 +67,18 @@ class PanelRow(Widget, can_focus=True):
             if not index:
                 made.append(f" {panel.attributes.get('unit', '')}".rstrip(), "dim")
                 if found:
-                    made.append(
-                        f"  {drawing.SIGNS[found]}", _STYLES[drawing.STYLES.get(found, "warn")]
-                    )
+                    style = _STYLES[drawing.STYLES.get(found, "warn")]
+                    made.append(f"  {drawing.SIGNS[found]}", style)
         if panel.kind == "button":
             made.append("  Enter starts, s stops" if self.has_focus else "", "dim")
         if shown.problem:
-            made.append(
-                f"\n{' ' * _NAME_COLUMNS}{drawing.text_of(shown.problem)}", _STYLES["alarm"]
-            )
+            problem = f"\n{' ' * _NAME_COLUMNS}{drawing.text_of(shown.problem)}"
+            made.append(problem, _STYLES["alarm"])
         return made
+
+    @property
+    def _width(self) -> int:
+        return max(20, self.size.width - _NAME_COLUMNS - 16)
 
     def on_key(self, event: events.Key) -> None:
         """Change the value, or a part of it, or have it typed."""
@@ -101,22 +104,19 @@ class PanelRow(Widget, can_focus=True):
 
     def on_click(self, event: events.Click) -> None:
         """Do what a key would; a slider goes where it is clicked."""
-        panel, room = (
-            self.panel,
-            max(4, min(40, max(20, self.size.width - _NAME_COLUMNS - 16) - 12) - 1),
-        )
+        panel = self.panel
         if panel.kind not in _ACTED or panel.is_read_only:
             return
         if panel.kind == "slider":
             low, high = panel.number("min", 0.0), panel.number("max", 1.0)
+            room = drawing.slider_room(self._width)
             part = min(1.0, max(0.0, (event.x - 1 - _NAME_COLUMNS) / room))
             self.wish(float(f"{low + part * (high - low):.4g}"))
         elif panel.kind == "button":
             self._start()
         else:
-            self.wish(
-                state.wish(panel, self.shown.value, "space" if panel.kind == "toggle" else "right")
-            )
+            key = "space" if panel.kind == "toggle" else "right"
+            self.wish(state.wish(panel, self.shown.value, key))
 
     @property
     def _live(self) -> LiveService:
@@ -129,18 +129,14 @@ class PanelRow(Widget, can_focus=True):
         self._panel_app.ask(self.panel.name, value, partial(self._live.set, self.panel.name, value))
 
     def _edit(self) -> None:
-        text = (
-            drawing.text_of(self.shown.value)
-            if self.panel.kind in ("text", "label")
-            else _text(self.shown.value)
-        )
+        as_text = drawing.text_of if self.panel.kind in ("text", "label") else _text
 
         def done(given: dict[str, str] | None) -> None:
             if given is not None:
                 set = partial(self._live.set, self.panel.name, given[self.panel.name])
                 self._panel_app.ask(self.panel.name, given[self.panel.name], set)
 
-        self.app.push_screen(Form(self.panel.name, [(self.panel, text)]), done)
+        self.app.push_screen(Form(self.panel.name, [(self.panel, as_text(self.shown.value))]), done)
 
     def _start(self) -> None:
         def call(given: dict[str, str] | None) -> None:
@@ -193,9 +189,6 @@ class PanelRow(Widget, can_focus=True):
 
 
 def _text(value: Any) -> str:
-    from rtkit.property.conversion import to_value
-    from rtkit.property.writing import write
-
     if value is None or isinstance(value, bytes):
         return ""
     found = to_value(value)
@@ -224,10 +217,9 @@ class Form(ModalScreen[dict[str, str] | None]):
         with Vertical():
             yield Static(Text(f"{self._title}: Enter sets, Escape cancels", "bold"))
             for panel, text in self._asked:
-                words = [
-                    panel.attributes.get(key, "") for key in ("name", "unit", "choices", "doc")
-                ]
-                yield Static(Text("  ".join(each for each in words if each)))
+                keys = "name", "unit", "choices", "doc"
+                words = [panel.attributes[each] for each in keys if panel.attributes.get(each)]
+                yield Static(Text("  ".join(words)))
                 yield Input(text, placeholder=panel.attributes.get("type", ""))
 
     def on_input_submitted(self, event: Input.Submitted) -> None:
@@ -307,11 +299,9 @@ class PanelApp(App[None]):
         is_lost = bool(lost) and len(lost) == len(self._rows)
         words = "⊘ not there: what is shown is what was known last" if is_lost else "● live"
         name = f"  as {self._served.name}" if self._served is not None else ""
-        self._state.update(
-            Text.assemble(
-                (self.live.target, "bold"), f"  {words}{name}", style="red" if is_lost else ""
-            )
-        )
+        style = "red" if is_lost else ""
+        words = f"  {words}{name}"
+        self._state.update(Text.assemble((self.live.target, "bold"), words, style=style))
         if self.live.is_outdated and not self._is_asking:
             self.action_again()
 

@@ -38,9 +38,7 @@ _IMAGES = frozenset({"image", "picture", "photo"})
 
 def gui(values: LiveValues, place: NameEntry, caller: Requester) -> Element:
     """Return the widget of a property or of a part of one, or the tree of all below a place."""
-    if place.node is None:
-        return _Tree(values, caller).of(place.name)
-    if not place.path:
+    if place.node is None or not place.path:
         return _Tree(values, caller).of(place.name)
     spec = place.node.spec
     part = components.get(_value(place.node), place.path, spec.labels)  # type: ignore[arg-type]

@@ -44,7 +44,7 @@ class MoveTo:
             turn = 0.0 if goal.theta is None else goal.theta - chassis.pose[2]
             turn = math.remainder(turn, math.tau)
             if is_last and abs(turn) > NEAR:
-                return 0.0, 0.0, _bounded(turn / max(seconds, 0.2), chassis.tops[1])
+                return 0.0, 0.0, chassis.bounded(turn / max(seconds, 0.2))
             del self.remaining[0]
         return None
 
@@ -58,10 +58,6 @@ class MoveTo:
         self._still_s = self._still_s + seconds if is_still else 0.0
         if self._still_s > _STUCK_S:
             raise Refused(f"something is in the way at ({x:.2f} {y:.2f})")
-
-
-def _bounded(value: float, most: float) -> float:
-    return max(-most, min(most, value))
 
 
 Target = rtkit.Marker | list[rtkit.Marker] | rtkit.Element

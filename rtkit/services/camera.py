@@ -60,24 +60,14 @@ class Camera(Sensor):
         self._picture: Picture | None = None
         self._encoded: dict[tuple[str, int], bytes] = {}
         self._looked_at = -1e9
-        self._ended = threading.Event()
-        self._thread: threading.Thread | None = None
         if look is None:
             self._publish("status", f"waiting: {self.source}: not opened")
 
     def __enter__(self) -> Self:
         if self._look is None:
             opencv()
-            self._ended.clear()
-            self._thread = threading.Thread(target=self._run, name=f"camera {self.source}")
-            self._thread.start()
+            self._work(self._run)
         return self
-
-    def __exit__(self, *raised: object) -> None:
-        self._ended.set()
-        if self._thread is not None:
-            self._thread.join()
-        super().__exit__(*raised)
 
     def get_image(self, format: str = "jpeg", width: int = 0) -> bytes:
         """The latest picture, as jpeg or png; 0 leaves its width as it is."""

@@ -179,10 +179,11 @@ class Chassis:
         """Return how to go to a point that is so far off, at a bearing [m, rad]."""
         speed = min(self.tops[0], far * _GAIN, far / seconds)
         turn = bearing if far > 2 * self._size[0] else 0.0
-        return speed * math.cos(bearing), speed * math.sin(bearing), self._turn(turn)
+        return speed * math.cos(bearing), speed * math.sin(bearing), self.bounded(_GAIN * turn)
 
-    def _turn(self, angle: float) -> float:
-        return max(-self.tops[1], min(self.tops[1], _GAIN * angle))
+    def bounded(self, turning: float) -> float:
+        """Return a turning that is no faster than it may be [rad/s]."""
+        return max(-self.tops[1], min(self.tops[1], turning))
 
 
 class Wheels(Chassis):
@@ -220,9 +221,9 @@ class Wheels(Chassis):
     def steer(self, far: float, bearing: float, seconds: float) -> Twist:
         """Return how to go to a point: first turn to it."""
         if abs(bearing) > _TURNS_FIRST:
-            return 0.0, 0.0, self._turn(bearing)
+            return 0.0, 0.0, self.bounded(_GAIN * bearing)
         speed = min(self.tops[0], far * _GAIN, far / seconds) * math.cos(bearing)
-        return speed, 0.0, self._turn(bearing)
+        return speed, 0.0, self.bounded(_GAIN * bearing)
 
 
 class _Wheel:

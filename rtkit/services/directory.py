@@ -17,7 +17,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from hashlib import sha256
 from secrets import token_hex
-from time import time_ns
+from time import monotonic, time_ns
 from typing import NamedTuple
 
 from rtkit import PropertyError
@@ -77,13 +77,19 @@ class Folder(NamedTuple):
 
 
 class Upload:
-    """File that is not whole yet, under another name; locked, so that nobody takes it for left."""
+    """File that is not whole yet, under another name; locked, so that nobody takes it for left.
 
-    def __init__(self, parent: int, *, is_synced: bool) -> None:
+    Attributes:
+        whole: How much it is to hold [bytes].
+        size: How much it holds [bytes].
+        touched: When something was written last.
+    """
+
+    def __init__(self, parent: int, whole: int, *, is_synced: bool) -> None:
         self._parent = os.dup(parent)
         self._name = f"{TEMPORARY}{token_hex(8)}"
         self._is_synced = is_synced
-        self.size = 0
+        self.whole, self.size, self.touched = whole, 0, monotonic()
         try:
             self._file = os.open(self._name, _NEW, 0o666, dir_fd=self._parent)
         except OSError:
@@ -98,7 +104,7 @@ class Upload:
             while view:
                 done = os.pwrite(self._file, view, offset)
                 view, offset = view[done:], offset + done
-        self.size = max(self.size, offset)
+        self.size, self.touched = max(self.size, offset), monotonic()
 
     def digest(self) -> str:
         """Return the SHA-256 of what was written."""
@@ -208,11 +214,11 @@ class Directory:
             _check_file(found)
             return found
 
-    def upload(self, path: Path) -> Upload:
+    def upload(self, path: Path, whole: int) -> Upload:
         """Begin a file that takes its place when it is whole."""
         with self._within(path[:-1]) as parent:
             _check_replaceable(path[-1], parent)
-            return Upload(parent, is_synced=self._is_synced)
+            return Upload(parent, whole, is_synced=self._is_synced)
 
     def remove(self, path: Path) -> None:
         """Remove a file, or a directory that is empty."""

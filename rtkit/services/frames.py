@@ -26,13 +26,13 @@ _LOCKED = 1e-12
 def compose(outer: Sequence[float], inner: Sequence[float]) -> Pose:
     """Return a pose that is given in a frame in what that frame stands in [m, rad]."""
     turn = _rotation(outer)
-    return _moved(outer, turn, inner) + _angles(_product(turn, _rotation(inner)))
+    return _moved(outer, turn, inner) + angles_of(_product(turn, _rotation(inner)))
 
 
 def inverse(pose: Sequence[float]) -> Pose:
     """Return the pose of what a frame stands in, seen from that frame [m, rad]."""
     back = tuple(zip(*_rotation(pose), strict=True))
-    return tuple(-each for each in _applied(back, pose[:3])) + _angles(back)
+    return tuple(-each for each in applied(back, pose[:3])) + angles_of(back)
 
 
 def transform(pose: Sequence[float], location: Sequence[float]) -> tuple[float, ...]:
@@ -211,7 +211,7 @@ def _rotation(pose: Sequence[float]) -> Rows:
     )
 
 
-def _angles(turn: Rows) -> Pose:
+def angles_of(turn: Rows) -> Pose:
     """Return roll, pitch and yaw of a rotation [rad]; upright or head down, all turning is yaw."""
     flat = math.hypot(turn[0][0], turn[1][0])
     pitch = math.atan2(-turn[2][0], flat)
@@ -242,14 +242,15 @@ def _inverse_rates(pose: Sequence[float]) -> Rows:
 
 
 def _moved(pose: Sequence[float], turn: Rows, location: Sequence[float]) -> Pose:
-    there = _applied(turn, (*location[:3], 0.0)[:3])
+    there = applied(turn, (*location[:3], 0.0)[:3])
     return tuple(own + far for own, far in zip(pose_of(pose), there, strict=False))
 
 
-def _applied(rows: Rows, vector: Sequence[float]) -> Pose:
+def applied(rows: Rows, vector: Sequence[float]) -> Pose:
+    """Return the product of a matrix and a vector."""
     return tuple(sum(a * b for a, b in zip(row, vector, strict=True)) for row in rows)
 
 
 def _product(left: Sequence[Sequence[float]], right: Sequence[Sequence[float]]) -> Rows:
     columns = tuple(zip(*right, strict=True))
-    return tuple(_applied(columns, row) for row in left)
+    return tuple(applied(columns, row) for row in left)

@@ -17,8 +17,8 @@ from itertools import groupby
 from typing import Any, NamedTuple
 
 from rtkit import Marker, PropertyError
+from rtkit.services.frames import Rows, applied
 
-Rows = tuple[tuple[float, ...], ...]
 _TURNS = 3
 """From this number of a pose on they are angles."""
 
@@ -37,21 +37,18 @@ def inverse(rows: Sequence[Sequence[float]]) -> Rows:
         PropertyError: ``bad-value``: it is another one.
     """
     size = len(rows)
-    lower = [[0.0] * size for _ in rows]
-    for i in range(size):
-        for j in range(i + 1):
-            rest = rows[i][j] - sum(lower[i][k] * lower[j][k] for k in range(j))
-            if i == j and not 0.0 < rest < math.inf:
-                raise PropertyError("bad-value", "a covariance is symmetric and above 0")
-            lower[i][j] = math.sqrt(rest) if i == j else rest / lower[j][j]
-    back = [[0.0] * size for _ in rows]
-    for j in range(size):
-        for i in range(j, size):
-            rest = (i == j) - sum(lower[i][k] * back[k][j] for k in range(j, i))
-            back[i][j] = rest / lower[i][i]
+    work = [[*(rows[max(i, j)][min(i, j)] for j in range(size)),
+             *(float(i == j) for j in range(size))] for i in range(size)]  # fmt: skip
+    for i in range(size):  # eliminates column by column
+        pivot = work[i][i]
+        if not 0.0 < pivot < math.inf:
+            raise PropertyError("bad-value", "a covariance is symmetric and above 0")
+        work[i] = [each / pivot for each in work[i]]
+        for j in range(size):
+            if j != i:
+                work[j] = [a - work[j][i] * b for a, b in zip(work[j], work[i], strict=True)]
     return tuple(
-        tuple(sum(back[k][i] * back[k][j] for k in range(max(i, j), size)) for j in range(size))
-        for i in range(size)
+        tuple((work[i][size + j] + work[j][size + i]) / 2 for j in range(size)) for i in range(size)
     )
 
 
@@ -65,9 +62,9 @@ def fuse(one: Estimate, other: Estimate) -> Estimate:
         for j in range(seen):
             summed[i][j] += information[i][j]
     apart = difference(narrow.mean, wide.mean)
-    pull = _times(information, apart) + (0.0,) * (size - seen)
+    pull = applied(information, apart) + (0.0,) * (size - seen)
     covariance = inverse(summed)
-    return Estimate(_moved(wide.mean, _times(covariance, pull)), covariance)
+    return Estimate(_moved(wide.mean, applied(covariance, pull)), covariance)
 
 
 def distance(
@@ -88,7 +85,7 @@ def distance(
     size = len(apart)
     spreads = drifted(one, drift).covariance, other.covariance
     both = [[spreads[0][i][j] + spreads[1][i][j] for j in range(size)] for i in range(size)]
-    square = sum(a * b for a, b in zip(apart, _times(inverse(both), apart), strict=True))
+    square = sum(a * b for a, b in zip(apart, applied(inverse(both), apart), strict=True))
     return math.sqrt(square) if square <= bound * bound else None
 
 
@@ -110,10 +107,6 @@ def difference(one: Sequence[float], other: Sequence[float]) -> tuple[float, ...
 def _moved(mean: Sequence[float], step: Sequence[float]) -> tuple[float, ...]:
     to = enumerate(a + b for a, b in zip(mean, step, strict=True))
     return tuple(math.remainder(each, math.tau) if i >= _TURNS else each for i, each in to)
-
-
-def _times(rows: Rows, vector: Sequence[float]) -> tuple[float, ...]:
-    return tuple(sum(a * b for a, b in zip(row, vector, strict=True)) for row in rows)
 
 
 @dataclass(frozen=True)
@@ -236,7 +229,7 @@ class MarkerFusion:
         pairs = zip(inverse(covariance), known, strict=True)
         try:
             spread = inverse([[a - b for a, b in zip(*rows, strict=True)] for rows in pairs])
-            step = _times(spread, _times(known, difference(mean, last.estimate.mean)))
+            step = applied(spread, applied(known, difference(mean, last.estimate.mean)))
             estimate = Estimate(_moved(mean, step), spread)
         except PropertyError:  # it has drifted: new is the share of what was seen since
             estimate = _weighted(report.estimate, count / report.count)

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import math
 import sys
-import threading
 import wave
 from array import array
 from time import monotonic
@@ -58,22 +57,12 @@ class Microphone(DeviceSensor):
         self.block: Final[Annotated[float, rtkit.Unit("s")]] = block
         self._set_format(rate, channels)
         self._rest_of_block = b""
-        self._ended = threading.Event()
-        self._thread: threading.Thread | None = None
 
     def __enter__(self) -> Self:
         if not self.device.lower().endswith(".wav"):
             return super().__enter__()
-        self._ended.clear()
-        self._thread = threading.Thread(target=self._play, name=f"sound {self.device}")
-        self._thread.start()
+        self._work(self._play)
         return self
-
-    def __exit__(self, *raised: object) -> None:
-        self._ended.set()
-        if self._thread is not None:
-            self._thread.join()
-        super().__exit__(*raised)
 
     def get_level(self) -> float:
         """Loudness of the latest block: 0 to 1, the root of its mean square."""

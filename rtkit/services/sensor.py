@@ -48,10 +48,12 @@ class Sensor:
         self, location: Pose6 = MIDDLE, base: str = "", frames: Frames | None = None
     ) -> None:
         self._location: Pose = numbers("location", location, 6)
-        self._client: Any = None
+        self._client: rtkit.Client | None = None
         self._base = base
         self._frames = frames or Frames(self._pose_of, self._base_pose)
         self._publish: Callable[[str, object], None] = partial(setattr, self)
+        self._ended = threading.Event()
+        self._thread: threading.Thread | None = None
 
     def __served__(self, publish: Callable[[str, object], None]) -> None:
         self._publish = publish
@@ -60,9 +62,18 @@ class Sensor:
         return self
 
     def __exit__(self, *raised: object) -> None:
+        self._ended.set()
+        if self._thread is not None:
+            self._thread.join()
         if self._client is not None:
             self._client.close()
             self._client = None
+
+    def _work(self, run: Callable[[], None]) -> None:
+        """Have a thread read something; it is to return soon after `_ended` is set."""
+        self._ended.clear()
+        self._thread = threading.Thread(target=run, name=f"{self.type[0]} reading")
+        self._thread.start()
 
     def get_location(self, frame: str = "base") -> Pose6:
         """Pose of the sensor [m, rad]; in its base, or in another frame."""
@@ -89,10 +100,14 @@ class Sensor:
 
     def _pose_of(self, name: str) -> Pose:
         """Return the location of another service in the world."""
+        found: Pose = self._asked().get(f"{name}.location")
+        return found
+
+    def _asked(self) -> rtkit.Client:
+        """Return the client that asks other services."""
         if self._client is None:
             self._client = rtkit.Client()
-        found: Pose = self._client.get(f"{name}.location")
-        return found
+        return self._client
 
 
 def moved(marker: rtkit.Marker, pose: Pose, frame: str) -> rtkit.Marker:
@@ -190,27 +205,17 @@ class PropertySensor(Sensor):
         super().__init__(location, base, frames)
         self.source: Final[str] = source
         self._publish("status", f"waiting: {source}: not asked yet")
-        self._ended = threading.Event()
-        self._thread: threading.Thread | None = None
 
     def __enter__(self) -> Self:
-        self._ended.clear()
         self._client = rtkit.Client()
-        self._thread = threading.Thread(target=self._begin, name=f"reading {self.source}")
-        self._thread.start()
+        self._work(self._begin)
         return self
-
-    def __exit__(self, *raised: object) -> None:
-        self._ended.set()
-        if self._thread is not None:
-            self._thread.join()
-        super().__exit__(*raised)
 
     def _begin(self) -> None:
         """Ask until somebody answers; from then on the client keeps track of the property."""
         while not self._ended.is_set():
             try:
-                self._client.listen(self.source, self._take)
+                self._asked().listen(self.source, self._take)
                 return
             except rtkit.PropertyError as error:
                 self._publish("status", f"waiting: {self.source}: {error.code}")

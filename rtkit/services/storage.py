@@ -46,16 +46,6 @@ class _Listed(NamedTuple):
     folders: Mapping[str, Path]
     left_out: int
 
-    @property
-    def names(self) -> tuple[str, ...]:
-        return (*self.folders, *self.files)
-
-
-class _Started(NamedTuple):
-    upload: Upload
-    size: int
-    touched: float
-
 
 class Storage(Names):
     """Stores files below a directory.
@@ -96,7 +86,7 @@ class Storage(Names):
         self._folders: dict[Path, Folder] = {}
         self._listed = _Listed({}, {}, 0)
         self._names: tuple[str, ...] = ()
-        self._uploads: dict[tuple[str, str], _Started] = {}
+        self._uploads: dict[tuple[str, str], Upload] = {}
         self._sums: dict[Path, tuple[object, str]] = {}
         self._used: tuple[float, int] = (-inf, 0)
         self._stop = threading.Event()
@@ -139,7 +129,7 @@ class Storage(Names):
         with self._lock:
             self._is_changed = None
             for key in list(self._uploads):
-                self._uploads.pop(key).upload.close()
+                self._uploads.pop(key).close()
             if self._directory is not None:
                 self._directory.close()
             self._directory = None
@@ -201,7 +191,7 @@ class Storage(Names):
             before[path].held != folder.held for path, folder in found.items()
         ):
             self._listed = self._named(found)
-            self._names = self._listed.names
+            self._names = (*self._listed.folders, *self._listed.files)
         return self._listed
 
     def _named(self, found: dict[Path, Folder]) -> _Listed:
@@ -333,25 +323,24 @@ class Storage(Names):
         self._end_idle()
         if offset == 0:
             self._begin(key, path, size)
-        started = self._uploads.get(key)
-        if started is None or not offset <= started.upload.size:
-            at = 0 if started is None else started.upload.size
+        upload = self._uploads.get(key)
+        if upload is None or not offset <= upload.size:
+            at = 0 if upload is None else upload.size
             raise PropertyError("conflict", f"the block at {at} is to come next")
-        if size not in (-1, started.size) or offset + len(value) > started.size:
-            raise PropertyError("bad-parameter", f"the upload has a size of {started.size} bytes")
+        if size not in (-1, upload.whole) or offset + len(value) > upload.whole:
+            raise PropertyError("bad-parameter", f"the upload has a size of {upload.whole} bytes")
         try:
-            started.upload.write(value, offset)
-            self._uploads[key] = started._replace(touched=monotonic())
-            if started.upload.size < started.size:
+            upload.write(value, offset)
+            if upload.size < upload.whole:
                 return
-            if digest and digest.lower() != started.upload.digest():
+            if digest and digest.lower() != upload.digest():
                 raise PropertyError("bad-value", "the SHA-256 is another one")
-            started.upload.commit(path[-1])
+            upload.commit(path[-1])
         except PropertyError:
-            self._uploads.pop(key).upload.close()
+            self._uploads.pop(key).close()
             raise
-        self._uploads.pop(key).upload.close()
-        self._used = (self._used[0], self._used[1] + started.size)
+        self._uploads.pop(key).close()
+        self._used = (self._used[0], self._used[1] + upload.whole)
 
     def _begin(self, key: tuple[str, str], path: Path, size: int) -> None:
         if size < 0:
@@ -360,18 +349,18 @@ class Storage(Names):
             raise PropertyError("too-large", f"{size} bytes, and {self.largest} are allowed")
         before = self._uploads.pop(key, None)
         if before is not None:
-            before.upload.close()
+            before.close()
         if len(self._uploads) >= MOST_UPLOADS:
             raise PropertyError("busy", f"there are {MOST_UPLOADS} uploads")
-        coming = sum(each.size for each in self._uploads.values())
+        coming = sum(each.whole for each in self._uploads.values())
         if self.quota and self._now_used() + coming + size > self.quota:
             raise PropertyError("too-large", f"{size} bytes more than fit in {self.quota}")
-        self._uploads[key] = _Started(self._files().upload(path), size, monotonic())
+        self._uploads[key] = self._files().upload(path, size)
 
     def _end_idle(self) -> None:
         for key, each in list(self._uploads.items()):
             if monotonic() - each.touched > UPLOAD_IDLE_S:
-                self._uploads.pop(key).upload.close()
+                self._uploads.pop(key).close()
 
     # What is asked about all of them
 

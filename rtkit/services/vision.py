@@ -11,7 +11,7 @@ import threading
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Sequence
 from time import monotonic, perf_counter
-from typing import TYPE_CHECKING, Annotated, Any, Final, Literal, NamedTuple
+from typing import TYPE_CHECKING, Annotated, Any, Final, Literal
 
 import rtkit
 from rtkit import init_of
@@ -109,12 +109,9 @@ class CameraView:
         self._store.put(data)
 
 
-class NamedCamera(NamedTuple):
-    """Camera as methods use it: its name, what is known of it, its pictures."""
-
-    name: str
-    view: CameraView
-    pictures: PictureStore
+Chosen = tuple[str, CameraView, PictureStore]
+"""Camera as methods use it: its name, what is known of it, its pictures."""
+Choose = Callable[[str], Chosen]
 
 
 class Method(ABC):
@@ -135,7 +132,7 @@ class Method(ABC):
     runs: Final[int] = 0
     seconds: Final[Annotated[float, rtkit.Unit("s")]] = 0.0
 
-    def __init__(self, camera: Callable[[str], NamedCamera], place: Callable[[str], Pose]) -> None:
+    def __init__(self, camera: Choose, place: Callable[[str], Pose]) -> None:
         self.active: bool = False
         self._camera, self._place = camera, place
         self._lock = threading.Lock()
@@ -213,7 +210,7 @@ class EdgeMethod(Method):
 
     forms: Final[tuple[Form, ...]] = ("image", "segments")  # type: ignore[misc]
 
-    def __init__(self, camera: Callable[[str], NamedCamera], place: Callable[[str], Pose]) -> None:
+    def __init__(self, camera: Choose, place: Callable[[str], Pose]) -> None:
         super().__init__(camera, place)
         self.smooth: Annotated[float, rtkit.Unit("px"), rtkit.Range(0, 20)] = 1.5
         self.least: Annotated[float, rtkit.Unit("px"), rtkit.Range(0)] = 20.0
@@ -240,7 +237,7 @@ class BlobMethod(Method):
 
     forms: Final[tuple[Form, ...]] = ("markers", "image")  # type: ignore[misc]
 
-    def __init__(self, camera: Callable[[str], NamedCamera], place: Callable[[str], Pose]) -> None:
+    def __init__(self, camera: Choose, place: Callable[[str], Pose]) -> None:
         super().__init__(camera, place)
         self.colors: tuple[str, ...] = tuple(vision_methods.HUES)
         self.least: Annotated[float, rtkit.Range(1)] = 50.0
@@ -285,7 +282,7 @@ class FiducialMethod(Method):
 
     forms: Final[tuple[Form, ...]] = ("markers", "image", "segments")  # type: ignore[misc]
 
-    def __init__(self, camera: Callable[[str], NamedCamera], place: Callable[[str], Pose]) -> None:
+    def __init__(self, camera: Choose, place: Callable[[str], Pose]) -> None:
         super().__init__(camera, place)
         self.size: Annotated[float, rtkit.Unit("m"), rtkit.Range(0.001)] = 0.1
         self.dictionary: Annotated[str, rtkit.Choices(_dictionaries)] = "4x4_50"
@@ -401,11 +398,11 @@ class Vision(Sensor, rtkit.Names):
 
     def get_image(self, format: str = "jpeg", width: int = 0, camera: str = "") -> bytes:
         """The picture of a camera, as jpeg or png; 0 leaves its width as it is."""
-        return self._chosen(camera).view.get_image(format, width)
+        return self._chosen(camera)[1].get_image(format, width)
 
     def set_image(self, data: bytes) -> None:
         """Process this picture, a JPEG or PNG, in place of that of the camera."""
-        self._chosen("").pictures.put(data)
+        self._chosen("")[2].put(data)
 
     def names(self) -> tuple[str, ...]:
         """See `rtkit.Names`: ``image.source``, the property whose picture is processed."""
@@ -413,13 +410,13 @@ class Vision(Sensor, rtkit.Names):
 
     def get(self, name: str) -> str:
         """See `rtkit.Names`."""
-        return self._chosen("").pictures.source
+        return self._chosen("")[2].source
 
     def set(self, name: str, source: str) -> None:
         """See `rtkit.Names`: process the pictures of a property of another service."""
         if name not in _SOURCE:
             raise rtkit.PropertyError("unknown", f"no such property: {name}")
-        self._chosen("").pictures.source = source
+        self._chosen("")[2].source = source
 
     def has_changed(self) -> bool:
         """See `rtkit.Names`."""
@@ -437,17 +434,14 @@ class Vision(Sensor, rtkit.Names):
         found = (each.get_result("markers", name, frame=frame) for each, name in views)
         return [marker for markers in found for marker in markers]
 
-    def _chosen(self, camera: str) -> NamedCamera:
+    def _chosen(self, camera: str) -> Chosen:
         name = camera or self.camera
         if name not in self.cameras:
             raise rtkit.PropertyError("bad-parameter", f"no camera: {name}")
-        return NamedCamera(name, self.cameras[name], self._stores[name])
+        return name, self.cameras[name], self._stores[name]
 
     def _picture_of(self, source: str) -> bytes:
-        if self._client is None:
-            self._client = rtkit.Client()
-        found: bytes = self._client.get_bytes(source)
-        return found
+        return self._asked().get_bytes(source)
 
 
 VisionInit = init_of(Vision)

@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import rtkit
+from rtkit.services.frames import angles_of
 from rtkit.services.images import opencv
 
 if TYPE_CHECKING:
@@ -292,6 +293,4 @@ def _pose(turn: Any, shift: Any) -> tuple[float, ...]:
     """Return what OpenCV sees (x right, y down, z ahead) as a pose with x ahead and z up."""
     right, down, ahead = shift
     rows = (turn[2], -turn[0], -turn[1])
-    roll, yaw = math.atan2(rows[2][1], rows[2][2]), math.atan2(rows[1][0], rows[0][0])
-    pitch = math.atan2(-rows[2][0], math.hypot(rows[0][0], rows[1][0]))
-    return tuple(map(float, (ahead, -right, -down, roll, pitch, yaw)))
+    return tuple(map(float, (ahead, -right, -down, *angles_of(rows))))
