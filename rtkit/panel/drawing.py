@@ -79,7 +79,7 @@ def text_of(value: Any) -> str:
         return value.translate(_CONTROLS)
     if is_vector(value):
         return "  ".join(map(text_of, value))
-    return write(to_value(value))
+    return write(to_value(value))  # type: ignore[arg-type]
 
 
 _CONTROLS = {code: "�" for code in (*range(32), *range(127, 160)) if code != 10}
