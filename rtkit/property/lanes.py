@@ -8,14 +8,17 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from typing import TYPE_CHECKING
 
 from rtkit.property.codes import PropertyError
-from rtkit.property.live_values import LiveValues
 from rtkit.property.messages import Answer
 from rtkit.property.naming import canonical
-from rtkit.property.node import PropertyNode
 from rtkit.property.reading import lone_number
-from rtkit.property.requests import PropertyRequest
+
+if TYPE_CHECKING:  # clients look here for a time-out, and need nothing of the owner's side
+    from rtkit.property.live_values import LiveValues
+    from rtkit.property.node import PropertyNode
+    from rtkit.property.requests import PropertyRequest
 
 NAMES = "?"
 """The lane of all that looks which names there are."""

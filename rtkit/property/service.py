@@ -57,7 +57,7 @@ from fnmatch import fnmatchcase
 from functools import partial
 from typing import Any
 
-from rtkit.property import blocks, functional_requests
+from rtkit.property import block_requests, functional_requests
 from rtkit.property.codes import PropertyError
 from rtkit.property.extensions import Extensions
 from rtkit.property.fast_path import FastPath
@@ -115,7 +115,7 @@ class Service:
         self._set_plain = self.values.set_plain
         self._poller = Poller(self.values)
         self._histories: list[tuple[str, int]] = []
-        self._joining = blocks.Joining()
+        self._joining = block_requests.Joining()
         self._idempotency = IdempotencyCache()
         self._fast_path = FastPath(self.values)
         self.quick = self._fast_path.reply
@@ -384,12 +384,12 @@ class Service:
             checked_parameters((), target, OF_GET)
             return functional_requests.described(node.function, place)
         is_bytes = node.spec.type.base == "bytes" and target.parameters
-        common = {**OF_GET, **blocks.OF_GET} if is_bytes else OF_GET
+        common = {**OF_GET, **block_requests.OF_GET} if is_bytes else OF_GET
         given = checked_parameters(node.spec.parameters, target, common)
         given.pop("timeout", None)
-        block = blocks.taken(node.spec, given) if is_bytes else None
+        block = block_requests.taken(node.spec, given) if is_bytes else None
         payload = self.values.payload_of(place, given)
-        return blocks.cut(payload, block) if block else payload
+        return block_requests.cut(payload, block) if block else payload
 
     def _set(self, target: RequestTarget, ask: PropertyRequest) -> Answer | None:
         assert ask.payload is not None
@@ -407,13 +407,13 @@ class Service:
         if node.function is not None:
             return functional_requests.start(self.values, place, target, ask)
         is_bytes = node.spec.type.base == "bytes" and target.parameters
-        common = {**COMMON, **blocks.OF_SET} if is_bytes else COMMON
+        common = {**COMMON, **block_requests.OF_SET} if is_bytes else COMMON
         given = checked_parameters(node.spec.parameters, target, common)
         has_echo = flag(given, "echo")
         given.pop("timeout", None)
         given.pop("id", None)
         self.values.check_writable(node, target.name, given.pop("if", None))
-        block = blocks.taken(node.spec, given) if is_bytes else None
+        block = block_requests.taken(node.spec, given) if is_bytes else None
         if block:
             self._set_block(node, ask.payload, given, block)
         else:

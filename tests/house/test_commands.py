@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import os
 import subprocess
 import sys
 from collections.abc import Iterator
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import click
 import make_commands
@@ -247,6 +249,39 @@ def test_who_only_reads_imports_nothing_heavy(line: str, tmp_path: Path) -> None
     done = subprocess.run(
         [sys.executable, "-c", script], capture_output=True, text=True, check=False
     )
+    assert done.stderr == "0 []\n"
+
+
+OF_A_SERVED_VALUE = """
+import os, sys
+from rtkit.cli.shared.commands import load
+ready, served = os.pipe()
+asking = os.fork()
+if not asking:
+    os.read(ready, 1)
+    status = load({name!r})({arguments!r})
+    left = ("dataclasses", "rtkit.property.live_values", "rtkit.property.types")
+    print(status, [name for name in left if name in sys.modules], file=sys.stderr, flush=True)
+    os._exit(0)
+from rtkit.property.service import Service
+from rtkit.wires.serve import serve
+service = Service()
+service.add("level", 0.5, "number")
+with serve(service, "lamp", is_on_zenoh=False):
+    os.write(served, b"x")
+    os.waitpid(asking, 0)
+"""
+
+
+@pytest.mark.parametrize("line", ["rtget lamp.level", "rtset lamp.level 0.7"])
+def test_who_asks_a_service_imports_nothing_of_the_owner_s_side(line: str) -> None:
+    name, *arguments = line.split()
+    with TemporaryDirectory(prefix="rtkit-") as folder:
+        done = subprocess.run(
+            [sys.executable, "-c", OF_A_SERVED_VALUE.format(name=name, arguments=arguments)],
+            capture_output=True, text=True, check=False, timeout=60.0,
+            env={**os.environ, "RTKIT_RUNTIME_DIR": f"{folder}/run"},
+        )  # fmt: skip
     assert done.stderr == "0 []\n"
 
 

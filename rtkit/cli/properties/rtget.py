@@ -57,7 +57,6 @@ def main(
     if is_raw and is_json:
         raise click.UsageError("--raw and --json exclude each other")
     with connected(app, at, parameters) as places:
-        from rtkit.property.blocks import joined_blocks
         from rtkit.property.codes import PropertyError
         from rtkit.tree.property_connections import asked
 
@@ -73,6 +72,8 @@ def main(
             except PropertyError as error:
                 if error.code != "too-large" or not is_raw:
                     raise
+            from rtkit.property.blocks import joined_blocks
+
             return place.typed, joined_blocks(get)
 
         def lines_of(values: Iterable[tuple[str, str | bytes]]) -> list[str]:
