@@ -15,6 +15,7 @@ from rtkit.property.types import Content
 from rtkit.property.values import Element, Value, Word
 
 _DEEPEST = 32
+_AS_THEY_ARE = frozenset({float, int, str, bool, bytes, Word, Element})
 _OWN = "rtkit.property.marker"
 
 
@@ -24,11 +25,13 @@ def to_value(thing: object, depth: int = 0) -> Content:
     Raises:
         PropertyError: ``too-large``: it holds itself, or is nested too deep.
     """
+    if type(thing) in _AS_THEY_ARE:
+        return thing  # type: ignore[return-value]
     if isinstance(thing, Enum):
         return Word(thing.name)
     if thing is None:
         return ()
-    if isinstance(thing, bool | Word | Element):
+    if isinstance(thing, Word | Element):
         return thing
     if has_element(thing):
         return thing.__element__()  # type: ignore[attr-defined,no-any-return]
@@ -46,6 +49,8 @@ def to_value(thing: object, depth: int = 0) -> Content:
 
 
 def _composed(thing: Any, depth: int) -> Content:
+    if type(thing) in (tuple, list):
+        return tuple([_item(each, depth) for each in thing])
     if is_array(thing):
         return to_value(thing.tolist(), depth + 1)
     if isinstance(thing, Mapping):

@@ -141,7 +141,8 @@ class LiveValues:
             if node.value is None:
                 raise PropertyError("write-only", f"cannot be read: {node.name}")
             return node.value
-        self.look(node)
+        if node.source is not None:
+            self.look(node)
         value: Content = result_of(self.user_code.call(lambda: reader(parameters)))
         if not parameters and (node.source is None or is_kept or node.listeners):
             self._seen(node, value)

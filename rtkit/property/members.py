@@ -194,6 +194,8 @@ def is_nested(value: object) -> bool:
 
     Objects of the standard library that are no data (locks, loggers, files) never are.
     """
+    if type(value) in _PLAIN:
+        return False
     if isinstance(value, Mapping):
         return all(isinstance(key, str) for key in value)
     if is_data(value) or callable(value):

@@ -316,6 +316,7 @@ class Exported:
         in_words = spec.type == TYPE
         is_plain = member.kind == "attribute" and found.is_plain
         choices = extra_of(member.hint, Choices)
+        is_alone = member.access == "w" or bare(member.hint) in SCALARS
         is_record = not is_plain and member.access == "rw" and is_dataclass(bare(member.hint))
 
         def read(given: dict[str, Value]) -> Content:
@@ -333,7 +334,6 @@ class Exported:
         def write(value: Content, given: dict[str, Value]) -> Any:
             thing = holder()
             named = given_to(member.setter, found.takes, given) if given else {}
-            is_alone = member.access == "w" or bare(member.hint) in SCALARS
             before = None if is_alone else self._read(thing, member)
             if is_unknown and self._learn(name, member, before):
                 raise Unfolded(name)  # the value is to be read as what it is now known to be
