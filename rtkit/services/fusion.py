@@ -260,9 +260,11 @@ class MarkerFusion:
         if "count" not in marker.features and sure is not None:  # else it is weighted already
             estimate = _weighted(estimate, sure)
         time = now if marker.time is None else marker.time
+        if not math.isfinite(time) or not isinstance(count, int) or count < 1:
+            raise PropertyError("bad-value", "a time is finite, and a count 1 at least")
         doubt = None if sure is None else 1.0 - sure
         key = marker.source, marker.id
-        return Seen(marker, marker.type, key, estimate, time, doubt, int(count))
+        return Seen(marker, marker.type, key, estimate, time, doubt, count)
 
     def _take(self, group: list[Seen]) -> None:
         """Give each look of one sensor at one time the thing that it is of, nearest ones first."""

@@ -113,6 +113,9 @@ def test_what_was_not_seen_for_long_is_forgotten() -> None:
         ball(0.0, 0.0, covariance=((1.0, 2.0), (2.0, 1.0))),
         ball(0.0, 0.0, confidence=0.0),
         ball(0.0, 0.0, confidence=1.5),
+        ball(9.0, 0.0, time=float("nan")),
+        ball(9.0, 0.0, count=0),
+        ball(9.0, 0.0, count="many"),
     ],
 )
 def test_what_cannot_be_fused_is_refused_with_all_beside_it(marker: Marker) -> None:
