@@ -49,7 +49,7 @@ class ServiceComponent(rtc.Component):
         """Make the object of its parameters, and serve it."""
         from rtkit.wires.serve import serve
 
-        self._end()
+        self.on_deactivated()
         values = self.configuration.values
         given = {name: _read(name, values[name], each) for name, each in self.arguments.items()}
         self._thing = type(self).served_class(**given)
@@ -63,22 +63,13 @@ class ServiceComponent(rtc.Component):
         if isinstance(status, str) and status.partition(":")[0] == "failed":
             raise Refused(status)
 
-    def on_deactivated(self, context: str) -> None:
-        """Serve it no longer."""
-        self._end()
-
-    def on_reset(self, context: str) -> None:
-        """Serve what failed no longer; the next activation makes a new object."""
-        self._end()
-
-    def on_finalize(self) -> None:
-        """Serve it no longer."""
-        self._end()
-
-    def _end(self) -> None:
+    def on_deactivated(self, context: str = "") -> None:
+        """Serve it no longer; the next activation makes a new object."""
         served = vars(self).pop("_served", None)
         if served is not None:
             served.close()
+
+    on_reset = on_finalize = on_deactivated
 
 
 def component_of(

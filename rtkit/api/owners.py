@@ -179,10 +179,7 @@ class Owners:
         if ":" in typed and (side := client_side_of(typed)) is not None:
             address, path = side.split(typed)
             if not side.has_services:
-                name, mark, given = path.partition("?")
-                return PropertyTarget(typed, "", name, given if mark else None), self._behind(
-                    address
-                )
+                return PropertyTarget.of_path(typed, path), self._behind(address)
             client = side.connect(address, self._settings.timeout_s)
             try:
                 services = str(client.ask(SERVICES).value()).strip("()").split()

@@ -81,11 +81,10 @@ class NamedFrames(Names):
 
     def __init__(self, poses: dict[str, tuple[float, ...]]) -> None:
         self._poses = poses
-        self._names = tuple(poses)
 
     def names(self) -> Collection[str]:
         """Return their names."""
-        return self._names
+        return self._poses
 
     def get(self, name: str) -> tuple[float, ...]:
         """Return a pose."""
@@ -96,7 +95,6 @@ class NamedFrames(Names):
         if not isinstance(value, tuple) or len(value) != 6 or not all(map(is_number, value)):
             raise PropertyError("bad-value", "expected x y z a b c [m, rad]")
         self._poses = {**self._poses, name: tuple(map(float, value))}
-        self._names = tuple(self._poses)
 
 
 class Resource(Names):

@@ -36,6 +36,12 @@ class PropertyTarget(NamedTuple):
     name: str
     parameters: str | None = None
 
+    @classmethod
+    def of_path(cls, typed: str, path: str) -> PropertyTarget:
+        """Return the property of an owner that has one service only, by its path there."""
+        name, mark, parameters = path.partition("?")
+        return cls(typed, "", name, parameters if mark else None)
+
     def target(self, more: str = "", extension: str = "") -> str:
         """Return what to ask for; the service itself stands for the names it has."""
         name = self.name or ("" if extension == "listen" else "properties")
@@ -63,22 +69,22 @@ def bound_of(
 
 def parse(typed: str, cwd: str, services: Iterable[str], hostname: str) -> PropertyTarget:
     """Read what was typed, relative to the working directory `cwd` in the tree."""
-    path, mark, parameters = typed.partition("?")
+    place = PropertyTarget.of_path(typed, typed)
+    path = place.name
     whole = path if path.startswith("/") else f"{cwd.rstrip('/')}/{path}"
     steps = [step for step in whole.split("/") if step not in ("", ".")]
     if steps and is_local_host(steps[0], hostname):
         steps.pop(0)
     elif steps and path.startswith("/"):
-        return PropertyTarget(typed, "", whole, parameters if mark else None)
+        return place._replace(name=whole)
     rest = "/".join(steps)
-    given = parameters if mark else None
     for service in sorted(services, key=len, reverse=True):
         if rest == service:
-            return PropertyTarget(typed, service, "", given)
+            return place._replace(service=service, name="")
         if rest.startswith((f"{service}.", f"{service}/")):
             name = rest[len(service) + 1 :].strip("/")
-            return PropertyTarget(typed, service, name.replace("/", "."), given)
-    return PropertyTarget(typed, "", rest, given)
+            return place._replace(service=service, name=name.replace("/", "."))
+    return place._replace(name=rest)
 
 
 class _Endpoint:
@@ -163,8 +169,7 @@ class PropertyConnections:
         key = (address, bound_in(typed, self._timeout_s))
         endpoint = self._endpoints.setdefault(key, _Endpoint(side, *key))
         if not side.has_services:
-            name, mark, parameters = path.partition("?")
-            return PropertyTarget(typed, "", name, parameters if mark else None), endpoint.first
+            return PropertyTarget.of_path(typed, path), endpoint.first
         place = parse(path, cwd, endpoint.services, _hostname())
         if not place.service:
             name = place.name if path == typed else ""

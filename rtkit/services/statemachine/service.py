@@ -174,8 +174,7 @@ class StateMachine(rtkit.Names):
         """Carry out ``start``, ``stop``, ``pause``, or ``step``: one transition while paused."""
         if word not in _COMMANDS:
             raise ValueError(f"expected one of {' '.join(_COMMANDS)}{hint(word, _COMMANDS)}")
-        if self._client is None:
-            raise rtkit.PropertyError("conflict", "the service is not active")
+        self._asked()
         try:
             self._done(lambda now: self._interpreter.command(word, now))
         except ValueError as error:
