@@ -8,8 +8,7 @@ rotation is Rz(c) Ry(b) Rx(a). The pose of a frame is its place in the frame tha
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
-from typing import Any
+from collections.abc import Callable, Sequence
 
 import rtkit
 
@@ -99,22 +98,16 @@ class Frames:
     Args:
         lookup: Asked for other names; raises `PropertyError` for one that it does not know.
         base: Returns the pose of the own base in the world [m, rad]; None where there is none.
-        named: Further frames: a pose in the world, or a pair of the name of the frame that it
-            stands in and the pose there.
     """
 
     def __init__(
         self,
         lookup: Lookup | None = None,
         base: Callable[[], Sequence[float]] | None = None,
-        named: Mapping[str, Any] | None = None,
     ) -> None:
         self._lookup = lookup
         self._base = base
         self._named: dict[str, tuple[str, Pose]] = {}
-        for name, kept in (named or {}).items():
-            parent, pose = kept if isinstance(kept[0], str) else ("world", kept)
-            self.add(name, pose, parent)
 
     def add(self, name: str, pose: Sequence[float], parent: str = "world") -> None:
         """Add a frame that stands in another one, or put it elsewhere [m, rad].

@@ -80,15 +80,6 @@ def joints(leg: Leg, foot: Point) -> Point | None:
     return yaw, math.atan2(z, out) + inner, knee - math.pi
 
 
-def foot_of(leg: Leg, angles: Point) -> Point:
-    """Return where the foot is in the base at angles of hip, femur and tibia [m]."""
-    yaw, femur, tibia = angles
-    out = COXA + FEMUR * math.cos(femur) + TIBIA * math.cos(femur + tibia)
-    bearing = leg.out + yaw
-    height = FEMUR * math.sin(femur) + TIBIA * math.sin(femur + tibia)
-    return leg.x + out * math.cos(bearing), leg.y + out * math.sin(bearing), height
-
-
 @dataclass(frozen=True)
 class Foot:
     """Foot in the world.

@@ -12,10 +12,9 @@ from rtkit.services.behaviors import MoveTo, behaviors_of, loaded
 from rtkit.services.chassis import Chassis, Wheels
 from rtkit.services.frames import ORIGIN, Frames, pose_of, service_lookup, transform
 from rtkit.services.mounted import Camera, Eye, Laser
+from rtkit.services.sensor import Pose6
 
-Six = tuple[float, float, float, float, float, float]
 _NUMBERS = itertools.count()
-_NO_MOTION: Six = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 
 
 class MobileRobot:
@@ -87,7 +86,7 @@ class MobileRobot:
         """Length, width and height."""
         return self._chassis.dimensions
 
-    def get_location(self, frame: str = "world") -> Annotated[Six, rtkit.Unit("m")]:
+    def get_location(self, frame: str = "world") -> Annotated[Pose6, rtkit.Unit("m")]:
         """Pose: x y z a b c."""
         x, y, theta = self._chassis.pose
         here = (x, y, 0.0, 0.0, 0.0, theta)
@@ -95,17 +94,17 @@ class MobileRobot:
 
     def get_velocity(
         self, frame: str = "base"
-    ) -> Annotated[Six, rtkit.Unit("m/s"), rtkit.Returns(after=0.5, to=_NO_MOTION)]:
+    ) -> Annotated[Pose6, rtkit.Unit("m/s"), rtkit.Returns(after=0.5, to=ORIGIN)]:
         """Motion: a SET of it drives the robot, instead of a behaviour, and ends by itself."""
         return self._turned(self._chassis.velocity, "base", frame)
 
-    def set_velocity(self, velocity: Six, frame: str = "base") -> None:
+    def set_velocity(self, velocity: Pose6, frame: str = "base") -> None:
         """Drive."""
         vx, vy, *_, omega = velocity
         ahead, left, *_ = self._turned((vx, vy, omega), frame, "base")
         self._chassis.drive((ahead, left, omega))
 
-    def _turned(self, twist: tuple[float, float, float], frame: str, to: str) -> Six:
+    def _turned(self, twist: tuple[float, float, float], frame: str, to: str) -> Pose6:
         between = self._frames.between(frame, to) if frame != to else pose_of((0.0, 0.0))
         x, y, z = transform((0.0, 0.0, 0.0, *between[3:]), (*twist[:2], 0.0))
         return x, y, z, 0.0, 0.0, twist[2]

@@ -131,9 +131,9 @@ class Method(ABC):
     forms: Final[tuple[Form, ...]] = ()
     runs: Final[int] = 0
     seconds: Final[Annotated[float, rtkit.Unit("s")]] = 0.0
+    active: bool = False
 
     def __init__(self, camera: Choose, place: Callable[[str], Pose]) -> None:
-        self.active: bool = False
         self._camera, self._place = camera, place
         self._lock = threading.Lock()
         self._known: dict[str, tuple[bytes, Any, Any]] = {}
@@ -209,12 +209,9 @@ class EdgeMethod(Method):
     """
 
     forms: Final[tuple[Form, ...]] = ("image", "segments")  # type: ignore[misc]
-
-    def __init__(self, camera: Choose, place: Callable[[str], Pose]) -> None:
-        super().__init__(camera, place)
-        self.smooth: Annotated[float, rtkit.Unit("px"), rtkit.Range(0, 20)] = 1.5
-        self.least: Annotated[float, rtkit.Unit("px"), rtkit.Range(0)] = 20.0
-        self.threshold: Annotated[float, rtkit.Range(1, 1000)] = 120.0
+    smooth: Annotated[float, rtkit.Unit("px"), rtkit.Range(0, 20)] = 1.5
+    least: Annotated[float, rtkit.Unit("px"), rtkit.Range(0)] = 20.0
+    threshold: Annotated[float, rtkit.Range(1, 1000)] = 120.0
 
     def _compute(self, picture: Picture, lens: Lens) -> Any:
         return vision_methods.segments(picture, self.smooth, self.least)
@@ -236,12 +233,9 @@ class BlobMethod(Method):
     """
 
     forms: Final[tuple[Form, ...]] = ("markers", "image")  # type: ignore[misc]
-
-    def __init__(self, camera: Choose, place: Callable[[str], Pose]) -> None:
-        super().__init__(camera, place)
-        self.colors: tuple[str, ...] = tuple(vision_methods.HUES)
-        self.least: Annotated[float, rtkit.Range(1)] = 50.0
-        self.diameter: Annotated[float, rtkit.Unit("m"), rtkit.Range(0)] = 0.0
+    colors: tuple[str, ...] = tuple(vision_methods.HUES)
+    least: Annotated[float, rtkit.Range(1)] = 50.0
+    diameter: Annotated[float, rtkit.Unit("m"), rtkit.Range(0)] = 0.0
 
     def _compute(self, picture: Picture, lens: Lens) -> Any:
         return vision_methods.blobs(picture, self.colors, self.least)
@@ -281,11 +275,8 @@ class FiducialMethod(Method):
     """
 
     forms: Final[tuple[Form, ...]] = ("markers", "image", "segments")  # type: ignore[misc]
-
-    def __init__(self, camera: Choose, place: Callable[[str], Pose]) -> None:
-        super().__init__(camera, place)
-        self.size: Annotated[float, rtkit.Unit("m"), rtkit.Range(0.001)] = 0.1
-        self.dictionary: Annotated[str, rtkit.Choices(_dictionaries)] = "4x4_50"
+    size: Annotated[float, rtkit.Unit("m"), rtkit.Range(0.001)] = 0.1
+    dictionary: Annotated[str, rtkit.Choices(_dictionaries)] = "4x4_50"
 
     def _compute(self, picture: Picture, lens: Lens) -> Any:
         return vision_methods.fiducials(picture, lens, self.size, self.dictionary)

@@ -11,6 +11,7 @@ import threading
 import time
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
+from functools import partial
 from pathlib import Path
 from typing import Annotated, Any, Final
 
@@ -264,6 +265,8 @@ class RemoteWorld:
         self._name = name
         self._client = rtkit.Client()
         self._pace: float | None = None
+        self.join = partial(self._call, "join")
+        self.leave = partial(self._call, "leave")
 
     @property
     def pace(self) -> float:
@@ -276,14 +279,6 @@ class RemoteWorld:
     def close(self) -> None:
         """Ask it no longer."""
         self._client.close()
-
-    def join(self, name: str, at: Place, radius: float, height: float) -> None:
-        """Put a body there; see `HomeWorld`."""
-        self._call("join", name, at, radius, height)
-
-    def leave(self, name: str) -> None:
-        """Take a body out."""
-        self._call("leave", name)
 
     def set_moves(self, moves: Sequence[tuple[str, float, float, float, float]]) -> None:
         """Move bodies; see `HomeWorld`."""

@@ -10,7 +10,19 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from rtkit.services.legged import LEGS, Foot, LeggedRobot, Legs, foot_of, in_base, joints
+from rtkit.services.legged import (
+    COXA,
+    FEMUR,
+    LEGS,
+    TIBIA,
+    Foot,
+    Leg,
+    LeggedRobot,
+    Legs,
+    Point,
+    in_base,
+    joints,
+)
 from rtkit.services.world import HomeWorld
 from rtkit.world import Polygon, Scene
 
@@ -23,6 +35,15 @@ def step(legs: Legs, home: HomeWorld, twist: Any, seconds: float) -> None:
     """Move the body as the legs allow it, as far as walls do."""
     home.set_moves([("walker", *legs.possible(twist, seconds), seconds)])
     legs.moved(home.get_poses(["walker"])[0], seconds)
+
+
+def foot_of(leg: Leg, angles: Point) -> Point:
+    """Return where the foot is in the base at angles of hip, femur and tibia [m]."""
+    yaw, femur, tibia = angles
+    out = COXA + FEMUR * math.cos(femur) + TIBIA * math.cos(femur + tibia)
+    bearing = leg.out + yaw
+    height = FEMUR * math.sin(femur) + TIBIA * math.sin(femur + tibia)
+    return leg.x + out * math.cos(bearing), leg.y + out * math.sin(bearing), height
 
 
 def check(legs: Legs, before: tuple[Foot, ...], pose: tuple[float, ...]) -> None:

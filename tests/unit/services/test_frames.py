@@ -52,7 +52,8 @@ def test_what_one_robot_sees_is_told_to_the_other() -> None:
 
 
 def test_a_named_frame_stands_in_another_one() -> None:
-    frames = Frames(lookup, base=lambda: AT, named={"door": (0, 0, 0, 0, 0, pi)})
+    frames = Frames(lookup, base=lambda: AT)
+    frames.add("door", (0, 0, 0, 0, 0, pi))
     frames.add("mast", (0.2, 0, 0.5), "base")
     frames.add("eye", (0, 0, 0.1, 0, 0, -pi / 2), "mast")
     assert frames.pose("eye") == pytest.approx((1.0, 2.2, 0.6, 0, 0, 0))
@@ -61,7 +62,9 @@ def test_a_named_frame_stands_in_another_one() -> None:
 
 @pytest.mark.parametrize("name", ["kitchen", "", "loop"])
 def test_an_unknown_frame_is_a_bad_parameter(name: str) -> None:
-    frames = Frames(lookup, named={"loop": ("circle", ORIGIN), "circle": ("loop", ORIGIN)})
+    frames = Frames(lookup)
+    frames.add("loop", ORIGIN, "circle")
+    frames.add("circle", ORIGIN, "loop")
     with pytest.raises(rtkit.PropertyError, match="frame") as refused:
         frames.pose(name)
     assert refused.value.code == "bad-parameter"
