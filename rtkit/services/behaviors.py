@@ -66,19 +66,16 @@ Target = rtkit.Marker | list[rtkit.Marker] | rtkit.Element
 
 def behaviors_of(chassis: Chassis, frames: Frames, kinds: dict[str, Callable[..., Any]]) -> object:
     """Return an object whose properties are behaviours: SET one to start it, GET how it stands."""
-    found: dict[str, Any] = {"__doc__": "Behaviours of a robot.", "stop": _stopping(chassis)}
-    for name, kind in kinds.items():
-        found[f"get_{name}"], found[f"set_{name}"] = _accessors(chassis, frames, name, kind)
-    return type("Behaviors", (), found)()
 
-
-def _stopping(chassis: Chassis) -> Callable[..., None]:
     def stop(self: object, now: bool = True) -> None:
         """End the behaviour that runs."""
         if now:
             chassis.halt()
 
-    return stop
+    found: dict[str, Any] = {"__doc__": "Behaviours of a robot.", "stop": stop}
+    for name, kind in kinds.items():
+        found[f"get_{name}"], found[f"set_{name}"] = _accessors(chassis, frames, name, kind)
+    return type("Behaviors", (), found)()
 
 
 def _accessors(

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from typing import Annotated, Any
 
 import rtkit
 from rtkit.services import driving
+from rtkit.services.driving import Row
 from rtkit.services.frames import Frames
 from rtkit.services.running import Running, Twist
 
@@ -136,7 +136,7 @@ class Chassis:
         self._still_s = 0.0
         return possible
 
-    def moved(self, row: Sequence[float], seconds: float) -> None:
+    def moved(self, row: Row, seconds: float) -> None:
         """Take where it is now; a world that was begun anew is entered anew."""
         self.trouble = ""
         if not row:

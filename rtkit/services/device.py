@@ -16,7 +16,7 @@ _PIECE = 1 << 16
 
 
 class Device:
-    """Reader of a device, from `start` to `close`; whatever it calls, it calls on its own thread.
+    """Reader of a device, until `close`; whatever it calls, it calls on its own thread.
 
     Args:
         path: Of the device; a pipe or an ordinary file will do.
@@ -41,9 +41,6 @@ class Device:
         self._state = ""
         self._wake, self._stop = os.pipe()
         self._thread = threading.Thread(target=self._run, name=f"device {path}", daemon=True)
-
-    def start(self) -> None:
-        """Begin to read, or to look for the device."""
         self._thread.start()
 
     def close(self) -> None:

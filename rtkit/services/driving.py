@@ -7,17 +7,30 @@ import threading
 import time
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from typing import TYPE_CHECKING, Any
+from typing import Any, Protocol
 
 from rtkit.services.running import Twist
 from rtkit.services.world import HomeWorld, RemoteWorld
 
-if TYPE_CHECKING:
-    from rtkit.services.chassis import Chassis
-
+Row = Sequence[float]
 PERIOD_S = 0.05
 _LONGEST_S = 0.2
 """Of one move: who was held up for longer has lost the time."""
+
+
+class Driven(Protocol):
+    """Robot, as those see it who move it."""
+
+    body: str
+
+    def wanted(self, seconds: float) -> Twist | None:
+        """Return how it is to move next, None where it stands."""
+
+    def moved(self, row: Row, seconds: float) -> None:
+        """Take where it is now; nothing where the world has no such body."""
+
+    def lost(self, error: Exception) -> None:
+        """Take that the world does not answer."""
 
 
 class Crew:
@@ -29,7 +42,7 @@ class Crew:
 
     def __init__(self, world: HomeWorld | str) -> None:
         self.world: Any = RemoteWorld(world) if isinstance(world, str) else world
-        self.robots: tuple[Chassis, ...] = ()
+        self.robots: tuple[Driven, ...] = ()
         self._ended = threading.Event()
         self._thread = threading.Thread(target=self._run, name="robots", daemon=True)
         self._thread.start()
@@ -51,9 +64,9 @@ class Crew:
                 advance(self.world, self.robots, seconds / parts)
 
 
-def advance(world: Any, robots: Sequence[Chassis], seconds: float) -> None:
+def advance(world: Any, robots: Sequence[Driven], seconds: float) -> None:
     """Have robots decide, and move their bodies by that for some time [s]."""
-    moving: list[tuple[Chassis, Twist]] = []
+    moving: list[tuple[Driven, Twist]] = []
     for robot in robots:
         with _for(robot):
             twist = robot.wanted(seconds)
@@ -68,7 +81,7 @@ def advance(world: Any, robots: Sequence[Chassis], seconds: float) -> None:
 
 
 @contextmanager
-def _for(*robots: Chassis) -> Iterator[None]:
+def _for(*robots: Driven) -> Iterator[None]:
     """Report to robots what goes wrong, so that others go on."""
     try:
         yield
@@ -81,7 +94,7 @@ _CREWS: dict[HomeWorld | str, Crew] = {}
 _LOCK = threading.Lock()
 
 
-def enlist(robot: Chassis, world: HomeWorld | str) -> Any:
+def enlist(robot: Driven, world: HomeWorld | str) -> Any:
     """Have a robot moved in a world, "" is a plain of the process; return that world."""
     with _LOCK:
         if world not in _CREWS:
@@ -91,7 +104,7 @@ def enlist(robot: Chassis, world: HomeWorld | str) -> Any:
         return crew.world
 
 
-def discharge(robot: Chassis, world: HomeWorld | str) -> None:
+def discharge(robot: Driven, world: HomeWorld | str) -> None:
     """Have a robot moved no longer; the thread ends with the last one."""
     with _LOCK:
         crew = _CREWS[world]

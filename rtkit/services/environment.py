@@ -10,21 +10,20 @@ from __future__ import annotations
 import math
 import threading
 import time
-from typing import Annotated, Any, Final, Self
+from typing import Annotated, Final
 
 import rtkit
 from rtkit import init_of
 from rtkit.services.frames import ORIGIN, Frames
 from rtkit.services.fusion import MarkerFusion
 from rtkit.services.grids import Grids
-from rtkit.services.sensor import moved
+from rtkit.services.sensor import Asking, moved
 
 
-class Environment:
+class Environment(Asking):
     """Fuses markers of many sensors into the things that there are.
 
     Args:
-        frame: In which things are kept: ``world``, or the name of a service.
         variance: Of each coordinate of a marker that tells none [m², rad²].
         gate: Mahalanobis distance up to which a marker may be of a thing.
         drift: What the variance of the place of a thing grows by [m²/s, rad²/s].
@@ -33,7 +32,7 @@ class Environment:
         most: How many things are kept.
 
     Attributes:
-        frame: In which things are kept.
+        frame: In which things are kept: ``world``, or the name of a service.
         maxage: After which time what was not seen is forgotten [s]; 0 for never.
         grids: What was measured, by name.
     """
@@ -54,6 +53,7 @@ class Environment:
         side: float = 0.5,
         most: int = 1000,
     ) -> None:
+        super().__init__()
         if not (variance > 0 and gate > 0 and drift >= 0 and side > 0):
             raise ValueError("variance, gate and side are above 0, drift is not below")
         self.frame = frame
@@ -62,15 +62,6 @@ class Environment:
         self._model = MarkerFusion(variance, gate, drift, most, frame)
         self._lock = threading.Lock()
         self._frames = Frames(self._pose_of)
-        self._client: rtkit.Client | None = None
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        if self._client is not None:
-            self._client.close()
-        self._client = None
 
     def get_markers(
         self,
@@ -119,15 +110,6 @@ class Environment:
         own = marker.frame or frame or self.frame
         pose = ORIGIN if own == self.frame else self._frames.between(own, self.frame)
         return marker if pose is ORIGIN else moved(marker, pose, self.frame)
-
-    def _asked(self) -> rtkit.Client:
-        with self._lock:
-            if self._client is None:
-                self._client = rtkit.Client()
-            return self._client
-
-    def _pose_of(self, name: str) -> Any:
-        return self._asked().get(f"{name}.location")
 
 
 def _is_near(marker: rtkit.Marker, near: tuple[float, float, float] | None) -> bool:

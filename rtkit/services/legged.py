@@ -48,20 +48,14 @@ class Leg:
         return self.x + _OUT * math.cos(self.out), self.y + _OUT * math.sin(self.out), -HIP
 
 
-def _legs() -> tuple[Leg, ...]:
-    places = (
-        ("front", 0.12, 0.08, 0.8),
-        ("middle", 0.0, 0.10, math.pi / 2),
-        ("rear", -0.12, 0.08, 2.3),
-    )
-    left = [Leg(f"left_{n}", x, y, out, i % 2) for i, (n, x, y, out) in enumerate(places)]
-    return (
-        *left,
-        *(Leg(e.name.replace("left", "right"), e.x, -e.y, -e.out, 1 - e.tripod) for e in left),
-    )
-
-
-LEGS = _legs()
+LEGS = (
+    Leg("left_front", 0.12, 0.08, 0.8, 0),
+    Leg("left_middle", 0.0, 0.10, math.pi / 2, 1),
+    Leg("left_rear", -0.12, 0.08, 2.3, 0),
+    Leg("right_front", 0.12, -0.08, -0.8, 1),
+    Leg("right_middle", 0.0, -0.10, -math.pi / 2, 0),
+    Leg("right_rear", -0.12, -0.08, -2.3, 1),
+)
 
 
 def joints(leg: Leg, foot: Point) -> Point | None:

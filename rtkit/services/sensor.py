@@ -20,7 +20,34 @@ Pose6 = tuple[float, float, float, float, float, float]
 MIDDLE: Pose6 = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 
 
-class Sensor:
+class Asking:
+    """Base of services that ask other ones."""
+
+    def __init__(self) -> None:
+        self._client: rtkit.Client | None = None
+        self._client_lock = threading.Lock()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *raised: object) -> None:
+        if self._client is not None:
+            self._client.close()
+            self._client = None
+
+    def _asked(self) -> rtkit.Client:
+        with self._client_lock:
+            if self._client is None:
+                self._client = rtkit.Client()
+            return self._client
+
+    def _pose_of(self, name: str) -> Pose:
+        """Return the location of another service in the world."""
+        found: Pose = self._asked().get(f"{name}.location")
+        return found
+
+
+class Sensor(Asking):
     """Base of all sensors.
 
     Args:
@@ -47,8 +74,8 @@ class Sensor:
     def __init__(
         self, location: Pose6 = MIDDLE, base: str = "", frames: Frames | None = None
     ) -> None:
+        super().__init__()
         self._location: Pose = numbers("location", location, 6)
-        self._client: rtkit.Client | None = None
         self._base = base
         self._frames = frames or Frames(self._pose_of, self._base_pose)
         self._publish: Callable[[str, object], None] = partial(setattr, self)
@@ -58,16 +85,11 @@ class Sensor:
     def __served__(self, publish: Callable[[str, object], None]) -> None:
         self._publish = publish
 
-    def __enter__(self) -> Self:
-        return self
-
     def __exit__(self, *raised: object) -> None:
         self._ended.set()
         if self._thread is not None:
             self._thread.join()
-        if self._client is not None:
-            self._client.close()
-            self._client = None
+        super().__exit__(*raised)
 
     def _work(self, run: Callable[[], None]) -> None:
         """Have a thread read something; it is to return soon after `_ended` is set."""
@@ -97,17 +119,6 @@ class Sensor:
         if not self._base:
             raise rtkit.PropertyError("bad-parameter", "no frame but base: no `base` is configured")
         return self._pose_of(self._base)
-
-    def _pose_of(self, name: str) -> Pose:
-        """Return the location of another service in the world."""
-        found: Pose = self._asked().get(f"{name}.location")
-        return found
-
-    def _asked(self) -> rtkit.Client:
-        """Return the client that asks other services."""
-        if self._client is None:
-            self._client = rtkit.Client()
-        return self._client
 
 
 def moved(marker: rtkit.Marker, pose: Pose, frame: str) -> rtkit.Marker:
@@ -157,7 +168,6 @@ class DeviceSensor(Sensor):
 
     def __enter__(self) -> Self:
         self._reader = Device(self.device, self._take, self._changed, self._baud, self._opened)
-        self._reader.start()
         return self
 
     def __exit__(self, *raised: object) -> None:
@@ -207,7 +217,6 @@ class PropertySensor(Sensor):
         self._publish("status", f"waiting: {source}: not asked yet")
 
     def __enter__(self) -> Self:
-        self._client = rtkit.Client()
         self._work(self._begin)
         return self
 
