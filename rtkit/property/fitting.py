@@ -31,7 +31,9 @@ def from_value(value: Content, hint: Any, present: object) -> Any:
     Raises:
         PropertyError: ``bad-value``: none of them fits.
     """
-    hint = bare(hint)
+    hint = hint if hint in SCALARS else bare(hint)
+    if hint in SCALARS:
+        return _scalar(hint, value)
     origin = get_origin(hint)
     if isinstance(hint, type) and issubclass(hint, Enum):
         return _member(hint, value)
@@ -39,8 +41,6 @@ def from_value(value: Content, hint: Any, present: object) -> Any:
         return _one_of(get_args(hint), value, present)
     if origin is typing.Literal:
         return _choice(get_args(hint), value)
-    if hint in SCALARS:
-        return _scalar(hint, value)
     if hint is type(None):
         return _nothing(value)
     if isinstance(hint, type) and dataclasses.is_dataclass(hint) and not has_element(hint):

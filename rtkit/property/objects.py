@@ -59,7 +59,7 @@ class _Found(NamedTuple):
         present: Its value, `_UNSET` where that takes user code.
         is_plain: Neither it nor what holds it takes user code to read.
         method: The bound method, of a method.
-        takes: Arguments of getter and setter, with their hints, by their names.
+        takes: Returns arguments of getter and setter, with their hints, by their names.
         names: What was found to come and go below it, in place of all else.
     """
 
@@ -68,7 +68,7 @@ class _Found(NamedTuple):
     present: object = _UNSET
     is_plain: bool = False
     method: object = None
-    takes: Taken = MappingProxyType({})
+    takes: Callable[[], Taken] = dict
     names: tuple[NameTable, NameListing | None] | None = None
 
 
@@ -250,7 +250,7 @@ class Exported:
                 if _is_empty(present):
                     found[name] = _Found(held, _EMPTY)
             elif present is _UNSET or is_data(present):
-                takes = accepted(thing, member)
+                takes = partial(accepted, thing, member)  # dear, and wanted of a new one only
                 found[name] = _Found(holder, member, present, is_known, takes=takes)
 
     def _below(
@@ -308,8 +308,8 @@ class Exported:
             )
             return
         spec = _spec(member, found.present)
-        if found.takes:
-            spec = replace(spec, parameters=declared_of(found.takes))
+        if takes := found.takes():
+            spec = replace(spec, parameters=declared_of(takes))
         is_unknown = member.hint is None and found.present is _UNSET
         if name == "type" and spec.type.name in ("list", "list<string>"):
             spec = replace(spec, type=TYPE)
@@ -320,7 +320,7 @@ class Exported:
         is_record = not is_plain and member.access == "rw" and is_dataclass(bare(member.hint))
 
         def read(given: dict[str, Value]) -> Content:
-            named = given_to(member.getter, found.takes, given) if given else {}
+            named = given_to(member.getter, takes, given) if given else {}
             present = self._read(holder(), member, named)
             if present is _UNSET:
                 raise PropertyError("unknown", f"not set yet: {name}")
@@ -333,7 +333,7 @@ class Exported:
 
         def write(value: Content, given: dict[str, Value]) -> Any:
             thing = holder()
-            named = given_to(member.setter, found.takes, given) if given else {}
+            named = given_to(member.setter, takes, given) if given else {}
             before = None if is_alone else self._read(thing, member)
             if is_unknown and self._learn(name, member, before):
                 raise Unfolded(name)  # the value is to be read as what it is now known to be
@@ -407,10 +407,11 @@ class Exported:
     def _function(self, found: _Found) -> FunctionalProperty:
         declared, hints = arguments_of(found.method)  # type: ignore[arg-type]
         name, holder = found.member.name, found.holder
+        choices = {key: extra_of(hint, Choices) for key, hint in hints.items()}
 
         def fit(key: str, value: Value) -> None:
             wanted = from_value(value, hints.get(key), None)
-            chosen = extra_of(hints.get(key), Choices)
+            chosen = choices.get(key)
             if chosen is not None and not chosen.is_fixed:
                 chosen.check(holder(), wanted)
 

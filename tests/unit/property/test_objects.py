@@ -561,3 +561,16 @@ def test_a_place_with_nothing_in_it_is_there() -> None:
     del carrier.tools["left"]
     assert service.get("properties?all=1") == "(places tools)"
     assert service.get("tools") == "()"
+
+
+def test_a_further_look_at_names_asks_accessors_and_methods_for_nothing(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Each listing and each tick looks: what arguments are is found out once for each name."""
+    service = served(Arm(0.5))
+    before = service.get("properties")
+    asked: list[object] = []
+    monkeypatch.setattr("rtkit.property.objects.accepted", lambda *given: asked.append(given))
+    monkeypatch.setattr("rtkit.property.objects.arguments_of", asked.append)
+    assert service.get("properties") == before
+    assert asked == []
