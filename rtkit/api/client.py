@@ -242,6 +242,7 @@ class Client(Closing):
                 changes.close()
             self._owners.close()
         self._host.close()
+        self._owners.join(monotonic() + self.timeout_s)
 
     # Requests
 

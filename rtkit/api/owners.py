@@ -7,6 +7,7 @@ import threading
 from collections.abc import Callable
 from functools import partial
 from math import inf
+from time import monotonic
 from typing import NamedTuple
 
 from rtkit.errors import RtkitError
@@ -48,7 +49,9 @@ class Owner:
         self._is_near = is_near
         self._connection: ProviderConnection | None = None
         self._waiting: list[_Waiting] = []
-        self._is_connecting = False
+        self._is_connecting = self._is_closed = False
+        self._ended: ProviderConnection | None = None
+        self._dialling: threading.Thread | None = None
 
     def begin(self) -> None:
         """Connect, where that takes no time; not under the lock of the host.
@@ -80,7 +83,8 @@ class Owner:
         self._waiting.append(_Waiting(target, payload, answer, until, is_again))
         if not self._is_connecting:
             self._is_connecting = True
-            threading.Thread(target=self._dial, name="connecting", daemon=True).start()
+            self._dialling = threading.Thread(target=self._dial, name="connecting", daemon=True)
+            self._dialling.start()
 
     def _answered(self, connection: ProviderConnection, asked: _Waiting, reply: Answer) -> None:
         """Answer who asked over a wire that does not tell when the far side is gone."""
@@ -94,9 +98,18 @@ class Owner:
 
     def close(self) -> None:
         """End the connection; under the lock of the host."""
+        self._is_closed = True
         self._connected(PropertyError("no-service", "the client has been closed"))
+        self._ended = self._connection
         if self._connection is not None:
             self._connection.close()
+
+    def join(self, until: float) -> None:
+        """Wait until all that it began has ended, by the monotonic clock [s]; once it is closed."""
+        if self._dialling is not None:
+            self._dialling.join(max(0.0, until - monotonic()))
+        if self._ended is not None:
+            self._ended.join(until)
 
     def _dial(self) -> None:
         made: ProviderConnection | RtkitError
@@ -119,8 +132,9 @@ class Owner:
                 self.ask(*each)
 
     def _take(self, made: ProviderConnection) -> None:
-        if self._connection is not None:
+        if self._connection is not None or self._is_closed:
             made.close()  # somebody else was quicker
+            self._ended = made
             return
         if isinstance(made, LineConnection):
             made.is_overtaking = True
@@ -171,6 +185,11 @@ class Owners:
         """End all connections; under the lock of the host."""
         for owner in self._owners.values():
             owner.close()
+
+    def join(self, until: float) -> None:
+        """Wait until all owners have ended what they began; see `Owner.join`."""
+        for owner in list(self._owners.values()):
+            owner.join(until)
 
     def _found(self, typed: str) -> tuple[PropertyTarget, Owner]:
         if typed.startswith(_ZENOH):

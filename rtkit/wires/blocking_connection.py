@@ -94,7 +94,7 @@ class BlockingConnection(ProviderConnection):
                 continue
             self._workers += 1
             end, self._first = self._first, None
-            threading.Thread(target=self._work, args=(end,), name="calls", daemon=True).start()
+            self._begin_thread(self._work, end, name="calls")
 
     def listen(self, name: str, options: str, on_event: EventHandler, answer: Answering) -> None:
         """See `ProviderConnection.listen`."""
@@ -118,7 +118,7 @@ class BlockingConnection(ProviderConnection):
             finally:
                 end.close()
 
-        threading.Thread(target=work, name="listening", daemon=True).start()
+        self._begin_thread(work, name="listening")
 
     def _receive(
         self,

@@ -42,6 +42,7 @@ class ProviderConnection(ABC):
         self._count = itertools.count(1)
         self._callers: dict[int, Answering] = {}
         self._subscriptions: dict[str, Any] = {}
+        self._threads: list[threading.Thread] = []
         self._is_open = True
         self._gone: Gone = lambda why: None
 
@@ -79,7 +80,21 @@ class ProviderConnection(ABC):
         """Close the connection; callers that wait for an answer get an error."""
         self._finish(ENDED)
 
+    def join(self, until: float) -> None:
+        """Wait until its threads have ended, by the monotonic clock [s]; not on the loop.
+
+        A process that ends while one of them closes a session of zenoh is aborted.
+        """
+        for thread in list(self._threads):
+            if thread is not threading.current_thread():
+                thread.join(max(0.0, until - monotonic()))
+
     # For the wires
+
+    def _begin_thread(self, work: Callable[..., object], *args: Any, name: str) -> None:
+        thread = threading.Thread(target=work, args=args, name=name, daemon=True)
+        thread.start()
+        self._threads = [*(each for each in self._threads if each.is_alive()), thread]
 
     @abstractmethod
     def _release(self) -> None:

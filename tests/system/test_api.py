@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import threading
 import time
 from collections.abc import Iterator
 from contextlib import closing
@@ -25,6 +26,14 @@ def tree(manager: Shell, monkeypatch: pytest.MonkeyPatch) -> Iterator[Tree]:
         monkeypatch.setenv(name, value)
     with rtkit.connect() as tree:
         yield tree
+
+
+def test_a_closed_client_leaves_no_thread_that_would_abort_its_process(tree: Tree) -> None:
+    before = {*threading.enumerate()}
+    client = rtkit.Client()
+    assert client.get("/localhost/manager.mgr.name") == "manager"
+    client.close()
+    assert not {each.name for each in threading.enumerate() if each not in before}
 
 
 def test_values_are_read_and_written(tree: Tree) -> None:

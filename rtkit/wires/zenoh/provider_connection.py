@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import threading
 import uuid
 from collections.abc import Callable
 from math import inf
@@ -140,7 +139,7 @@ class ZenohConnection(LeasedConnection):
         super()._release()
         if self._is_silent:
             # It waits for the far side, which is not there: not on the loop.
-            threading.Thread(target=self._session.close, name="closing", daemon=True).start()
+            self._begin_thread(self._session.close, name="closing")
         else:
             self._session.close()  # type: ignore[no-untyped-call]
 
