@@ -8,7 +8,6 @@ See decision 63.
 
 from __future__ import annotations
 
-import threading
 from collections.abc import Callable, Collection, Mapping, Sequence
 from time import monotonic
 from typing import Annotated, Any, Final
@@ -116,7 +115,6 @@ class Group(_Led):
     def __init__(self, *, robots: str = "", deadline: float = 1.0) -> None:
         members = Members(deadline)
         super().__init__(members, members.present)
-        self._lock = threading.Lock()
         self.robots: dict[str, Any] = {}
         self.groups: Final = Subgroups(members)
         for each in robots.split():
@@ -132,14 +130,12 @@ class Group(_Led):
     def join(self, robot: str) -> None:
         """Take a service into the group: SERVICE, or NAME=SERVICE."""
         name, target = self._members.add(robot)
-        with self._lock:
-            self.robots[name] = rtkit.Mount(target)
+        self.robots[name] = rtkit.Mount(target)
 
     def leave(self, robot: str) -> None:
         """Take a member out of the group, by its name."""
         self._members.remove(robot)
-        with self._lock:
-            self.robots.pop(robot, None)
+        self.robots.pop(robot, None)
 
     def get_deadline(self) -> Annotated[float, rtkit.Unit("s"), rtkit.Range(0.001, 3600.0)]:
         """Time that members may take for an answer."""
@@ -184,9 +180,7 @@ class Subgroups(rtkit.Names):
         """Return the type of a property."""
         return list if "." not in name else hint_of(name.partition(".")[2])
 
-    def stamp(self, name: str) -> object:
-        """Return what differs after a while."""
-        return int(monotonic() / _POLLED_S)
+    stamp = _Led.stamp
 
     def about(self, name: str) -> Mapping[str, Any]:
         """Return the meta data that a member has of a property."""

@@ -435,5 +435,6 @@ def _iri(path: str) -> str:
 def _text(text: str) -> str:
     from rdflib import Literal
 
-    return plain if (plain := str(plain_of(text))) == text and not isinstance(plain_of(text), str) \
-        else str(Literal(text).n3())  # fmt: skip
+    value = plain_of(text)
+    is_plain = not isinstance(value, str) and str(value) == text
+    return text if is_plain else str(Literal(text).n3())
