@@ -193,7 +193,8 @@ class LiveService(Closing):
 
         def worn(each: Panel) -> Panel:
             made = each._replace(children=tuple(map(worn, each.children)))
-            component = self._own(each)
+            own = f"{self.name}.{each.name}.gui.text"
+            component = self._component(own) if "text" in each.texts("forms") else None
             types = each.texts("type") or [each.spec.type.name]
             for word in () if component else filter(None, types):
                 if word not in known:
@@ -202,10 +203,6 @@ class LiveService(Closing):
             return made if component is None else dressed(made, component)
 
         return worn(panel)
-
-    def _own(self, panel: Panel) -> Panel | None:
-        is_there = "text" in panel.texts("forms")
-        return self._component(f"{self.name}.{panel.name}.gui.text") if is_there else None
 
     def _of_type(self, word: str) -> Panel | None:
         if self._components and word != "any":

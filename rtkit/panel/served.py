@@ -7,6 +7,7 @@ user is, ``PANEL.input`` what the user has asked for last. SET of a widget does 
 from __future__ import annotations
 
 from collections.abc import Callable
+from contextlib import suppress
 from typing import Any
 
 from rtkit.closing import Closing
@@ -73,10 +74,8 @@ class ServedPanel(Closing):
 
     def _put(self, name: str, value: Content) -> None:
         def put() -> None:
-            try:
+            with suppress(PropertyError):  # a widget that came later
                 self._service.update(name, value)
-            except PropertyError:
-                return  # a widget that came later
 
         self._served.owned(put)
 

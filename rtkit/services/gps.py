@@ -159,9 +159,7 @@ class Gps(DeviceSensor):
             quality = int(fields.gps_qual or 0)
             is_fixed = quality > 0 and bool(fields.lat and fields.lon)
             position = (fields.latitude, fields.longitude, float(fields.altitude or 0))
-            self._fixed(
-                position if is_fixed else (), _FIXES[min(quality, 8)] if is_fixed else "none"
-            )
+            self._fixed(*((position, _FIXES[min(quality, 8)]) if is_fixed else ((), "none")))
             self._publish("satellites", int(fields.num_sats or 0))
             self._publish("hdop", float(fields.horizontal_dil or 0))
             self._publish("time", str(fields.timestamp or ""))

@@ -31,9 +31,8 @@ def opencv() -> Any:
         import cv2
     except ImportError as error:
         raise Refused("vision needs OpenCV: pip install 'rtkit[vision]'") from error
-    cv2.utils.logging.setLogLevel(
-        cv2.utils.logging.LOG_LEVEL_ERROR
-    )  # what is wrong with a picture is told to who sent it
+    # What is wrong with a picture is told to who sent it.
+    cv2.utils.logging.setLogLevel(cv2.utils.logging.LOG_LEVEL_ERROR)
     return cv2
 
 

@@ -189,24 +189,20 @@ def _circle(picture: Picture, rim: Any) -> tuple[float, float, float] | None:
 
 def _edge(picture: Picture, circle: Any, rim: Any) -> Any:
     """Return where a circle ends, to parts of a pixel: half way from one colour to the other."""
+    cv2 = opencv()
     import numpy as np
 
     x, y, radius = circle
     steps = np.linspace(0.6, 1.4, 49) * radius
     turns = np.arctan2(rim[:, 1] - y, rim[:, 0] - x)[:: max(1, len(rim) // 180), None]
     places = (x + steps * np.cos(turns), y + steps * np.sin(turns))
-    rays = (
-        opencv()
-        .remap(picture, *(each.astype(np.float32) for each in places), opencv().INTER_LINEAR)
-        .astype(np.float64)
-    )
+    columns, rows = (each.astype(np.float32) for each in places)
+    rays = cv2.remap(picture, columns, rows, cv2.INTER_LINEAR).astype(np.float64)
     own, other = rays[:, :15].mean(1)[:, None], rays[:, -10:].mean(1)[:, None]
     axis = own - other
     length = (axis * axis).sum(2)
     share = ((rays - other) * axis).sum(2) / np.maximum(length, 1.0)
-    ends = (
-        steps[0] + np.clip(share, 0, 1).sum(1) * (steps[1] - steps[0]) - (steps[1] - steps[0]) / 2
-    )
+    ends = steps[0] + (np.clip(share, 0, 1).sum(1) - 0.5) * (steps[1] - steps[0])
     seen = np.column_stack((x + ends * np.cos(turns[:, 0]), y + ends * np.sin(turns[:, 0])))
     return seen[length[:, 0] > _LEAST_CONTRAST**2]
 

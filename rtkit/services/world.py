@@ -188,10 +188,8 @@ class HomeWorld:
             return False
         dx, dy = there[0] - at[0], there[1] - at[1]
         far, bearing = math.hypot(dx, dy), math.atan2(dy, dx)
-        if (
-            not _EYE_SHIFT < far <= reach
-            or abs(math.remainder(bearing - at[2], math.tau)) > field / 2
-        ):
+        aside = abs(math.remainder(bearing - at[2], math.tau))
+        if not _EYE_SHIFT < far <= reach or aside > field / 2:
             return False
         with self._lock:
             return bool(self._scene.rays(at[:2], [bearing], far)[0] >= far - 1e-6)
