@@ -42,7 +42,7 @@ def transform(pose: Sequence[float], location: Sequence[float]) -> tuple[float, 
         location: ``x y``, ``x y z`` or a pose, in that frame [m, rad]; without z it is 0.
 
     Raises:
-        PropertyError: ``bad-value``: it has not 2, 3 or 6 numbers.
+        PropertyError: ``bad-value``: it has not 2, 3 or 6 finite numbers.
     """
     if len(_checked(location)) == 6:
         return compose(pose, location)
@@ -79,7 +79,7 @@ def pose_of(location: Sequence[float]) -> Pose:
     """Return the pose of what is at a location: level where it tells no angles [m, rad].
 
     Raises:
-        PropertyError: ``bad-value``: it has not 2, 3 or 6 numbers.
+        PropertyError: ``bad-value``: it has not 2, 3 or 6 finite numbers.
     """
     return (*map(float, _checked(location)), *ORIGIN[len(location) :])
 
@@ -188,6 +188,8 @@ def service_lookup(resource: str = "resource") -> Lookup:
 def _checked(location: Sequence[float]) -> Sequence[float]:
     if len(location) not in (2, 3, 6):
         raise rtkit.PropertyError("bad-value", f"a location has 2, 3 or 6 numbers, not {location}")
+    if not all(map(math.isfinite, location)):
+        raise rtkit.PropertyError("bad-value", f"a location has finite numbers, not {location}")
     return location
 
 

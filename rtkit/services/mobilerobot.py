@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import math
 import os
 from typing import Annotated, Any, Final, Literal
 
@@ -101,6 +102,8 @@ class MobileRobot:
     def set_velocity(self, velocity: Pose6, frame: str = "base") -> None:
         """Drive."""
         vx, vy, *_, omega = velocity
+        if not all(map(math.isfinite, velocity)):  # its place would be none for ever after
+            raise rtkit.PropertyError("bad-value", f"a velocity has finite numbers, not {velocity}")
         ahead, left, *_ = self._turned((vx, vy, omega), frame, "base")
         self._chassis.drive((ahead, left, omega))
 

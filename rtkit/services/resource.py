@@ -34,6 +34,7 @@ _ADDRESS = {"tcp": "tcp:{0}/{1}", "http": "http://{0}/ps/{1}", "unix": "{0}", "z
 _ALIVE = frozenset({"unknown", "denied", "write-only", "internal", "busy", "bad-value"})
 """Errors that only who lives can answer."""
 _LONGEST_LEASE_S = 3600.0
+_LONGEST_SEARCH_S = 10.0
 _STARTING_S = 10.0
 _ENDING_S = 5.0
 _LOOK_S = 0.1
@@ -92,7 +93,7 @@ class NamedFrames(Names):
 
     def set(self, name: str, value: tuple[float, ...]) -> None:
         """Put a frame somewhere, or make one: 6 numbers."""
-        if not isinstance(value, tuple) or len(value) != 6 or not all(map(is_number, value)):
+        if not isinstance(value, tuple) or len(value) != 6 or not all(map(_is_finite, value)):
             raise PropertyError("bad-value", "expected x y z a b c [m, rad]")
         self._poses = {**self._poses, name: tuple(map(float, value))}
 
@@ -250,6 +251,8 @@ class Resource(Names):
         and waited for at most ``within`` seconds: those that fail are in ``unanswered``, and with
         ``failed=1`` behind the names. With ``start=1`` one of the type is started if none fits.
         """
+        if not 0 <= within <= _LONGEST_SEARCH_S:  # others who search wait for it
+            raise PropertyError("bad-parameter", f"within: 0 to {_LONGEST_SEARCH_S:g} s")
         self._has_looked.wait(self._period)
         found, unanswered = self._found(type, near, where, within)
         if start and not found and type in self._commands:
@@ -398,6 +401,10 @@ def _frame(text: str) -> tuple[str, tuple[float, ...]]:
     if len(numbers) != 6:
         raise ValueError(f"not NAME x y z a b c: {text}")
     return name, tuple(map(float, numbers))
+
+
+def _is_finite(value: object) -> bool:
+    return is_number(value) and math.isfinite(value)  # type: ignore[arg-type]
 
 
 ResourceInit = init_of(Resource)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 import random
 import signal
@@ -210,6 +211,15 @@ def test_frames_have_names(client: rtkit.Client) -> None:
         client.set("resource.frames.hall", (0, 0, 0, 0, 0, 1))
         assert client.get("resource.frames") == ("kitchen", "hall")
         assert code(lambda: client.set("resource.frames.hall", (1, 2))) == "bad-value"
+        no_place = (math.nan, 0, 0, 0, 0, 0)
+        assert code(lambda: client.set("resource.frames.hall", no_place)) == "bad-value"
+
+
+@pytest.mark.parametrize("within", [-1, 60, math.inf, math.nan])
+def test_a_search_that_would_hold_up_others_is_refused(client: rtkit.Client, within: float) -> None:
+    with served(Resource()):
+        search = lambda: client.get("resource.search", where="x > 1", within=within)  # noqa: E731
+        assert code(search) == "bad-parameter"
 
 
 @pytest.mark.parametrize(

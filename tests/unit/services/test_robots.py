@@ -161,6 +161,9 @@ def test_what_is_in_the_way_ends_it_with_the_reason(
         (rtkit.Marker(None, polar=(1, 0)), "no location"),
         (rtkit.Element("ball"), "a marker"),
         ([], "a marker"),
+        (rtkit.Marker((math.nan, 0.0)), "finite"),
+        (rtkit.Marker((math.inf, 0.0)), "finite"),
+        (rtkit.Marker((1.0, 0.0, 0.0, 0.0, 0.0, math.nan), frame="world"), "finite"),
     ],
 )
 def test_what_is_no_target_is_refused_and_the_old_one_kept(
@@ -171,6 +174,20 @@ def test_what_is_no_target_is_refused_and_the_old_one_kept(
     with pytest.raises(rtkit.PropertyError, match=why) as refused:
         robot.behaviors.set_moveto(target)
     assert refused.value.code == ("bad-parameter" if "frame" in why else "bad-value")
+    assert state(robot) == "running"
+
+
+@pytest.mark.parametrize("number", [math.nan, math.inf, -math.inf])
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_velocity_that_is_no_number_is_refused_and_the_place_kept(
+    home: HomeWorld, enter: Make, kind: Make, number: float
+) -> None:
+    robot = enter(kind(world=home))
+    for velocity in ((number, 0, 0, 0, 0, 0), (0, 0, 0, 0, 0, number)):
+        with pytest.raises(rtkit.PropertyError, match="finite") as refused:
+            robot.set_velocity(velocity)
+        assert refused.value.code == "bad-value"
+    one_metre(robot)
     assert state(robot) == "running"
 
 
