@@ -105,6 +105,19 @@ def test_a_panel_and_its_service_follow_each_other(place: str) -> None:
         assert page.troubles() == []
 
 
+def test_no_press_of_a_key_is_lost_while_older_values_come_back(place: str) -> None:
+    robot = Robot()
+    with shown(robot, place, "/ps/robots/r1") as (served, page):
+        page.wait_for(widget("speed", "input") + "?.value === '0.25'")
+        page.evaluate(f"{widget('speed', 'input')}.focus()")
+        for _ in range(15):
+            page.key("ArrowRight")
+        page.wait_for(widget("speed") + ".isSettling === false")
+        served.owned(lambda: None)
+        assert robot.speed == 1.0
+        assert page.evaluate(widget("speed", "output") + ".textContent") == "1"
+
+
 def test_an_action_takes_arguments_shows_how_far_it_is_and_stops(place: str) -> None:
     robot = Robot()
     with shown(robot, place, "/#robots/r1") as (_, page):

@@ -69,8 +69,10 @@ export class Widget extends HTMLElement {
     this.dataset.state = state;
     this.state.textContent = WORDS[state] ?? "";
     if (told.code) this.lock(true);
-    if (!this.isHeld) this.display(this.value, text);
+    if (!this.isHeld && !this.isLate(text)) this.display(this.value, text);
   }
+
+  isLate() { return false; }
 
   display(value, text) {
     this.out.textContent = shown(value, text);
@@ -93,6 +95,9 @@ export class Widget extends HTMLElement {
   // Sends the newest wish; those that come while one is on its way take the place of each other.
   async send(text, below = "") {
     this.wish = [below, text];
+    this.wished = text;
+    this.isSettling = true;
+    clearTimeout(this.settled);
     if (this.isSending) return;
     this.isSending = true;
     while (this.wish) {
@@ -107,7 +112,10 @@ export class Widget extends HTMLElement {
     }
     this.isSending = false;
     // Where the service made something else of it, or refused, no event may come.
-    setTimeout(() => { if (!this.isHeld && !this.isSending && this.text !== undefined) this.display(this.value, this.text); }, 300);
+    this.settled = setTimeout(() => {
+      this.isSettling = false;
+      if (!this.isHeld && this.text !== undefined) this.display(this.value, this.text);
+    }, 300);
   }
 
   input(attributes) {
@@ -160,6 +168,9 @@ class Slider extends Widget {
       this.field.addEventListener(end, () => { this.isHeld = false; });
     body.append(...(this.is.kind === "knob" ? [dial] : []), this.field, this.out);
   }
+
+  // Values of wishes before the newest one come back: they must not take it away from the next key.
+  isLate(text) { return this.isSettling && text !== this.wished; }
 
   tell(text) {
     this.out.textContent = shown(Number(text), text);
