@@ -45,7 +45,7 @@ def inverse(rows: Sequence[Sequence[float]]) -> Rows:
             raise PropertyError("bad-value", "a covariance is symmetric and above 0")
         work[i] = [each / pivot for each in work[i]]
         for j in range(size):
-            if j != i:
+            if j != i and work[j][i]:
                 work[j] = [a - work[j][i] * b for a, b in zip(work[j], work[i], strict=True)]
     return tuple(
         tuple((work[i][size + j] + work[j][size + i]) / 2 for j in range(size)) for i in range(size)
