@@ -62,7 +62,11 @@ class ServedPanel(Closing):
             self._wishes(panel.name, value)
 
         write = None if panel.is_read_only else changed
-        self._service.add(panel.name, value, panel.spec, write=write)
+        try:
+            self._service.add(panel.name, value, panel.spec, write=write)
+        except PropertyError:  # bytes that are a text, a number outside of its range
+            access = PropertySpec(access=panel.spec.access)
+            self._service.add(panel.name, value, access, write=write)
 
     def focus(self, name: str) -> None:
         """Take where the user is."""

@@ -174,6 +174,21 @@ def test_the_panel_is_a_service(place: str) -> None:
         run(work, "panel")
 
 
+def test_values_that_do_not_fit_what_is_declared_are_shown_all_the_same(place: str) -> None:
+    robot = Robot()
+    robot.speed = 7.0  # beyond its range
+    robot.photo = b"ab"  # type: ignore[attr-defined]  # bytes that are a text, too
+
+    async def work(app: PanelApp) -> None:
+        with rtkit.Client() as client:
+            await until(lambda: "photo" in app._rows and "7" in row(app, "speed"))
+            await until(lambda: "speed" in client.get("panel.properties"))
+            assert client.get("panel.speed") == 7.0
+
+    with rtkit.serve(robot, "robots/r1", is_on_zenoh=False):
+        run(work, "panel")
+
+
 def test_what_goes_looks_so_and_names_come_and_go(place: str) -> None:
     async def work(app: PanelApp) -> None:
         def state() -> str:
