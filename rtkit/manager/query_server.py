@@ -223,7 +223,7 @@ def _lines(search: Search) -> Iterator[str]:
     for name in itertools.islice(search.modules(), MOST):
         try:
             source = search.read(name)
-            offers = describe(source.text, source.file, source.init)
+            offers = describe(source.text, source.file, source.init, source.package)
         except (Refused, NotFound, Malformed) as error:
             yield record(name, {"problem": str(error)})
             continue

@@ -82,7 +82,7 @@ class _Finder:
         if name and name.encode() not in source.text and _STAR not in source.text:
             raise NotFound(f"no init function {name} in module {path}")
         try:
-            found = describe(source.text, source.file, name)
+            found = describe(source.text, source.file, name, source.package)
         except Malformed as error:
             if str(error).startswith("SyntaxError"):
                 raise Malformed(f"module does not import: {error}") from error

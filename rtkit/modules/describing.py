@@ -7,6 +7,7 @@ file. What a module decides only while it runs is reported as the reason for no 
 from __future__ import annotations
 
 import ast
+import dataclasses
 import os.path
 import warnings
 from collections.abc import Iterator, Mapping
@@ -16,6 +17,7 @@ from rtkit.errors import Malformed
 from rtkit.rtc.profiles import TypeProfile
 
 _REGISTER = "register_factory"
+_SERVED = "init_of"  # Init = init_of(Class): a class that is served as live properties
 _LARGEST = 1 << 20
 
 
@@ -26,10 +28,13 @@ class OfferedType(NamedTuple):
     parameters: Mapping[str, str]
 
 
-def describe(source: bytes, file: str, init: str = "") -> list[OfferedType] | None:
+def describe(
+    source: bytes, file: str, init: str = "", package: str = ""
+) -> list[OfferedType] | None:
     """Return what a file offers; None where it is plainly no module of components.
 
-    Without `init` its init function is ``<name>Init``.
+    Without `init` its init function is ``<name>Init``. The package, of an installed module, is
+    the vendor of a served class.
 
     Raises:
         Malformed: It means to be one, but cannot be described; names the reason and the line.
@@ -45,7 +50,10 @@ def describe(source: bytes, file: str, init: str = "") -> list[OfferedType] | No
     functions = (each for each in tree.body if isinstance(each, ast.FunctionDef))
     function = next((each for each in functions if each.name == init), None)
     if function is None:
-        raise Malformed(f"no init function {init} ({file}:1)")
+        served = _served(tree, init)
+        if served is None:
+            raise Malformed(f"no init function {init} ({file}:1)")
+        return [_offer_service(served, classes, names, package.partition(".")[0], file)]
     registered = list(_registered(function, file))
     missing = next((each for each in registered if each.id not in classes), None)
     if missing is not None:
@@ -78,6 +86,43 @@ def _registered(function: ast.FunctionDef, file: str) -> Iterator[ast.Name]:
         yield node.args[0]
     if not is_any:
         raise Malformed(f"{function.name} registers nothing ({file}:{function.lineno})")
+
+
+def _served(tree: ast.Module, init: str) -> ast.Call | None:
+    """Return the call of init_of that is the init function."""
+    for node in tree.body:
+        if not isinstance(node, ast.Assign) or not isinstance(node.value, ast.Call):
+            continue
+        called = node.value.func
+        name = called.attr if isinstance(called, ast.Attribute) else getattr(called, "id", "")
+        is_meant = any(isinstance(each, ast.Name) and each.id == init for each in node.targets)
+        if is_meant and name == _SERVED:
+            return node.value
+    return None
+
+
+def _offer_service(
+    call: ast.Call,
+    classes: Mapping[str, ast.ClassDef],
+    names: Mapping[str, object],
+    vendor: str,
+    file: str,
+) -> OfferedType:
+    if not call.args or not isinstance(call.args[0], ast.Name):
+        raise Malformed(f"serves what is known only when it runs ({file}:{call.lineno})")
+    name = call.args[0].id
+    given = {
+        each.arg: each.value.value for each in call.keywords if isinstance(each.value, ast.Constant)
+    }
+    known = _offer(classes[name], classes, names).type if name in classes else TypeProfile(name)
+    profile = dataclasses.replace(
+        known,
+        type_name=name,
+        vendor=vendor,
+        category=str(given.get("category", "service")),
+        version=str(given.get("version") or known.version or "1.0"),
+    )
+    return OfferedType(profile, {})
 
 
 def _offer(

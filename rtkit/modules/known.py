@@ -46,7 +46,7 @@ def _is_offered(search: Search | None, name: str) -> bool:
         return False
     try:
         source = search.read(f"{name}{SUFFIX}")
-        offers = describe(source.text, source.file, source.init)
+        offers = describe(source.text, source.file, source.init, source.package)
     except (Refused, NotFound, Malformed):
         return False
     return any(offer.type.type_name == name for offer in offers or ())

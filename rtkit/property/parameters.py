@@ -48,7 +48,9 @@ def checked_parameters(
             raise PropertyError("bad-parameter", f"{key}: {error}") from None
         assert not isinstance(checked, bytes)
         if parameter.choices and checked not in parameter.choices:
-            raise PropertyError("bad-parameter", f"{key}: {write(checked)} is no choice")
+            there = " ".join(write(each) for each in parameter.choices)
+            message = f"{key}: {write(checked)} is no choice (there is {there})"
+            raise PropertyError("bad-parameter", message)
         values[key] = checked
     return values
 

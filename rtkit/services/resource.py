@@ -24,7 +24,7 @@ from rtkit.services.frames import is_number
 from rtkit.services.paths import RESERVED
 
 _OWN = frozenset(["search", "start", "started", "frames", "unanswered", "name", "type", "status"])
-_CONDITION = re.compile(r"\s*([^\s<>=!~]+)\s*(<=|>=|!=|==|<|>|=|~)\s*(.*?)\s*")
+_CONDITION = re.compile(r"\s*([^\s<>=!~]+)\s*(<=|>=|!=|==|<|>|=|~)\s*([^\s<>=!~].*?)\s*")
 _COMPARE: dict[str, Callable[[Any, Any], bool]] = {
     "<": operator.lt, "<=": operator.le, ">": operator.gt, ">=": operator.ge,
     "=": operator.eq, "==": operator.eq, "!=": operator.ne,

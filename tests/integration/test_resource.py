@@ -114,7 +114,8 @@ def test_services_are_found_by_type_place_and_live_condition(client: rtkit.Clien
         both = "level >= 0.4 and location.x < 2"
         assert client.get("resource.search", where=both) == ("lights/l1",)
         assert client.get("resource.search", where="name ~ */l3") == ("lights/l3",)
-        assert code(lambda: client.get("resource.search", where="level")) == "bad-parameter"
+        for wrong in ("level", "level >", "level >> 2"):
+            assert code(lambda w=wrong: client.get("resource.search", where=w)) == "bad-parameter"
         assert code(lambda: client.get("resource.search", near=(1.0,))) == "bad-parameter"
         assert code(lambda: client.get("resource.search", color="red")) == "bad-parameter"
     lights.close()

@@ -132,6 +132,7 @@ def test_the_lines_of_a_scan(tmp_path):
     before = set(sys.modules)
     lines = loadable([str(one), str(two), str(tmp_path / "absent")]).splitlines()
     assert set(sys.modules) == before
+    lines = [line for line in lines if "RTC:rtkit:service:" not in line]  # those of rtkit itself
     assert [line.partition("?")[0] for line in lines] == [
         "RTC:me:Robot:Arm:Python:1.2",
         "Open.py",
@@ -160,3 +161,26 @@ def ArmInit(manager):
     offers = describe(source, "Arm.py")
     assert offers is not None
     assert offers[0].type.full_id == "RTC:acme:test:Arm:Python:1.0"
+
+
+SERVICE = '''
+from elsewhere import Away
+from rtkit import init_of
+
+class Lamp:
+    """Shine."""
+    version = "2.0"
+
+LampInit = init_of(Lamp, category="home")
+AwayInit = rtkit.init_of(Away)
+OddInit = init_of(make())
+'''
+
+
+def test_a_served_class_is_offered_as_a_service():
+    (lamp,) = describe(SERVICE.encode(), "/x/Lamp.py")
+    (away,) = describe(SERVICE.encode(), "/x/y.py", "AwayInit", "house.lights")
+    assert (lamp.type.id, lamp.type.description) == ("RTC::home:Lamp:2.0", "Shine.")
+    assert away.type.id == "RTC:house:service:Away:1.0"
+    with pytest.raises(Malformed, match=r"known only when it runs \(/x/y.py:11\)"):
+        describe(SERVICE.encode(), "/x/y.py", "OddInit")
