@@ -21,10 +21,12 @@ from rtkit.panel.description import Panel
 from rtkit.panel.live import LiveService
 from rtkit.panel.served import ServedPanel
 from rtkit.property.conversion import to_value
-from rtkit.property.values import is_vector
+from rtkit.property.values import is_number, is_vector
 from rtkit.property.writing import write
 
 _NAME_COLUMNS = 18
+_SETTLED_S = 0.3
+"""How long values of earlier wishes may still come back."""
 _HELD_S = 0.7
 """How long a joystick stays where an arrow key has moved it: terminals tell of no release."""
 _STYLES = {"accent": "bold cyan", "alarm": "bold red", "warn": "bold yellow", "dim": "dim", "": ""}
@@ -51,7 +53,8 @@ class PanelRow(Widget, can_focus=True):
         self.can_focus = not panel.is_read_only
         self._panel_app = app
         self._timer: Timer | None = None
-        self._held_until = 0.0
+        self._held_until = self._wished_until = 0.0
+        self._wished: Any = None
 
     def render(self) -> Text:
         """Draw it."""
@@ -83,6 +86,8 @@ class PanelRow(Widget, can_focus=True):
     def on_key(self, event: events.Key) -> None:
         """Change the value, or a part of it, or have it typed."""
         key, value, panel = event.key, self.shown.value, self.panel
+        if monotonic() < self._wished_until and is_number(self._wished):
+            value = self._wished  # that of an earlier wish may just have come back
         wanted = state.wish(panel, value, key, self.part)
         if wanted is not None:
             self.wish(wanted)
@@ -124,6 +129,7 @@ class PanelRow(Widget, can_focus=True):
 
     def wish(self, value: Any) -> None:
         """Show what is wished, and have it set."""
+        self._wished, self._wished_until = value, monotonic() + _SETTLED_S
         self.shown.take(value, self.shown.quality)
         self.refresh(layout=True)
         self._panel_app.ask(self.panel.name, value, partial(self._live.set, self.panel.name, value))
@@ -232,6 +238,10 @@ class Form(ModalScreen[dict[str, str] | None]):
         self.dismiss({name: each.value for name, each in zip(names, inputs, strict=True)})
 
 
+class _Box(VerticalScroll, can_focus=False, inherit_bindings=False):
+    """All widgets; scrolls to where the user is: arrow keys are the app's."""
+
+
 class PanelApp(App[None]):
     """Panel of a service.
 
@@ -259,7 +269,7 @@ class PanelApp(App[None]):
         self._rows: dict[str, PanelRow] = {}
         self._is_asking = False
         self._state = Static(id="state", markup=False)
-        self._box = VerticalScroll(id="panel", can_focus=False)
+        self._box = _Box(id="panel")
         wishes = lambda name, value: live.wish(name, partial(live.set, name, value))  # noqa: E731
         self._served = ServedPanel(name, live.panel, wishes) if name else None
 

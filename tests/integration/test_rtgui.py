@@ -189,6 +189,25 @@ def test_values_that_do_not_fit_what_is_declared_are_shown_all_the_same(place: s
         run(work, "panel")
 
 
+def test_arrows_go_through_a_panel_longer_than_the_screen_and_no_key_is_lost(place: str) -> None:
+    robot = Robot()
+    robot.speed = -1.0
+    vars(robot).update({f"n{each}": each for each in range(60)})
+
+    async def work(app: PanelApp) -> None:
+        await until(lambda: "-1" in row(app, "speed"))
+        app._rows["speed"].focus()
+        press(app, *["right"] * 8)
+        await until(lambda: robot.speed == 1.0)
+        press(app, "down")
+        await until(lambda: app._rows["is_on"].has_focus)
+        press(app, "up")
+        await until(lambda: app._rows["speed"].has_focus)
+
+    with rtkit.serve(robot, "robots/r1", is_on_zenoh=False):
+        run(work)
+
+
 def test_what_goes_looks_so_and_names_come_and_go(place: str) -> None:
     async def work(app: PanelApp) -> None:
         def state() -> str:
