@@ -159,6 +159,8 @@ class Gps(DeviceSensor):
             quality = int(fields.gps_qual or 0)
             is_fixed = quality > 0 and bool(fields.lat and fields.lon)
             position = (fields.latitude, fields.longitude, float(fields.altitude or 0))
+            if not (abs(position[0]) <= 90 and abs(position[1]) <= 180):
+                raise ValueError("no place on the earth")
             self._fixed(*((position, _FIXES[min(quality, 8)]) if is_fixed else ((), "none")))
             self._publish("satellites", int(fields.num_sats or 0))
             self._publish("hdop", float(fields.horizontal_dil or 0))
