@@ -112,4 +112,4 @@ def _standard() -> dict[str, str]:
             if _NAME.fullmatch(each.name)}  # fmt: skip
 
 
-GuiInit = init_of(GuiService)
+GuiServiceInit = init_of(GuiService)

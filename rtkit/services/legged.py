@@ -216,3 +216,6 @@ class LeggedRobot(MobileRobot):
     """Mobile robot with six legs: it goes into any direction, and turns."""
 
     chassis_type = Legs
+
+
+LeggedRobotInit = rtkit.init_of(LeggedRobot)

@@ -129,3 +129,6 @@ class DifferentialRobot(MobileRobot):
     """Mobile robot with two driven wheels: it goes ahead, back, and turns."""
 
     chassis_type = Wheels
+
+
+DifferentialRobotInit = rtkit.init_of(DifferentialRobot)

@@ -300,3 +300,6 @@ class RemoteWorld:
         if not name.startswith("get_"):
             raise AttributeError(name)
         return lambda **parameters: self._client.get(f"{self._name}.{name[4:]}", **parameters)
+
+
+HomeWorldInit = rtkit.init_of(HomeWorld)

@@ -59,6 +59,7 @@ class ClientSide(NamedTuple):
         connect: Connects to the address of an endpoint, waiting so long for each answer [s].
         check: Raises `Malformed` if something is no address of an endpoint.
         has_services: Whether the endpoint serves several services, each of which has a name.
+        folder: Between the address of an endpoint and the name of a service.
     """
 
     prefix: str
@@ -66,6 +67,7 @@ class ClientSide(NamedTuple):
     connect: Callable[[str, float], PropertyClient]
     check: Callable[[str], object] = str
     has_services: bool = True
+    folder: str = ""
 
 
 class Wire(NamedTuple):

@@ -38,7 +38,7 @@ def until(condition: Callable[[], object]) -> None:
 
 def test_it_is_a_component_under_the_name_of_its_class() -> None:
     found = {each.value: each.name for each in entry_points(group="rtkit.components")}
-    assert found["rtkit.services.gui:GuiInit"] == GuiService.__name__
+    assert found["rtkit.services.gui:GuiServiceInit"] == GuiService.__name__
 
 
 def test_components_are_kept_by_type_and_in_a_storage(place: str, tmp_path: Path) -> None:

@@ -62,5 +62,4 @@ def _address(at: str | None, app: App, target: str) -> str:
     except Malformed as error:
         raise click.BadParameter(str(error), param_hint="--at") from None
     root = place if place.startswith(side.prefix) else side.prefix + place
-    root += "/ps" if side.prefix == "http://" else ""
-    return "/".join(each for each in (root, service, target) if each)
+    return "/".join(each for each in (root + side.folder, service, target) if each)

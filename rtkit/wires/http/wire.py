@@ -37,6 +37,6 @@ HTTP = Wire(
     "http:PORT",
     _provider,
     loaded("http.endpoint:open_http"),
-    ClientSide("http://", split_behind("http://", "/ps/"), _connect),
+    ClientSide("http://", split_behind("http://", "/ps/"), _connect, folder="/ps"),
     extra="http",
 )
