@@ -7,6 +7,7 @@ import threading
 import time
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack
+from importlib.metadata import entry_points
 from typing import Any
 
 import pytest
@@ -199,11 +200,10 @@ def test_a_hundred_robots_of_one_process_share_a_thread_and_a_request(
 
 
 @pytest.mark.parametrize("kind", ["DifferentialRobot", "LeggedRobot", "HomeWorld"])
-def test_robots_and_their_home_are_components_of_one_module(kind: str) -> None:
-    from rtkit.services import robots
-
+def test_robots_and_their_home_are_components(kind: str) -> None:
+    entry = next(each for each in entry_points(group="rtkit.components") if each.name == kind)
     made: list[Any] = []
     manager = type("Manager", (), {"register_factory": lambda self, each: made.append(each)})()
-    getattr(robots, f"{kind}Init")(manager)
+    entry.load()(manager)
     assert (made[0].__name__, made[0].vendor, made[0].category) == (kind, "rtkit", "service")
     assert {"world", "body", "start"} <= made[0].arguments.keys() or kind == "HomeWorld"

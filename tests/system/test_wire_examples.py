@@ -171,7 +171,7 @@ def check_http(stream: Any, head: str, headers: list[str], body: list[str]) -> N
     if length and body:
         assert_like(stream.read(int(length)).decode(), "\n".join(body))
         return
-    for each in body:
+    for each in filter(None, body):
         while not (line := _line(stream)) or re.fullmatch("[0-9a-f]+", line):
             pass  # the size of a piece, or what ends one
         assert_like(line, each)
