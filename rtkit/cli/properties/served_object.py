@@ -37,7 +37,7 @@ def made(thing: str, arguments: Sequence[str]) -> object:
             raise NotFound(f"nothing of that name in {module_name}: {path}{hint}") from None
     if not callable(found) or (not isinstance(found, type) and not _is_function(found)):
         return found
-    given, named = _given(arguments)
+    given, named = _given(thing, found, arguments)
     try:
         return found(*given, **named)
     except RtkitError:
@@ -82,23 +82,53 @@ def _from_file(path: str) -> ModuleType:
     return module
 
 
-def _given(arguments: Sequence[str]) -> tuple[list[object], dict[str, object]]:
-    """Return arguments by place and by name, as objects of Python."""
-    from rtkit.property.codes import PropertyError
-    from rtkit.property.fitting import from_value
-    from rtkit.property.reading import read
-
+def _given(
+    thing: str, called: Any, arguments: Sequence[str]
+) -> tuple[list[object], dict[str, object]]:
+    """Return arguments by place and by name, as objects of Python that fit their annotations."""
+    names, hints, is_open = _declared(called)
     given: list[object] = []
     named: dict[str, object] = {}
     for each in arguments:
         key, mark, text = each.partition("=")
-        is_named = bool(mark) and _KEY.fullmatch(key) is not None
-        try:
-            value = from_value(read(text if is_named else each), None, None)
-        except PropertyError as error:
-            raise Malformed(f"cannot be read: {each}: {error}") from None
-        if is_named:
-            named[key] = value
+        if not mark or _KEY.fullmatch(key) is None:
+            name = names[len(given)] if len(given) < len(names) else ""
+            given.append(_fitted(each, each, hints.get(name)))
+        elif key in names or is_open:
+            named[key] = _fitted(each, text, hints.get(key))
         else:
-            given.append(value)
+            raise Malformed(f"{thing} takes no argument {key}{did_you_mean(key, names)}")
     return given, named
+
+
+def _declared(called: Any) -> tuple[list[str], dict[str, Any], bool]:
+    """Return names and annotations of arguments, and whether there may be others."""
+    import inspect
+
+    from rtkit.property.annotations import hints_of_function
+
+    try:
+        parameters = inspect.signature(called).parameters.values()
+    except (ValueError, TypeError):
+        return [], {}, True
+    several = (inspect.Parameter.VAR_POSITIONAL, inspect.Parameter.VAR_KEYWORD)
+    names = [each.name for each in parameters if each.kind not in several]
+    function = getattr(called, "__init__", None) if isinstance(called, type) else called
+    hints = hints_of_function(function)
+    return names, hints, any(each.kind is each.VAR_KEYWORD for each in parameters)
+
+
+def _fitted(typed: str, text: str, hint: Any) -> object:
+    """Return the argument that a text stands for; where a text is wanted, what was typed is one."""
+    from rtkit.property.annotations import bare
+    from rtkit.property.codes import PropertyError
+    from rtkit.property.fitting import from_value
+    from rtkit.property.reading import read
+
+    plain = bare(hint)
+    try:
+        return from_value(read(text), hint, None)
+    except PropertyError as error:
+        if plain is str or str in getattr(plain, "__args__", ()):
+            return text
+        raise Malformed(f"cannot be read: {typed}: {error}") from None

@@ -33,7 +33,8 @@ def folder(tmp_path):
 
 
 @pytest.fixture
-def loader(folder):
+def loader(folder, monkeypatch):
+    monkeypatch.setattr(sys, "path", [each for each in sys.path if "-packages" not in each])
     return Loader([str(folder)])
 
 

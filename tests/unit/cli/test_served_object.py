@@ -1,0 +1,62 @@
+"""Arguments of a class that rtserve calls fit its annotations, or are refused."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from rtkit.cli.properties.served_object import made
+from rtkit.errors import Malformed
+
+LAMP = """
+class Lamp:
+    def __init__(self, level: float = 1.0, *, name: str = "", steps: int = 3, colour=None):
+        self.given = (level, name, steps, colour)
+
+class Open:
+    def __init__(self, *names, **more):
+        self.given = (names, more)
+"""
+
+
+@pytest.fixture
+def lamps(tmp_path: Path) -> str:
+    file = tmp_path / "lamps.py"
+    file.write_text(LAMP)
+    return str(file)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "given"),
+    [
+        (["2"], (2.0, "", 3, None)),
+        (["level=2", "name=5", "colour=(1 2)"], (2.0, "5", 3, [1, 2])),
+        (["name=north (upper", "steps=4"], (1.0, "north (upper", 4, None)),
+    ],
+)
+def test_arguments_are_what_annotations_say(
+    lamps: str, arguments: list[str], given: tuple[object, ...]
+) -> None:
+    lamp = made(f"{lamps}:Lamp", arguments)
+    assert vars(lamp)["given"] == given
+    assert isinstance(vars(lamp)["given"][0], float)
+
+
+@pytest.mark.parametrize(
+    ("argument", "why"),
+    [
+        ("level=lots", "cannot be read: level=lots: expected float, found word lots"),
+        ("steps=1.5", "cannot be read: steps=1.5: expected int, found number 1.5"),
+        ("lots", "cannot be read: lots: expected float, found word lots"),
+        ("stepz=1", "takes no argument stepz (did you mean steps?)"),
+    ],
+)
+def test_an_argument_that_does_not_fit_is_refused(lamps: str, argument: str, why: str) -> None:
+    with pytest.raises(Malformed) as refused:
+        made(f"{lamps}:Lamp", [argument])
+    assert why in str(refused.value)
+
+
+def test_a_class_that_takes_anything_gets_it(lamps: str) -> None:
+    assert vars(made(f"{lamps}:Open", ["1", "a=b"]))["given"] == ((1,), {"a": "b"})
