@@ -84,14 +84,25 @@ class Browser:
         return found
 
     def place(self, selector: str) -> tuple[float, float, float, float]:
-        """Return where an element is, scrolled to: left, top, width, height."""
-        box = self.evaluate(f"""(() => {{
-            const found = document.querySelector({json.dumps(selector)});
-            found.scrollIntoView({{block: "center"}});
-            const box = found.getBoundingClientRect();
-            return JSON.stringify([box.left, box.top, box.width, box.height]);
-        }})()""")
-        left, top, width, height = json.loads(box)
+        """Return where an element rests, scrolled to: left, top, width, height.
+
+        What comes late above an element moves it: it rests when some frames find it in one place.
+        """
+        look = f"""(async () => {{
+            let place = "", frames = 0;
+            while (frames < 5) {{
+                await new Promise(requestAnimationFrame);
+                const found = document.querySelector({json.dumps(selector)});
+                found.scrollIntoView({{block: "center"}});
+                const box = found.getBoundingClientRect();
+                const now = JSON.stringify([box.left, box.top, box.width, box.height]);
+                frames = now === place ? frames + 1 : 0;
+                place = now;
+            }}
+            return place;
+        }})()"""
+        done = self._do("Runtime.evaluate", expression=look, awaitPromise=True)
+        left, top, width, height = json.loads(done["result"]["value"])
         return left, top, width, height
 
     def mouse(self, kind: str, x: float, y: float) -> None:

@@ -329,7 +329,7 @@ def test_what_is_asked_for_and_is_there_otherwise(manager: Any) -> None:
     [
         ("ConsolIn", "component type ConsolIn is not known (did you mean ConsoleIn?)"),
         ("consolein?manager_name=s", "consolein is not known (did you mean ConsoleIn?)"),
-        ("Nix", "is not known; there are: ConfigSample, ConsoleIn, ConsoleOut,"),
+        ("Nix", "is not known; there are: Camera, ConfigSample, ConsoleIn,"),
         ("ConsoleIn?language=Klingon", "language Klingon is not supported (supported: Python)"),
         ("ConsoleIn?manager=localhost:99999", "manager address is not host:port"),
         ("ConsoleIn?manager=", "option 'manager' has no value"),
