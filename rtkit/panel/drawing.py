@@ -30,6 +30,7 @@ SIGNS = {
 STYLES = {"alarm": "alarm", "bad": "alarm", "gone": "alarm"}
 _BARS = "▁▂▃▄▅▆▇█"
 _MOST_LINES = _MOST_PARTS = 12
+_LONGEST_TEXT = 4096
 _DIALS = "↙←↖↑↗→↘"
 
 
@@ -38,12 +39,14 @@ def lines(panel: Panel, shown: WidgetState, width: int, part: int = 0) -> list[L
     value = shown.value
     if value is None:
         return [[("…", "dim")]]
-    if isinstance(value, bytes):
+    is_bytes = isinstance(value, bytes) or panel.attributes.get("type") == "bytes"
+    if is_bytes and isinstance(value, bytes | str):
+        value = value if isinstance(value, bytes) else value.encode("utf-8", "surrogateescape")
         if panel.kind == "image":
             from rtkit.panel.blocks import blocks
 
             return blocks(value, max(8, min(56, width)))
-        return [[(f"{len(value)} bytes", "")]]
+        return _other(text) if (text := _decoded(value)) else [[(f"{len(value)} bytes", "")]]
     if panel.kind in ("slider", "knob") and is_number(value):
         return [_bar(panel, float(value), width)]
     if panel.kind == "toggle":
@@ -82,7 +85,17 @@ def text_of(value: Any) -> str:
     return write(to_value(value))  # type: ignore[arg-type]
 
 
+def _decoded(data: bytes) -> str:
+    """Return the text that bytes are, empty where they are none, or too long to be looked at."""
+    try:
+        text = data.decode() if len(data) <= _LONGEST_TEXT else ""
+    except UnicodeDecodeError:
+        return ""
+    return "" if any(_CONTROLS.get(ord(each)) == "�" for each in text) else text
+
+
 _CONTROLS = {code: "�" for code in (*range(32), *range(127, 160)) if code != 10}
+_CONTROLS |= {9: "    ", 13: ""}
 
 
 def _bar(panel: Panel, value: float, width: int) -> Line:

@@ -33,6 +33,7 @@ class LiveService(Closing):
         shown: What they show, by name.
         name: Of the service.
         is_outdated: Names have come or gone since the widgets were asked for.
+        is_partial: Something could not be listened to, or the owner of a mount is away.
 
     Raises:
         PropertyError: It cannot be reached, or there is no such part.
@@ -41,7 +42,7 @@ class LiveService(Closing):
     def __init__(self, target: str, timeout_s: float, components: str = "gui") -> None:
         self.target = target
         self.name = target
-        self.is_outdated = False
+        self.is_outdated = self.is_partial = False
         self.shown: dict[str, WidgetState] = {}
         self._components = components
         self._client = Client(timeout_s)
@@ -71,6 +72,7 @@ class LiveService(Closing):
         self.name = self.target[: len(self.target) - len(panel.name)].rstrip("./")
         self.panel = self._dressed(panel)
         wanted = {each.name: each for each in self.panel.all() if each.kind != "group"}
+        self.is_partial = any("away" in each.attributes for each in wanted.values())
         groups = [each.name for each in panel.all() if each.kind == "group"]
         for name in set(self._listened) - set(wanted):
             self._listened.pop(name).close()
@@ -94,7 +96,9 @@ class LiveService(Closing):
                 target, partial(self._came, name), every=0.05
             )
         except PropertyError as error:
-            self.shown[name].take(None, "gone" if error.code in _LATE else "bad")
+            is_late = error.code in _LATE
+            self.is_partial |= is_late
+            self.shown[name].take(None, "gone" if is_late else "bad")
             self.shown[name].problem = str(error).removeprefix(f"{target}: ")
 
     def _came(self, name: str, change: PropertyChange) -> None:

@@ -27,6 +27,8 @@ from rtkit.property.writing import write
 _NAME_COLUMNS = 18
 _SETTLED_S = 0.3
 """How long values of earlier wishes may still come back."""
+_LOOK_S = 3.0
+"""How often it is looked for what is away."""
 _HELD_S = 0.7
 """How long a joystick stays where an arrow key has moved it: terminals tell of no release."""
 _STYLES = {"accent": "bold cyan", "alarm": "bold red", "warn": "bold yellow", "dim": "dim", "": ""}
@@ -61,9 +63,9 @@ class PanelRow(Widget, can_focus=True):
         panel, shown = self.panel, self.shown
         name = panel.attributes.get("label", panel.name.rpartition(".")[2])
         found = shown.state(panel)
-        made = Text(f"{name[: _NAME_COLUMNS - 1]:{_NAME_COLUMNS}}")
+        made = Text()
         for index, line in enumerate(drawing.lines(panel, shown, self._width, self.part)):
-            made.append("\n" + " " * _NAME_COLUMNS if index else "")
+            made.append("\n" if index else "")
             for text, style in line:
                 faded = " dim" if found in ("gone", "stale") else ""
                 made.append(text, (_STYLES.get(style, style) + faded).strip())
@@ -75,9 +77,10 @@ class PanelRow(Widget, can_focus=True):
         if panel.kind == "button":
             made.append("  Enter starts, s stops" if self.has_focus else "", "dim")
         if shown.problem:
-            problem = f"\n{' ' * _NAME_COLUMNS}{drawing.text_of(shown.problem)}"
-            made.append(problem, _STYLES["alarm"])
-        return made
+            made.append(f"\n{drawing.text_of(shown.problem)}", _STYLES["alarm"])
+        head = f"{name[: _NAME_COLUMNS - 1]:{_NAME_COLUMNS}}"
+        rows = made.wrap(self.app.console, max(20, self.size.width - _NAME_COLUMNS))
+        return Text(head) + Text("\n" + " " * _NAME_COLUMNS).join(rows)
 
     @property
     def _width(self) -> int:
@@ -294,6 +297,7 @@ class PanelApp(App[None]):
         """Begin to follow the service."""
         self.title = self.live.name
         self.set_interval(0.05, self._follow)
+        self.set_interval(_LOOK_S, self._look)
         self._follow()
 
     def _follow(self) -> None:
@@ -313,6 +317,10 @@ class PanelApp(App[None]):
         words = f"  {words}{name}"
         self._state.update(Text.assemble((self.live.target, "bold"), words, style=style))
         if self.live.is_outdated and not self._is_asking:
+            self.action_again()
+
+    def _look(self) -> None:
+        if self.live.is_partial and not self._is_asking:
             self.action_again()
 
     def action_again(self) -> None:

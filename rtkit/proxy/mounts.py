@@ -27,6 +27,7 @@ from rtkit.property.user_code import UserCode
 from rtkit.property.values import Element, Value
 from rtkit.property.writing import write
 from rtkit.proxy.addresses import source_of
+from rtkit.proxy.narrowing import GUI, describes_widgets, joined
 from rtkit.proxy.prefix import Allowed, PrefixedNames
 from rtkit.proxy.relay import MOST_HOPS, ROUTE, Relay, route_answer, route_target
 from rtkit.serving.event_loop import PropertyEventLoop
@@ -34,7 +35,7 @@ from rtkit.wires.provider_connection import Answering, ProviderConnection
 from rtkit.wires.wire import WireSettings
 
 _LISTED = "properties"
-_OWN = frozenset({"meta", "gui", "parameters", "history"})
+_OWN = frozenset({"meta", "parameters", "history"})
 """Extensions of the mount point itself, which its owner has no name for."""
 _OF_TREE = frozenset({"rtc", "mgr"})
 """Endings of names in the tree, behind which no place begins."""
@@ -177,6 +178,8 @@ class Mounts:
             if target.name == ROUTE and ask.payload is None:
                 self._answer_route(target, ask.answer)
                 return True
+            if describes_widgets(target.name) and ask.payload is None:
+                return self._takes_widgets(target.name, ask)
             return self._takes_listing(target, ask)
         except PropertyError as error:
             ask.answer(Answer(str(error), error.code))
@@ -194,10 +197,35 @@ class Mounts:
     def _is_own(self, name: str, mounted: _Mounted) -> bool:
         """Return whether the object answers: for the mount point, or because it is gone."""
         rest = name[len(mounted.name) + 1 :]
-        is_itself = rest.partition(".")[0] in _OWN or (mounted.has_value and not rest)
+        first = rest.partition(".")[0]
+        is_itself = first in _OWN or (mounted.has_value and first in ("", GUI))
         return is_itself or not self._mounted[mounted.name][1]()
 
     # Several owners at once
+
+    def _takes_widgets(self, name: str, ask: PropertyRequest) -> bool:
+        """Ask for the widgets of the object and of all owners below, but where a value stands."""
+        place = name.removesuffix(GUI)
+        below = [each for at, (each, _) in self._mounted.items()
+                 if at.startswith(place) and not each.has_value]  # fmt: skip
+        gathered: dict[str, Answer] = {}
+
+        def take(owner: str, reply: Answer) -> None:
+            gathered[owner] = reply
+            if len(gathered) > len(below):
+                own = gathered.pop("")
+                texts = {
+                    at: None if each.error else str(each.payload) for at, each in gathered.items()
+                }
+                ask.answer(own if own.error else Answer(joined(str(own.payload), texts)))
+
+        until = min(wait_of(ask, monotonic()) or _LISTING_S, _LISTING_S)
+        for each in below:
+            answer = _bounded(self._host.user_code, until, partial(take, each.name))
+            each.handle(ask._replace(target=f"{each.name}.{GUI}", answer=answer))
+        if below:
+            self._service.handle_own(ask._replace(answer=partial(take, "")))
+        return bool(below)
 
     def _takes_listing(self, target: RequestTarget, ask: PropertyRequest) -> bool:
         name = target.name

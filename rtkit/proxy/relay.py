@@ -139,7 +139,7 @@ class Relay(PropertyProvider):
 
         def answer(reply: Answer) -> None:
             if isinstance(reply.payload, str) and not reply.error:
-                reply = Answer(narrowed(name, reply.payload, may_set))
+                reply = Answer(narrowed(name, reply.payload, may_set, self._names.outward))
             ask.answer(reply)
 
         return answer

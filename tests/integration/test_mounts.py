@@ -6,6 +6,7 @@ import os
 import signal
 import subprocess
 import sys
+from collections import ChainMap
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack
 from queue import SimpleQueue
@@ -191,6 +192,32 @@ def test_mounts_come_and_go_while_served_and_listeners_hear_of_it(
         until(lambda: client.get("g.robots.b.x") == 1.0)
         del group.robots["b"]
         assert code(lambda: client.get("g.robots.b.x")) == "unknown"
+
+
+def test_widgets_of_what_is_mounted_are_named_as_they_are_there(
+    place: str, client: rtkit.Client
+) -> None:
+    def widgets(target: str) -> dict[str, dict[str, str]]:
+        def of(gui: rtkit.Element) -> dict[str, dict[str, str]]:
+            below = (of(each) for each in gui.children if "argument" not in each.attributes)
+            return dict(ChainMap({gui.attributes["name"]: dict(gui.attributes)}, *below))
+
+        return of(client.get(target))
+
+    rules = "deny unix * SET robots.c.x"
+    with serve(Group(a="r1", b="r2.arm", c="r2"), "g", rules=rules), serve(Robot(2), "r2"):
+        until(lambda: "robots.c.x" in widgets("g.gui"))
+        found = widgets("g.gui")
+        assert found["robots.a"]["away"] == "true"
+        assert found["robots.b.angle"]["kind"] == "number"
+        assert found["robots.c"]["kind"] == "group"
+        assert found["robots.c.x"]["access"] == "r"
+        assert widgets("g.robots.c.gui").keys() <= found.keys()
+        assert widgets("g.robots.c.arm.angle.gui").keys() == {"robots.c.arm.angle"}
+        assert code(lambda: client.get("g.robots.a.gui")) == "no-service"
+        with serve(Robot(1), "r1"):
+            until(lambda: "robots.a.x" in widgets("g.gui"))
+            assert "away" not in widgets("g.gui")["robots.a"]
 
 
 def test_no_mount_leads_back_to_where_it_is(place: str, client: rtkit.Client) -> None:

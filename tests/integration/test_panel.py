@@ -282,21 +282,80 @@ def test_a_joystick_goes_back_when_it_is_let_go(place: str) -> None:
         assert page.troubles() == []
 
 
-def test_a_picture_is_fetched_when_it_changes_and_places_are_drawn(place: str) -> None:
+COLOR = """(() => {
+    const canvas = document.createElement("canvas");
+    const found = document.querySelector("rt-image img");
+    if (!found?.naturalWidth) return "";
+    const context = canvas.getContext("2d");
+    context.drawImage(found, 0, 0);
+    return context.getImageData(3, 3, 1, 1).data.slice(0, 3).join(" ");
+})()"""
+
+
+def test_a_picture_is_a_stream_while_it_is_seen_and_places_are_drawn(place: str) -> None:
     rover = Rover()
-    colour = """(() => {
-        const canvas = document.createElement("canvas");
-        const found = document.querySelector("rt-image img");
-        if (!found.naturalWidth) return "";
-        const context = canvas.getContext("2d");
-        context.drawImage(found, 0, 0);
-        return context.getImageData(3, 3, 1, 1).data.slice(0, 3).join(" ");
-    })()"""
+    streamed = "document.querySelector('rt-image img').src.includes('?stream')"
     with shown(rover, place, "/ps/robots/r1") as (_, page):
-        page.wait_for(f"{colour} === '255 0 0'")
-        rover.image = picture((0, 255, 0))
-        page.wait_for(f"{colour} === '0 255 0'")
+        page.wait_for("document.querySelector('rt-map text') !== null")
+        page.place("rt-image")
+        page.wait_for(f"{COLOR} === '255 0 0'")
+        assert page.evaluate(streamed)
+        for colour, seen in (((0, 255, 0), "0 255 0"), ((255, 0, 0), "0 0 255")):
+            rover.image = picture(colour)
+            page.wait_for(f"{COLOR} === '{seen}'")
+        page.wait_for("document.querySelector('rt-image img').alt === 'image, 30 by 20'")
+        # What is no picture is said, and the next one is a stream again.
         rover.image = b"no picture"
         page.wait_for(widget("image", ".problem") + ".textContent === 'no picture: 10 bytes'")
-        page.wait_for(widget("seen", "text") + f"?.textContent === {json.dumps(HOSTILE)}")
+        rover.image = picture((0, 0, 255))
+        page.wait_for(f"{COLOR} === '255 0 0' && {streamed}")
+        page.wait_for(widget("image", ".problem") + ".textContent === ''")
+        # Nobody looks at it: no connection is held for it.
+        page.evaluate("document.querySelector('main').style.paddingBottom = '500vh'")
+        page.evaluate("window.scrollTo(0, document.body.scrollHeight)")
+        page.wait_for(f"!{streamed}")
+        page.place("rt-image")
+        page.wait_for(f"{COLOR} === '255 0 0' && {streamed}")
+        # A label that is longer than the map ends in dots, and stays a text.
+        assert page.evaluate(widget("seen", "text > title") + ".textContent") == HOSTILE
+        label = widget("seen", "text") + ".firstChild.textContent"
+        assert page.evaluate(label).endswith("…")
+        assert HOSTILE.startswith(page.evaluate(label)[:-1])
+        assert page.evaluate(widget("seen", "li") + ".textContent") == f"{HOSTILE}: 1 2 0"
+        assert page.troubles() == []
+
+
+def test_many_pictures_leave_connections_for_what_is_asked_and_set(place: str) -> None:
+    colours = [picture((0, 0, each)) for each in range(0, 240, 30)]
+    many = {f"c{at}": {"image": each} for at, each in enumerate(colours)}
+    with shown({"lamp": True, **many}, place, "/ps/robots/r1") as (_, page):
+        page.wait_for("document.querySelectorAll('rt-image').length === 8")
+        page.evaluate("document.querySelector('rt-group').style.zoom = 0.2")
+        page.wait_for("[...document.images].every((each) => each.naturalWidth === 30)")
+        sources = "[...document.images].filter((each) => each.src.includes('?stream')).length"
+        assert page.evaluate(sources) == 3
+        many["c7"]["image"] = picture((0, 255, 0))
+        page.wait_for("!document.images[7].src.includes('?stream')")
+        page.evaluate(widget("lamp", "input") + ".click()")
+        page.wait_for(widget("lamp", "output") + ".textContent === 'off'")
+        assert page.troubles() == []
+
+
+def test_a_mounted_place_has_its_widgets_also_when_its_owner_comes_later(place: str) -> None:
+    robot = Robot()
+    group = {"lamp": True, "far": rtkit.Mount("far")}
+    with shown(group, place, "/ps/robots/r1") as (_, page):
+        page.wait_for(widget("far") + "?.textContent.includes('no-service')")
+        for title in ("first", "second"):
+            robot = Robot()
+            robot.title = title
+            with rtkit.serve(robot, "far", is_on_zenoh=False) as far:
+                page.wait_for(widget("far.title", "input") + f"?.value === '{title}'")
+                page.wait_for(widget("far.arm.angle", "input") + ".disabled === false")
+                page.evaluate(widget("far.arm.angle", "input") + ".focus()")
+                page.key("ArrowRight")
+                page.wait_for(widget("far.arm.angle") + ".isSending === false")
+                far.owned(lambda: None)
+                assert robot.arm.angle > 0
+            page.wait_for(widget("far.title") + ".dataset.state !== ''")
         assert page.troubles() == []

@@ -228,3 +228,38 @@ def test_what_goes_looks_so_and_names_come_and_go(place: str) -> None:
 
     first = rtkit.serve(Robot(), "robots/r1", is_on_zenoh=False)
     run(work)
+
+
+def test_a_mounted_place_has_its_widgets_also_when_its_owner_comes_later(place: str) -> None:
+    async def work(app: PanelApp) -> None:
+        await until(lambda: "⊘ gone" in row(app, "far"))
+        for angle in (0.25, 0.75):
+            robot = Robot()
+            robot.arm.angle = angle
+            with rtkit.serve(robot, "far", is_on_zenoh=False):
+                await until(lambda: "far.arm.angle" in app._rows)
+                await until(
+                    lambda angle=angle: f" {angle} rad\n" in row(app, "far.arm.angle") + "\n"
+                )
+                app._rows["far.arm.angle"].focus()
+                press(app, "end")
+                await until(lambda robot=robot: robot.arm.angle == 1.5)
+            await until(lambda: "⊘ gone" in row(app, "far.arm.angle"))
+
+    with rtkit.serve({"lamp": True, "far": rtkit.Mount("far")}, "robots/r1", is_on_zenoh=False):
+        run(work)
+
+
+def test_long_lines_go_on_under_their_column(place: str) -> None:
+    robot = Robot()
+    robot.title = "many words " * 20
+
+    async def work(app: PanelApp) -> None:
+        await until(lambda: "many" in row(app, "title"))
+        rows = row(app, "title").splitlines()
+        assert len(rows) > 2
+        assert all(each.startswith(" " * 18 + "many") for each in rows[1:])
+        assert all(len(each) <= app._rows["title"].size.width for each in rows)
+
+    with rtkit.serve(robot, "robots/r1", is_on_zenoh=False):
+        run(work)

@@ -38,7 +38,12 @@ DRAWN = [
     (panel("choice", choices='(idle "two words")'), "idle", ["◉ idle  ○ two words"]),
     (panel("label"), "a\x1b[31m\x07b", ["a�[31m�b"]),
     (panel("label"), 0.1 + 0.2, ["0.3"]),
-    (panel("label"), b"123", ["3 bytes"]),
+    (panel("label"), b"12\xc3\xa4\n\tb", ["12ä", "    b"]),
+    (panel("label"), b"\xff\x00", ["2 bytes"]),
+    (panel("label"), b"a\x1bb", ["3 bytes"]),
+    (panel("label"), b"a" * 5000, ["5000 bytes"]),
+    (panel("label", type="bytes"), "\x00\x01", ["2 bytes"]),  # as a line wire brings them
+    (panel("label", type="bytes"), "\ufffd", ["�"]),
     (panel("label"), None, ["…"]),
     (panel("vector", labels="(x y)"), (1.5, -2.0), ["x 1.5  y -2"]),
     (panel("joystick", labels="(x y)", min="-1", max="1"), (1.0, 0.0),

@@ -63,7 +63,9 @@ def read_only(row: re.Match[str]) -> str:
         ("arm.properties", {"meta": None}, True),
         ("properties", {"all": None}, False),
         ("speed", {}, False),
-        ("speed.gui", {}, False),
+        ("speed.gui", {}, True),
+        ("gui", {}, True),
+        ("speed.gui.html", {}, False),
     ],
 )
 def test_answers_that_tell_no_access_are_not_looked_at(

@@ -8,7 +8,9 @@ const element = (id) => document.getElementById(id);
 const at = (path) => `${location.origin}/ps${path}`;
 const panel = element("panel");
 const LATER_MS = 1000, LOOK_MS = 3000;
-let stream = null, shown = null, again = 0, asked = 0, looked = 0;
+// What is looked at now and then, for no event tells of it: components that are used, mounts that are away.
+const watched = new Map();
+let stream = null, shown = null, again = 0, asked = 0;
 
 async function fetched(path, options, isRaw) {
   const reply = await fetch(at(path), options);
@@ -24,6 +26,7 @@ class Source {
 
   get(target, isRaw) { return fetched(`/${this.service}/${target}`, {}, isRaw); }
   set(target, text) { return fetched(`/${this.service}/${target}`, {method: "PUT", body: text}); }
+  address(target) { return at(`/${this.service}/${target}`); }
 
   // The component of a property itself, else what the GUI service has for its type.
   component({attributes: {name, type, forms}}) {
@@ -77,9 +80,16 @@ async function dressedBy(gui, service, known, used) {
   return component?.name === "gui" ? dressed(made, component) : made;
 }
 
-async function revisions(paths) {
-  return String(await Promise.all(paths.map((each) => fetched(each).catch(() => ""))));
+const texts = (paths) => Promise.all([...paths].map((each) => fetched(each).catch(() => "")));
+
+async function look() {
+  const turn = asked, known = document.hidden ? [] : [...watched];
+  const now = await texts(known.map(([path]) => path));
+  if (turn === asked && known.some(([, before], index) => before !== now[index])) await open();
+  setTimeout(look, LOOK_MS);
 }
+
+const all = (gui) => [gui, ...gui.children.flatMap(all)];
 
 function say(text, isLost = false) {
   element("state").textContent = text;
@@ -90,6 +100,7 @@ function say(text, isLost = false) {
 async function open() {
   const turn = ++asked;
   clearTimeout(again);
+  watched.clear();
   stream?.close();
   try {
     const services = itemTexts(await fetched(""));
@@ -109,12 +120,11 @@ async function open() {
     }
     document.title = `${[service, part].filter(Boolean).join("/")} – panel`;
     element("name").textContent = document.title.replace(" – panel", "");
-    listen(service, part, gui.attributes.kind === "group");
-    const before = await revisions([...used]);
-    clearInterval(looked);
-    looked = setInterval(async () => {
-      if (used.size && !document.hidden && await revisions([...used]) !== before) open();
-    }, LOOK_MS);
+    listen(service, part, gui);
+    const away = all(gui).filter((each) => each.attributes.away).map((each) => `/${service}/${each.attributes.name}.gui`);
+    const now = await texts(used);
+    if (turn === asked) for (const [index, each] of [...used].entries()) watched.set(each, now[index]);
+    if (turn === asked) for (const each of away) watched.set(each, "");
   } catch (error) {
     lost(error.message);
   }
@@ -135,7 +145,10 @@ function list(services, present) {
     make("a", {href: `/#${each}`, "aria-current": each === present && "page"}, each)));
 }
 
-function listen(service, part, isGroup) {
+function listen(service, part, gui) {
+  const isGroup = gui.attributes.kind === "group";
+  // A group that has a value is a mount: its value is which names it has.
+  const groups = new Set(all(gui).filter((each) => each.attributes.kind === "group").map((each) => each.attributes.name));
   const names = isGroup ? "all=1" : `names=(${part})`;
   stream = new EventSource(at(`/${service}/${part && isGroup ? `${part}.` : ""}properties?values=1&every=0.05&${names}`));
   const first = new Map();
@@ -143,7 +156,7 @@ function listen(service, part, isGroup) {
   stream.onopen = () => say("live");
   stream.onmessage = (event) => {
     const {name, quality} = told(event);
-    if (!/(^|\.)properties$/.test(name)) panel.show(name, event.data, {quality});
+    if (!/(^|\.)properties$/.test(name) && !groups.has(name)) panel.show(name, event.data, {quality});
     else if ((first.get(name) ?? event.data) !== event.data) open();  // names have come or gone
     else first.set(name, event.data);
   };
@@ -167,3 +180,4 @@ function lost(why) {
 
 window.addEventListener("hashchange", open);
 open();
+setTimeout(look, LOOK_MS);

@@ -68,7 +68,7 @@ export class Widget extends HTMLElement {
     const state = told.code ? "gone" : told.quality && told.quality !== "good" ? told.quality : severity;
     this.dataset.state = state;
     this.state.textContent = WORDS[state] ?? "";
-    if (told.code) this.lock(true);
+    if (Boolean(told.code) !== Boolean(this.isGone)) this.lock(this.isGone = Boolean(told.code));
     if (!this.isHeld && !this.isLate(text)) this.display(this.value, text);
   }
 
@@ -455,15 +455,67 @@ class Plot extends Widget {
 
 const KINDS_OF_IMAGES = [["ffd8ff", "image/jpeg"], ["89504e47", "image/png"], ["47494638", "image/gif"],
                          ["52494646", "image/webp"]];
+function kindOf(raw) {
+  const head = [...new Uint8Array(raw.slice(0, 4))].map((each) => each.toString(16).padStart(2, "0")).join("");
+  return KINDS_OF_IMAGES.find(([begin]) => head.startsWith(begin))?.[1];
+}
+
+// A browser has six connections to an endpoint: one is for events, two at least for what is asked and set.
+const MOST_STREAMS = 3;
+const streams = new Set();
 
 class Picture extends Widget {
   draw(body) {
     this.image = make("img", {alt: `${this.is.name}: no picture yet`});
+    this.image.addEventListener("load", () => {
+      this.image.alt = `${this.is.name}, ${this.image.naturalWidth} by ${this.image.naturalHeight}`;
+      this.problem.textContent = "";
+    });
+    this.image.addEventListener("error", () => { if (streams.has(this)) { this.end(); this.fetch(); } });
     body.append(this.image);
+    this.seen = new IntersectionObserver(([last]) => {
+      this.isSeen = last.isIntersecting;
+      if (!this.isSeen) this.end(); else if (this.text !== undefined) this.display();
+    });
+    this.seen.observe(body);
   }
 
-  // A change brings no picture along; it is fetched where it is seen, one at a time.
-  async display() {
+  // A change brings no picture along. What is seen is a stream of pictures; where there are too many, or
+  // it shows none, each is fetched, one at a time.
+  display() {
+    if (!this.isSeen) return;
+    if (streams.has(this)) { this.check(); return; }
+    const address = streams.size < MOST_STREAMS && this.source.address?.(this.is.name);
+    if (!address) { this.fetch(); return; }
+    streams.add(this);
+    this.image.src = `${address}?stream&every=0.05`;
+  }
+
+  // Browsers pass over what is no picture in a stream: soon after a change, its first bytes are looked at.
+  check() {
+    this.checked ??= setTimeout(async () => {
+      const head = await this.source.get(`${this.is.name}?offset=0&length=4`, true).catch(() => null);
+      this.checked = undefined;
+      if (!streams.has(this) || head === null || kindOf(head)) return;
+      this.end();
+      this.fetch();
+    }, 1000);
+  }
+
+  end() {
+    if (streams.delete(this)) this.image.src = "data:,";
+  }
+
+  lock(isLocked) {
+    if (isLocked) streams.delete(this);  // its stream has ended, too; the last picture stays
+  }
+
+  disconnectedCallback() {
+    this.seen.disconnect();
+    this.end();
+  }
+
+  async fetch() {
     this.isNew = true;
     if (this.isBusy) return;
     this.isBusy = true;
@@ -471,17 +523,14 @@ class Picture extends Widget {
       this.isNew = false;
       try {
         const raw = await this.source.get(this.is.name, true);
-        const head = [...new Uint8Array(raw.slice(0, 4))].map((each) => each.toString(16).padStart(2, "0")).join("");
-        const type = KINDS_OF_IMAGES.find(([begin]) => head.startsWith(begin))?.[1];
+        const type = kindOf(raw);
         if (!type) throw new Error(`no picture: ${raw.byteLength} bytes`);
         const old = this.image.src;
         this.image.src = URL.createObjectURL(new Blob([raw], {type}));
         await this.image.decode();
-        this.image.alt = `${this.is.name}, ${this.image.naturalWidth} by ${this.image.naturalHeight}`;
         URL.revokeObjectURL(old);
-        this.problem.textContent = "";
       } catch (error) {
-        this.problem.textContent = error.message;
+        if (!streams.has(this)) this.problem.textContent = error.message;
       }
     }
     this.isBusy = false;
@@ -509,12 +558,22 @@ class Map2D extends Widget {
         const turn = at.length === 6 ? -at[5] * 180 / Math.PI : 0;
         const shape = at.length === 6 ? `M${unit * 1.5} 0L${-unit} ${unit}L${-unit} ${-unit}Z`
           : `M${unit} 0L0 ${unit}L${-unit} 0L0 ${-unit}Z`;
-        const isRight = at[0] > low[0] + size[0] * 0.6;
+        const isRight = at[0] > low[0] + size[0] / 2;
         const label = drawn("text", {x: at[0] + (isRight ? -1.5 : 1.5) * unit, y: -at[1] - unit,
           "text-anchor": isRight ? "end" : "start", "font-size": unit * 1.7});
         label.textContent = String(name ?? id ?? type ?? "");
         return [drawn("path", {d: shape, transform: `translate(${at[0]} ${-at[1]}) rotate(${turn})`}), label];
       }));
+    // What is longer than the map ends in dots; it is told whole below the map, and to who points there.
+    for (const each of this.view.querySelectorAll("text")) {
+      const x = Number(each.getAttribute("x"));
+      const room = each.getAttribute("text-anchor") === "end" ? x - low[0] : low[0] + size[0] - x;
+      const whole = each.textContent;
+      let end = Math.ceil(whole.length * room / each.getComputedTextLength());
+      if (end > whole.length) continue;
+      do each.textContent = `${whole.slice(0, end)}…`; while (each.getComputedTextLength() > room && --end > 0);
+      each.append(drawn("title", {}, whole));
+    }
     this.list.replaceChildren(...places.slice(0, 50).map(({at, name, id, type}) =>
       make("li", {}, [name ?? id, type].filter(Boolean).join(", ") + `: ${at.map(short).join(" ")}`)));
   }
