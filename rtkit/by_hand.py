@@ -26,12 +26,7 @@ from rtkit.component import callbacks
 from rtkit.component.base import Component
 from rtkit.component.describe import CODE
 from rtkit.component.factory import free_name
-from rtkit.container.attached_process import (
-    ENTERING,
-    AttachedProcess,
-    attached_to,
-    leave_if_empty,
-)
+from rtkit.container.attached_process import ENTERING, AttachedProcess, attached_to, leave_if_empty
 from rtkit.container.component_factory import odd_options
 from rtkit.container.pacer import Driver
 from rtkit.errors import Refused, RtkitError
@@ -107,7 +102,7 @@ def run(
     if context:
         given["exec_cxt.periodic.type"] = context
     for key, value in (parameters or {}).items():
-        given[f"conf.default.{key}"] = _text(value)
+        given[f"conf.default.{key}"] = str(value).lower() if isinstance(value, bool) else str(value)
     wish = _Wish(name, given, activate, manager, start, timeout_s)
     is_script = arguments is None and _is_script(component_class)
     arguments = sys.argv[1:] if is_script else arguments or ()
@@ -330,10 +325,6 @@ class _CallingThread:
             work()
         except callbacks.escaping:
             _thread.interrupt_main()
-
-
-def _text(value: Value) -> str:
-    return str(value).lower() if isinstance(value, bool) else str(value)
 
 
 def _create(kind: str, instance: str, options: Mapping[str, str]) -> str:

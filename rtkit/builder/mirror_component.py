@@ -8,13 +8,7 @@ from rtkit.builder.sample_system import data_connector, end_of, system_of
 from rtkit.builder.subject import GeneratedComponent, GeneratedPort
 from rtkit.component.owned_contexts import PERIODIC
 from rtkit.fast_dataclass import replace
-from rtkit.profile.rtc_model import (
-    Actions,
-    ActionStatus,
-    BasicInfo,
-    DataPortDeclaration,
-    RtcProfile,
-)
+from rtkit.profile.rtc_model import Actions, ActionStatus, DataPortDeclaration, RtcProfile
 from rtkit.profile.rts_model import DataPortConnector, ServicePortConnector
 
 FOLDER = "mirror"
@@ -55,22 +49,18 @@ def mirrored(profile: RtcProfile, subject: GeneratedComponent) -> RtcProfile:
     return RtcProfile(
         id=f"RTC:{info.vendor}:{info.category}:{name}:{info.version}",
         version=profile.version,
-        basic_info=_info(info, name),
+        basic_info=replace(
+            info,
+            name=name,
+            description=f"Stand at the other end of each port of {info.name}",
+            execution_type=PERIODIC,
+            execution_rate=_RATE_HZ,
+            doc=None,
+        ),
         actions=Actions(on_execute=ActionStatus(True)),
         data_ports=tuple(ports),
         service_ports=services,
         language=profile.language,
-    )
-
-
-def _info(info: BasicInfo, name: str) -> BasicInfo:
-    return replace(
-        info,
-        name=name,
-        description=f"Stand at the other end of each port of {info.name}",
-        execution_type=PERIODIC,
-        execution_rate=_RATE_HZ,
-        doc=None,
     )
 
 

@@ -14,7 +14,6 @@ from rtkit.rtc.enums import Transition
 if TYPE_CHECKING:
     from rtkit.deployment.actions import ChangeState, Result
     from rtkit.rtc.names import Path
-    from rtkit.tree.view import TreeNode
 
 ALL = "all"
 _Asked = tuple["Path", "ChangeState"]
@@ -110,7 +109,7 @@ def _asked(
     for path, node in zip(paths, nodes, strict=True):
         instance = node.instance
         facts = snapshot.component(instance) if snapshot is not None else None
-        contexts = _first_context(node)
+        contexts = [node.row.context] if node.row is not None and node.row.context else []
         if facts is not None:
             contexts = [context.id for context in facts.contexts]
         chosen = contexts if index is None else contexts[index : index + 1] if index >= 0 else []
@@ -119,10 +118,6 @@ def _asked(
             raise Malformed(f"Bad execution context index: {index or 0} ({has})")
         asked += [(path, ChangeState(instance, id, transition, wait)) for id in chosen]
     return asked
-
-
-def _first_context(node: TreeNode) -> list[str]:
-    return [node.row.context] if node.row is not None and node.row.context else []
 
 
 def _error(path: Path, action: ChangeState, result: Result) -> RtkitError | None:

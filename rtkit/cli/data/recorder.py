@@ -7,7 +7,7 @@ import signal
 import sys
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import AbstractContextManager, ExitStack, contextmanager, nullcontext
+from contextlib import ExitStack, contextmanager, nullcontext
 from functools import partial
 from typing import IO, TYPE_CHECKING, cast
 
@@ -67,7 +67,11 @@ def record(
         reading(
             app.tree, "rtlog_recorder", streams, lossless=is_lossless, refused=refused
         ) as probe,
-        _while_read(name, probe.stop) as reader,
+        (
+            stdout_reader.while_read(probe.stop)
+            if name == STDOUT
+            else nullcontext(stdout_reader.StdoutReader())
+        ) as reader,
     ):
         stamps = _Stamps(app, sink, streams, types)
         app.verbose(f"{probe.component.instance} is connected")
@@ -201,17 +205,6 @@ class _Counted:
 
     def flush(self) -> None:
         sys.stdout.buffer.flush()
-
-
-def _while_read(
-    name: str, stop: Callable[[], None]
-) -> AbstractContextManager[stdout_reader.StdoutReader]:
-    """Watch the reader of stdout, where the recording goes there."""
-    return (
-        stdout_reader.while_read(stop)
-        if name == STDOUT
-        else nullcontext(stdout_reader.StdoutReader())
-    )
 
 
 @contextmanager

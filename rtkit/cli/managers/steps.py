@@ -87,7 +87,7 @@ def _create(typed: str) -> Create:
 
     try:
         identity, question, options = typed.partition("?")
-        if not _is_profile(identity):
+        if not (identity.endswith(".xml") or ("/" in identity and os.path.isfile(identity))):
             return Create(str(parse_create(typed)))
         from rtkit.cli.managers.stand_in import read_pattern
 
@@ -97,10 +97,6 @@ def _create(typed: str) -> Create:
     except RtkitError as error:
         step = ManagerStep("create", typed)
         raise step.failure(error.kind, str(error)) from error
-
-
-def _is_profile(identity: str) -> bool:
-    return identity.endswith(".xml") or ("/" in identity and os.path.isfile(identity))
 
 
 class StepRunner:

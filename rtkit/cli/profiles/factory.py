@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 from rtkit.component.base import Component
@@ -67,15 +66,11 @@ def _registered(init: Any, typed: str, wanted: str) -> type[Component]:
     fitting = [each for each in recorder.classes if wanted in ("", each.type_profile().type_name)]
     if len(fitting) == 1:
         return fitting[0]
-    names = _listed([each.type_profile().type_name for each in recorder.classes])
+    names = ", ".join([each.type_profile().type_name for each in recorder.classes]) or "none"
     if not fitting:
         what = f"no type {wanted}; there are: {names}" if wanted else "no component type"
         raise NotFound(f"{typed} offers {what}")
     raise Malformed(f"{typed} offers several types; say --type: {names}")
-
-
-def _listed(names: Sequence[str]) -> str:
-    return ", ".join(names) or "none"
 
 
 class _RegistrationRecorder:

@@ -20,7 +20,6 @@ if TYPE_CHECKING:
     from rtkit.cli.observing.top.activity import Top
     from rtkit.deployment.actions import ChangeState
     from rtkit.tree.client import Tree
-    from rtkit.tree.subscription import ManagerSubscription
 
 _LEAST_S = 0.05
 """Least time between two drawings of the page [s]."""
@@ -159,7 +158,7 @@ class _Live:
             (
                 name
                 for name, subscription in subscriptions.subscriptions.items()
-                if row and _is_of(subscription, row)
+                if row and subscription.facts.manager == row.manager
             ),
             None,
         )
@@ -203,7 +202,3 @@ class _Live:
         blank = [""] * (room - len(body))
         self._screen.show([head, *body, *blank, cut(terminal.printable(message), width)][:height])
         self._draw_at, self._is_stale = monotonic() + _LEAST_S, False
-
-
-def _is_of(subscription: ManagerSubscription, row: RateRow) -> bool:
-    return subscription.facts.manager == row.manager

@@ -26,9 +26,7 @@ _STYLES = {"added": "green", "removed": "red", "changed": "yellow"}
         ("rtprofile diff --json robot.xml robot.new.xml", "Each difference as JSON."),
     ),
     json=("profile-difference",),
-    statuses={
-        "1": "The profiles differ, or cannot be read.",
-    },
+    statuses={"1": "The profiles differ, or cannot be read."},
 )
 def main(
     app: App,
@@ -53,12 +51,8 @@ def main(
     before, after = (read_document(app, file).profile for file in files)
     found = differences(before, after, takes_all=takes_all)
     for each in found:
-        click.echo(_object(each) if is_json else _line(each))
+        click.echo(_object(each) if is_json else terminal.styled(each.text, _STYLES[each.change]))
     return app.status(Refused()) if found else 0
-
-
-def _line(each: Difference) -> str:
-    return terminal.styled(each.text, _STYLES[each.change])
 
 
 def _object(each: Difference) -> str:
