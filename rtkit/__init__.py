@@ -64,35 +64,11 @@ _HOMES = {
     "serve": "rtkit.wires.serve",
 }
 __all__ = [
-    "Ask",
-    "Choices",
-    "Client",
-    "Element",
-    "Gui",
-    "Marker",
-    "Mount",
-    "Names",
-    "PropertyChange",
-    "PropertyError",
-    "Range",
-    "Returns",
-    "SystemPlan",
-    "SystemProfile",
-    "Text",
-    "Tree",
-    "Unit",
-    "Word",
-    "__version__",
-    "aio",
-    "behavior",
-    "component_of",
-    "connect",
-    "init_of",
-    "load",
-    "mounts",
-    "run",
-    "serve",
-]
+    "Ask", "Choices", "Client", "Element", "Gui", "Marker", "Mount", "Names", "PropertyChange",
+    "PropertyError", "Range", "Returns", "SystemPlan", "SystemProfile", "Text", "Tree", "Unit",
+    "Word", "__version__", "aio", "behavior", "component_of", "connect", "init_of", "load",
+    "mounts", "run", "serve",
+]  # fmt: skip
 
 
 def __getattr__(name: str) -> Any:

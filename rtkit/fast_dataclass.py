@@ -18,15 +18,8 @@ from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, TypeVar, dataclass_transform
 
 __all__ = [
-    "MISSING",
-    "Record",
-    "dataclass",
-    "field",
-    "fields",
-    "is_record",
-    "make_dataclass",
-    "replace",
-]
+    "MISSING", "Record", "dataclass", "field", "fields", "is_record", "make_dataclass", "replace",
+]  # fmt: skip
 
 T = TypeVar("T")
 _COMPILED_AFTER = 50

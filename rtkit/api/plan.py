@@ -108,11 +108,7 @@ def run(session: Session, prepared: Prepared, *, rollback: bool, exact: bool) ->
 
 
 def carry_out(
-    session: Session,
-    prepared: Prepared,
-    *,
-    rolls_back: bool = False,
-    is_exact: bool = False,
+    session: Session, prepared: Prepared, *, rolls_back: bool = False, is_exact: bool = False
 ) -> tuple[str, ...]:
     """Carry a plan out, and have the system followed if its profile wants that.
 

@@ -5,14 +5,7 @@ from __future__ import annotations
 from enum import Enum
 from typing import NamedTuple
 
-from rtkit.builder.regions import (
-    fingerprint,
-    is_placeholder,
-    joined,
-    split,
-    stamp_of,
-    stamped,
-)
+from rtkit.builder.regions import fingerprint, is_placeholder, joined, split, stamp_of, stamped
 from rtkit.errors import Malformed
 
 _EVENT, _FORMER, _STATES = "on_event", ["return None"], "(rt.State):"

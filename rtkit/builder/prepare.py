@@ -6,14 +6,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, fields
 
 from rtkit.builder import standard_types
-from rtkit.builder.identifiers import (
-    Taken,
-    attribute_name,
-    class_name,
-    cut,
-    module_name,
-    type_name,
-)
+from rtkit.builder.identifiers import Taken, attribute_name, class_name, cut, module_name, type_name
 from rtkit.builder.machine_of_profile import machine_of
 from rtkit.builder.obstacles import of_interface, of_type
 from rtkit.builder.settings import settings_of, unused

@@ -12,13 +12,7 @@ import re
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-from rtkit.builder.component_code import (
-    LABELS,
-    POSTCONDITION,
-    PRECONDITION,
-    SUMMARIES,
-    neutral,
-)
+from rtkit.builder.component_code import LABELS, POSTCONDITION, PRECONDITION, SUMMARIES, neutral
 from rtkit.builder.machine_of_profile import INITIAL
 from rtkit.builder.settings import WIDGET
 from rtkit.builder.source_text import sentence

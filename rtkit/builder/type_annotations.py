@@ -136,12 +136,7 @@ class Annotations:
             loose, exact = f"tuple[{loose}, ...]", f"tuple[({exact},) * {size}]"
         self.uses.add("TYPE_CHECKING")
         self.pending.append(
-            [
-                "if TYPE_CHECKING:",
-                f"{INDENT}{name} = {loose}",
-                "else:",
-                f"{INDENT}{name} = {exact}",
-            ]
+            ["if TYPE_CHECKING:", f"{INDENT}{name} = {loose}", "else:", f"{INDENT}{name} = {exact}"]
         )
         return name
 

@@ -56,20 +56,10 @@ _HOME = {
     "service": ("RequiredPort", "ServicePort"),
     "options": ("PortStatus",),
     "types": (
-        "Char",
-        "Double",
-        "Float",
-        "Long",
-        "LongLong",
-        "Octet",
-        "Short",
-        "ULong",
-        "ULongLong",
-        "UShort",
-        "WChar",
-        "WString",
+        "Char", "Double", "Float", "Long", "LongLong", "Octet", "Short", "ULong", "ULongLong",
+        "UShort", "WChar", "WString",
     ),
-}
+}  # fmt: skip
 _MODULE = {name: module for module, names in _HOME.items() for name in names}
 
 

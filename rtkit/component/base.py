@@ -35,22 +35,10 @@ class Manager(Protocol):
         """Make a component type available."""
 
 
-_FOR_CONTAINERS = frozenset(
-    [
-        "context_rate",
-        "finalize",
-        "has_changes",
-        "initialize",
-        "keep_failure",
-        "leave",
-        "own_attributes",
-        "participation",
-        "read_count",
-        "stir",
-        "take_part",
-        "takes_settings_from",
-    ]
-)
+_FOR_CONTAINERS = frozenset([
+    "context_rate", "finalize", "has_changes", "initialize", "keep_failure", "leave",
+    "own_attributes", "participation", "read_count", "stir", "take_part", "takes_settings_from",
+])  # fmt: skip
 
 
 class Component(Callbacks):
@@ -95,19 +83,9 @@ class Component(Callbacks):
     has_machine: ClassVar[bool] = False
     is_stand_in: ClassVar[bool] = False
     own_attributes: ClassVar[tuple[str, ...]] = (
-        "cause",
-        "composite",
-        "configuration",
-        "contexts",
-        "instance",
-        "is_alive",
-        "member_components",
-        "options",
-        "participations",
-        "ports",
-        "report",
-        "type",
-    )
+        "cause", "composite", "configuration", "contexts", "instance", "is_alive",
+        "member_components", "options", "participations", "ports", "report", "type",
+    )  # fmt: skip
     _declared: ClassVar[Mapping[str, Port]] = {}
     _parameters: ClassVar[Mapping[str, Parameter[Any]]] = {}
 

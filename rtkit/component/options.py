@@ -115,13 +115,7 @@ NUMBERED = "rtkit.numbered"
 _OURS = "dataport."
 _OTHERS = ("dataport.corba_cdr.", "dataport.data_service.", "dataport.direct.", "port.")
 """Prefixes of keys that other middleware or other modules interpret."""
-_BUFFER = (
-    "length",
-    "write.full_policy",
-    "write.timeout",
-    "read.empty_policy",
-    "read.timeout",
-)
+_BUFFER = ("length", "write.full_policy", "write.timeout", "read.empty_policy", "read.timeout")
 _KEYS = (
     "dataport.data_type",
     "dataport.inport.data_type",

@@ -58,15 +58,7 @@ class Participant:
         executes: Whether it has an on_execute of its own; likewise `updates`, `handles_error`.
     """
 
-    __slots__ = (
-        "component",
-        "executes",
-        "handle",
-        "handles_error",
-        "reported",
-        "state",
-        "updates",
-    )
+    __slots__ = ("component", "executes", "handle", "handles_error", "reported", "state", "updates")
 
     def __init__(self, component: DrivenComponent, handle: str) -> None:
         self.component = component

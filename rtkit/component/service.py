@@ -41,12 +41,7 @@ from rtkit.component.options import DEFAULT_TIMEOUT_S
 from rtkit.component.port import Port
 from rtkit.errors import Malformed, NotFound, Unreachable
 from rtkit.rtc.enums import Polarity, PortType
-from rtkit.rtc.profiles import (
-    DEFINITION,
-    ConnectorProfile,
-    PortInterfaceProfile,
-    PortProfile,
-)
+from rtkit.rtc.profiles import DEFINITION, ConnectorProfile, PortInterfaceProfile, PortProfile
 
 _definitions: dict[tuple[Interface, ...], str] = {}
 S = TypeVar("S")

@@ -13,13 +13,7 @@ from rtkit.component.base import Component
 from rtkit.component.composites_index import is_composite
 from rtkit.component.context import ExecutionContext, always
 from rtkit.component.period import check_rate
-from rtkit.container.operations import (
-    LATER,
-    ContainerServices,
-    Operations,
-    answer_code,
-    in_time,
-)
+from rtkit.container.operations import LATER, ContainerServices, Operations, answer_code, in_time
 from rtkit.deployment.message import Message
 from rtkit.errors import Malformed, NotFound, Refused, RtkitError
 from rtkit.rtc.enums import LifeCycleState, ReturnCode, Transition

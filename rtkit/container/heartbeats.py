@@ -18,23 +18,10 @@ from typing import NamedTuple
 from rtkit.link.places import of_pid
 
 CALLBACKS = (
-    "",
-    "on_initialize",
-    "on_finalize",
-    "on_startup",
-    "on_shutdown",
-    "on_activated",
-    "on_deactivated",
-    "on_aborting",
-    "on_error",
-    "on_reset",
-    "on_execute",
-    "on_state_update",
-    "on_rate_changed",
-    "on_action",
-    "import",
-    "creation",
-)
+    "", "on_initialize", "on_finalize", "on_startup", "on_shutdown", "on_activated",
+    "on_deactivated", "on_aborting", "on_error", "on_reset", "on_execute", "on_state_update",
+    "on_rate_changed", "on_action", "import", "creation",
+)  # fmt: skip
 _CODES = {name: code for code, name in enumerate(CALLBACKS)}
 _HEADER = struct.Struct("<I")
 _START = struct.Struct("<Q")

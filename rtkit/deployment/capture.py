@@ -10,12 +10,7 @@ from rtkit.deployment.facts import ComponentFacts, Snapshot
 from rtkit.fast_dataclass import dataclass
 from rtkit.profile import rts_model as rts
 from rtkit.profile.common import ExtensionProperty
-from rtkit.rtc.connector_properties import (
-    DEFAULT_INTERFACE,
-    PUSH_INTERVAL,
-    USUAL_NAMES,
-    finite,
-)
+from rtkit.rtc.connector_properties import DEFAULT_INTERFACE, PUSH_INTERVAL, USUAL_NAMES, finite
 from rtkit.rtc.create import FRESH_SLAVE, CreateString, parse_create
 from rtkit.rtc.enums import PortType
 from rtkit.rtc.names import COMPONENT_SUFFIX, LOCAL, MANAGER_SUFFIX

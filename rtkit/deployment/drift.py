@@ -23,14 +23,9 @@ from rtkit.rtc.enums import ExecutionKind
 CREATE_STRING = "create string"
 NO_POLICY = "none"
 _COMPARED_ELSEWHERE = (
-    "instance_name",
-    "manager_name",
-    "manager_address",
-    "manager",
-    "language",
-    "members",
+    "instance_name", "manager_name", "manager_address", "manager", "language", "members",
     "exported_ports",
-)
+)  # fmt: skip
 """Options of create strings that say a name, a place, or what sets say."""
 _VALUES = "conf."
 _OWN = "rtkit."

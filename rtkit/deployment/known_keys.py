@@ -17,14 +17,9 @@ from rtkit.rtc.nearest import CLOSE, did_you_mean
 
 OWN = "rtkit."
 OF_SYSTEMS = (
-    ext.STATES,
-    ext.TRANSITIONS,
-    ext.STATE_CHART,
-    ext.STATE,
-    ext.EVENT,
-    ext.FOLLOW,
+    ext.STATES, ext.TRANSITIONS, ext.STATE_CHART, ext.STATE, ext.EVENT, ext.FOLLOW,
     ext.SLAVE_RESTART,
-)
+)  # fmt: skip
 OF_COMPONENTS = (
     ext.CREATE,
     ext.MODULE,

@@ -25,16 +25,9 @@ FSM_EVENT = "FSM_EVENT"
 SUPERVISION = "SUPERVISION"
 HEARTBEAT = "HEARTBEAT"
 KINDS = (
-    TREE_EVENT,
-    RTC_STATUS,
-    COMPONENT_PROFILE,
-    EC_EVENT,
-    PORT_EVENT,
-    CONFIG_EVENT,
-    FSM_EVENT,
-    SUPERVISION,
-    HEARTBEAT,
-)
+    TREE_EVENT, RTC_STATUS, COMPONENT_PROFILE, EC_EVENT, PORT_EVENT, CONFIG_EVENT, FSM_EVENT,
+    SUPERVISION, HEARTBEAT,
+)  # fmt: skip
 SYSTEM_STATE = "SYSTEM_STATE"
 """A system came to another of its states: its manager tells it that follows it, else it is seen."""
 

@@ -218,11 +218,7 @@ class _Columns:
         return left + (right - left - self._sizes[box].width) // 2, self._tops[box]
 
     def _path(
-        self,
-        wire: s.Wire,
-        hops: Sequence[Hop],
-        places: Sequence[s.Point],
-        starts: Sequence[int],
+        self, wire: s.Wire, hops: Sequence[Hop], places: Sequence[s.Point], starts: Sequence[int]
     ) -> tuple[s.Point, ...]:
         points = [self._port(wire.source, places)]
         for hop in hops:

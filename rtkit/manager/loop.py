@@ -17,11 +17,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from rtkit import fault
 from rtkit.container.container import ComponentContainer
-from rtkit.container.exit_diagnostics import (
-    culprits,
-    exit_diagnostics,
-    log_crash,
-)
+from rtkit.container.exit_diagnostics import culprits, exit_diagnostics, log_crash
 from rtkit.container.stacks import ASK, STACK_SIGNAL, open_stacks, write_stacks
 from rtkit.deployment.delta import TREE
 from rtkit.deployment.message import Message
@@ -43,12 +39,7 @@ from rtkit.manager.query_server import ManagerQueryServer
 from rtkit.manager.service_notifier import ServiceNotifier
 from rtkit.manager.slaves.slave_connections import SlaveConnections
 from rtkit.manager.slaves.slave_supervisor import SlaveSupervisor
-from rtkit.manager.slaves.watchdog import (
-    DEADLINE_S,
-    Watchdog,
-    callback_deadline_s,
-    remove_traces,
-)
+from rtkit.manager.slaves.watchdog import DEADLINE_S, Watchdog, callback_deadline_s, remove_traces
 from rtkit.manager.store.writer import StoreWriter
 from rtkit.property.exchange import Reply, Request, failure
 

@@ -19,12 +19,7 @@ from rtkit.component.factory import Factories
 from rtkit.errors import NotFound, Refused
 from rtkit.modules.bytecode import code_of
 from rtkit.modules.known import instead
-from rtkit.modules.neighbours import (
-    among_its_own,
-    fingerprints,
-    forget_neighbours,
-    has_changed,
-)
+from rtkit.modules.neighbours import among_its_own, fingerprints, forget_neighbours, has_changed
 from rtkit.modules.search import SUFFIX, ModuleSource, Search
 from rtkit.rtc.create import CreateString
 from rtkit.rtc.nearest import did_you_mean

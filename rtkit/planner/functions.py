@@ -223,11 +223,7 @@ class Evaluator:
         return path
 
     def _plan(
-        self,
-        section: Problem,
-        state: State,
-        goal: Mapping[str, Any],
-        heuristic: Heuristic | None,
+        self, section: Problem, state: State, goal: Mapping[str, Any], heuristic: Heuristic | None
     ) -> Path | None:
         self.evaluations += 1
         try:

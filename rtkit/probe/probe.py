@@ -17,12 +17,7 @@ from rtkit.component.base import Component
 from rtkit.component.options import NUMBERED, PortStatus
 from rtkit.component.owned_contexts import PERIODIC
 from rtkit.component.port import OutPort, Port
-from rtkit.container.attached_process import (
-    ENTERING,
-    AttachedProcess,
-    attached_to,
-    leave_if_empty,
-)
+from rtkit.container.attached_process import ENTERING, AttachedProcess, attached_to, leave_if_empty
 from rtkit.deployment.actions import Action, ChangeState, Connect
 from rtkit.errors import Refused, RtkitError, from_kind
 from rtkit.link import stopping

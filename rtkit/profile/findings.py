@@ -130,11 +130,7 @@ class Findings:
     """
 
     def __init__(
-        self,
-        source: str,
-        scope: dict[str | None, str] | None = None,
-        *,
-        is_vague: bool = False,
+        self, source: str, scope: dict[str | None, str] | None = None, *, is_vague: bool = False
     ) -> None:
         self.source = source
         self.is_vague = is_vague

@@ -129,11 +129,7 @@ def _other_id(connector: Any, taken: set[str], numbers: dict[str, int], found: F
 
 
 def _end(
-    end: Any,
-    connector: Any,
-    components: dict[tuple[str, str], Any],
-    ports: _Ports,
-    found: Findings,
+    end: Any, connector: Any, components: dict[tuple[str, str], Any], ports: _Ports, found: Findings
 ) -> None:
     key = (end.get(_COMPONENT_ID), end.get(_INSTANCE))
     port = end.get(_PORT_NAME)

@@ -9,13 +9,7 @@ from rtkit.profile.rts_rules import add
 from rtkit.profile.xmlnames import XSI, clark, short, split
 
 ACTIVITY_TYPES = ("PERIODIC", "SPORADIC", "EVENTDRIVEN")
-_LANGUAGES = {
-    "cxx": "C++",
-    "python": "Python",
-    "java": "Java",
-    "csharp": "C#",
-    "ruby": "Ruby",
-}
+_LANGUAGES = {"cxx": "C++", "python": "Python", "java": "Java", "csharp": "C#", "ruby": "Ruby"}
 
 
 def _loose(element: Any, local: str) -> str | None:

@@ -176,8 +176,7 @@ _CONDITION = ElementSpec(
 )
 _ORDER = ElementSpec(m.Order, children=[child("rts:targets", _CONDITION, many=True)])
 _VARIABLE = ElementSpec(
-    m.SystemVariable,
-    [attribute("rtkit:name", required=True), "rtkit:default", "rtkit:description"],
+    m.SystemVariable, [attribute("rtkit:name", required=True), "rtkit:default", "rtkit:description"]
 )
 _VALUE = ElementSpec(m.IncludedValue, required("rtkit:name", "rtkit:value"))
 _INCLUDE = ElementSpec(

@@ -24,16 +24,9 @@ OWN_KEYS = "rtkit::"
 FOREIGN_PARTS = ("name", "attributes", "text", "tail", "children")
 CONDITION, WAITS = "condition", ("wait_time", "preceding")
 DATE_PARTS = (
-    "year",
-    "month",
-    "day",
-    "hour",
-    "minute",
-    "second",
-    "timezone",
-    "fractionalSecond",
+    "year", "month", "day", "hour", "minute", "second", "timezone", "fractionalSecond",
     "millisecond",
-)
+)  # fmt: skip
 _CLOCK = 6
 """So many of these are whole numbers from year to second."""
 

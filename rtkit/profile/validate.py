@@ -37,12 +37,7 @@ def violations(root: Any, schema_name: str) -> list[Note]:
     if schema.validate(root):
         return []
     return [
-        Note(
-            entry.line,
-            _one_line(entry.message),
-            _one_line(entry.path),
-            SCHEMA_RULE,
-        )
+        Note(entry.line, _one_line(entry.message), _one_line(entry.path), SCHEMA_RULE)
         for entry in schema.error_log
     ]
 

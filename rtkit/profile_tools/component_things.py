@@ -22,19 +22,9 @@ from rtkit.profile_tools.compared_things import (
     put,
 )
 
-_PARTS = (
-    "basic_info",
-    "actions",
-    "configuration_set",
-    "parameters",
-    "data_ports",
-    "service_ports",
-)
+_PARTS = ("basic_info", "actions", "configuration_set", "parameters", "data_ports", "service_ports")
 _OF_INTERFACE = ("direction", "type", "instance_name", "idl_file")
-_CONTAINERS = {
-    "configuration_set": ("configurations",),
-    "actions": tuple(ACTIONS),
-}
+_CONTAINERS = {"configuration_set": ("configurations",), "actions": tuple(ACTIONS)}
 
 
 def component_things(profile: RtcProfile, takes_all: bool) -> Things:

@@ -60,10 +60,7 @@ def differences(
         from rtkit.profile_tools.system_things import shared_names, system_things
 
         shared = shared_names(before) | shared_names(after)
-        ways = (
-            system_things(before, takes_all, shared),
-            system_things(after, takes_all, shared),
-        )
+        ways = (system_things(before, takes_all, shared), system_things(after, takes_all, shared))
     elif isinstance(before, RtcProfile) and isinstance(after, RtcProfile):
         from rtkit.profile_tools.component_things import component_things
 

@@ -13,13 +13,7 @@ from types import MappingProxyType
 from typing import Any, NamedTuple
 
 from rtkit.guard import guarded
-from rtkit.property.annotations import (
-    Returns,
-    bare,
-    extra_of,
-    returned,
-    spec_of,
-)
+from rtkit.property.annotations import Returns, bare, extra_of, returned, spec_of
 from rtkit.property.arguments import Taken, accepted, arguments_of, declared_of, given_to
 from rtkit.property.codes import PropertyError
 from rtkit.property.conversion import is_builtin, to_value

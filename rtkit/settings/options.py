@@ -14,17 +14,9 @@ from rtkit.settings import properties
 CONF = "conf."
 _OWN = "rtkit."
 _OPTIONS = (
-    "instance_name",
-    "manager_name",
-    "manager_address",
-    "manager",
-    "language",
-    "config_file",
-    "members",
-    "exported_ports",
-    ACTIVE_SET,
-    extension.TRANSMIT,
-)
+    "instance_name", "manager_name", "manager_address", "manager", "language", "config_file",
+    "members", "exported_ports", ACTIVE_SET, extension.TRANSMIT,
+)  # fmt: skip
 _EXTENSIONS = tuple(
     value for value in vars(extension).values() if isinstance(value, str) and value.startswith(_OWN)
 )

@@ -11,11 +11,7 @@ from rtkit.component.constraint_check import Declared, declared_type
 from rtkit.fast_dataclass import dataclass
 from rtkit.profile.constraint_text import format_constraint
 from rtkit.profile.ports import declared_interfaces
-from rtkit.profile.rtc_model import (
-    ConfigurationParameter,
-    DataPortDeclaration,
-    RtcProfile,
-)
+from rtkit.profile.rtc_model import ConfigurationParameter, DataPortDeclaration, RtcProfile
 from rtkit.profile.words import property_value
 from rtkit.rtc.connector_properties import canonical
 from rtkit.rtc.enums import ExecutionKind, PortType

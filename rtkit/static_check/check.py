@@ -22,16 +22,9 @@ from rtkit.static_check.services import service_findings
 from rtkit.static_check.view import View
 
 _RULES = (
-    name_findings,
-    port_findings,
-    parameter_findings,
-    context_findings,
-    connector_findings,
-    service_findings,
-    order_findings,
-    restart_findings,
-    property_remarks,
-)
+    name_findings, port_findings, parameter_findings, context_findings, connector_findings,
+    service_findings, order_findings, restart_findings, property_remarks,
+)  # fmt: skip
 
 
 def findings(

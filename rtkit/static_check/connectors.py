@@ -21,10 +21,7 @@ from rtkit.static_check.finding import TOP, ProfileLocation, StaticFinding
 from rtkit.static_check.ports import fits_type, type_names
 from rtkit.static_check.view import DataEnd, View, kinds_of, property_place
 
-_USUAL = {
-    DATAFLOW: frozenset(("push", "pull")),
-    SUBSCRIPTION: frozenset(SUBSCRIPTIONS),
-}
+_USUAL = {DATAFLOW: frozenset(("push", "pull")), SUBSCRIPTION: frozenset(SUBSCRIPTIONS)}
 _UNKNOWN = "unknown connector property"
 _At = tuple[ProfileLocation, str]  # and what stands there
 

@@ -197,11 +197,7 @@ class Tree(ByPath, Closing):
             raise Malformed(f"the manager's answer cannot be read: {error}") from error
 
     def apply(
-        self,
-        actions: Sequence[Action],
-        *,
-        is_ordered: bool = True,
-        timeout_s: float | None = None,
+        self, actions: Sequence[Action], *, is_ordered: bool = True, timeout_s: float | None = None
     ) -> tuple[Result, ...]:
         """Have the manager perform a batch and return the result of each action.
 
@@ -213,11 +209,7 @@ class Tree(ByPath, Closing):
         return self.begin(actions, is_ordered=is_ordered, timeout_s=timeout_s)()
 
     def begin(
-        self,
-        actions: Sequence[Action],
-        *,
-        is_ordered: bool = True,
-        timeout_s: float | None = None,
+        self, actions: Sequence[Action], *, is_ordered: bool = True, timeout_s: float | None = None
     ) -> Callable[[], tuple[Result, ...]]:
         """Send a batch and return what awaits its results; see `apply`.
 

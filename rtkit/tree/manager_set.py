@@ -143,11 +143,7 @@ class ManagerSet(Tree):
         return joined(snapshots, self.homes)
 
     def begin(
-        self,
-        actions: Sequence[Action],
-        *,
-        is_ordered: bool = True,
-        timeout_s: float | None = None,
+        self, actions: Sequence[Action], *, is_ordered: bool = True, timeout_s: float | None = None
     ) -> Answer:
         """See `Tree.begin`; a manager gets its part when the one before has done its own."""
         asked = [(self._manager_for(action), action) for action in actions]

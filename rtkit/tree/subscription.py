@@ -15,13 +15,7 @@ from time import monotonic
 from typing import NamedTuple
 
 from rtkit.closing import Closing
-from rtkit.deployment.delta import (
-    TREE,
-    Delta,
-    FullSnapshot,
-    applied,
-    delta_between,
-)
+from rtkit.deployment.delta import TREE, Delta, FullSnapshot, applied, delta_between
 from rtkit.deployment.facts import Snapshot
 from rtkit.deployment.metrics import METRICS, Metrics
 from rtkit.deployment.user_events import UserEvent, user_events

@@ -57,9 +57,7 @@ class _Numbers(NumbersAreArguments):
     json=("configuration", "parameter", "configuration-difference", "properties"),
     arguments=("component|manager", "words", "conf"),
     words=FORMS,
-    statuses={
-        "1": "It could not be done; of diff: there are differences.",
-    },
+    statuses={"1": "It could not be done; of diff: there are differences."},
 )
 def main(
     app: App,

@@ -114,11 +114,7 @@ def _repeated(template: Template, number: int) -> Iterator[Template]:
 
 
 def _write(
-    probe: Probe,
-    values: Iterator[Template],
-    period_s: float,
-    limit: int,
-    duration_s: float | None,
+    probe: Probe, values: Iterator[Template], period_s: float, limit: int, duration_s: float | None
 ) -> None:
     """Write values at a steady rate until one of the limits."""
     from rtkit.component.types import Time

@@ -9,15 +9,7 @@ import click
 
 from rtkit.cli.shared.app import App
 from rtkit.cli.shared.command import command
-from rtkit.cli.shared.options import (
-    POSITIVE,
-    arguments,
-    flag,
-    json_flag,
-    lasting,
-    option,
-    several,
-)
+from rtkit.cli.shared.options import POSITIVE, arguments, flag, json_flag, lasting, option, several
 from rtkit.errors import Malformed, Refused, UsageProblem
 
 if TYPE_CHECKING:

@@ -42,9 +42,7 @@ LINES, STATS, PLOT = "lines", "stats", "plot"
     ),
     json=("value", "stream-stats"),
     arguments=("out-port",),
-    statuses={
-        "1": "Nothing came at all, or it could not be done.",
-    },
+    statuses={"1": "Nothing came at all, or it could not be done."},
 )
 def main(
     app: App,

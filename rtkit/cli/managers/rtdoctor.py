@@ -28,9 +28,7 @@ _STYLES = {"ok": "green", "note": "blue", "warning": "yellow", "error": "bold re
     ),
     json=("diagnosis",),
     arguments=(),
-    statuses={
-        "1": "Something is wrong.",
-    },
+    statuses={"1": "Something is wrong."},
 )
 def main(
     app: App,

@@ -12,11 +12,7 @@ from rtkit.rtc.port_types import declared_port_type
 from rtkit.rtc.profiles import PortProfile, TypeProfile
 
 if TYPE_CHECKING:
-    from rtkit.profile.rtc_model import (
-        DataPortDeclaration,
-        RtcProfile,
-        ServicePortDeclaration,
-    )
+    from rtkit.profile.rtc_model import DataPortDeclaration, RtcProfile, ServicePortDeclaration
 
 _DEFAULT_RATE = 1000.0
 
@@ -38,11 +34,7 @@ def pattern_of(profile: RtcProfile) -> ComponentPattern:
     ports = [_data_port(port) for port in profile.data_ports]
     ports += [_service_port(port) for port in profile.service_ports]
     return ComponentPattern(
-        _type(profile),
-        tuple(ports),
-        _sets(profile),
-        "default",
-        contexts=(_context(profile),),
+        _type(profile), tuple(ports), _sets(profile), "default", contexts=(_context(profile),)
     )
 
 

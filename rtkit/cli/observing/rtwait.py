@@ -25,9 +25,7 @@ _DEFAULT_S = 30.0
     json=("goal",),
     arguments=("waited-for",),
     words=WORDS,
-    statuses={
-        "1": "The time was up first, or it could not be done.",
-    },
+    statuses={"1": "The time was up first, or it could not be done."},
 )
 def main(
     app: App,

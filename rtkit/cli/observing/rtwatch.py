@@ -42,9 +42,7 @@ ALL = "ALL"
     ),
     json=("event",),
     arguments=("anything",),
-    statuses={
-        "1": "The time was up before N events, or it could not be done.",
-    },
+    statuses={"1": "The time was up before N events, or it could not be done."},
 )
 def main(
     app: App,

@@ -10,24 +10,15 @@ They are documents of components and systems. Nothing that runs is asked or chan
 looks at files. Only `from` runs code.
 """
 
+_WORDS = [
+    "validate", "check", "show", "resolve", "diff", "convert", "normalise", "set", "new", "from",
+    "doc", "graph", "schema",
+]  # fmt: skip
+
 main = group(
     "rtprofile",
     _HELP,
-    [
-        "validate",
-        "check",
-        "show",
-        "resolve",
-        "diff",
-        "convert",
-        "normalise",
-        "set",
-        "new",
-        "from",
-        "doc",
-        "graph",
-        "schema",
-    ],
+    _WORDS,
     examples=(
         ("rtprofile validate robot.xml", "Is it valid, and what had to be put right?"),
         ("rtprofile show -h", "Tell about one of them."),

@@ -40,9 +40,7 @@ _NS = 1_000_000_000
     ),
     json=("property-event",),
     arguments=("live",),
-    statuses={
-        "1": "Nothing came at all, or it could not be done.",
-    },
+    statuses={"1": "Nothing came at all, or it could not be done."},
 )
 def main(
     app: App,

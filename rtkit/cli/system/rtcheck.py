@@ -25,9 +25,7 @@ STATES = (*(state.value for state in LifeCycleState), UNKNOWN_STATE)
         ("rtcheck -s inactive --json robot.xml", "Each deviation as JSON, for another program."),
     ),
     json=("deviation", "checked"),
-    statuses={
-        "1": "Something that is required deviates, or it could not be looked at.",
-    },
+    statuses={"1": "Something that is required deviates, or it could not be looked at."},
 )
 def main(
     app: App,

@@ -28,9 +28,7 @@ CHANGE_NEEDED = 2
         ("rtplan --dot robot.xml", "What comes before what, as a graph."),
     ),
     json=("plan",),
-    statuses={
-        "2": "The command line cannot be read; with --detailed-exitcode: there are changes.",
-    },
+    statuses={"2": "The command line cannot be read; with --detailed-exitcode: there are changes."},
 )
 def main(
     app: App,

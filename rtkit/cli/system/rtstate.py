@@ -29,9 +29,7 @@ if TYPE_CHECKING:
         ("rtstate --unfollow Robot", "Let its manager follow it no more."),
     ),
     json=("system-state", "transition"),
-    statuses={
-        "1": "The system is in none of its states, or it could not be done.",
-    },
+    statuses={"1": "The system is in none of its states, or it could not be done."},
 )
 def main(
     app: App,

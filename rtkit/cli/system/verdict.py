@@ -31,16 +31,9 @@ RULES = {
     "live-state": "A component is in another state than was asked for",
 }
 _TWO_SIDED = (
-    "property",
-    "active-set",
-    "parameter",
-    "constraint",
-    "rate",
-    "policy",
-    "create",
-    "type",
+    "property", "active-set", "parameter", "constraint", "rate", "policy", "create", "type",
     "state",
-)
+)  # fmt: skip
 """Kinds of which both what is wanted and what is found is a text of its own."""
 
 

@@ -26,10 +26,7 @@ _IN_FISH = str.maketrans({"'": r"\'", "\\": r"\\"})
     ),
     arguments=("directory",),
 )
-def main(
-    app: App,
-    paths: tuple[str, ...] = arguments("[PATH]"),
-) -> None:
+def main(app: App, paths: tuple[str, ...] = arguments("[PATH]")) -> None:
     """Change the working directory in the tree.
 
     A program cannot change the environment of the shell that started it: this one prints the

@@ -8,15 +8,7 @@ from typing import TYPE_CHECKING
 from rtkit.cli.shared.app import App, check_at_most_one
 from rtkit.cli.shared.command import command
 from rtkit.cli.shared.options import arguments, flag
-from rtkit.errors import (
-    Malformed,
-    NotFound,
-    Partial,
-    Refused,
-    RtkitError,
-    Unreachable,
-    from_kind,
-)
+from rtkit.errors import Malformed, NotFound, Partial, Refused, RtkitError, Unreachable, from_kind
 
 if TYPE_CHECKING:
     from rtkit.deployment.actions import Action

@@ -18,9 +18,7 @@ from rtkit.cli.shared.options import arguments, json_flag
     arguments=(),
 )
 def main(
-    app: App,
-    is_json: bool = json_flag("One JSON object."),
-    words: tuple[str, ...] = arguments(""),
+    app: App, is_json: bool = json_flag("One JSON object."), words: tuple[str, ...] = arguments("")
 ) -> None:
     """Print the working directory in the tree.
 

@@ -289,10 +289,7 @@ class _Cluster:
     """
 
     def __init__(
-        self,
-        names: list[str],
-        left: Mapping[str, list[Assignment]],
-        deciding: _Deciding,
+        self, names: list[str], left: Mapping[str, list[Assignment]], deciding: _Deciding
     ) -> None:
         self._names = names
         self._assignments = [left[name] for name in names]

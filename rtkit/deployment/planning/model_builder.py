@@ -24,12 +24,7 @@ from rtkit.deployment.planning.model import (
 from rtkit.deployment.planning.parameter_values import Values
 from rtkit.deployment.planning.stale import Stale
 from rtkit.deployment.planning.step_costs import USUAL, Costs
-from rtkit.deployment.system import (
-    WantedComponent,
-    WantedConnector,
-    WantedSystem,
-    address,
-)
+from rtkit.deployment.system import WantedComponent, WantedConnector, WantedSystem, address
 from rtkit.deployment.wiring import is_same_connector, missing_end, parting
 from rtkit.errors import Impossible
 from rtkit.fast_dataclass import dataclass, field

@@ -91,12 +91,7 @@ def machine_of(
     return machine
 
 
-_PREFIXES = (
-    extension.STATES,
-    extension.TRANSITIONS,
-    extension.STATE,
-    extension.EVENT,
-)
+_PREFIXES = (extension.STATES, extension.TRANSITIONS, extension.STATE, extension.EVENT)
 
 
 class _Reading:

@@ -17,11 +17,7 @@ class MetricsCollector:
     """Metrics that were requested and have come; `out` collects instructions for the shell."""
 
     def __init__(
-        self,
-        state: ManagerState,
-        out: list[Instruction],
-        run_id: str,
-        judge: HealthMonitor,
+        self, state: ManagerState, out: list[Instruction], run_id: str, judge: HealthMonitor
     ) -> None:
         self._state = state
         self._out = out

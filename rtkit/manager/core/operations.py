@@ -25,14 +25,9 @@ TIMEOUT_S = 10.0
 """How long an operation may take that is not part of a batch [s]."""
 
 _PROFILE = (
-    "manager.instance_name",
-    "manager.name",
-    "manager.pid",
-    "manager.naming_formats",
-    "manager.components.precreate",
-    "manager.modules.load_path",
-    "manager.modules.preload",
-)
+    "manager.instance_name", "manager.name", "manager.pid", "manager.naming_formats",
+    "manager.components.precreate", "manager.modules.load_path", "manager.modules.preload",
+)  # fmt: skip
 _ESCAPED = "%&=?\n"
 
 

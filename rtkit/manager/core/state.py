@@ -333,12 +333,7 @@ class ManagerState:
             version=self.version,
             processes=tuple(
                 ProcessFacts(
-                    p.name,
-                    p.is_slave,
-                    p.pid,
-                    p.state,
-                    p.reason or self.trouble_in(p),
-                    p.is_guest,
+                    p.name, p.is_slave, p.pid, p.state, p.reason or self.trouble_in(p), p.is_guest
                 )
                 for p in self.processes.values()
                 if not (p.is_trial or self.is_leaving(p))

@@ -7,12 +7,7 @@ from collections.abc import Iterator, Mapping
 from contextlib import closing, suppress
 from typing import NamedTuple
 
-from rtkit.container.exit_diagnostics import (
-    ExitDiagnostics,
-    culprits,
-    exit_diagnostics,
-    log_crash,
-)
+from rtkit.container.exit_diagnostics import ExitDiagnostics, culprits, exit_diagnostics, log_crash
 from rtkit.container.heartbeats import HeartbeatReader
 from rtkit.container.slave_checkpoint import SlaveCheckpoint
 from rtkit.link import places, running

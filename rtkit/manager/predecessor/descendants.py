@@ -13,13 +13,7 @@ import os
 from collections.abc import Collection, Iterator
 from contextlib import suppress
 
-from rtkit.container.orphans import (
-    began_at,
-    end_family,
-    environment_of,
-    family,
-    family_beside,
-)
+from rtkit.container.orphans import began_at, end_family, environment_of, family, family_beside
 from rtkit.link import places, running
 from rtkit.link.deadline import boot_id
 from rtkit.manager.child_process import MARK

@@ -21,11 +21,7 @@ from rtkit.link.processes import ProcessWatch
 from rtkit.manager.claim import remove_stale, take_lock
 from rtkit.manager.predecessor.crashes import unseen_crashes
 from rtkit.manager.predecessor.descendants import end_descendants
-from rtkit.manager.predecessor.unreported import (
-    checkpoints_of_the_dead,
-    is_slave,
-    living_slaves,
-)
+from rtkit.manager.predecessor.unreported import checkpoints_of_the_dead, is_slave, living_slaves
 
 TERM_S = 7.0
 """Grace between TERM and KILL, in which components finalise [s]."""

@@ -38,15 +38,10 @@ from rtkit.manager.slaves.warm_up import fill_gaps, warm_up
 
 _OPTIONS = os.WEXITED | os.WSTOPPED | os.WCONTINUED | os.WNOHANG
 AHEAD = (
-    "rtkit.component.collisions",
-    "rtkit.component.composite",
-    "rtkit.component.fsm",
-    "rtkit.component.timed",
-    "rtkit.deployment.listing",
-    "rtkit.link.running",
-    "rtkit.container.metrics",
-    "rtkit.settings.values",
-)
+    "rtkit.component.collisions", "rtkit.component.composite", "rtkit.component.fsm",
+    "rtkit.component.timed", "rtkit.deployment.listing", "rtkit.link.running",
+    "rtkit.container.metrics", "rtkit.settings.values",
+)  # fmt: skip
 """Lazy imports of a container, which attached processes need not have: loaded before any fork,
 so that slaves share it."""
 

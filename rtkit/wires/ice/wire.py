@@ -3,14 +3,7 @@
 from __future__ import annotations
 
 from rtkit.errors import Malformed
-from rtkit.wires.wire import (
-    ClientSide,
-    ProviderAddress,
-    Wire,
-    WireSettings,
-    loaded,
-    split_behind,
-)
+from rtkit.wires.wire import ClientSide, ProviderAddress, Wire, WireSettings, loaded, split_behind
 
 _PREFIX = "ice://"
 

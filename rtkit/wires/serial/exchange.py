@@ -25,12 +25,7 @@ from rtkit.property.exchange import NOT_BEGUN
 from rtkit.property.line import Replies, write_request
 from rtkit.property.messages import Answer, Payload, PropertyEvent
 from rtkit.wires.property_client import bound_in
-from rtkit.wires.serial.address import (
-    HELLO_TARGET,
-    KNOWS_DEADLINES,
-    SerialAddress,
-    SerialEnd,
-)
+from rtkit.wires.serial.address import HELLO_TARGET, KNOWS_DEADLINES, SerialAddress, SerialEnd
 
 _LEAST_PATIENCE_S = 0.05
 _TIMES_USUAL = 8

@@ -16,10 +16,7 @@ from rtkit.profile.forms import FORMS, XML, form_of_name
     "resolve",
     is_local=True,
     examples=(
-        (
-            "rtprofile resolve --set Sensor0.range=3 robot.xml",
-            "The plain profile with a value.",
-        ),
+        ("rtprofile resolve --set Sensor0.range=3 robot.xml", "The plain profile with a value."),
         ("rtprofile resolve --prefix a. robot.xml a.yaml", "All its names behind a., as YAML."),
     ),
 )
