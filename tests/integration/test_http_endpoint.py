@@ -278,7 +278,7 @@ def test_only_who_knows_the_secret_is_heard_and_only_once(served: ServedObject) 
         assert told.startswith("HTTP/1.1 401 ")
         assert "WWW-Authenticate: Digest " in told or "www-authenticate: digest" in told.lower()
         assert told.endswith(
-            "denied who you are is to be shown: Digest, with the secret of the user\n"
+            "denied user and password are those of door.secret (Digest; rtkit help security)\n"
         )
     with Raw(served) as raw:
         once = raw.request(*GET)

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import json
 import math
+import os
 import threading
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from typing import Annotated, Final, Literal
 
 import browser
@@ -359,3 +360,31 @@ def test_a_mounted_place_has_its_widgets_also_when_its_owner_comes_later(place: 
                 assert robot.arm.angle > 0
             page.wait_for(widget("far.title") + ".dataset.state !== ''")
         assert page.troubles() == []
+
+
+def test_who_is_not_known_any_more_is_told_so_and_asked_once(
+    place: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    state = "document.getElementById('state').textContent"
+    with ExitStack() as ends:
+        served = ends.enter_context(rtkit.serve(Robot(), "robots/r1", http=0, is_on_zenoh=False))
+        known = secret.read()
+        page = ends.enter_context(browser.opened(place, known.user, known.password))
+        address = f"http://localhost:{served.http}/ps/robots/r1"
+        page.is_known = False
+        page.go(address)
+        page.wait_for("document.body?.innerText.startsWith('denied user and password are those')")
+        page.is_known = True
+        page.go(address)
+        page.wait_for(f"{state} === 'live'")
+        port, page.is_known, page.asked = served.http, False, 0
+        served.close()
+        os.mkdir(f"{place}/other", 0o700)
+        monkeypatch.setenv("RTKIT_STATE_DIR", f"{place}/other")
+        ends.enter_context(rtkit.serve(Robot(), "robots/r1", http=port, is_on_zenoh=False))
+        page.wait_for(f"{state}.includes('denied user and password')")
+        assert "Reload the page to be asked again." in page.evaluate(state)
+        page.evaluate("window.looks = 0; setInterval(() => window.looks++, 100)")
+        page.wait_for("window.looks > 40")  # longer than any look at what has gone
+        assert page.asked == 1
+        assert page.evaluate(widget("speed", "input") + ".disabled") is True

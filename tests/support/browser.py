@@ -42,12 +42,19 @@ for (const kind of ["error", "unhandledrejection"])
 
 
 class Browser:
-    """One page. `user` and `password` are given to whoever asks for them, in one scheme: Digest."""
+    """One page. `user` and `password` are given to whoever asks for them, in one scheme: Digest.
+
+    Attributes:
+        is_known: They are given; if not, the question is cancelled, as by who does not know them.
+        asked: How often somebody has asked for them.
+    """
 
     def __init__(self, told: int, tells: int, user: str, password: str) -> None:
         self._out = os.fdopen(told, "wb", buffering=0)
         self._in = os.fdopen(tells, "rb")
         self._credentials = {"username": user, "password": password}
+        self.is_known = True
+        self.asked = 0
         self._id = 0
         self._session = ""
         target = self._do("Target.createTarget", url="about:blank")["targetId"]
@@ -165,7 +172,9 @@ class Browser:
             self._send("Fetch.continueRequest", requestId=about["requestId"])
         elif message.get("method") == "Fetch.authRequired":
             assert about["authChallenge"]["scheme"] == "digest"
-            answer = {"response": "ProvideCredentials", **self._credentials}
+            self.asked += 1
+            given = {"response": "ProvideCredentials", **self._credentials}
+            answer = given if self.is_known else {"response": "CancelAuth"}
             self._send("Fetch.continueWithAuth", requestId=about["requestId"],
                        authChallengeResponse=answer)  # fmt: skip
 

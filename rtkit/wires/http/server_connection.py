@@ -224,7 +224,7 @@ class HttpConnection(SocketClient):
         verdict = self._guard.check(method, uri, headers.get("authorization"), monotonic())
         self.identity = verdict.identity
         if not verdict.identity:
-            text = "who you are is to be shown: Digest, with the secret of the user"
+            text = "user and password are those of door.secret (Digest; rtkit help security)"
             refused = failure("denied", text, HTTPStatus.UNAUTHORIZED)
             return refused._replace(more=(("WWW-Authenticate", verdict.challenge),))
         if self._pace is not None and not self._pace.takes(monotonic()):

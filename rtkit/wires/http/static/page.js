@@ -14,7 +14,7 @@ let stream = null, shown = null, again = 0, asked = 0;
 
 async function fetched(path, options, isRaw) {
   const reply = await fetch(at(path), options);
-  if (!reply.ok) throw new Error((await reply.text()).trim());
+  if (!reply.ok) throw Object.assign(new Error((await reply.text()).trim()), {isStranger: reply.status === 401});
   return isRaw ? reply.arrayBuffer() : reply.text();
 }
 
@@ -126,7 +126,7 @@ async function open() {
     if (turn === asked) for (const [index, each] of [...used].entries()) watched.set(each, now[index]);
     if (turn === asked) for (const each of away) watched.set(each, "");
   } catch (error) {
-    lost(error.message);
+    lost(error.message, error.isStranger);
   }
 }
 
@@ -171,11 +171,13 @@ function listen(service, part, gui) {
   stream.onerror = () => lost("the connection is lost");
 }
 
-function lost(why) {
+// Whoever is not known is asked once for a password, not again each second.
+function lost(why, isStranger) {
   stream?.close();
-  say(`Not there: ${why}. What is shown was so at ${new Date().toLocaleTimeString()}.`, true);
+  const hint = isStranger ? " Reload the page to be asked again." : "";
+  say(`Not there: ${why}. What is shown was so at ${new Date().toLocaleTimeString()}.${hint}`, true);
   clearTimeout(again);
-  again = setTimeout(open, LATER_MS);
+  if (!isStranger) again = setTimeout(open, LATER_MS);
 }
 
 window.addEventListener("hashchange", open);
