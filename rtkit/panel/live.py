@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import threading
+from collections import deque
 from collections.abc import Callable
 from contextlib import suppress
 from functools import partial
@@ -17,6 +18,9 @@ from rtkit.property.codes import PropertyError
 from rtkit.property.values import Element, Word
 from rtkit.property.writing import write
 
+_AT_ONCE = 8
+_WATCH_S = 2.0
+"""How often a service is asked whether it answers, and how long it may take."""
 _LATE = frozenset({"no-service", "timeout"})
 
 
@@ -34,6 +38,7 @@ class LiveService(Closing):
         name: Of the service.
         is_outdated: Names have come or gone since the widgets were asked for.
         is_partial: Something could not be listened to, or the owner of a mount is away.
+        is_silent: The service is there, but does not answer: what is shown may be old.
 
     Raises:
         PropertyError: It cannot be reached, or there is no such part.
@@ -42,7 +47,7 @@ class LiveService(Closing):
     def __init__(self, target: str, timeout_s: float, components: str = "gui") -> None:
         self.target = target
         self.name = target
-        self.is_outdated = self.is_partial = False
+        self.is_outdated = self.is_partial = self.is_silent = False
         self.shown: dict[str, WidgetState] = {}
         self._components = components
         self._client = Client(timeout_s)
@@ -53,13 +58,15 @@ class LiveService(Closing):
         self._wishes: dict[str, Callable[[], object]] = {}
         self._problems: dict[str, str] = {}
         self._is_wished = threading.Event()
-        self._is_closed = False
+        self._ended = threading.Event()
+        self._asked: set[str] = set()
         threading.Thread(target=self._fulfil, daemon=True).start()
         try:
             self.refresh()
         except BaseException:
             self.close()
             raise
+        threading.Thread(target=self._watch, daemon=True).start()
 
     def refresh(self) -> None:
         """Ask for the widgets anew, and listen to those that are new.
@@ -77,10 +84,15 @@ class LiveService(Closing):
         for name in set(self._listened) - set(wanted):
             self._listened.pop(name).close()
             self.shown.pop(name, None)
+        new: deque[str] = deque()
         for name, each in wanted.items():
             self.shown.setdefault(name, WidgetState())
-            if name not in self._listened and each.attributes.get("access") != "w":
-                self._listen(name)
+            is_known = name in self._listened or name in self._asked
+            if not is_known and each.attributes.get("access") != "w":
+                new.append(name)
+        self._asked |= set(new)
+        for _ in range(min(_AT_ONCE, len(new))):  # a slow one delays no other
+            threading.Thread(target=self._listen, args=(new,), daemon=True).start()
         for name in groups:
             names = f"{name}.properties".lstrip(".")
             if names not in self._of_names:
@@ -89,17 +101,30 @@ class LiveService(Closing):
                         f"{self.name}.{names}", self._names_came, initial=0, mode="diff"
                     )
 
-    def _listen(self, name: str) -> None:
-        target = f"{self.name}.{name}"
-        try:
-            self._listened[name] = self._client.listen(
-                target, partial(self._came, name), every=0.05
-            )
-        except PropertyError as error:
-            is_late = error.code in _LATE
-            self.is_partial |= is_late
-            self.shown[name].take(None, "gone" if is_late else "bad")
-            self.shown[name].problem = str(error).removeprefix(f"{target}: ")
+    def _listen(self, names: deque[str]) -> None:
+        """Listen to one after the other, beside other threads that do so."""
+        while names and not self._ended.is_set():
+            with suppress(IndexError):  # another thread has taken the last
+                name = names.popleft()
+                target = f"{self.name}.{name}"
+                came = partial(self._came, name)
+                try:
+                    self._listened[name] = self._client.listen(target, came, every=0.05)
+                except PropertyError as error:
+                    code = error.code if error.code in _LATE else ""
+                    self.is_partial |= bool(code)
+                    self._problems[name] = str(error).removeprefix(f"{target}: ")
+                    self._came(name, PropertyChange(name, None, 0.0, "bad", code))
+                self._asked.discard(name)
+
+    def _watch(self) -> None:
+        """Ask for something that is known without work: who is stopped ends no connection."""
+        while not self._ended.wait(_WATCH_S):
+            try:
+                self._client.payload(Ask(f"{self.name}.properties"), _WATCH_S)
+                self.is_silent = False
+            except PropertyError as error:
+                self.is_silent = error.code == "timeout"
 
     def _came(self, name: str, change: PropertyChange) -> None:
         with self._lock:
@@ -132,7 +157,7 @@ class LiveService(Closing):
         self._is_wished.set()
 
     def _fulfil(self) -> None:
-        while not self._is_closed:
+        while not self._ended.is_set():
             self._is_wished.wait()
             self._is_wished.clear()
             with self._lock:
@@ -227,7 +252,7 @@ class LiveService(Closing):
 
     def close(self) -> None:
         """Listen no longer."""
-        self._is_closed = True
+        self._ended.set()
         self._is_wished.set()
         self._client.close()
 

@@ -62,7 +62,7 @@ class PanelRow(Widget, can_focus=True):
         """Draw it."""
         panel, shown = self.panel, self.shown
         name = panel.attributes.get("label", panel.name.rpartition(".")[2])
-        found = shown.state(panel)
+        found = "stale" if self._live.is_silent else shown.state(panel)
         made = Text()
         for index, line in enumerate(drawing.lines(panel, shown, self._width, self.part)):
             made.append("\n" if index else "")
@@ -270,7 +270,7 @@ class PanelApp(App[None]):
         super().__init__()
         self.live = live
         self._rows: dict[str, PanelRow] = {}
-        self._is_asking = False
+        self._is_asking = self._was_silent = False
         self._state = Static(id="state", markup=False)
         self._box = _Box(id="panel")
         wishes = lambda name, value: live.wish(name, partial(live.set, name, value))  # noqa: E731
@@ -311,9 +311,15 @@ class PanelApp(App[None]):
                     self._served.show(name, field.shown.value)
         lost = [each for each in self._rows.values() if each.shown.quality == "gone"]
         is_lost = bool(lost) and len(lost) == len(self._rows)
-        words = "⊘ not there: what is shown is what was known last" if is_lost else "● live"
+        is_silent = self.live.is_silent
+        if is_silent != self._was_silent:
+            self._was_silent = is_silent
+            for field in self._rows.values():
+                field.refresh(layout=True)
+        why = "◷ no answer" if is_silent else "⊘ not there" if is_lost else ""
+        words = f"{why}: what is shown is what was known last" if why else "● live"
         name = f"  as {self._served.name}" if self._served is not None else ""
-        style = "red" if is_lost else ""
+        style = "red" if why else ""
         words = f"  {words}{name}"
         self._state.update(Text.assemble((self.live.target, "bold"), words, style=style))
         if self.live.is_outdated and not self._is_asking:

@@ -178,6 +178,14 @@ def test_what_is_lost_looks_so_and_comes_back(place: str) -> None:
         page.wait_for(widget("arm.angle", "output") + ".textContent === '-1'")
         page.wait_for("document.getElementById('state').textContent === 'live'")
         assert page.evaluate(widget("arm.angle", "input") + ".disabled") is False
+        # Who hangs ends no stream, but does not answer.
+        go_on = threading.Event()
+        hangs = threading.Thread(target=lambda: served.owned(lambda: go_on.wait(30)))
+        hangs.start()
+        page.wait_for("document.getElementById('state').textContent.includes('no answer')")
+        go_on.set()
+        hangs.join()
+        page.wait_for("document.getElementById('state').textContent === 'live'")
         known = secret.read()
         page.go(f"http://{known.user}:{known.password}@localhost:{served.http}/#robots/r1/speed")
         page.wait_for(f"{widget('speed', 'output')}?.textContent === '0.25'")

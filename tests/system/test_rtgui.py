@@ -27,6 +27,19 @@ class Lamp:
 '''
 
 
+WELL = """
+from pathlib import Path
+from time import sleep
+
+
+class Well:
+    lamp: bool = True
+
+    def get_depth(self) -> float:
+        while not Path("looked").exists():
+            sleep(0.02)
+        return 7.5
+"""
 _SEQUENCES = re.compile(
     r"\x1b(?:\[[0-9;?<>=$]*[A-Za-z]|[()][A-Z0-9]|[=>]|[P\]][^\x1b\x07]*(?:\x07|\x1b\\\\))"
 )
@@ -111,3 +124,31 @@ def test_what_cannot_be_shown_is_said(lamp: Any) -> None:
     with opened([sys.executable, "-c", code, "home/lamp"], environment, lamp.folder) as terminal:
         assert "needs the package textual: pip install 'rtkit[gui]'" in terminal.rest()
         assert terminal.status() == 1
+
+
+def test_who_is_slow_delays_nothing_and_who_is_stopped_is_stale(shell: Any) -> None:
+    (shell.folder / "well.py").write_text(WELL, encoding="utf-8")
+    process = shell.open("rtserve well:Well home/well")
+    assert process.stdout.readline() == "/localhost/home/well\n"
+    environment = {**shell.environment, "TERM": "xterm-256color"}
+    with opened(shell.command("rtgui home/well"), environment, shell.folder) as terminal:
+        screen = Screen(terminal)
+        screen.until(r"lamp [^\n]*on\b")
+        terminal.type(" ")
+        screen.until(r"off\b")
+        (shell.folder / "looked").touch()
+        screen.until(r"7\.5")
+        process.send_signal(signal.SIGSTOP)
+        screen.until(r"no answer: what is shown is what was known last")
+        screen.until(r"◷ stale")
+        terminal.resize(60, 12)
+        screen.until(r"lamp [^\n]*off\b[^\n]*◷ stale")
+        process.send_signal(signal.SIGCONT)
+        screen.until(r"● live")
+        process.send_signal(signal.SIGSTOP)
+        screen.until(r"no answer")
+        terminal.type("q")
+        assert terminal.status() == 0
+    process.send_signal(signal.SIGCONT)
+    process.send_signal(signal.SIGTERM)
+    assert process.communicate(timeout=30) == ("", "")

@@ -84,6 +84,9 @@ const texts = (paths) => Promise.all([...paths].map((each) => fetched(each).catc
 
 async function look() {
   const turn = asked, known = document.hidden ? [] : [...watched];
+  // Whoever is stopped ends no stream: what is shown may be old.
+  if (stream?.readyState === EventSource.OPEN && !document.hidden)
+    await fetched("", {signal: AbortSignal.timeout(LOOK_MS)}).catch(() => { if (turn === asked) lost("no answer"); });
   const now = await texts(known.map(([path]) => path));
   if (turn === asked && known.some(([, before], index) => before !== now[index])) await open();
   setTimeout(look, LOOK_MS);
