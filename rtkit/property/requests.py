@@ -104,6 +104,7 @@ class PropertyRequest(NamedTuple):
         answer: To be called exactly once.
         id: By which a repetition of the same request of this caller is known.
         until: When nobody waits for the answer any more [s], by the clock of the service.
+        via: Ids of the services that passed it on, so that none does so twice.
     """
 
     target: str
@@ -112,3 +113,26 @@ class PropertyRequest(NamedTuple):
     caller: Requester = OWNER
     id: str = ""
     until: float = math.inf
+    via: tuple[str, ...] = ()
+
+
+PASSES_ON = "~proxy.passes"
+"""Property by which an owner that knows `via` tells whether it passes requests on: 0, or 1."""
+VIA = "_via"
+
+
+def is_among_proxies(target: str) -> bool:
+    """Return whether a target may hold what only proxies tell each other; most do not."""
+    return f"{VIA}=" in target or target.endswith(PASSES_ON)
+
+
+def split_via(ask: PropertyRequest) -> PropertyRequest:
+    """Return a request as it was asked first, with who has passed it on."""
+    name, _, tail = ask.target.partition("?")
+    given = tail.split("&")
+    ways = [each.partition("=")[2] for each in given if each.startswith(f"{VIA}=")]
+    if not ways:
+        return ask
+    kept = "&".join(each for each in given if not each.startswith(f"{VIA}="))
+    via = tuple(each for way in ways for each in way.split(".") if each)
+    return ask._replace(target=f"{name}?{kept}" if kept else name, via=via)

@@ -73,7 +73,13 @@ from rtkit.property.parameters import COMMON, OF_GET, checked_parameters, flag
 from rtkit.property.polling import Poller
 from rtkit.property.property_spec import PropertySpec, Reader, Writer, plain
 from rtkit.property.registry import NameEntry
-from rtkit.property.requests import PropertyRequest, Requester
+from rtkit.property.requests import (
+    PASSES_ON,
+    PropertyRequest,
+    Requester,
+    is_among_proxies,
+    split_via,
+)
 from rtkit.property.types import Content, check, from_payload
 from rtkit.property.user_code import Unfolded
 from rtkit.property.values import Value
@@ -260,6 +266,11 @@ class Service:
 
     def handle(self, ask: PropertyRequest) -> None:
         """Answer a request, now or later; never raises for what is asked."""
+        if is_among_proxies(ask.target):
+            if ask.target.endswith(PASSES_ON):
+                ask.answer(Answer(str(int(self.mounts is not None))))
+                return
+            ask = split_via(ask)
         if self.mounts is None or not self.mounts.takes(ask):
             self.handle_own(ask)
 

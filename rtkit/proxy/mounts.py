@@ -29,7 +29,7 @@ from rtkit.property.writing import write
 from rtkit.proxy.addresses import source_of
 from rtkit.proxy.narrowing import GUI, describes_widgets, joined
 from rtkit.proxy.prefix import Allowed, PrefixedNames
-from rtkit.proxy.relay import MOST_HOPS, ROUTE, Relay, route_answer, route_target
+from rtkit.proxy.relay import MOST_HOPS, ROUTE, Relay, check_way, route_answer, route_target
 from rtkit.serving.event_loop import PropertyEventLoop
 from rtkit.wires.provider_connection import Answering, ProviderConnection
 from rtkit.wires.wire import WireSettings
@@ -41,6 +41,8 @@ _OF_TREE = frozenset({"rtc", "mgr"})
 """Endings of names in the tree, behind which no place begins."""
 _LISTING_S = 1.0
 """How long the owners of a listing are waited for [s]."""
+_SHARE = 0.8
+"""How much of that those have who wait for further owners."""
 _HOP_S = 0.1
 """How long a mount waits for the routes behind it, for each hop that is left [s]."""
 
@@ -112,6 +114,7 @@ class _Mounted:
             id=id,
         )
         self.relay.name, self.relay.on_refusal = service.name, service.on_refusal
+        self.relay.uplink.label = f"{mount.target}: "
         self.relay.uplink.start()
 
     def handle(self, ask: PropertyRequest) -> None:
@@ -165,6 +168,7 @@ class Mounts:
             return False
         name = ask.target.partition("?")[0].rpartition("/")[2]
         try:
+            check_way(self._id, ask.via)
             name = canonical(name) if "%" in name else name
             mounted = self._of(name)
             if mounted is not None:
@@ -257,6 +261,8 @@ class Mounts:
             given = dict(target.parameters)
             if wanted is not None:
                 given["names"] = write(tuple(map(as_value, names)))
+            if owner is not None:  # who answers for others, too, does so before this gives up
+                given["timeout"] = f"{until * _SHARE:.3f}"
             asked = ask._replace(target=f"{name}?{write_parameters(given)}")
             if owner is None:
                 self._service.handle_own(asked._replace(answer=partial(take, None)))
@@ -280,7 +286,7 @@ class Mounts:
         return True
 
     def _answer_route(self, target: RequestTarget, answer: Answering) -> None:
-        """Tell which services lie behind, so that no mount leads back to itself."""
+        """Tell which services lie behind, so that no proxy of them leads back to itself."""
         hops, seen = route_target(target)
         if self._id in seen:
             answer(Answer(f"({self._id})"))

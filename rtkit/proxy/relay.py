@@ -21,7 +21,14 @@ from rtkit.property.lanes import wait_of
 from rtkit.property.messages import Answer
 from rtkit.property.naming import RequestTarget, parse_target, write_parameters
 from rtkit.property.reading import read
-from rtkit.property.requests import PropertyRequest, Requester
+from rtkit.property.requests import (
+    PASSES_ON,
+    VIA,
+    PropertyRequest,
+    Requester,
+    is_among_proxies,
+    split_via,
+)
 from rtkit.property.values import Value
 from rtkit.proxy.narrowing import describes_access, narrowed
 from rtkit.proxy.prefix import Allowed, PrefixedNames
@@ -36,6 +43,7 @@ ROUTE = "~proxy.route"
 _SEEN = "seen"
 _LISTEN = "listen"
 ITSELF = "that would be a proxy of itself"
+_TOO_MANY = f"more than {MOST_HOPS} proxies, one after the other"
 
 
 class Relay(PropertyProvider):
@@ -43,7 +51,7 @@ class Relay(PropertyProvider):
 
     Args:
         on_status: Called with why whenever the owner is gone, and with nothing when it is back.
-        id: Of the service that it is a part of, if that has one.
+        id: Of the service that it is a part of, if that has one: they may stand for each other.
 
     Attributes:
         name: Under which it is found.
@@ -69,6 +77,8 @@ class Relay(PropertyProvider):
         self._is_allowed = allowed
         self._on_status = on_status
         self._id = id or f"p{uuid.uuid4().hex[:12]}"
+        self._is_part = bool(id)
+        self._owner_passes_on: bool | None = None if id else False  # None: it knows no `via`
         self._judged: ProviderConnection | None = None
         self._count = itertools.count(1)
         self._numbers: dict[Hashable, int] = {}
@@ -99,6 +109,9 @@ class Relay(PropertyProvider):
     def handle(self, ask: PropertyRequest) -> None:
         """See `PropertyProvider.handle`."""
         try:
+            if is_among_proxies(ask.target):
+                ask = split_via(ask)
+            check_way(self._id, ask.via)
             target = parse_target(ask.target)
             if target.service and target.service != self.name:
                 raise PropertyError("no-service", f"no such service: {target.service}")
@@ -110,6 +123,9 @@ class Relay(PropertyProvider):
         name = target.name
         if name in (STATUS, ROUTE):
             self._answer_own(target, ask)
+            return
+        if name == PASSES_ON:
+            self._forward(name, {}, ask)
             return
         above = self._names.above(name)
         if above is not None:
@@ -151,6 +167,7 @@ class Relay(PropertyProvider):
             # The one that another proxy gave it goes on as what it is, not as a parameter.
             own = given.pop("id") if is_shared(given.get("id")) else ask.id
             id = "" if "id" in given else self._shared(own or "", ask.caller.origin)
+        given |= self._way(ask)
         text = f"{name}?{write_parameters(given)}" if given else name
         if id:
             # Not every owner knows of ids; and what it has answered need not travel again.
@@ -161,6 +178,12 @@ class Relay(PropertyProvider):
         now = monotonic()
         wait = wait_of(ask, now)
         self.uplink.ask(text, ask.payload, id, answer, now + wait if wait else math.inf)
+
+    def _way(self, ask: PropertyRequest) -> dict[str, str | None]:
+        """Return who has passed a request on, for an owner that might do so, too, and knows it."""
+        if self._owner_passes_on is None or not (ask.via or self._owner_passes_on):
+            return {}
+        return {VIA: ".".join((*ask.via, self._id))}
 
     def _shared(self, id: str, origin: Hashable) -> str:
         """Return by what the owner knows a repetition, empty for nothing."""
@@ -195,7 +218,7 @@ class Relay(PropertyProvider):
         if removed is None or _is_true(removed):
             self._listenings.remove(name, ask.caller, ask.answer)
         else:
-            self._listenings.begin(name, given, ask.caller, ask.answer)
+            self._listenings.begin(name, given | self._way(ask), ask.caller, ask.answer)
 
     # What it answers itself
 
@@ -223,8 +246,13 @@ class Relay(PropertyProvider):
             self._judged.ask(text, None, "", answer)
 
     def _judge(self, connection: ProviderConnection, judged: Callable[[str], None]) -> None:
-        """Find out whether a connection leads back to here."""
+        """Find out whether a connection leads back to here; of a part, what is to be told there."""
         self._judged = connection
+
+        def noted(reply: Answer) -> None:
+            self._judged = None
+            self._owner_passes_on = None if reply.error else str(reply.payload) == "1"
+            judged(str(reply.payload) if reply.error in ("no-service", "timeout") else "")
 
         def answered(reply: Answer) -> None:
             self._judged = None
@@ -237,6 +265,9 @@ class Relay(PropertyProvider):
             else:
                 judged("")
 
+        if self._is_part:
+            connection.ask(PASSES_ON, None, "", noted)
+            return
         connection.ask(f"{ROUTE}?hops=1&{_SEEN}={self._id}", None, "", answered)
 
     def _answer_above(self, place: str, target: RequestTarget, ask: PropertyRequest) -> None:
@@ -247,6 +278,7 @@ class Relay(PropertyProvider):
         options = {
             key: True if text is None else read(text) for key, text in target.parameters.items()
         }
+        timeout = options.pop("timeout", None)
         if not options:
             ask.answer(Answer(self._names.listed(place)))
             return
@@ -265,6 +297,8 @@ class Relay(PropertyProvider):
 
         answer = self._narrowing(target.name, ask) if _is(options.get("meta")) else ask.answer
         more = "".join(f"&{key}" for key in ("values", "meta") if _is(options.get(key)))
+        if way := self._way(ask):
+            more += f"&{VIA}={way[VIA]}" + (f"&timeout={timeout}" if timeout else "")
         self.uplink.ask(f"properties?all{more}", None, "", answered)
 
     # The connection
@@ -278,6 +312,18 @@ class Relay(PropertyProvider):
         self._on_status(why)
 
 
+def check_way(id: str, via: Sequence[str]) -> None:
+    """Refuse a request that comes back to a service which has passed it on.
+
+    Raises:
+        PropertyError: ``no-service``; ``conflict``: too many have passed it on.
+    """
+    if id in via:
+        raise PropertyError("no-service", ITSELF)
+    if len(via) > MOST_HOPS:
+        raise PropertyError("conflict", _TOO_MANY)
+
+
 def route_target(target: RequestTarget) -> tuple[int, list[str]]:
     """Read a request for a route: how many proxies it has passed, and which.
 
@@ -287,7 +333,7 @@ def route_target(target: RequestTarget) -> tuple[int, list[str]]:
     text = target.parameters.get("hops") or "0"
     hops = int(text) if text.isdecimal() else MOST_HOPS
     if hops >= MOST_HOPS:
-        raise PropertyError("conflict", f"more than {MOST_HOPS} proxies, one after the other")
+        raise PropertyError("conflict", _TOO_MANY)
     return hops, (target.parameters.get(_SEEN) or "").split(",")
 
 

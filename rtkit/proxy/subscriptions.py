@@ -14,7 +14,7 @@ from rtkit.property.codes import PASSING, PropertyError
 from rtkit.property.messages import DONE, Answer, PropertyEvent
 from rtkit.property.naming import write_parameters
 from rtkit.property.reading import read
-from rtkit.property.requests import Requester
+from rtkit.property.requests import VIA, Requester
 from rtkit.property.subscription import (
     LONGEST_LEASE_S,
     LONGEST_QUEUE,
@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from rtkit.proxy.uplink import Uplink
 
 _MOST_OF_CALLER = 1024
-_ALIKE = {"queue", "initial"}
+_ALIKE = {"queue", "initial", VIA}
 """Options with which all listeners get the same events, whenever they began."""
 _AGAIN_S = 1.0
 """After which time the owner is asked anew that was there but could not say yes or no [s]."""

@@ -27,7 +27,7 @@ _MOST_WAITING = 1 << 16
 
 Placed = Callable[[ProviderConnection | PropertyError], None]
 Judging = Callable[[ProviderConnection, Callable[[str], None]], None]
-_GRACE_S = 0.1
+_GRACE_S = 0.05
 """How much later than the owner a proxy gives up: the owner knows better why [s]."""
 
 
@@ -39,7 +39,12 @@ class Uplink:
         judge: Looks at a new connection and calls with why it cannot be used, empty if it can.
         came: Called when the owner can be reached.
         went: Called with why it no longer can, or cannot be to begin with.
+
+    Attributes:
+        label: Put before why a connection has ended, or an owner has not answered.
     """
+
+    label = ""
 
     def __init__(
         self,
@@ -101,7 +106,8 @@ class Uplink:
     def _bounded(self, answer: Answering, wait_s: float) -> Answering:
         """Return what passes on a reply that comes in time; else the requester is told by then."""
         first = first_only(answer)
-        in_time = self._host.user_code.refuse_after(wait_s, first)
+        late = lambda reply: first(reply._replace(payload=f"{self.label}{reply.payload}"))  # noqa: E731
+        in_time = self._host.user_code.refuse_after(wait_s, late)
 
         def answered(reply: Answer) -> None:
             in_time()
@@ -168,7 +174,7 @@ class Uplink:
             if number != self._round:
                 return
             if why:
-                self._lose(why)
+                self._lose(self.label + why)
                 return
             self._is_up, self._pause_s = True, _FIRST_PAUSE_S
             self._came()
@@ -201,7 +207,7 @@ class Uplink:
 
         def gone(why: str) -> None:
             if number == self._round:
-                self._lose(why)
+                self._lose(self.label + why)
 
         connection.start(gone)
 

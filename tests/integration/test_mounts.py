@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import signal
+import socket
 import subprocess
 import sys
 from collections import ChainMap
@@ -11,11 +12,16 @@ from collections.abc import Callable, Iterator
 from contextlib import ExitStack
 from queue import SimpleQueue
 from time import monotonic
+from typing import Any
 
 import pytest
 
 import rtkit
 from rtkit.errors import Malformed
+from rtkit.link import places
+from rtkit.proxy.bridge import bridge
+from rtkit.serving.workers import LATE
+from rtkit.wires.line.client import connect_unix
 
 _BOUND_S = 20.0
 
@@ -220,22 +226,70 @@ def test_widgets_of_what_is_mounted_are_named_as_they_are_there(
             assert "away" not in widgets("g.gui")["robots.a"]
 
 
-def test_no_mount_leads_back_to_where_it_is(place: str, client: rtkit.Client) -> None:
-    """Neither to itself nor by way of others, whoever was there first."""
-    mounts = {"a": "b", "b": "c", "c": "a"}
+@pytest.mark.parametrize("scheme", ["", "zenoh:", "tcp:", "http:"])
+def test_services_mount_each_other_in_any_order_and_again(
+    scheme: str, place: str, client: rtkit.Client
+) -> None:
+    """Whoever was there first, or is started anew; what goes round ends at once, and says so."""
+    ports: dict[str, int] = {}
+
+    def start(name: str, peer: str) -> object:
+        kind = {"tcp:": "port", "http:": "http"}.get(scheme, "")
+        addresses = {
+            "tcp:": f"tcp:localhost:{ports[peer]}/{peer}",
+            "http:": f"http://localhost:{ports[peer]}/ps/{peer}",
+        }
+        address = addresses.get(scheme, scheme + peer)
+        thing = {"v": name, "peer": rtkit.Mount(address, timeout_s=1.0)}
+        more = {kind: ports[name]} if kind else {}
+        return serve(thing, name, is_on_zenoh=scheme == "zenoh:", **more)
+
+    for name in "ab":
+        with socket.socket() as end:
+            end.bind(("127.0.0.1", 0))
+            ports[name] = end.getsockname()[1]
+    ends: dict[str, Any] = {"a": start("a", "b"), "b": start("b", "a")}
+    for again in ("a", "b", ""):
+        for name, peer in ("ab", "ba"):
+            gone_round = [rtkit.Ask(f"{name}.{way}.v") for way in ("peer.peer", "peer.peer.peer")]
+            until(lambda n=name, p=peer: client.ask_all([rtkit.Ask(f"{n}.peer.v")], 5.0) == [p])  # type: ignore[misc]
+            until(lambda n=peer, p=name: client.ask_all([rtkit.Ask(f"{n}.peer.v")], 5.0) == [p])  # type: ignore[misc]
+            for refused in client.ask_all(gone_round, _BOUND_S):
+                assert (refused.code, "proxy of itself" in str(refused)) == ("no-service", True)
+            began = monotonic()
+            values = dict(client.get(f"{name}.properties", all=True, values=True))
+            assert (values["v"], values["peer.v"], len(values)) == (name, peer, 3)
+            assert values["peer.peer"].leaf == "that would be a proxy of itself"
+            assert monotonic() - began < 0.8, "nobody was waited for"
+            assert client.get(f"{name}.peer.properties", all=1, timeout=2) == ("v", "peer")
+        if again:
+            ends[again].close()
+            ends[again] = start(again, "b" if again == "a" else "a")
+    for end in ends.values():
+        end.close()
+
+
+def test_no_request_goes_round_a_ring(place: str, client: rtkit.Client) -> None:
+    """By way of others, at a place below itself, through a proxy, and by listening."""
+    ring = {"a": "b", "b": "c", "c": "a"}
     with ExitStack() as ends:
-        for name, target in mounts.items():
-            ends.enter_context(serve({"v": 1, "next": rtkit.Mount(target)}, name))  # type: ignore[arg-type]
-        ends.enter_context(serve({"me": rtkit.Mount("self")}, "self"))  # type: ignore[arg-type]
-        assert code(lambda: client.get("self.me.me.me")) == "no-service"
-
-        def is_cut() -> bool:
-            answers = client.ask_all([rtkit.Ask(f"{name}.next.v") for name in mounts], _BOUND_S)
-            return 1 <= sum(each == 1 for each in answers) <= 2
-
-        until(is_cut)
-        for name in mounts:
-            assert len(client.get(f"{name}.properties", all=True, timeout=1)) < 12
+        for name, target in ring.items():
+            ends.enter_context(serve({"v": name, "next": rtkit.Mount(target)}, name))  # type: ignore[arg-type]
+        ends.enter_context(serve({"me": rtkit.Mount("self.me")}, "self"))  # type: ignore[arg-type]
+        for name, far in zip(ring, "cab", strict=True):
+            ask = rtkit.Ask(f"{name}.next.next.v")
+            until(lambda a=ask, f=far: client.ask_all([a], 5.0) == [f])  # type: ignore[misc]
+        assert [client.get(f"a.{way}v") for way in ("", "next.", "next.next.")] == ["a", "b", "c"]
+        for way in ("a.next.next.next.v", "a.next.next.next.next.v", "self.me.x"):
+            assert code(lambda w=way: client.get(w)) == "no-service"  # type: ignore[misc]
+            assert code(lambda w=way: client.listen(w, print)) == "no-service"  # type: ignore[misc]
+        assert len(client.get("a.properties", all=True)) == 6
+        ends.enter_context(bridge("a", f"unix:{place}/p.sock", prefix="p"))
+        with serve({"v": 0, "back": rtkit.Mount(f"unix:{place}/p.sock")}, "d"):
+            assert client.get("d.back.p.next.v") == "b"
+            for name in "abc":
+                assert client.get(f"d.back.p.{'next.' * 'abc'.index(name)}v") == name
+            assert code(lambda: client.get("d.back.p.next.next.next.v")) == "no-service"
 
 
 def test_rules_of_an_endpoint_hold_for_what_is_mounted(place: str, client: rtkit.Client) -> None:
@@ -281,6 +335,15 @@ with rtkit.serve(Robot(), 'r1', is_on_zenoh=False):
         assert (slow.code, quick) == ("timeout", 2.0)
         values = dict(client.get("g.robots.properties", all=True, values=True))
         assert (values["b.x"], values["a"].attributes) == (2.0, {"code": "timeout"})
+        with socket.socket(socket.AF_UNIX) as end, end.makefile() as replies:
+            end.connect(places.service_socket("g"))
+            end.sendall(b"GET robots.a.x?timeout=0.2\n")
+            assert replies.readline() == f"! timeout r1: {LATE.payload}\n"
+        with connect_unix(places.service_socket("g"), 0.4) as lines:
+            began = monotonic()
+            with pytest.raises(rtkit.errors.Unreachable, match=r"no answer within 0\.4 s"):
+                lines.ask("robots.a.x")
+            assert monotonic() - began < 0.4 + 0.3, "it waits once"
         owner.send_signal(signal.SIGCONT)
         assert client.get("g.robots.a.x") == 1
     owner.communicate(b"")

@@ -120,6 +120,9 @@ class LineClient(Closing):
         """Return what nearly all replies are: one line with a value, and nothing behind it."""
         try:
             data = self._end.recv(_FEW)
+        except BlockingIOError:
+            self._given_up += 1
+            raise Unreachable(f"no answer within {self._timeout_s:g} s") from None
         except OSError:
             return None
         if data[:2] == b"= " and data[2:3] != b"{" and data.find(b"\n") == len(data) - 1:
