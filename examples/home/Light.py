@@ -38,7 +38,7 @@ class Light:
     def set_on(self, on: bool) -> None:
         """Switch it on or off."""
         marker = rtkit.Marker(self.location, type="light", size=0.1, on=on)
-        self._client.call(f"{self._world}.put", self._lamp, marker)
+        self._client.set(f"{self._world}.objects.{self._lamp}", marker)
         self._on = on
 
 

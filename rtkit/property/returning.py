@@ -90,8 +90,14 @@ class Returning:
         return self.after
 
     def write_timeout(self, value: Content, _given: object) -> None:
-        """Set the time-out [s]; it holds at once."""
+        """Set the time-out [s]; it holds at once.
+
+        Raises:
+            PropertyError: ``bad-value``: it is not positive and finite.
+        """
         assert is_number(value)
+        if not 0 < value < inf:  # type: ignore[operator]
+            raise PropertyError("bad-value", f"a time-out is positive and finite, not {value!r}")
         self.after = float(value)  # type: ignore[arg-type]
         if self._cancel is not None:
             self.was_set()

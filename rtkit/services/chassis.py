@@ -8,7 +8,7 @@ from typing import Annotated, Any
 import rtkit
 from rtkit.services import driving
 from rtkit.services.driving import Row
-from rtkit.services.frames import Frames
+from rtkit.services.frames import Frames, plain
 from rtkit.services.running import Running, Twist
 
 STANDS: Twist = (0.0, 0.0, 0.0)
@@ -67,9 +67,9 @@ class Chassis:
             return
         self.world = driving.enlist(self, self._in)
         try:
-            self.world.join(self.body, self.pose, *self._size)
+            self._appear()
         except BaseException as error:
-            if getattr(error, "code", "") in ("no-service", "timeout", "busy"):
+            if getattr(error, "code", "") in ("no-service", "timeout"):
                 self.lost(error)  # a world that comes later is entered then
                 return
             self._entered = 0
@@ -83,12 +83,18 @@ class Chassis:
             return
         self.halt()
         try:
-            self.world.leave(self.body)
+            self.world.bodies.set(self.body, None)
         except rtkit.PropertyError as error:
             if error.code != "no-service":  # a world that has ended has no bodies
                 raise
         finally:
             driving.discharge(self, self._in)
+
+    def _appear(self) -> None:
+        """Put its body into the world, where it is."""
+        (x, y, heading), (radius, height) = self.pose, self._size
+        place = (x, y, 0.0, 0.0, 0.0, heading)
+        self.world.bodies.set(self.body, rtkit.Marker(place, radius=radius, height=height))
 
     @property
     def status(self) -> str:
@@ -140,7 +146,7 @@ class Chassis:
         """Take where it is now; a world that was begun anew is entered anew."""
         self.trouble = ""
         if not row:
-            self.world.join(self.body, self.pose, *self._size)
+            self._appear()
             return
         before, self.pose = self.pose, (row[0], row[1], row[2])
         dx, dy = self.pose[0] - before[0], self.pose[1] - before[1]
@@ -148,7 +154,8 @@ class Chassis:
         # It went along an arc: the chord is shorter.
         rate = (half / math.sin(half) if half else 1.0) / seconds
         cos, sin = rate * math.cos(before[2] + half), rate * math.sin(before[2] + half)
-        self.velocity = (cos * dx + sin * dy, cos * dy - sin * dx, 2 * half / seconds)
+        ahead, left, turning = cos * dx + sin * dy, cos * dy - sin * dx, 2 * half / seconds
+        self.velocity = plain((ahead, left, turning))  # type: ignore[assignment]
         self.carried(seconds)
 
     def lost(self, error: BaseException) -> None:

@@ -49,6 +49,11 @@ def transform(pose: Sequence[float], location: Sequence[float]) -> tuple[float, 
     return _moved(pose, _rotation(pose), location)[: len(location)]
 
 
+def plain(numbers: Sequence[float]) -> tuple[float, ...]:
+    """Return numbers as they are told: to 1e-9, and a 0 without a sign."""
+    return tuple(round(each, 9) + 0.0 for each in numbers)
+
+
 def transform_covariance(
     pose: Sequence[float], location: Sequence[float], covariance: Sequence[Sequence[float]]
 ) -> Rows:
@@ -143,8 +148,8 @@ class Frames:
             PropertyError: ``bad-parameter``: there is no such frame.
         """
         if frame == to:
-            return tuple(map(float, _checked(location)))
-        return transform(self.between(frame, to), location)
+            return plain(_checked(location))
+        return plain(transform(self.between(frame, to), location))
 
     def between(self, frame: str, to: str) -> Pose:
         """Return the pose of one frame in another one [m, rad].

@@ -12,7 +12,7 @@ from typing import Annotated, Any, Final, NamedTuple
 import rtkit
 from rtkit import init_of
 from rtkit.errors import Refused
-from rtkit.services.frames import ORIGIN, Frames, transform
+from rtkit.services.frames import ORIGIN, Frames, plain, transform
 from rtkit.services.sensor import MIDDLE, DeviceSensor, Pose6, numbers
 
 _LONGEST = 256
@@ -197,7 +197,7 @@ class Gps(DeviceSensor):
         x, y, z = self.position
         place = local((x, y, z), (self.origin[0], self.origin[1], self.origin[2]))
         found = rtkit.Marker(
-            transform(pose, place), type="gps", frame="" if frame == "base" else frame,
+            plain(transform(pose, place)), type="gps", frame="" if frame == "base" else frame,
             variance=(self.accuracy * max(self.hdop, 1.0)) ** 2, fix=self.fix,
         )  # fmt: skip
         return [found]

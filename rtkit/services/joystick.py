@@ -6,6 +6,7 @@ read the device: the group ``input`` is, on most systems.
 
 from __future__ import annotations
 
+from abc import abstractmethod
 from typing import Annotated, Final
 
 import rtkit
@@ -45,9 +46,9 @@ class _InputSensor(DeviceSensor):
         for report in self._reader_of_events.feed(data):
             self._report(report)
 
+    @abstractmethod
     def _report(self, events: list[InputEvent]) -> None:
         """Take events that belong together."""
-        raise NotImplementedError
 
     def _fraction(self, code: int, value: float) -> float:
         """Return where a value is between the limits of its axis: 0 to 1."""

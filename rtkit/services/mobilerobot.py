@@ -11,7 +11,7 @@ import rtkit
 from rtkit.errors import Malformed
 from rtkit.services.behaviors import MoveTo, behaviors_of, loaded
 from rtkit.services.chassis import Chassis, Wheels
-from rtkit.services.frames import ORIGIN, Frames, pose_of, service_lookup, transform
+from rtkit.services.frames import ORIGIN, Frames, plain, pose_of, service_lookup, transform
 from rtkit.services.mounted import Camera, Eye, Laser
 from rtkit.services.sensor import Pose6
 
@@ -90,8 +90,7 @@ class MobileRobot:
     def get_location(self, frame: str = "world") -> Annotated[Pose6, rtkit.Unit("m")]:
         """Pose: x y z a b c."""
         x, y, theta = self._chassis.pose
-        here = (x, y, 0.0, 0.0, 0.0, theta)
-        return here if frame == "world" else self._frames.convert(here, "world", frame)  # type: ignore[return-value]
+        return self._frames.convert((x, y, 0.0, 0.0, 0.0, theta), "world", frame)  # type: ignore[return-value]
 
     def get_velocity(
         self, frame: str = "base"
@@ -110,7 +109,7 @@ class MobileRobot:
     def _turned(self, twist: tuple[float, float, float], frame: str, to: str) -> Pose6:
         between = self._frames.between(frame, to) if frame != to else pose_of((0.0, 0.0))
         x, y, z = transform((0.0, 0.0, 0.0, *between[3:]), (*twist[:2], 0.0))
-        return x, y, z, 0.0, 0.0, twist[2]
+        return plain((x, y, z, 0.0, 0.0, twist[2]))  # type: ignore[return-value]
 
     def plug(self, kind: Literal["actuators", "sensors"], name: str, target: str) -> None:
         """Show a service as an actuator or a sensor of this robot: its properties are there."""

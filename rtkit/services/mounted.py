@@ -10,7 +10,7 @@ from typing import Annotated, Final, Literal
 import rtkit
 from rtkit.services import images
 from rtkit.services.chassis import Chassis
-from rtkit.services.frames import Frames, Pose, compose, inverse, transform
+from rtkit.services.frames import Frames, Pose, compose, inverse, plain, transform
 
 Metres = rtkit.Unit("m")
 
@@ -72,7 +72,7 @@ class Eye(_Mounted):
             noisy = tuple(part + self._random.gauss(0.0, sigma) for part in there)
             found.append(
                 each.with_(
-                    location=transform(to_frame, noisy),
+                    location=plain(transform(to_frame, noisy)),
                     frame="" if frame == "base" else frame,
                     time=time.time(),
                     variance=sigma * sigma or None,

@@ -7,6 +7,7 @@ in the base that carries it. Other frames are those of `rtkit.services.frames`.
 from __future__ import annotations
 
 import threading
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable
 from functools import partial
 from typing import Annotated, Any, Final, Self
@@ -14,7 +15,7 @@ from typing import Annotated, Any, Final, Self
 import rtkit
 from rtkit import init_of
 from rtkit.services.device import LOOK_S, Device
-from rtkit.services.frames import ORIGIN, Frames, Pose, transform, transform_covariance
+from rtkit.services.frames import ORIGIN, Frames, Pose, plain, transform, transform_covariance
 
 Pose6 = tuple[float, float, float, float, float, float]
 MIDDLE: Pose6 = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
@@ -125,7 +126,7 @@ def moved(marker: rtkit.Marker, pose: Pose, frame: str) -> rtkit.Marker:
     """Return a marker of the frame that has a pose in another one, as a marker of that one."""
     changes: dict[str, Any] = {"frame": frame}
     if marker.location is not None:
-        changes["location"] = transform(pose, marker.location)
+        changes["location"] = plain(transform(pose, marker.location))
         if marker.covariance is not None:
             changes["covariance"] = transform_covariance(pose, marker.location, marker.covariance)
     return marker.with_(**changes)
@@ -143,7 +144,7 @@ def numbers(name: str, given: object, *counts: int) -> tuple[float, ...]:
     raise ValueError(f"{name} is {' or '.join(map(str, counts))} numbers in brackets, not {given}")
 
 
-class DeviceSensor(Sensor):
+class DeviceSensor(Sensor, ABC):
     """Base of sensors behind a device file, which comes and goes.
 
     Args:
@@ -184,9 +185,9 @@ class DeviceSensor(Sensor):
     def _opened(self, descriptor: int) -> None:
         """Look at the device that was opened."""
 
+    @abstractmethod
     def _take(self, data: bytes) -> None:
         """Take what came; ValueError: it makes no sense."""
-        raise NotImplementedError
 
     def _rest(self) -> None:
         """Put what is read to rest: the device has gone, and nobody holds it any more."""

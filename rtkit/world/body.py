@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 import math
+from typing import TYPE_CHECKING
 
 from rtkit.errors import Malformed, Refused
-from rtkit.world.contact import TOLERANCE, Contact
+from rtkit.world.contact import NO_DISCS, TOLERANCE, Contact
 from rtkit.world.scene import Scene
 from rtkit.world.shapes import Pose, moved
+
+if TYPE_CHECKING:
+    from rtkit.world.contact import Floats
 
 _PRESSED = 0.01
 """How far a body may be pressed against a wall before that counts as a collision [m]."""
@@ -77,7 +81,9 @@ class Body:
         """The names of the objects that it touches."""
         return self._scene.touched(self._pose[:2], self.radius)
 
-    def move(self, vx: float, vy: float, omega: float, dt: float) -> float:
+    def move(
+        self, vx: float, vy: float, omega: float, dt: float, discs: Floats = NO_DISCS
+    ) -> float:
         """Move with a twist in its own frame, as far as nothing is in the way.
 
         Args:
@@ -85,14 +91,16 @@ class Body:
             vy: Speed to the left [m/s]; 0 for a differential robot.
             omega: Turning, counter-clockwise [rad/s].
             dt: How long [s].
+            discs: What is in the way besides the scene: x, y and radius in each row [m].
 
         Returns:
             How long it moved before a contact stopped it [s]; `dt` if none did.
         """
         path = math.hypot(vx, vy) * dt
         self.contact = None
-        if path and not self._has_room(path):
-            self.contact = self._scene.contact(self._pose, self.radius, (vx, vy, omega), dt)
+        if path and (len(discs) or not self._has_room(path)):
+            twist = vx, vy, omega
+            self.contact = self._scene.contact(self._pose, self.radius, twist, dt, discs)
         time = dt if self.contact is None else self.contact.time
         start, self._pose = self._pose, moved(self._pose, vx, vy, omega, time)
         self._room -= path

@@ -23,6 +23,8 @@ if TYPE_CHECKING:
 TOLERANCE = 1e-9
 """How deep a body may be in a wall before that counts as a contact [m]."""
 _LONGEST_TURN = math.pi / 2
+NO_DISCS = np.zeros((0, 3))
+"""Discs in the way, a row each: place of the centre and radius [m]."""
 
 
 class Contact(NamedTuple):
@@ -31,7 +33,7 @@ class Contact(NamedTuple):
     Attributes:
         time: When, from the beginning of the motion [s].
         normal: The direction away from the wall, of length 1.
-        edge: Which edge of the scene was met.
+        edge: Which edge of the scene was met; -1 for a disc.
     """
 
     time: float
@@ -56,7 +58,12 @@ class Edges(NamedTuple):
 
 
 def first_contact(
-    edges: Edges, pose: Pose, radius: float, twist: tuple[float, float, float], dt: float
+    edges: Edges,
+    pose: Pose,
+    radius: float,
+    twist: tuple[float, float, float],
+    dt: float,
+    discs: Floats = NO_DISCS,
 ) -> Contact | None:
     """Return the first contact of a disc, or a point, that moves with a twist [m/s, rad/s].
 
@@ -67,14 +74,19 @@ def first_contact(
     span = dt / count
     for part in range(count):
         start = moved(pose, vx, vy, omega, part * span)
-        found = _on_short_arc(edges, start, radius, twist, span)
+        found = _on_short_arc(edges, start, radius, twist, span, discs)
         if found is not None:
             return found._replace(time=part * span + found.time)
     return None
 
 
 def _on_short_arc(
-    edges: Edges, pose: Pose, radius: float, twist: tuple[float, float, float], dt: float
+    edges: Edges,
+    pose: Pose,
+    radius: float,
+    twist: tuple[float, float, float],
+    dt: float,
+    discs: Floats,
 ) -> Contact | None:
     vx, vy, omega = twist
     if abs(omega) * dt < TOLERANCE / 1e3:
@@ -83,6 +95,31 @@ def _on_short_arc(
     cos, sin = math.cos(pose.theta), math.sin(pose.theta)
     v = np.array((cos * vx - sin * vy, sin * vx + cos * vy))
     turned = np.array((-v[1], v[0])) * (omega / 2)
+    first, row, normal = math.inf, -1, np.zeros(2)
+    if len(edges.length):
+        first, row, normal = _first_side(edges, pose, radius, v, turned, omega, last)
+    for centres, reach in ((edges.begin, radius), (discs[:, :2], radius + discs[:, 2])):
+        if not len(centres) or not np.any(reach):
+            continue
+        away = (pose.x, pose.y) - centres
+        c = (away * away).sum(1) - reach * reach
+        a = c * (omega * omega / 4) + 2 * (away @ turned) + v @ v
+        u = _entering(a / (2 * reach), (away @ v) / reach, c / (2 * reach), last)
+        met = int(u.argmin())
+        if u[met] < first:
+            row, first = met if centres is edges.begin else -1, float(u[met])
+            normal = away[met] + _shift(first, v, turned, omega)
+            normal = normal / math.hypot(*normal)
+    if not math.isfinite(first):
+        return None
+    time = first if not omega else 2 * math.atan(omega * first / 2) / omega
+    return Contact(min(time, dt), (float(normal[0]), float(normal[1])), row)
+
+
+def _first_side(
+    edges: Edges, pose: Pose, radius: float, v: Floats, turned: Floats, omega: float, last: float
+) -> tuple[float, int, Floats]:
+    """Return when a side of a wall is met, infinity for never, which, and its normal."""
     away = (pose.x, pose.y) - edges.begin
     height = (away * edges.normal).sum(1)
     c = height - radius
@@ -95,20 +132,7 @@ def _on_short_arc(
     slack = 0.0 if radius else TOLERANCE
     u[(place < -slack) | (place > edges.length + slack)] = np.inf
     row = int(u.argmin())
-    first, normal = float(u[row]), edges.normal[row]
-    if radius:
-        c = (away * away).sum(1) - radius * radius
-        a = c * (omega * omega / 4) + 2 * (away @ turned) + v @ v
-        u = _entering(a / (2 * radius), (away @ v) / radius, c / (2 * radius), last)
-        corner = int(u.argmin())
-        if u[corner] < first:
-            row, first = corner, float(u[corner])
-            normal = away[row] + _shift(first, v, turned, omega)
-            normal = normal / math.hypot(*normal)
-    if not math.isfinite(first):
-        return None
-    time = first if not omega else 2 * math.atan(omega * first / 2) / omega
-    return Contact(min(time, dt), (float(normal[0]), float(normal[1])), row)
+    return float(u[row]), row, edges.normal[row]
 
 
 def _shift(u: float | Floats, v: Floats, turned: Floats, omega: float) -> Floats:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from rtkit.errors import NotFound, Refused
-from rtkit.world.contact import TOLERANCE, Contact, Edges, first_contact
+from rtkit.world.contact import NO_DISCS, TOLERANCE, Contact, Edges, first_contact
 from rtkit.world.shapes import Point, Polygon, Pose
 
 if TYPE_CHECKING:
@@ -126,13 +126,20 @@ class Scene:
         first = len(self._walls)
         return tuple(name for at, name in enumerate(self._objects, first) if at in rows)
 
-    def rays(self, point: Sequence[float], bearings: Sequence[float], reach: float) -> Floats:
+    def rays(
+        self,
+        point: Sequence[float],
+        bearings: Sequence[float],
+        reach: float,
+        discs: Floats = NO_DISCS,
+    ) -> Floats:
         """Return how far rays get from a point outside of the solids, at most `reach` [m].
 
         Args:
             point: Where they begin [m].
             bearings: Their directions in the frame of the world [rad].
             reach: What is returned where nothing is [m].
+            discs: What else stops them, from outside: x, y and radius in each row [m].
         """
         angles = np.asarray(bearings, dtype=np.float64)
         edges = self._edges
@@ -147,6 +154,13 @@ class Scene:
         hit = (rise < 0) & (length > -TOLERANCE) & (length < reach)
         hit &= (place >= -TOLERANCE) & (place <= edges.length + TOLERANCE)
         found: Floats = np.where(hit, length, reach).min(1, initial=reach)
+        if len(discs):
+            away = discs[:, :2] - (point[0], point[1])
+            middle, outside = _along(angles, away), (away * away).sum(1) - discs[:, 2] ** 2
+            with np.errstate(invalid="ignore"):
+                length = middle - np.sqrt(middle * middle - outside)
+            hit = (outside >= 0) & (middle > 0) & (length < reach)
+            found = np.minimum(found, np.where(hit, length, reach).min(1))
         return np.maximum(found, 0.0, out=found)
 
     def cone(self, point: Sequence[float], bearing: float, width: float, reach: float) -> float:
@@ -176,7 +190,12 @@ class Scene:
         return np.minimum(found, reach)
 
     def contact(
-        self, pose: Pose, radius: float, twist: tuple[float, float, float], dt: float
+        self,
+        pose: Pose,
+        radius: float,
+        twist: tuple[float, float, float],
+        dt: float,
+        discs: Floats = NO_DISCS,
     ) -> Contact | None:
         """Return the first contact of a disc, or a point, that moves along its arc; None if free.
 
@@ -185,14 +204,15 @@ class Scene:
             radius: Of the disc [m]; 0 for a point.
             twist: Speed ahead and to the left [m/s], turning [rad/s].
             dt: How long it is to move [s].
+            discs: What else is in the way: x, y and radius in each row [m].
         """
-        if not len(self._edges.length):
+        if not len(self._edges.length) and not len(discs):
             return None
-        return first_contact(self._edges, pose, radius, twist, dt)
+        return first_contact(self._edges, pose, radius, twist, dt, discs)
 
     def object_of(self, contact: Contact) -> str:
-        """Return the name of the object that was met; empty for a wall."""
-        at = int(self._solid_of[contact.edge]) - len(self._walls)
+        """Return the name of the object that was met; empty for a wall or a disc."""
+        at = int(self._solid_of[contact.edge]) - len(self._walls) if contact.edge >= 0 else -1
         return "" if at < 0 else list(self._objects)[at]
 
     def _narrow_cones(self, point: Sequence[float], bearings: Floats, width: float) -> Floats:

@@ -6,6 +6,7 @@ import math
 import threading
 import time
 from collections.abc import Callable, Iterator
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import ExitStack
 from importlib.metadata import entry_points
 from typing import Any
@@ -150,7 +151,7 @@ def test_what_is_plugged_in_appears_with_an_event(
 def test_sensors_are_asked_of_the_world_as_it_stands(home: Any, client: rtkit.Client) -> None:
     ball = rtkit.Marker((1.0, 1.6, 0.2), type="ball", size=0.3, color=(0.9, 0.1, 0.1))
     before = client.get_bytes("robots/r1.sensors.camera.image?width=64&height=48")
-    client.call("home.put", "ball", ball)
+    client.set("home.objects.ball", ball)
     assert client.get_bytes("robots/r1.sensors.camera.image?width=64&height=48") != before
     (seen,) = client.get("robots/r1.sensors.eye.markers", frame="world")
     assert (seen.id, seen.frame) == ("ball", "world")
@@ -168,6 +169,51 @@ def test_sensors_are_asked_of_the_world_as_it_stands(home: Any, client: rtkit.Cl
     pytest.importorskip("cv2")
     jpeg = client.get_bytes("robots/r1.sensors.camera.image?format=jpeg")
     assert jpeg.startswith(b"\xff\xd8")
+
+
+def test_clients_that_put_and_take_at_once_are_all_served(
+    place: str, client: rtkit.Client, ends: ExitStack
+) -> None:
+    ends.enter_context(rtkit.serve(HomeWorld(), "home", is_on_zenoh=False))
+    ready = threading.Barrier(4)
+
+    def work(worker: int) -> None:
+        with rtkit.Client(timeout_s=_BOUND_S) as own:
+            ready.wait(_BOUND_S)
+            for at in range(20):
+                marker = rtkit.Marker((float(at), float(worker), 0.0))
+                own.set(f"home.objects.ball{worker}x{at}", marker)
+                own.set(f"home.bodies.body{worker}", marker)
+                if at % 2:
+                    own.set(f"home.objects.ball{worker}x{at}", None)
+
+    with ThreadPoolExecutor(4) as pool:
+        for done in [pool.submit(work, worker) for worker in range(4)]:
+            done.result(_BOUND_S)
+    balls = {f"ball{worker}x{at}" for worker in range(4) for at in range(0, 20, 2)}
+    assert {*client.get("home.objects")} == balls
+    assert client.get("home.objects.ball3x4.location") == (4.0, 3.0, 0.0)
+    assert {*client.get("home.bodies")} == {f"body{worker}" for worker in range(4)}
+    assert client.get("home.bodies.body2.location")[:2] == (19.0, 2.0)
+
+
+def test_parts_of_objects_and_bodies_are_set(home: Any, client: rtkit.Client) -> None:
+    client.set("home.objects.lamp", rtkit.Marker((1.0, 1.0, 2.0), type="light", on=False))
+    client.set("home.objects.lamp.on", True)
+    client.set("home.objects.lamp.location", (2.0, 1.0, 2.0))
+    lamp = client.get("home.objects.lamp")
+    assert (lamp.features["on"], lamp.location, lamp.id) == (True, (2.0, 1.0, 2.0), "lamp")
+    client.set("home.bodies.r2.location", (5.0, 5.0, 0.0, 0.0, 0.0, 0.0))
+    body = client.get("home.bodies.r2")
+    assert (body.location[:2], body.features["radius"]) == ((5.0, 5.0), 0.2)
+    with pytest.raises(rtkit.PropertyError) as refused:
+        client.set("home.objects.none.on", True)
+    assert refused.value.code == "unknown"
+    for target in ("home.objects.lamp", "home.objects.lamp.location"):
+        with pytest.raises(rtkit.PropertyError) as refused:
+            client.set(target, "red")
+        assert refused.value.code == "bad-value"
+    assert client.get("home.objects.lamp") == lamp
 
 
 def test_a_world_that_comes_later_is_entered_then(

@@ -73,6 +73,12 @@ class _Lamp:
 _BALL = "<marker><location>(1 2 0)</location><type>ball</type></marker>"
 
 
+def _world() -> HomeWorld:
+    home = HomeWorld()
+    home.objects.set("ball", rtkit.Marker((1.0, 2.0, 0.0), type="ball"))
+    return home
+
+
 class _Swarm(Group):
     """Group whose members are served as long as it is."""
 
@@ -154,14 +160,15 @@ CONTRACTS: dict[str, Contract] = {
     "differential robot": _robot(DifferentialRobot, "left.angle"),
     "legged robot": _robot(LeggedRobot, "left_front.femur"),
     "home world": Contract(
-        lambda folder: HomeWorld(),
+        lambda folder: _world(),
         {"type": "list<word>", "version": "string", "status": "string", "pace": "number",
          "ranges": "vector", "seen": "list<marker>", "image": "bytes", "room": "string",
-         "light": "number", "join": "action", "leave": "action", "put": "action", "take": "action"},
+         "light": "number", "objects.ball": "any"},
         {},
         {"room": ("x", "read-only"), "image?width=0": (None, "bad-parameter"),
          "ranges?count=1000000": (None, "bad-parameter"),
-         "ranges?at=(1 2)": (None, "bad-parameter"), "objects.ball": ("<marker/>", "unknown")},
+         "ranges?at=(1 2)": (None, "bad-parameter"), "objects.ball": ("red", "bad-value"),
+         "bodies.r1": ("<marker/>", "bad-value"), "objects.none": (None, "unknown")},
     ),
     "lamp": Contract(
         lambda folder: _Lamp(),

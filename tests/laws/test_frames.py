@@ -54,7 +54,7 @@ def test_a_reading_in_two_frames_agrees_with_the_locations(
     robots = {"r1": r1, "r2": r2}
     frames = Frames(robots.__getitem__, base=lambda: r1)
     in_world = transform(r1, seen)
-    assert frames.convert(seen) == pytest.approx(in_world)
+    assert frames.convert(seen) == pytest.approx(in_world, abs=1e-9)
     of_r2 = frames.convert(seen, "r1", "r2")
     assert transform(r2, of_r2)[:3] == pytest.approx(in_world[:3], abs=1e-7)
     back = frames.convert(of_r2, "r2", "base")

@@ -10,6 +10,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+import rtkit
 from rtkit.services.legged import (
     COXA,
     FEMUR,
@@ -86,7 +87,7 @@ def test_feet_on_the_ground_never_slip_and_carry_the_body(moves: Any, has_walls:
         home._scene = Scene([Polygon([(-1, -1), (1, -1), (1, 1), (-1, 1)], [walls])])
     legs = LeggedRobot(world=home, body="walker")._chassis
     assert isinstance(legs, Legs)
-    home.join("walker", legs.pose, 0.2)
+    home.bodies.set("walker", rtkit.Marker(legs.pose[:2], radius=0.2))
     for twist, seconds, times in moves:
         for _ in range(times):
             before, pose = legs.feet, legs.pose
@@ -105,7 +106,7 @@ def test_it_goes_where_it_is_driven_in_the_end(twist: Any) -> None:
     home = HomeWorld(pace=0)
     legs = LeggedRobot(world=home, body="walker")._chassis
     assert isinstance(legs, Legs)
-    home.join("walker", legs.pose, 0.2)
+    home.bodies.set("walker", rtkit.Marker(legs.pose[:2], radius=0.2))
     went = 0.0
     for _ in range(60):
         before = legs.pose

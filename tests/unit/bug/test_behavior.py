@@ -32,7 +32,7 @@ def run(kind: Any, world: str, variant: str, longest_s: float = 600.0) -> Any:
             if robot._chassis.running.state != "running":
                 break
         told = getattr(robot.behaviors, f"get_{variant}")()
-        return told, robot.get_location(), home.bodies["it"].get_collisions()
+        return told, robot.get_location(), home.bodies.get("it").features["collisions"]
 
 
 @pytest.mark.parametrize("kind", [DifferentialRobot, LeggedRobot])

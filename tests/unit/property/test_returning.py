@@ -7,7 +7,7 @@ from typing import Annotated
 
 import pytest
 
-from rtkit import Returns, Unit
+from rtkit import PropertyError, Returns, Unit
 from rtkit.property.messages import Answer
 from rtkit.property.objects import Exported
 from rtkit.property.requests import PropertyRequest
@@ -103,12 +103,18 @@ def test_the_timeout_is_a_property(driven: Driven) -> None:
     assert service.get("velocity.x") == "1.0"
     timers.passes(0.1)
     assert service.get("velocity.x") == "0.0"
-    service.set("velocity.timeout", "inf")
+
+
+@pytest.mark.parametrize("value", ["inf", "nan", "0", "-1", "-inf", "0.0"])
+def test_a_timeout_that_is_not_positive_and_finite_is_refused(driven: Driven, value: str) -> None:
+    _, timers, service = driven
+    with pytest.raises(PropertyError) as refused:
+        service.set("velocity.timeout", value)
+    assert refused.value.code == "bad-value"
+    assert service.get("velocity.timeout") == "0.5"
     service.set("velocity", "(1 0 0)")
-    timers.passes(1e6)
-    assert service.get("velocity.x") == "1.0"
-    with pytest.raises(Exception, match="below"):
-        service.set("velocity.timeout", "-1")
+    timers.passes(0.5)
+    assert service.get("velocity.x") == "0.0"
 
 
 def test_a_stated_value_is_returned_to(driven: Driven) -> None:

@@ -154,6 +154,59 @@ def test_what_is_in_the_way_ends_it_with_the_reason(
     assert robot.get_location()[0] < 0.6
 
 
+@pytest.mark.parametrize("kind", KINDS)
+def test_robots_bump_into_each_other_as_into_walls(
+    home: HomeWorld, enter: Make, kind: type[MobileRobot]
+) -> None:
+    robot = enter(kind(world=home, body="one"))
+    enter(DifferentialRobot(world=home, body="other", start=(1.0, 0.0, 0.0)))
+    robot.behaviors.set_moveto(rtkit.Marker((2.0, 0.0)))
+    go(robot)
+    touching = 1.0 - 0.15 - max(robot.get_dimensions()[:2]) / 2  # where both rims meet
+    assert robot.get_location()[0] == pytest.approx(touching, abs=1e-6)
+    error = robot.behaviors.get_moveto().find("error")
+    assert f"something is in the way at ({touching:.2f} 0.00)" in str(error.leaf)
+    collisions = [home.bodies.get(name).features["collisions"] for name in ("one", "other")]
+    assert collisions == [1, 0]
+    assert home.bodies.get("other").location == (1.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+    home.bodies.set("other", None)
+    robot.behaviors.set_moveto(rtkit.Marker((2.0, 0.0), frame="world"))
+    go(robot)
+    assert state(robot) == "done"
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_laser_sees_other_robots_and_not_its_own(
+    home: HomeWorld, enter: Make, kind: type[MobileRobot]
+) -> None:
+    laser = enter(kind(world=home)).sensors["laser"]
+    assert set(laser.get_ranges()) == {4.0}
+    enter(DifferentialRobot(world=home, start=(2.0, 0.0, 0.0), body="ahead"))
+    enter(DifferentialRobot(world=home, start=(0.0, 1.0, 0.0), body="left"))
+    ranges = laser.get_ranges()  # a ray for each degree, from the right to the left
+    assert ranges[90] == pytest.approx(2.0 - 0.15)
+    assert ranges[180] == pytest.approx(1.0 - 0.15)
+    aside = math.radians(3)
+    chord = 2 * math.cos(aside) - math.sqrt(0.15**2 - (2 * math.sin(aside)) ** 2)
+    assert ranges[93] == ranges[87] == pytest.approx(chord)
+    assert {ranges[90 + 5], ranges[0]} == {4.0}  # asin(0.15 / 2) is 4.3 degrees
+    wall(home, (1.0, -1.0), (1.2, -1.0), (1.2, 1.0), (1.0, 1.0))
+    assert laser.get_ranges()[90] == pytest.approx(1.0)  # and none behind a wall
+
+
+def test_what_is_told_of_places_and_motions_is_plain(home: HomeWorld, enter: Make) -> None:
+    robot = enter(DifferentialRobot(world=home, start=(-0.0, 0.0, math.pi / 2), body="one"))
+    robot.set_velocity((0.3, 0, 0, 0, 0, 0))
+    go(robot, 1.0)
+    there = (0.0, 0.3, 0.0, 0.0, 0.0, 1.570796327)
+    for told in (robot.get_location(), home.bodies.get("one").location):
+        assert repr(told) == repr(there)
+    assert repr(robot.get_velocity()) == repr((0.3, 0.0, 0.0, 0.0, 0.0, 0.0))
+    assert repr(robot.get_velocity(frame="world")) == repr((0.0, 0.3, 0.0, 0.0, 0.0, 0.0))
+    assert repr(robot.get_location(frame="base")) == repr((0.0,) * 6)
+    assert repr(robot.actuators["left"].get_speed()) == "7.5"
+
+
 @pytest.mark.parametrize(
     ("target", "why"),
     [
@@ -233,8 +286,8 @@ def test_wheels_turn_as_the_robot_went(home: HomeWorld, enter: Make) -> None:
 
 def test_sensors_agree_with_the_location_in_any_frame(home: HomeWorld, enter: Make) -> None:
     wall(home, (2, -3), (3, -3), (3, 3), (2, 3))
-    home.put("ball", rtkit.Marker((1.0, 1.5, 0.1), type="ball", color=(1.0, 0.1, 0.1)))
-    home.put("hidden", rtkit.Marker((4.0, 1.5, 0.1), type="ball"))
+    home.objects.set("ball", rtkit.Marker((1.0, 1.5, 0.1), type="ball", color=(1.0, 0.1, 0.1)))
+    home.objects.set("hidden", rtkit.Marker((4.0, 1.5, 0.1), type="ball"))
     robot = enter(LeggedRobot(world=home, start=(1, 0, math.pi / 2)))
     other = enter(DifferentialRobot(world=home, start=(1, 3, 0), body="other"))
     assert robot.sensors["laser"].get_ranges()[0] == pytest.approx(1.0)  # the wall, on the right
@@ -252,7 +305,7 @@ def test_sensors_agree_with_the_location_in_any_frame(home: HomeWorld, enter: Ma
 
 def test_an_eye_is_the_less_sure_the_further_off(home: HomeWorld, enter: Make) -> None:
     for far in (1.0, 4.0):
-        home.put(f"at{far:g}", rtkit.Marker((far, 0.0, 0.1), type="ball"))
+        home.objects.set(f"at{far:g}", rtkit.Marker((far, 0.0, 0.1), type="ball"))
     eyes = [
         enter(MobileRobot(world=home, noise=0.02, seed=seed)).sensors["eye"] for seed in (1, 1, 2)
     ]
@@ -270,7 +323,7 @@ def test_a_camera_sees_the_world_as_it_stands(home: HomeWorld, enter: Make) -> N
     camera = robot.sensors["camera"]
     before = camera.get_image(width=64, height=48)
     assert before.startswith(b"\x89PNG")
-    home.put("ball", rtkit.Marker((1.0, 0.0, 0.2), type="ball", size=0.3))
+    home.objects.set("ball", rtkit.Marker((1.0, 0.0, 0.2), type="ball", size=0.3))
     assert camera.get_image(width=64, height=48) != before
     with pytest.raises(rtkit.PropertyError, match="no picture"):
         camera.get_image(width=0)
@@ -279,13 +332,13 @@ def test_a_camera_sees_the_world_as_it_stands(home: HomeWorld, enter: Make) -> N
 def test_a_robot_that_leaves_is_gone_and_its_thread_ends(home: HomeWorld) -> None:
     robot = MobileRobot(world=home, body="one")
     with robot, MobileRobot(world=home):
-        assert len(home.bodies) == 2
+        assert len(home.bodies.names()) == 2
         assert len({id(crew) for crew in driving._CREWS.values()}) == 1
-    assert home.bodies == {}
+    assert not home.bodies.names()
     assert driving._CREWS == {}
     with robot, robot:  # served by two
         assert len(next(iter(driving._CREWS.values())).robots) == 1
-    assert (home.bodies, driving._CREWS) == ({}, {})
+    assert (home.bodies.names(), driving._CREWS) == ({}, {})
 
 
 def test_a_world_that_was_begun_anew_is_entered_anew(home: HomeWorld, enter: Make) -> None:
@@ -293,9 +346,9 @@ def test_a_world_that_was_begun_anew_is_entered_anew(home: HomeWorld, enter: Mak
     one_metre(robot)
     go(robot, 1.0)
     at = robot.get_location()
-    home.leave("one")
+    home.bodies.set("one", None)
     go(robot, 0.05)
-    assert home.bodies["one"].get_location() == at
+    assert home.bodies.get("one").location == at
     go(robot)
     assert state(robot) == "done"
 
@@ -352,7 +405,7 @@ def test_a_home_has_rooms_that_are_dark_while_no_light_is_on(tmp_path: Path) -> 
         assert (home.get_room((1, 1)), home.get_room((3, 1))) == ("hall", "")
         dark = home.get_image((0.5, 0.5, 1, 0), 32, 24)
         assert (home.get_light((1, 1)), home.get_light((3, 1))) == (0.25, 1.0)
-        home.objects["lamp"] = home.objects["lamp"].with_(on=True)
+        home.objects.set("lamp", home.objects.get("lamp").with_(on=True))
         assert home.get_light((1, 1)) == 1.0
         assert home.get_image((0.5, 0.5, 1, 0), 32, 24) != dark
 

@@ -14,9 +14,9 @@ import rtkit
 from rtkit.services.frames import Frames, compose, inverse, transform
 from rtkit.services.gps import Gps, NmeaReader, local
 from rtkit.services.input_events import EVENT
-from rtkit.services.joystick import Joystick, Pointer
+from rtkit.services.joystick import Joystick, Pointer, _InputSensor
 from rtkit.services.ranging import RangeFinder
-from rtkit.services.sensor import Sensor
+from rtkit.services.sensor import DeviceSensor, Sensor
 from rtkit.world import Noise, Polygon, Pose, Scene
 
 coordinate = st.floats(-50, 50)
@@ -237,3 +237,9 @@ def test_rubbish_costs_bounded_memory() -> None:
         reader.feed(b"y" * 1000)
     assert len(reader._rest) <= 256
     assert reader.refused == 100
+
+
+@pytest.mark.parametrize("base", [DeviceSensor, _InputSensor])
+def test_a_base_that_reads_nothing_cannot_be_made(base: Any) -> None:
+    with pytest.raises(TypeError, match="abstract method"):
+        base("/dev/none")

@@ -259,3 +259,55 @@ def test_without_numpy_the_extra_is_named() -> None:
     )
     done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True)
     assert done.stdout == "rtkit.world needs numpy: pip install 'rtkit[sim]'\n", done.stderr
+
+
+DISC = np.array([(3.0, 0.0, 0.5)])
+
+
+def test_a_body_is_stopped_by_a_disc_where_their_rims_meet() -> None:
+    for scene in (Scene(), Scene([ROOM])):
+        body = Body(scene, Pose(), 0.25)
+        assert body.move(1.0, 0.0, 0.0, 10.0, DISC) == pytest.approx(2.25)
+        assert body.pose == pytest.approx((2.25, 0.0, 0.0))
+        assert body.contact is not None
+        assert body.contact.normal == pytest.approx((-1.0, 0.0))
+        assert (body.contact.edge, scene.object_of(body.contact)) == (-1, "")
+        assert body.collisions == 1
+        assert body.move(1.0, 0.0, 0.0, 1.0, DISC) == pytest.approx(0.0)
+        assert body.move(-1.0, 0.0, 0.0, 1.0, DISC) == 1.0  # away from it, it goes
+
+
+def test_a_disc_is_met_aside_and_along_an_arc() -> None:
+    grazing = Body(Scene(), Pose(0.0, 0.6), 0.5)  # 3-4-5: centres are 1 apart, 0.6 of it aside
+    assert grazing.move(1.0, 0.0, 0.0, 10.0, DISC) == pytest.approx(3.0 - 0.8)
+    assert Body(Scene(), Pose(0.0, 1.1), 0.5).move(1.0, 0.0, 0.0, 10.0, DISC) == 10.0
+    turning = Body(Scene(), Pose(), 0.0)  # a circle round (0, 1): at its top after half a turn
+    top = np.array([(0.0, 2.0, math.sqrt(0.5))])
+    chord = 2 * math.asin(math.sqrt(0.5) / 2)  # what the radius of the disc is of the circle
+    assert turning.move(1.0, 0.0, 1.0, 4.0, top) == pytest.approx(math.pi - chord)
+
+
+def test_what_is_met_first_stops_whichever_it_is() -> None:
+    near = np.array([(0.6, 0.0, 0.1), (0.8, 0.0, 0.1)])
+    for discs, far in ((DISC, 1.0), (near, 0.5)):
+        body = Body(Scene([BOX]), Pose())
+        assert body.move(1.0, 0.0, 0.0, 5.0, discs) == pytest.approx(far)
+        assert body.contact is not None
+        assert (body.contact.edge == -1) is (far == 0.5)
+
+
+def test_bodies_that_stand_in_each_other_may_go_apart_only() -> None:
+    body = Body(Scene(), Pose(2.6, 0.0), 0.25)
+    assert body.move(1.0, 0.0, 0.0, 1.0, DISC) == 0.0
+    assert body.move(-1.0, 0.0, 0.0, 1.0, DISC) == 1.0
+
+
+def test_rays_end_at_a_disc_seen_from_outside() -> None:
+    for scene, free in ((Scene(), 9.0), (Scene([ROOM]), 4.0)):
+        found = scene.rays((0.0, 0.0), (0.0, math.pi, math.asin(0.5 / 3) + 1e-6), 9.0, DISC)
+        assert found[:2].tolist() == pytest.approx([2.5, free])
+        assert found[2] > 2.99
+    assert Scene().rays((0.0, 0.3), (0.0,), 9.0, DISC)[0] == pytest.approx(3.0 - 0.4)  # 3-4-5
+    assert Scene().rays((3.1, 0.0), (0.0, math.pi), 9.0, DISC).tolist() == [9.0, 9.0]  # its own
+    assert Scene().rays((0.0, 0.0), (0.0,), 2.0, DISC)[0] == 2.0
+    assert Scene([BOX]).rays((0.0, 0.0), (0.0,), 9.0, DISC)[0] == 1.0
