@@ -49,7 +49,7 @@ class LiveService(Closing):
         self.name = target
         self.is_outdated = self.is_partial = self.is_silent = False
         self.shown: dict[str, WidgetState] = {}
-        self._components = components
+        self._wanted = self._components = components
         self._client = Client(timeout_s)
         self._changes: dict[str, PropertyChange] = {}
         self._lock = threading.Lock()
@@ -75,6 +75,7 @@ class LiveService(Closing):
             PropertyError: The service cannot be reached.
         """
         self.is_outdated = False
+        self._components = self._wanted
         panel = read_panel(str(self._client.payload(Ask(f"{self.target}.gui"), 5.0)))
         self.name = self.target[: len(self.target) - len(panel.name)].rstrip("./")
         self.panel = self._dressed(panel)
@@ -93,12 +94,13 @@ class LiveService(Closing):
         self._asked |= set(new)
         for _ in range(min(_AT_ONCE, len(new))):  # a slow one delays no other
             threading.Thread(target=self._listen, args=(new,), daemon=True).start()
-        for name in groups:
-            names = f"{name}.properties".lstrip(".")
+        places = [".".join(filter(None, (self.name, each))) for each in groups]
+        for place in filter(None, (*places, self._components)):
+            names = f"{place}.properties"
             if names not in self._of_names:
                 with suppress(PropertyError):
                     self._of_names[names] = self._client.listen(
-                        f"{self.name}.{names}", self._names_came, initial=0, mode="diff"
+                        names, self._names_came, initial=0, mode="diff"
                     )
 
     def _listen(self, names: deque[str]) -> None:

@@ -79,12 +79,20 @@ class PanelRow(Widget, can_focus=True):
         if shown.problem:
             made.append(f"\n{drawing.text_of(shown.problem)}", _STYLES["alarm"])
         head = f"{name[: _NAME_COLUMNS - 1]:{_NAME_COLUMNS}}"
-        rows = made.wrap(self.app.console, max(20, self.size.width - _NAME_COLUMNS))
+        rows = made.wrap(self.app.console, max(20, self._columns))
         return Text(head) + Text("\n" + " " * _NAME_COLUMNS).join(rows)
 
     @property
     def _width(self) -> int:
-        return max(20, self.size.width - _NAME_COLUMNS - 16)
+        return max(20, self._columns - 16)
+
+    @property
+    def _columns(self) -> int:
+        return (self.size.width or self._panel_app.size.width) - _NAME_COLUMNS
+
+    def on_resize(self) -> None:
+        """Take as many lines as it needs in its new width."""
+        self.refresh(layout=True)
 
     def on_key(self, event: events.Key) -> None:
         """Change the value, or a part of it, or have it typed."""

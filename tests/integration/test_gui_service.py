@@ -29,6 +29,14 @@ class Robot:
     secret: str = "not chosen by the component"
 
 
+class Probe:
+    own: Annotated[
+        tuple[float, float, float], rtkit.Gui("vector", text='<gui label="its own"/>')
+    ] = (1.0, 2.0, 3.0)
+    place: tuple[float, float, float] = (1.0, 2.0, 3.0)
+    lamp: bool = True
+
+
 def until(condition: Callable[[], object]) -> None:
     end = time.monotonic() + 10.0
     while not condition():
@@ -66,6 +74,32 @@ def test_components_are_kept_by_type_and_in_a_storage(place: str, tmp_path: Path
             with pytest.raises(rtkit.PropertyError) as raised:
                 client.set(f"gui.{name}", text)
             assert raised.value.code == code
+
+
+def test_a_component_that_is_added_changed_and_taken_away_is_told_to_an_open_panel(
+    place: str,
+) -> None:
+    """A property's own component stands before that of its type, which one may come later."""
+
+    def labels() -> list[str | None]:
+        live.refresh()
+        found = {each.name: each.attributes.get("label") for each in live.panel.all()}
+        return [found["own"], found["place"], found["lamp"]]
+
+    with (
+        rtkit.serve(Probe(), "probe", is_on_zenoh=False),
+        rtkit.serve(GuiService(), "gui", is_on_zenoh=False),
+        rtkit.Client() as client,
+        LiveService("probe", 5.0) as live,
+    ):
+        assert labels() == ["its own", None, None]
+        client.set("gui.vector.text", '<gui label="by type"/>')
+        until(lambda: live.is_outdated)
+        assert labels() == ["its own", "by type", None]
+        for label in ("first", "second", None):
+            client.set("gui.boolean.text", f'<gui label="{label}"/>' if label else "")
+            until(lambda: live.is_outdated)
+            assert labels() == ["its own", "by type", label]
 
 
 def test_a_terminal_draws_a_type_as_its_component_says_also_a_new_version(place: str) -> None:
@@ -111,4 +145,10 @@ def test_a_browser_draws_a_type_as_its_component_says_and_shuts_its_page_in(plac
                 client.set("home.components.mobilerobot.text",
                            '<gui><gui name="secret"/></gui>')  # fmt: skip
             page.wait_for("document.querySelector('[data-name=\"r1.secret\"]')")
+            # A type that had no component gets one, whose words are text and nothing else.
+            with rtkit.Client() as client:
+                client.set("home.components.string.text",
+                           '<gui label="&lt;img src=x onerror=troubles.push(1)&gt;"/>')  # fmt: skip
+            shown = "document.querySelector('[data-name=\"r1.secret\"] .name').textContent"
+            page.wait_for(f"{shown} === '<img src=x onerror=troubles.push(1)>'")
             assert page.troubles() == []

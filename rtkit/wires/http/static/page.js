@@ -41,7 +41,9 @@ async function components(services, service, gui) {
   const other = services.find((each) => /(^|\/)gui$/.test(each));
   const group = gui.children.find((each) => typesOf(each.attributes.type).includes("gui"));
   const root = other ? `/${other}/` : group ? `/${service}/${group.attributes.name}.` : "";
-  return {root, names: new Set(root ? itemTexts(await fetched(`${root}properties?all=1`)) : [])};
+  const listing = `${root}properties?all=1`, text = root ? await fetched(listing) : "";
+  if (root) watched.set(listing, text);
+  return {root, names: new Set(itemTexts(text))};
 }
 
 const typesOf = (type) => type?.startsWith("(") ? itemTexts(type).map(read) : [(type ?? "").replace(/[[<].*/, "")];
