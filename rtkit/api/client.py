@@ -15,6 +15,7 @@ from rtkit.errors import RtkitError
 from rtkit.property.blocks import as_bytes, blocks_of, joined_blocks
 from rtkit.property.codes import PropertyError
 from rtkit.property.conversion import to_value
+from rtkit.property.limits import ValueLimits
 from rtkit.property.messages import Answer, Payload
 from rtkit.property.naming import parse_parameters, write_parameters
 from rtkit.property.reading import read
@@ -31,6 +32,9 @@ if TYPE_CHECKING:
 
 UNSET: Any = object()
 """Stands for no value: the request is a GET."""
+
+_OF_REPLIES = ValueLimits(text=1 << 26, items=1 << 26)
+"""Limits of what was asked for: an owner may have more to tell than it takes at once."""
 
 
 class Ask(NamedTuple):
@@ -100,7 +104,8 @@ class Client(Closing):
             parameters: Of the request; a text is a value as it is written, else a string.
 
         Raises:
-            PropertyError: It cannot be got; its code tells how.
+            PropertyError: It cannot be got; its code tells how: ``too-large`` of a list or element
+                whose text is longer than 64 MiB.
         """
         return _object(self.payload(Ask(target, parameters=parameters), self.timeout_s))
 
@@ -108,7 +113,8 @@ class Client(Closing):
         """Set a property; a text is read as ``rtset`` does. It is in force when this returns.
 
         Raises:
-            PropertyError: It cannot be set, or is not in time; its code tells how.
+            PropertyError: It cannot be set, or is not in time; its code tells how: ``too-large``
+                where the text of a value is longer than 1 MiB. For bytes see `set_bytes`.
         """
         self.payload(Ask(target, value, parameters), self.timeout_s)
 
@@ -350,8 +356,10 @@ def _object(payload: Payload) -> Any:
     if isinstance(payload, bytes):
         return payload
     try:
-        return _of_value(read(payload))
-    except PropertyError:
+        return _of_value(read(payload, _OF_REPLIES))
+    except PropertyError as error:
+        if len(payload) > _OF_REPLIES.text and payload[:1] in "(<":
+            raise PropertyError("too-large", f"a value that is {error}: get its bytes") from None
         return payload
 
 

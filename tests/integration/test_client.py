@@ -272,3 +272,34 @@ def test_a_callback_may_ask_and_only_the_latest_value_waits_for_it(client: rtkit
         go.set()
         assert is_over.wait(_BOUND_S)
     assert len(seen) < 10
+
+
+class Archive:
+    """Archive that has more to tell than one value may be long where it is set."""
+
+    def get_items(self) -> list[str]:
+        return [f"item number {count}" for count in range(60_000)]
+
+    def get_numbers(self) -> list[float]:
+        return [float(count) for count in range(150_000)]
+
+    def get_markers(self) -> list[rtkit.Marker]:
+        return [rtkit.Marker(location=(float(count), 0.0, 0.0)) for count in range(20_000)]
+
+    def get_note(self) -> rtkit.Text:
+        return rtkit.Text("(no value " * 150_000)
+
+
+@pytest.mark.parametrize("wire", ["", "tcp"])
+def test_values_above_a_mebibyte_come_as_what_they_are(wire: str, place: str) -> None:
+    with serve(Archive(), "archive", port=0) as served, rtkit.Client(timeout_s=_BOUND_S) as client:
+        at = f"tcp:127.0.0.1:{served.port}/archive" if wire else "archive"
+        items, numbers = client.get(f"{at}.items"), client.get(f"{at}.numbers")
+        assert (len(items), items[-1]) == (60_000, "item number 59999")
+        assert (len(numbers), numbers[-1]) == (150_000, 149_999.0)
+        markers = client.get(f"{at}.markers")
+        assert (len(markers), markers[-1].location) == (20_000, (19_999.0, 0.0, 0.0))
+        assert client.get(f"{at}.note") == "(no value " * 150_000
+        with pytest.raises(PropertyError) as refused:
+            client.set(f"{at}.items", items)
+        assert refused.value.code == "too-large"
