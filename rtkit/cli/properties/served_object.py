@@ -38,12 +38,33 @@ def made(thing: str, arguments: Sequence[str]) -> object:
     if not callable(found) or (not isinstance(found, type) and not _is_function(found)):
         return found
     given, named = _given(thing, found, arguments)
+    _check_call(thing, found, given, named)
     try:
         return found(*given, **named)
     except RtkitError:
         raise
     except Exception as error:
         raise Refused(f"{thing}: {type(error).__name__}: {error}") from error
+
+
+def _check_call(thing: str, called: Any, given: list[object], named: dict[str, object]) -> None:
+    """Refuse arguments that are too many, missing or given twice, before they are taken.
+
+    Raises:
+        Refused: Names the parameters; Python's own error would count ``self``, too.
+    """
+    import inspect
+
+    try:
+        signature = inspect.signature(called)
+    except (ValueError, TypeError):
+        return  # not written in Python
+    try:
+        signature.bind(*given, **named)
+    except TypeError as error:
+        takes = " ".join(str(each.replace(annotation=each.empty)).replace(" ", "")
+                         for each in signature.parameters.values())  # fmt: skip
+        raise Refused(f"{thing}: {error} (it takes {takes or 'none'})") from None
 
 
 def _is_function(found: object) -> bool:
@@ -93,9 +114,9 @@ def _given(
         key, mark, text = each.partition("=")
         if not mark or _KEY.fullmatch(key) is None:
             name = names[len(given)] if len(given) < len(names) else ""
-            given.append(_fitted(each, each, hints.get(name)))
+            given.append(_fitted(each, each, hints.get(name), f"{name or 'argument'} of {thing}"))
         elif key in names or is_open:
-            named[key] = _fitted(each, text, hints.get(key))
+            named[key] = _fitted(each, text, hints.get(key), f"{key} of {thing}")
         else:
             raise Malformed(f"{thing} takes no argument {key}{did_you_mean(key, names)}")
     return given, named
@@ -118,7 +139,7 @@ def _declared(called: Any) -> tuple[list[str], dict[str, Any], bool]:
     return names, hints, any(each.kind is each.VAR_KEYWORD for each in parameters)
 
 
-def _fitted(typed: str, text: str, hint: Any) -> object:
+def _fitted(typed: str, text: str, hint: Any, parameter: str) -> object:
     """Return the argument that a text stands for; where a text is wanted, what was typed is one."""
     from rtkit.property.annotations import bare
     from rtkit.property.codes import PropertyError
@@ -131,4 +152,4 @@ def _fitted(typed: str, text: str, hint: Any) -> object:
     except PropertyError as error:
         if plain is str or str in getattr(plain, "__args__", ()):
             return text
-        raise Malformed(f"cannot be read: {typed}: {error}") from None
+        raise Malformed(f"cannot be read: {typed}: {error} ({parameter})") from None

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from rtkit.cli.properties.served_object import made
-from rtkit.errors import Malformed
+from rtkit.errors import Malformed, RtkitError
 
 LAMP = """
 class Lamp:
@@ -60,3 +60,23 @@ def test_an_argument_that_does_not_fit_is_refused(lamps: str, argument: str, why
 
 def test_a_class_that_takes_anything_gets_it(lamps: str) -> None:
     assert vars(made(f"{lamps}:Open", ["1", "a=b"]))["given"] == ((1,), {"a": "b"})
+
+
+@pytest.mark.parametrize(
+    ("arguments", "why"),
+    [
+        ([], "missing a required argument: 'a' (it takes a b=2 c=3)"),
+        (["1", "2", "3"], "too many positional arguments (it takes a b=2 c=3)"),
+        (["1", "a=2"], "multiple values for argument 'a' (it takes a b=2 c=3)"),
+        (["1", "x"], "cannot be read: x: expected int, found word x (b of {})"),
+    ],
+)
+def test_wrong_arguments_are_told_by_their_parameters(
+    tmp_path: Path, arguments: list[str], why: str
+) -> None:
+    file = tmp_path / "pair.py"
+    text = "class Pair:\n    def __init__(self, a: int, b: int = 2, *, c: int = 3) -> None: ...\n"
+    file.write_text(text, encoding="utf-8")
+    with pytest.raises(RtkitError) as refused:
+        made(f"{file}:Pair", arguments)
+    assert str(refused.value).removeprefix(f"{file}:Pair: ") == why.format(f"{file}:Pair")
