@@ -21,6 +21,7 @@ from typing import Annotated, Any, Final, NamedTuple, Self
 import rtkit
 from rtkit import Ask, Element, Names, PropertyError, Range, Unit, Word, init_of
 from rtkit.services.frames import is_number
+from rtkit.services.misread import misread
 from rtkit.services.paths import RESERVED
 
 _OWN = frozenset(["search", "start", "started", "frames", "unanswered", "name", "type", "status"])
@@ -355,10 +356,11 @@ def _entry(service: str, value: object) -> Entry:
 
 def _conditions(where: str) -> list[LiveCondition]:
     made = []
-    for each in re.split(r"\s+and\s+", where) if where.strip() else ():
-        match = _CONDITION.fullmatch(each)
+    for begun in re.finditer(r"(?:^|\s+and\s+)(.*?)(?=\s+and\s|$)", where) if where.strip() else ():
+        match = _CONDITION.fullmatch(begun[1])
         if match is None:
-            raise PropertyError("bad-parameter", f"not PROPERTY OP VALUE: {each}")
+            why = misread(where, begun.start(1), "expected PROPERTY OP VALUE")
+            raise PropertyError("bad-parameter", why)
         made.append(_condition(match[1], match[2], _plain(match[3])))
     return made
 

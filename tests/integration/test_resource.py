@@ -116,6 +116,9 @@ def test_services_are_found_by_type_place_and_live_condition(client: rtkit.Clien
         assert client.get("resource.search", where="name ~ */l3") == ("lights/l3",)
         for wrong in ("level", "level >", "level >> 2"):
             assert code(lambda w=wrong: client.get("resource.search", where=w)) == "bad-parameter"
+        place = "column 15: expected PROPERTY OP VALUE: level > 1 and level"
+        with pytest.raises(rtkit.PropertyError, match=place):
+            client.get("resource.search", where="level > 1 and level")
         assert code(lambda: client.get("resource.search", near=(1.0,))) == "bad-parameter"
         assert code(lambda: client.get("resource.search", color="red")) == "bad-parameter"
     lights.close()

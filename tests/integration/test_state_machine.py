@@ -146,6 +146,85 @@ def test_what_is_got_is_used_and_copied(
     until(lambda: client.get("butler.state") == "none")
 
 
+def test_what_is_large_is_got_copied_and_saved(
+    client: rtkit.Client, ends: ExitStack, tmp_path: Path
+) -> None:
+    large = bytes(range(256)) * 5000
+    (tmp_path / "a.bin").write_bytes(large)
+    copying = f"""{HEAD}:m a sm:Machine ; sm:initial :a .
+    :a a sm:State ; sm:entry [ sm:set "files.b.bin" ; sm:get "files.a.bin" ] .\n"""
+    (tmp_path / "m.ttl").write_text(copying + "# a long comment\n" * 80_000, encoding="utf-8")
+    states = "".join(f'<state id="s{count}_{"x" * 90}"/>' for count in range(11_000))
+    scxml = f'<scxml xmlns="http://www.w3.org/2005/07/scxml">{states}</scxml>'
+    (tmp_path / "m.scxml").write_text(scxml, encoding="utf-8")
+    ends.enter_context(rtkit.serve(Storage(str(tmp_path)), "files"))
+    ends.enter_context(rtkit.serve(StateMachine(), "butler"))
+    client.set("butler.source", "files.m.scxml")
+    assert len(client.get_bytes("butler.machine", form="scxml")) > 1 << 20
+    client.set("butler.source", "files.m.ttl")
+    client.set("butler.run", "start")
+    until(lambda: (tmp_path / "b.bin").exists())
+    assert (tmp_path / "b.bin").read_bytes() == large
+    client.call("butler.save", "files.n.ttl")
+    assert (tmp_path / "n.ttl").read_bytes() == (tmp_path / "m.ttl").read_bytes()
+    with pytest.raises(rtkit.PropertyError) as refused:
+        client.set("butler.machine", scxml)
+    assert refused.value.code == "too-large"
+
+
+def test_a_long_log_is_read_in_pages_while_events_arrive(
+    client: rtkit.Client, ends: ExitStack
+) -> None:
+    text = f"""{HEAD}:m a sm:Machine ; sm:initial :a .
+    :a a sm:State ; sm:transition [ sm:on "x" ; sm:action [ sm:raise "y" ] ] ."""
+    butler = StateMachine(text, start=True, length=100_000)
+    ends.enter_context(rtkit.serve(butler, "butler"))
+    is_over = threading.Event()
+
+    def send() -> None:
+        while not is_over.is_set():
+            butler.set_event("x")
+            is_over.wait(0.0005)
+
+    for _ in range(500):
+        butler.set_event("x")
+    sender = threading.Thread(target=send)
+    sender.start()
+    read: list[int] = []
+    while len(read) < 1500 or not is_over.is_set():
+        page = client.get("butler.log", n=70, since=read[-1] if read else 0)
+        read += [each[0] for each in page]
+        if len(read) >= 1500:
+            is_over.set()
+    sender.join(_BOUND_S)
+    assert read == [*range(1, len(read) + 1)]
+    assert [each[0] for each in client.get("butler.log", n=2)] == [
+        len(butler.get_log(10**6)) - 1,
+        len(butler.get_log(10**6)),
+    ]
+    assert butler.get_log(n=5, since=10**9) == butler.get_log(n=-1) == []
+
+
+def test_the_status_tells_why_it_is_paused(client: rtkit.Client, ends: ExitStack) -> None:
+    text = f"""{HEAD}:m a sm:Machine ; sm:initial :a .
+    :a a sm:State ; sm:transition [ sm:on "go" ; sm:to :b ] .
+    :b a sm:State ; sm:transition ( [ sm:on "go" ; sm:to :a ] [ sm:on "loop" ; sm:to :c ] ) .
+    :c a sm:State ; sm:transition [ sm:to :c ] ."""
+    ends.enter_context(rtkit.serve(StateMachine(text, start=True), "butler"))
+    told = []
+    for word in ("pause", "step", "go", "step", "start", "loop"):
+        client.set("butler.event" if word in ("go", "loop") else "butler.run", word)
+        told.append(client.get("butler.status"))
+    assert told == [
+        "paused in a: run was set to pause",
+        "paused in a: stepping, no transition was enabled",
+        "paused in a: stepping, no transition was enabled",
+        "paused in b: stepping, a -> b: on go",
+        "running",
+        "paused in c: error, 100 transitions at once, the last c -> c: at once",
+    ]
+
+
 def test_listeners_hear_of_every_state_in_order(client: rtkit.Client, ends: ExitStack) -> None:
     served(ends, StateMachine(HOME.replace("robots/r1.location.x > 1", "light.x > 1")))
     heard: list[str] = []

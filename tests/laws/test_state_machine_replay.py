@@ -60,12 +60,18 @@ def machines(draw: Any) -> Machine:
         return [each for each in paths if each.rpartition(".")[0] == path]
 
     ways = st.tuples(
-        st.sampled_from(paths),
+        st.sampled_from([*paths, *paths, ""]),
         st.sampled_from(["go", "", *EVENTS, "*"]),
         st.sampled_from([None, None]) | guards.map(Expression),
         st.sampled_from([None, None, None, 1.0, 3.0]),
         actions,
-    ).map(lambda way: GuardedTransition(*way) if any(way[1:4]) else GuardedTransition(way[0], "go"))
+    ).map(
+        lambda way: (
+            GuardedTransition(*way)
+            if any(way[1:4]) and (way[0] or way[1] or way[4])
+            else GuardedTransition(way[0], "go")
+        )
+    )
     states = {}
     for path in paths:
         initial = draw(st.sampled_from(inside(path))) if inside(path) else ""
@@ -175,6 +181,7 @@ def test_what_scxml_can_say_is_read_back(machine: Machine) -> None:
             transitions=tuple(
                 each._replace(on="", when=None) if each.after else each
                 for each in state.transitions
+                if each.to or each.actions or not each.after
             )
         )
         for path, state in machine.states.items()

@@ -33,6 +33,7 @@ class Reference:
         self.mode = "stopped"
         self.clock = self.last = 0.0
         self.entered: dict[str, float] = {}
+        self.over: list[tuple[str, Any]] = []
 
     @property
     def leaf(self) -> str:
@@ -157,6 +158,8 @@ class Reference:
             return False
         if way.after is not None and self.clock - self.entered[path] < way.after:
             return False
+        if (path, way) in self.over and not way.to + way.on:
+            return False
         return way.when is None or self.holds(way.when.text) is True
 
     def holds(self, text: str) -> bool | None:
@@ -178,6 +181,8 @@ class Reference:
         parts += [f"when {way.when.text}"] if way.when else []
         parts += [f"after {way.after:g}"] if way.after is not None else []
         self.outputs.append(("transition", f"{self.leaf} -> {to}: {' '.join(parts) or 'at once'}"))
+        if way.after is not None:
+            self.over.append((path, way))
         if not way.to:
             return self.act(way.actions)
         kept = {
@@ -193,6 +198,7 @@ class Reference:
         for each in sorted(self.active - kept, key=len, reverse=True):
             self.act(self.machine.states[each].exit)
             self.active.discard(each)
+            self.over = [pair for pair in self.over if pair[0] != each]
 
     def enter(self, to: str, kept: set[str]) -> None:
         while self.machine.states[to].initial:

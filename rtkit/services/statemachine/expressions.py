@@ -13,6 +13,8 @@ from collections.abc import Callable
 from math import inf
 from typing import Any
 
+from rtkit.services.misread import misread
+
 Plain = bool | int | float | str
 Look = Callable[[str], Any]
 """Returns the value of a property or variable, None while it is not known."""
@@ -69,14 +71,14 @@ class Expression:
 
 class _Reader:
     def __init__(self, text: str) -> None:
+        self._text = text
         self.names: set[str] = set()
         self._tokens: list[tuple[str, str, int]] = []
         position, end = 0, len(text.rstrip())
         while position < end:
             found = _TOKEN.match(text, position)
             if found is None or len(self._tokens) == _MOST_TOKENS:
-                what = "too long" if found else f"cannot be read: {text[position:].strip()[:20]}"
-                raise ValueError(f"character {position + 1}: {what}")
+                raise ValueError(misread(text, position, "too long" if found else "cannot be read"))
             kind = found.lastgroup or ""
             self._tokens.append((kind, found[kind], found.start(kind)))
             position = found.end()
@@ -91,7 +93,7 @@ class _Reader:
 
     def _unexpected(self) -> ValueError:
         _, text, position = self._tokens[self._at]
-        return ValueError(f"character {position + 1}: did not expect {text or 'the end'}")
+        return ValueError(misread(self._text, position, f"did not expect {text or 'the end'}"))
 
     def _taken(self, *wanted: str) -> str:
         kind, text, _ = self._tokens[self._at]
@@ -119,7 +121,8 @@ class _Reader:
         if self._taken("("):
             self._depth += 1
             if self._depth > _DEEPEST:
-                raise ValueError(f"more than {_DEEPEST} brackets inside each other")
+                why = f"more than {_DEEPEST} brackets inside each other"
+                raise ValueError(misread(self._text, self._tokens[self._at][2], why))
             inside = self._binary(0)
             self._depth -= 1
             if not self._taken(")"):

@@ -89,6 +89,7 @@ class Interpreter:
         state: Path of the innermost active state, empty when it is stopped.
         values: Properties that active states look at, as far as known.
         log: The last entries.
+        why: Why it is paused, in words.
     """
 
     def __init__(self, machine: Machine, length: int = 1000, *, logs_all: bool = False) -> None:
@@ -98,6 +99,9 @@ class Interpreter:
         self.variables: dict[str, Plain] = dict(machine.variables)
         self.values: dict[str, Any] = {}
         self.log: deque[MachineLogEntry] = deque(maxlen=length)
+        self.why = ""
+        self._last = ""
+        self._fired: set[tuple[str, GuardedTransition]] = set()
         self._logs_all = logs_all
         self._count = 0
         self._since: dict[str, float] = {}
@@ -133,7 +137,11 @@ class Interpreter:
         elif word == "stop":
             self._leave("")
             self._raised.clear()
-        return self._advance(is_step=word == "step")
+        self.why, self._last = "run was set to pause", "no transition was enabled"
+        sends = self._advance(is_step=word == "step")
+        if word == "step":
+            self.why = f"stepping, {self._last}"
+        return sends
 
     def take(self, event: MachineEvent, now: float) -> list[OutgoingSet]:
         """Work on an event; while the machine is paused it waits."""
@@ -267,6 +275,7 @@ class Interpreter:
         if taken == MOST_AT_ONCE:
             self.run = "paused"
             self._note("failed", f"paused: {taken} transitions at once")
+            self.why = f"error, {taken} transitions at once, the last {self._last}"
         wanted = self.wanted()  # what no active state looks at is not kept up to date
         self.values = {name: each for name, each in self.values.items() if name in wanted}
         sends, self._sends = self._sends, []
@@ -287,6 +296,8 @@ class Interpreter:
         for path in around(self.state):
             state = self.machine.states[path]
             for each in state.transitions:
+                if (path, each) in self._fired:
+                    continue
                 is_due = self._now >= self._since[path] + (each.after or 0.0)
                 if (
                     is_due
@@ -297,7 +308,10 @@ class Interpreter:
         return None
 
     def _carry_out(self, state: MachineState, way: GuardedTransition) -> None:
-        self._note("transition", f"{self.state} -> {way.to or self.state}: {way.cause}")
+        self._last = f"{self.state} -> {way.to or self.state}: {way.cause}"
+        self._note("transition", self._last)
+        if way.is_once:
+            self._fired.add((state.path, way))
         outer = _shared(state.path, way.to)
         if way.to:
             self._leave(outer)
@@ -309,6 +323,7 @@ class Interpreter:
         while self.state != outer:
             self._do(self.machine.states[self.state].exit)
             del self._since[self.state]
+            self._fired = {each for each in self._fired if each[0] != self.state}
             self._due = {key: at for key, at in self._due.items() if key[0] != self.state}
             self.state = self.state.rpartition(".")[0]
 

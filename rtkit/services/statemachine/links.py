@@ -95,12 +95,25 @@ class ServiceLink:
             if send.target.startswith(VARIABLES):
                 self._got(send.target.removeprefix(VARIABLES), self._client.get(send.get))
                 return
-            value: str | bytes = send.value
             if send.get:
-                value = self._client.payload(rtkit.Ask(send.get), self._client.timeout_s)
-            self._client.set(send.target, value)
+                self._copy(send.get, send.target)
+            else:
+                self._client.set(send.target, send.value)
         except (rtkit.PropertyError, ValueError) as error:
             self._failed(send.target, f"{getattr(error, 'code', 'bad-value')}: {error}")
+
+    def _copy(self, source: str, target: str) -> None:
+        """Set a property to what another one is, bytes as bytes; many of them in blocks."""
+        try:
+            value = self._client.payload(rtkit.Ask(source), self._client.timeout_s)
+        except rtkit.PropertyError as error:
+            if error.code != "too-large":
+                raise
+            value = self._client.get_bytes(source)
+        if isinstance(value, bytes):
+            self._client.set_bytes(target, value)
+        else:
+            self._client.set(target, value)
 
     def _listen(self, wanted: frozenset[str]) -> None:
         gone, self._gone = self._gone, set()

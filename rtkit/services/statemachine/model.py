@@ -81,6 +81,11 @@ class GuardedTransition(NamedTuple):
     actions: tuple[MachineAction, ...] = ()
 
     @property
+    def is_once(self) -> bool:
+        """Return whether it is taken once while its state is active: a time does not pass again."""
+        return self.after is not None and not self.on and not self.to
+
+    @property
     def cause(self) -> str:
         """Return in words what it waits for."""
         after = "" if self.after is None else f"after {self.after:g}"
@@ -161,10 +166,10 @@ class Machine(NamedTuple):
 
         if not self.states:
             raise BadMachine("there is no state", line("", ""))
+        inside = by_outer(self.states)
         for path in ("", *self.states):
             state = self.states[path] if path else MachineState("", self.initial)
-            inside = self.below(path)
-            if state.initial not in (inside or [""]):
+            if state.initial not in inside.get(path, [""]):
                 why = f"initial state of {path or 'the machine'} is none of those inside it: "
                 raise BadMachine(f"{why}{state.initial or 'none'}", line(path, "initial"))
             for each in state.transitions:
@@ -201,6 +206,14 @@ class Machine(NamedTuple):
 def is_in(path: str, outer: str) -> bool:
     """Return whether a state is another one or inside it."""
     return not outer or path == outer or path.startswith(f"{outer}.")
+
+
+def by_outer(paths: Iterable[str]) -> dict[str, list[str]]:
+    """Return the paths directly inside each state, ``""`` for the outermost ones."""
+    found: dict[str, list[str]] = {}
+    for each in paths:
+        found.setdefault(each.rpartition(".")[0], []).append(each)
+    return found
 
 
 def around(path: str) -> list[str]:

@@ -28,6 +28,7 @@ from rtkit.services.statemachine.model import (
     Machine,
     MachineAction,
     MachineState,
+    by_outer,
     hint,
     is_in,
 )
@@ -186,11 +187,13 @@ class _Reader:
         self._where: dict[tuple[Any, str], int] = {}
         self._lines: dict[tuple[str, str], int] = {}
         self._paths: dict[Any, str] = {}
+        self._inside: dict[str, list[str]] = {}
 
     def machine(self, machine: Machine | None, at: str) -> Machine:
         """Return the machine that the document describes, or what it makes of another one."""
         root, states = self._root(bool(at))
         self._place(root, at, states)
+        self._inside = by_outer(filter(None, self._paths.values()))
         made = {path: self._state(node, path) for node, path in self._paths.items() if path}
         is_whole = self._kinds[root] == "Machine"
         variables = dict(map(self._variable, self._of(root)["variable"])) if is_whole else {}
@@ -294,7 +297,7 @@ class _Reader:
         return target
 
     def _initial(self, node: Any, path: str) -> str:
-        inside = [each for each in self._paths.values() if each and each.rpartition(".")[0] == path]
+        inside = self._inside.get(path, [])
         return self._target(node, path, "initial") or (inside[0] if len(inside) == 1 else "")
 
     def _doc(self, node: Any) -> str:
@@ -312,9 +315,9 @@ class _Reader:
     def _transition(self, node: Any, path: str) -> GuardedTransition:
         facts = self._of(node, "transition")
         to = self._target(node, path, "to")
-        if not to and not facts["on"]:
+        if not (to or facts["on"] or facts["action"]):
             line = self._statements.line_of(node)
-            raise BadMachine("a transition says sm:to, or sm:on an event", line)
+            raise BadMachine("a transition says sm:to, sm:action, or sm:on an event", line)
         self._note_variables(node, path, "when")
         actions = self._actions(node, path, "action")
         return GuardedTransition(to, facts["on"] or "", facts["when"], facts["after"], actions)

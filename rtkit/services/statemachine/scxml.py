@@ -19,6 +19,7 @@ from rtkit.services.statemachine.model import (
     Machine,
     MachineAction,
     MachineState,
+    by_outer,
     hint,
 )
 
@@ -136,10 +137,12 @@ class _Reader:
         self._root = root
         self._paths: dict[str, str] = {}
         self._nodes: dict[str, Any] = {}
+        self._inside: dict[str, list[str]] = {}
         self._lines: dict[tuple[str, str], int] = {("", ""): root.sourceline}
 
     def machine(self) -> Machine:
         self._place(self._root, "")
+        self._inside = by_outer(self._nodes)
         data = self._root.iterfind(f"{_TAG}datamodel/{_TAG}data")
         variables = {e.get("id", ""): plain_of(e.get("expr", "0").strip('"')) for e in data}
         states = {path: self._state(node, path) for path, node in self._nodes.items()}
@@ -172,8 +175,7 @@ class _Reader:
     def _initial(self, node: Any, path: str) -> str:
         way = node.find(f"{_TAG}initial/{_TAG}transition")
         named = node.get("initial") if way is None else way.get("target")
-        inside = [each for each in self._nodes if each.rpartition(".")[0] == path]
-        return self._paths.get(named, named) if named else next(iter(inside), "")
+        return self._paths.get(named, named) if named else self._inside.get(path, [""])[0]
 
     def _state(self, node: Any, path: str) -> MachineState:
         blocks: dict[str, list[MachineAction]] = {"onentry": [], "onexit": []}
@@ -203,12 +205,12 @@ class _Reader:
         when = self._expression(cond, node) if cond else None
         actions = tuple(self._actions(node, {}))
         events = (node.get("event") or "").split() or [""]
-        if not to and events == [""]:
-            raise BadMachine("a transition has a target or an event", node.sourceline)
         made = []
         for each in events:
             after = timers.pop(each, None)
             on = "" if after is not None else each.removesuffix(".*")
+            if not (to or on or actions):
+                raise BadMachine("a transition has a target, an event or actions", node.sourceline)
             made.append(GuardedTransition(to, on, when, after, actions))
         return made
 

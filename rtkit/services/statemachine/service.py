@@ -8,6 +8,7 @@ import time
 from collections import deque
 from collections.abc import Collection
 from functools import partial
+from itertools import islice
 from typing import Any, Final, Literal
 
 import rtkit
@@ -186,8 +187,11 @@ class StateMachine(rtkit.Names):
 
     @property
     def status(self) -> str:
-        """State of the run, or the reason why there is no machine yet."""
-        return self._trouble or self._interpreter.run
+        """State of the run, why it is paused, or the reason why there is no machine yet."""
+        with self._changed:
+            made = self._interpreter
+            reason = f"paused in {made.state}: {made.why}"
+            return self._trouble or (reason if made.run == "paused" else made.run)
 
     def get_source(self) -> str:
         """Property that the machine was got from; a SET gets it from there."""
@@ -195,10 +199,11 @@ class StateMachine(rtkit.Names):
 
     def set_source(self, target: str, goto: str = "") -> None:
         """Get the machine from a property of another service, and put it in force."""
-        text = self._asked().get(target)
-        if not isinstance(text, str | bytes):
-            raise rtkit.PropertyError("bad-value", f"{target}: expected a text")
-        self.set("machine", text.decode() if isinstance(text, bytes) else text, goto)
+        try:
+            text = self._asked().get_bytes(target).decode()
+        except UnicodeDecodeError:
+            raise rtkit.PropertyError("bad-value", f"{target}: expected a text") from None
+        self.set("machine", text, goto)
         self._source = target
 
     def save(self, target: str = "") -> str:
@@ -206,18 +211,27 @@ class StateMachine(rtkit.Names):
         target = target or self._source
         if not target:
             raise ValueError("save where? It was not got from a property")
-        self._asked().set(target, self.get("machine").encode())
+        self._asked().set_bytes(target, self.get("machine").encode())
         self._source = target
         return target
 
-    def get_log(self, n: int = 100, since: int = 0, detail: bool = False) -> list[tuple[Any, ...]]:
-        """Return ``(number time kind text)`` of the last ``n`` things that happened."""
+    def get_log(self, n: int = 100, since: int = -1, detail: bool = False) -> list[tuple[Any, ...]]:
+        """Return ``(number time kind text)`` of the last ``n`` things that happened.
+
+        Args:
+            n: How many at most.
+            since: The first ``n`` behind that number instead: page after page.
+            detail: With values and machines.
+        """
+        n = max(0, n)
         with self._changed:
-            found = [each for each in self._interpreter.log if each.number > since]
+            log = self._interpreter.log
+            behind = len(log) - n if since < 0 else since + 1 - (log[0].number if log else 0)
+            found = list(islice(log, max(0, behind), max(0, behind) + n))
         return [
             (each.number, each.time + self._offset, each.kind, each.text)
             + ((each.detail,) if detail else ())
-            for each in found[max(0, len(found) - n) :]
+            for each in found
         ]
 
     def get_graph(self) -> rtkit.Text:

@@ -55,16 +55,16 @@ def test_expression_has_the_value(text: str, expected: Any) -> None:
 @pytest.mark.parametrize(
     ("text", "place"),
     [
-        ("", "character 1: did not expect the end"),
-        ("a.b >", "character 6: did not expect the end"),
-        ("1 < 2 < 3", "character 7: did not expect <"),
-        ("(a.b", "character 5: did not expect the end"),
-        ("a.b and and c.d", "character 9: did not expect and"),
-        ("__import__('os')", "character 12: cannot be read: 'os')"),
-        ("a.b[0]", "character 4: cannot be read: [0]"),
-        ("a..b > 1", "character 2: cannot be read: ..b > 1"),
-        ("f(1)", "character 2: did not expect ("),
-        ("1 + " * 300 + "1", "too long"),
+        ("", "column 1: did not expect the end: nothing is there"),
+        ("a.b >", "column 6: did not expect the end: a.b >"),
+        ("1 < 2 < 3", "column 7: did not expect <: 1 < 2 < 3"),
+        ("(a.b", "column 5: did not expect the end: (a.b"),
+        ("a.b and and c.d", "column 9: did not expect and: a.b and and c.d"),
+        ("__import__('os')", "column 12: cannot be read: __import__('os')"),
+        ("a.b[0]", "column 4: cannot be read: a.b[0]"),
+        ("a..b > 1", "column 2: cannot be read: a..b > 1"),
+        ("f(1)", "column 2: did not expect (: f(1)"),
+        ("1 + " * 300 + "1", "column 400: too long: … 1 + 1"),
         ("(" * 300 + "1" + ")" * 300, "too long"),
     ],
 )
@@ -111,7 +111,7 @@ def test_plain_text_is_number_truth_or_text() -> None:
 
 
 def test_brackets_without_end_are_refused() -> None:
-    with pytest.raises(ValueError, match="brackets inside each other"):
+    with pytest.raises(ValueError, match=r"column 52: more than 50 brackets inside each other: ."):
         Expression("(" * 199)
 
 

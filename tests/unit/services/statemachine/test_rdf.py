@@ -48,7 +48,7 @@ def test_a_machine_has_all_that_its_text_says() -> None:
         ('"variables.laps" ;', '"variables.lap" ;', "line 29: patrol.back: no variable lap;"),
         ('"light.on" ; sm:value "true"', '"${x}.on" ; sm:value "true"', "line 19: patrol: no var"),
         ("sm:entry [ sm:set", "sm:entri [ sm:set", "line 12: not known here: sm:entri; did you"),
-        ("x > 1", "x >", "line 26: sm:when: character 23: did not expect the end"),
+        ("x > 1", "x >", "line 26: sm:when: column 23: did not expect the end: robots/r1"),
         ("sm:initial :out", "sm:initial :end", "line 17: initial state of patrol is none of"),
         ("sm:initial :wait", "sm:initial :wiat", "line 8: initial state of the machine is none"),
         ("a sm:Final", "a sm:Finl", "line 32: not expected here: sm:Finl"),
@@ -109,6 +109,14 @@ def test_what_is_no_machine_is_refused_with_the_line(text: str, why: str) -> Non
     with pytest.raises(BadMachine) as refused:
         read_machine(text)
     assert str(refused.value).startswith(why), refused.value
+
+
+def test_a_transition_may_only_act() -> None:
+    way = '[ sm:when "a.b > 1" ; sm:action [ sm:raise "x" ] ]'
+    machine = read_machine(f"{NODELESS}<#a> a sm:State ; sm:transition {way} .")
+    (made,) = machine.states["a"].transitions
+    assert (made.to, made.on, made.actions[0].target) == ("", "", "x")
+    assert read_machine(write_machine(machine)) == machine
 
 
 def test_a_machine_may_name_its_outermost_states() -> None:

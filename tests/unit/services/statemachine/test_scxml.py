@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from pathlib import Path
 from xml.etree import ElementTree as ET
 
@@ -10,7 +11,7 @@ import pytest
 from rtkit.services.statemachine.interpreter import Interpreter, MachineEvent
 from rtkit.services.statemachine.model import BadMachine
 from rtkit.services.statemachine.picture import draw_machine
-from rtkit.services.statemachine.rdf import read_machine
+from rtkit.services.statemachine.rdf import read_machine, write_machine
 from rtkit.services.statemachine.scxml import read_scxml, write_scxml
 
 HERE = Path(__file__).parent
@@ -60,7 +61,7 @@ def test_what_was_read_is_written_and_read_alike(text: str) -> None:
         ('target="rest"', 'target="bed"', "line 17: work: no state to go to: bed"),
         ('target="fast"', 'target="rest"', "line 5: initial state of work is none of those"),
         ("variables.count &lt;", "variables.cont &lt;", "line 19: work.fast: no variable cont"),
-        ("meter.value &gt;", "alert(1) &gt;", "line 20: character 6: did not expect ("),
+        ("meter.value &gt;", "alert(1) &gt;", "line 20: column 6: did not expect (: alert(1) >"),
         ('datamodel="rtkit"', 'datamodel="ecmascript"', "line 20: expressions are read where"),
         ('event="late" target', 'event="soon" target', "line 5: no transition of work takes the"),
         ('delay="1500ms"', 'delay="soon"', "line 11: a send is a SET"),
@@ -75,6 +76,31 @@ def test_what_is_not_in_the_subset_is_refused_by_line(old: str, new: str, why: s
     with pytest.raises(BadMachine) as refused:
         read_scxml(NESTED.replace(old, new, 1))
     assert str(refused.value).startswith(why), refused.value
+
+
+def test_a_transition_that_only_acts_goes_both_ways() -> None:
+    acts = '<transition cond="meter.value &gt; 5"><raise event="x"/></transition>'
+    later = '<transition event="late"><raise event="y"/></transition>'
+    text = NESTED.replace('<transition event="late"', f'{acts}{later}<transition event="late"', 1)
+    old, new = '<transition event="late" target', '<transition event="l" target'
+    machine = read_scxml(text.replace(old, new))
+    made = [each for each in machine.states["work"].transitions if not each.to]
+    assert [(each.on, each.after, each.actions[0].target) for each in made] == [
+        ("", None, "x"),
+        ("", 1.5, "y"),
+    ]
+    assert read_machine(write_machine(machine)).states == machine.states
+    assert read_scxml(write_scxml(read_machine(write_machine(machine)))).states == machine.states
+    with pytest.raises(BadMachine, match="line 17: a transition has a target, an event or actions"):
+        read_scxml(NESTED.replace('<transition event="late" target="rest"/>', "<transition/>"))
+
+
+def test_many_states_are_read_in_no_time() -> None:
+    states = "".join(f'<state id="s{n}"/>' for n in range(10_000))
+    head = f'<scxml xmlns="http://www.w3.org/2005/07/scxml">{states}</scxml>'
+    begun = time.process_time()
+    assert len(read_scxml(head).states) == 10_000
+    assert time.process_time() - begun < 3.0
 
 
 def test_entities_are_refused() -> None:
