@@ -287,7 +287,6 @@ class _CallingThread:
     """
 
     def __init__(self, *, is_lent: bool) -> None:
-        self.is_lent = is_lent
         self._lock = Lock()
         self._is_free = is_lent
         self._is_over = False

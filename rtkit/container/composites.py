@@ -4,10 +4,9 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Callable
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeGuard
 
 from rtkit.component.base import Component
-from rtkit.component.composites_index import is_composite
 from rtkit.container.operations import ContainerServices
 from rtkit.errors import RtkitError
 
@@ -15,6 +14,11 @@ if TYPE_CHECKING:
     from rtkit.component.composite import Composite, Done
 
     _Change = Callable[[Done], object]
+
+
+def is_composite(component: Component | None) -> TypeGuard[Composite]:
+    """Return whether a component drives or groups others; imports nothing that these need."""
+    return component is not None and bool(component.composite_type)
 
 
 class Composites:

@@ -17,11 +17,10 @@ from typing import TYPE_CHECKING, Any
 
 from rtkit import fault
 from rtkit.component.base import Component
-from rtkit.component.composites_index import is_composite
 from rtkit.component.context import ExecutionContext
 from rtkit.component.current import current
 from rtkit.component.participant import DrivenComponent
-from rtkit.container.composites import Composites
+from rtkit.container.composites import Composites, is_composite
 from rtkit.container.connectors import Connectors
 from rtkit.container.execution_contexts import ExecutionContexts, StateMachines, release
 from rtkit.container.facts import DatedFacts

@@ -6,10 +6,10 @@ import json
 import select
 import socket
 import struct
-from typing import Any
 
 from rtkit.deployment.message import Message
 from rtkit.errors import Malformed
+from rtkit.rtc.serde import parse_table
 
 _HEADER = struct.Struct("<I")
 _to_json = json.JSONEncoder(separators=(",", ":")).encode
@@ -86,20 +86,10 @@ class ControlChannel:
             end = _HEADER.size + size
             if len(self._received) < end:
                 break
-            messages.append(_parse(bytes(self._received[_HEADER.size : end])))
+            messages.append(parse_table(bytes(self._received[_HEADER.size : end])))
             del self._received[:end]
         return messages
 
     def close(self) -> None:
         """Close this end."""
         self.socket.close()
-
-
-def _parse(payload: bytes) -> dict[str, Any]:
-    try:
-        message = json.loads(payload)
-    except (ValueError, RecursionError) as error:
-        raise Malformed(f"not JSON: {error}") from error
-    if not isinstance(message, dict):
-        raise Malformed("a message is a table")
-    return message

@@ -10,9 +10,9 @@ from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from rtkit.component.base import Component
-from rtkit.component.composites_index import is_composite
 from rtkit.component.context import ExecutionContext, always
 from rtkit.component.period import check_rate
+from rtkit.container.composites import is_composite
 from rtkit.container.operations import LATER, ContainerServices, Operations, answer_code, in_time
 from rtkit.deployment.message import Message
 from rtkit.errors import Malformed, NotFound, Refused, RtkitError

@@ -25,20 +25,9 @@ class DatedFacts:
             instance=component.instance,
             type=component.type,
             process="",
-            ports=described.ports,
-            sets=described.sets,
-            active_set=described.active_set,
-            contexts=described.contexts,
             is_stand_in=component.is_stand_in,
-            cause=described.cause,
-            composite_type=described.composite_type,
-            members=described.members,
-            composite=described.composite,
-            fsm_state=described.fsm_state,
-            fsm_states=described.fsm_states,
-            fsm_events=described.fsm_events,
-            code=described.code,
             since=self._date(component.instance, described.contexts),
+            **described._asdict(),
         )
 
     def forget(self, instance: str) -> None:

@@ -7,7 +7,6 @@ from collections.abc import Iterable, Iterator, Mapping
 from rtkit.deployment import drift
 from rtkit.deployment.facts import ComponentFacts
 from rtkit.deployment.live_index import LiveIndex, absence, context_of
-from rtkit.deployment.loaded_code import changed_code
 from rtkit.deployment.system import HIDDEN, WantedComponent, WantedConnector, WantedSystem, address
 from rtkit.fast_dataclass import dataclass
 from rtkit.rtc.connector_properties import differing
@@ -80,7 +79,7 @@ def deviations(
         yield from _parameters(component, facts)
     for component, facts in there:
         yield from _manner(component, facts)
-        file = changed_code(facts, present_code)
+        file = facts.changed_code(present_code)
         if file:
             text = f"Component {component.path} runs code that has changed since ({file})"
             yield Deviation("code", component.path, text, False, found=file)

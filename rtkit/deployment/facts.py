@@ -162,6 +162,15 @@ class ComponentFacts:
     code: str = ""
     since: float = 0.0
 
+    def changed_code(self, present: Mapping[str, str]) -> str:
+        """Return a file that it comes from, if that has changed since it was loaded.
+
+        `present` has the CRC-32 of files as they are now.
+        """
+        parts = (line.partition(" ") for line in self.code.splitlines())
+        changed = (file for loaded, _, file in parts if present.get(file, loaded) != loaded)
+        return next(changed, "")
+
     @property
     def state(self) -> str:
         """Merged life-cycle state over all contexts, ``Unknown`` without any."""

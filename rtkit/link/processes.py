@@ -7,8 +7,10 @@ import select
 import signal
 from contextlib import suppress
 
+from rtkit.closing import Closing
 
-class ProcessWatch:
+
+class ProcessWatch(Closing):
     """Watch on one process, from now until it exits."""
 
     def __init__(self, pid: int) -> None:
@@ -38,12 +40,6 @@ class ProcessWatch:
     def close(self) -> None:
         """Watch it no more."""
         os.close(self._descriptor)
-
-    def __enter__(self) -> ProcessWatch:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self.close()
 
 
 def is_abandoned(path: str, pid: int) -> bool:

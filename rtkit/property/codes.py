@@ -11,28 +11,27 @@ from rtkit import errors
 
 
 class ErrorCode(NamedTuple):
-    """Meaning of a code: its HTTP status, whether to try again helps, its exit detail."""
+    """Meaning of a code: its HTTP status, and its exit detail."""
 
     http: int
-    may_retry: bool
     detail: int
 
 
 CODES: dict[str, ErrorCode] = {
-    "unknown": ErrorCode(404, False, 4),
-    "no-service": ErrorCode(502, True, 5),
-    "read-only": ErrorCode(405, False, 1),
-    "write-only": ErrorCode(405, False, 1),
-    "denied": ErrorCode(403, False, 1),
-    "syntax": ErrorCode(400, False, 2),
-    "bad-value": ErrorCode(400, False, 2),
-    "bad-parameter": ErrorCode(400, False, 2),
-    "conflict": ErrorCode(409, True, 1),
-    "busy": ErrorCode(409, True, 1),
-    "too-large": ErrorCode(413, False, 1),
-    "timeout": ErrorCode(504, True, 5),
-    "checksum": ErrorCode(0, True, 5),
-    "internal": ErrorCode(500, False, 1),
+    "unknown": ErrorCode(404, 4),
+    "no-service": ErrorCode(502, 5),
+    "read-only": ErrorCode(405, 1),
+    "write-only": ErrorCode(405, 1),
+    "denied": ErrorCode(403, 1),
+    "syntax": ErrorCode(400, 2),
+    "bad-value": ErrorCode(400, 2),
+    "bad-parameter": ErrorCode(400, 2),
+    "conflict": ErrorCode(409, 1),
+    "busy": ErrorCode(409, 1),
+    "too-large": ErrorCode(413, 1),
+    "timeout": ErrorCode(504, 5),
+    "checksum": ErrorCode(0, 5),
+    "internal": ErrorCode(500, 1),
 }
 """Every code there is; the text ``checksum`` never leaves a serial line, so it has no status."""
 

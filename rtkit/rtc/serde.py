@@ -64,6 +64,18 @@ def parse_json(text: str | bytes) -> Any:
         raise Malformed(f"not JSON: {error}") from error
 
 
+def parse_table(text: str | bytes) -> dict[str, Any]:
+    """Return the table that a JSON text holds.
+
+    Raises:
+        Malformed: It holds none.
+    """
+    table = parse_json(text)
+    if not isinstance(table, dict):
+        raise Malformed("not a JSON table")
+    return table
+
+
 def _same(value: Any) -> Any:
     return value
 

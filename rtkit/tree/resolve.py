@@ -32,6 +32,18 @@ def absent(root: TreeNode, path: Path, hostname: str) -> NotFound:
     return NotFound(f"No such object: {path.typed}")
 
 
+def present(root: TreeNode, path: Path, hostname: str) -> TreeNode:
+    """Return the node at `path`, with a trailing slash or without.
+
+    Raises:
+        NotFound: Nothing is there.
+    """
+    node = find(root, path, hostname)
+    if node is None:
+        raise absent(root, path, hostname)
+    return node
+
+
 def _base_is_gone(path: Path, depth: int) -> str:
     """Return a hint if what is missing is not in what was typed, but in what it goes from."""
     steps = [step for step in path.typed.split("/") if step not in ("", ".")]
@@ -84,8 +96,8 @@ def entry(root: TreeNode, path: Path, hostname: str) -> TreeNode:
     Raises:
         NotFound: Nothing is there.
     """
-    node = find(root, path, hostname)
-    if node is None or (path.is_directory and not node.is_directory):
+    node = present(root, path, hostname)
+    if path.is_directory and not node.is_directory:
         raise absent(root, path, hostname)
     return node
 
@@ -151,9 +163,7 @@ def manager(root: TreeNode, path: Path, hostname: str) -> TreeNode:
         NotFound: Nothing is there.
         Refused: Something else, or a zombie.
     """
-    node = find(root, path, hostname)
-    if node is None:
-        raise absent(root, path, hostname)
+    node = present(root, path, hostname)
     if node.kind is NodeKind.ZOMBIE:
         raise zombie(node, path)
     if node.kind is not NodeKind.MANAGER or path.port is not None:
@@ -162,9 +172,7 @@ def manager(root: TreeNode, path: Path, hostname: str) -> TreeNode:
 
 
 def _living(root: TreeNode, path: Path, hostname: str) -> TreeNode:
-    node = find(root, path, hostname)
-    if node is None:
-        raise absent(root, path, hostname)
+    node = present(root, path, hostname)
     if node.kind is NodeKind.ZOMBIE:
         raise zombie(node, path)
     if node.kind is not NodeKind.COMPONENT:

@@ -238,7 +238,6 @@ def _check_imports(prepared: Prepared) -> None:
         Refused: One does not import; says where.
     """
     from rtkit.api.sources import check_imports, files_of
-    from rtkit.deployment.loaded_code import changed_code
     from rtkit.rtc.profiles import split_module
 
     _, goal, snapshot, *_ = prepared
@@ -246,7 +245,7 @@ def _check_imports(prepared: Prepared) -> None:
     check_imports(
         (files_of([facts])[0], modules[facts.instance])
         for facts in snapshot.components
-        if facts.instance in modules and changed_code(facts, goal.feasibility.code)
+        if facts.instance in modules and facts.changed_code(goal.feasibility.code)
     )
 
 

@@ -104,9 +104,8 @@ def _old_code(facts: ComponentFacts) -> list[tuple[str, str]]:
     if not facts.code:
         return []
     from rtkit.api.looking import present_code
-    from rtkit.deployment.loaded_code import changed_code
 
-    file = changed_code(facts, present_code([facts]))
+    file = facts.changed_code(present_code([facts]))
     return [("Code", f"changed since it was loaded ({file})")] if file else []
 
 

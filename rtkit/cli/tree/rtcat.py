@@ -66,12 +66,10 @@ def main(
 
 
 def _node(root: TreeNode, path: Path, hostname: str) -> TreeNode:
-    from rtkit.tree.resolve import absent, find, zombie
+    from rtkit.tree.resolve import present, zombie
     from rtkit.tree.view import NodeKind
 
-    node = find(root, path, hostname)
-    if node is None:
-        raise absent(root, path, hostname)
+    node = present(root, path, hostname)
     if node.is_directory:
         if path.port is not None:
             raise Refused(f"Not a component: {path.typed}")

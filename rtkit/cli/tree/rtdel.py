@@ -66,14 +66,15 @@ def _remove_zombies(app: App) -> None:
 
 def _below(app: App, path: Path, zombies: bool) -> list[Action]:
     from rtkit.deployment.actions import Unregister
-    from rtkit.tree.view import NodeKind
+    from rtkit.tree.resolve import present
+    from rtkit.tree.view import NodeKind, build
 
     if path.port is not None:
         raise Malformed(f"Undeletable object: {path.typed}")
     if not path.elements:
         raise Malformed("Cannot delete the root directory.")
     listing = app.tree.listing()
-    node = _node(listing, path)
+    node = present(build(listing), path, listing.host)
     if zombies and node.kind is not NodeKind.ZOMBIE:
         raise Refused(f"Not a zombie object: {path.typed}")
     if node.kind is NodeKind.HOST:
@@ -81,17 +82,6 @@ def _below(app: App, path: Path, zombies: bool) -> list[Action]:
     if node.parent is None or node.parent.kind is NodeKind.MANAGER:
         raise Refused(f"Parent not a directory: {path.typed}")
     return [Unregister(name, zombies) for name in _names(listing, node)]
-
-
-def _node(listing: Listing, path: Path) -> TreeNode:
-    from rtkit.tree.resolve import absent, find
-    from rtkit.tree.view import build
-
-    root = build(listing)
-    node = find(root, path, listing.host)
-    if node is None:
-        raise absent(root, path, listing.host)
-    return node
 
 
 def _names(listing: Listing, node: TreeNode) -> list[str]:

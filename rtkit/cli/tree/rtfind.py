@@ -13,7 +13,7 @@ from rtkit.cli.shared.command import command
 from rtkit.cli.shared.options import arguments, flag, json_flag, option, several
 from rtkit.errors import Malformed, UsageProblem
 from rtkit.rtc.names import glob
-from rtkit.tree.resolve import absent, find
+from rtkit.tree.resolve import present
 from rtkit.tree.view import NodeKind, TreeNode, once
 
 if TYPE_CHECKING:
@@ -100,9 +100,7 @@ def _start(app: App, typed: str) -> tuple[TreeNode, TreeNode]:
     if path.port is not None:
         raise Malformed(f"Not a directory: {path.typed}")
     root, hostname = app.root(path, is_deep=True)
-    node = find(root, path, hostname)
-    if node is None:
-        raise absent(root, path, hostname)
+    node = present(root, path, hostname)
     if path.is_directory and not node.is_directory:
         raise Malformed(f"Not a directory: {path.typed}")
     return root, node

@@ -10,7 +10,6 @@ from collections.abc import Collection, Iterator, Mapping
 
 from rtkit.deployment.facts import ComponentFacts
 from rtkit.deployment.live_index import LiveIndex
-from rtkit.deployment.loaded_code import changed_code
 
 
 class Stale:
@@ -34,7 +33,7 @@ class Stale:
             holder = (live.home(facts.instance), facts.process)
             self._holders[facts.instance] = holder
             self._held.setdefault(holder, []).append(facts.instance)
-            file = changed_code(facts, code)
+            file = facts.changed_code(code)
             if file:
                 self._files[facts.instance] = file
         self._guests = {

@@ -27,7 +27,7 @@ from rtkit.manager.core.desired import DesiredState
 from rtkit.manager.core.event_ring import Fault, Recording
 from rtkit.manager.core.events import Event
 from rtkit.manager.core.state import ManagerState
-from rtkit.rtc.serde import hint_of
+from rtkit.rtc.serde import hint_of, parse_table
 from rtkit.settings.properties import Settings
 
 FORM = 1
@@ -68,7 +68,7 @@ def from_lines(lines: Iterable[str]) -> Dump:
     number = 0
     for number, line in enumerate(lines, 1):
         try:
-            table = _table(line)
+            table = parse_table(line)
             if number == 1:
                 header = _header(table)
             elif "end" in found:
@@ -98,16 +98,6 @@ def _checked(
 
 def _line(table: Mapping[str, Any]) -> str:
     return json.dumps(table, separators=(",", ":"))
-
-
-def _table(line: str) -> dict[str, Any]:
-    try:
-        table = json.loads(line)
-    except (ValueError, RecursionError) as error:
-        raise Malformed(f"not JSON: {error}") from error
-    if not isinstance(table, dict):
-        raise Malformed("not a JSON table")
-    return table
 
 
 def _header(table: dict[str, Any]) -> dict[str, Any]:

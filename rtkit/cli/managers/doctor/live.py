@@ -136,12 +136,11 @@ def judge(name: str, listing: Listing, facts: Snapshot) -> Iterator[Diagnosis]:
 def old_code(facts: Snapshot) -> Iterator[Diagnosis]:
     """Name the components that run other code than their files have now."""
     from rtkit.api.looking import present_code
-    from rtkit.deployment.loaded_code import changed_code
 
     present = present_code(facts.components)
     by_hand = {process.name for process in facts.processes if process.is_guest}
     for component in facts.components:
-        file = changed_code(component, present)
+        file = component.changed_code(present)
         if file:
             path = f"/{component.names[0]}" if component.names else component.instance
             cure = "rtapply --replace PROFILE makes it again with the present code"

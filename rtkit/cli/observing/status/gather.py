@@ -265,7 +265,6 @@ def _rates(app: App, facts: ComponentFacts) -> RateRow | None:
 
 def _warnings(record: Mapping[str, Any], facts: ComponentFacts | None) -> Iterator[str]:
     from rtkit.api.looking import present_code
-    from rtkit.deployment.loaded_code import changed_code
 
     for context in record["contexts"]:
         asked, reached = context["rate_hz"], context["reached_hz"]
@@ -278,7 +277,7 @@ def _warnings(record: Mapping[str, Any], facts: ComponentFacts | None) -> Iterat
         return
     if facts.restart_status.stops:
         yield facts.restart_status.stops
-    file = changed_code(facts, present_code([facts]))
+    file = facts.changed_code(present_code([facts]))
     if file:
         yield f"its code has changed since it was loaded ({file})"
     if record["state"] == "Error":
