@@ -8,7 +8,7 @@ update, never in the middle of a cycle.
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from typing import Any, cast
 
 from rtkit.component.constraint_check import misfits, parameter_names
@@ -95,16 +95,20 @@ class Configuration:
             Malformed: A text that a parameter cannot have; names parameter, text and constraint.
         """
         present = self._find(set_id)
-        for name in values:
-            if name not in present:
-                raise NotFound(f"No such configuration parameter: {name}")
-        why = self.misfits(set_id, values)
-        if why:
-            raise Malformed(why)
+        self._check(set_id, values, present)
         self._sets[set_id] = {**present, **values}
         for name in values:
             self.changed("parameter_updated", f"{set_id}.{name}")
         self.changed("set_updated", set_id)
+
+    def _check(self, set_id: str, values: Mapping[str, str], known: Collection[str]) -> None:
+        """Refuse values of parameters that there are not, or that these cannot have."""
+        for name in values:
+            if name not in known:
+                raise NotFound(f"No such configuration parameter: {name}")
+        why = self.misfits(set_id, values)
+        if why:
+            raise Malformed(why)
 
     def add_set(self, set_id: str, values: Mapping[str, str]) -> None:
         """Add a set at run time.
@@ -117,13 +121,7 @@ class Configuration:
         if set_id in self._sets:
             raise Refused(f"configuration set {set_id} exists already")
         check_set_name(set_id)
-        known = parameter_names(self._sets)
-        for name in values:
-            if name not in known:
-                raise NotFound(f"No such configuration parameter: {name}")
-        why = self.misfits(set_id, values)
-        if why:
-            raise Malformed(why)
+        self._check(set_id, values, parameter_names(self._sets))
         self._sets[set_id] = dict(values)
         self._added.add(set_id)
         self.changed("set_added", set_id)

@@ -16,7 +16,7 @@ def report_lines(
     checked: Iterable[Checked],
     rules: Rules,
     tool: str,
-    timestamp: str,
+    timestamp: str = "",
     *,
     style: Style = as_is,
     is_quiet: bool = False,
@@ -28,7 +28,7 @@ def report_lines(
         checked: What was checked; text, JSON and annotations come one by one as these do.
         rules: Subject of each rule, for the forms that explain rules.
         tool: The name under which it was checked.
-        timestamp: When, for JUnit: ``2024-01-31T12:00:00``.
+        timestamp: When, for JUnit: ``2024-01-31T12:00:00``; empty for now.
         style: Style of the parts of a line, for text.
         is_quiet: Report errors only, and no verdict in a text.
     """
@@ -42,8 +42,11 @@ def report_lines(
 
         yield sarif(checked, rules, tool)
     elif form == JUNIT:
+        import time
+
         from rtkit.report.junit import junit
 
-        yield junit(checked, tool, timestamp)
+        now = time.strftime("%Y-%m-%dT%H:%M:%S", time.gmtime())
+        yield junit(checked, tool, timestamp or now)
     else:
         yield from github_lines(checked)

@@ -74,7 +74,7 @@ class Tree(ByPath, Closing):
         """
         from rtkit.deployment.listing import listing_from_text
 
-        return listing_from_text(self._ask(zenoh_keys.extension_key(self._service, "listing")))
+        return listing_from_text(self._view("listing"))
 
     def snapshot(self) -> Snapshot:
         """Return everything that the manager knows.
@@ -141,7 +141,7 @@ class Tree(ByPath, Closing):
     def _plain(self, name: str) -> dict[str, Any]:
         import json
 
-        text = self._ask(zenoh_keys.extension_key(self._service, name))
+        text = self._view(name)
         try:
             return dict(json.loads(text))
         except (TypeError, ValueError) as error:
@@ -153,7 +153,7 @@ class Tree(ByPath, Closing):
         Raises:
             Unreachable: The manager does not answer in time.
         """
-        return self._ask(zenoh_keys.extension_key(self._service, "dump"))
+        return self._view("dump")
 
     def past_events(self, instance: str) -> list[tuple[float, str, str, str]]:
         """Return the last events about a component: time [s since 1970], event, subject, detail.
@@ -164,9 +164,7 @@ class Tree(ByPath, Closing):
         """
         import json
 
-        text = self._ask(
-            zenoh_keys.extension_key(self._service, f"events/{zenoh_keys.escape(instance)}")
-        )
+        text = self._view(f"events/{zenoh_keys.escape(instance)}")
         try:
             rows = json.loads(text)
             return [
@@ -189,9 +187,8 @@ class Tree(ByPath, Closing):
 
         if not makings:
             return []
-        key = zenoh_keys.extension_key(self._service, "lacking")
         try:
-            reasons = json.loads(self._ask(key, json.dumps(makings)))
+            reasons = json.loads(self._view("lacking", json.dumps(makings)))
             return [str(why) for _, why in zip(makings, reasons, strict=True)]
         except (TypeError, ValueError) as error:
             raise Malformed(f"the manager's answer cannot be read: {error}") from error
@@ -247,7 +244,7 @@ class Tree(ByPath, Closing):
         import json
 
         text = json.dumps(request) if request is not None else None
-        return self._ask(zenoh_keys.extension_key(self._service, "lease"), text)
+        return self._view("lease", text)
 
     @property
     def trees(self) -> dict[str, Tree]:
@@ -263,9 +260,7 @@ class Tree(ByPath, Closing):
         from rtkit.deployment.delta import FullSnapshot
         from rtkit.rtc.serde import decode_text
 
-        return decode_text(
-            FullSnapshot, self._ask(zenoh_keys.extension_key(self._service, "picture"))
-        )
+        return decode_text(FullSnapshot, self._view("picture"))
 
     def listen(self, line: str, receive: Callable[[str], object]) -> Callable[[], object]:
         """Have `receive` called with what the manager sends on a topic; return what ends that.
@@ -293,6 +288,10 @@ class Tree(ByPath, Closing):
         if name == _CREATE:
             key += f"?id={request_id()}"
         return self._ask(key, as_text(value, f"value of {name}"), timeout_s)
+
+    def _view(self, name: str, payload: str | None = None) -> str:
+        """Ask for a view of what the manager knows, beside its properties."""
+        return self._ask(zenoh_keys.extension_key(self._service, name), payload)
 
     def _ask(self, key: str, payload: str | None = None, timeout_s: float | None = None) -> str:
         return self._send(key, payload, timeout_s)()

@@ -18,13 +18,13 @@ from rtkit.cli.completion.live import (
     with_row,
 )
 from rtkit.cli.shared.app import working_directory
+from rtkit.deployment.listing import ListingRow
 from rtkit.rtc.names import parse_path
 from rtkit.tree.view import NodeKind, TreeNode
 
 Found = Iterable[Candidate]
 Maker = Callable[[CursorMeaning, CompletionSource], "Found | Files"]
 PROFILES = Files((".xml", ".yaml", ".yml", ".json"))
-_IN, _OUT = "DataInPort", "DataOutPort"
 _CONNECTOR_PROPERTIES = (
     "dataport.dataflow_type=",
     "dataport.interface_type=",
@@ -49,10 +49,6 @@ def _is_manager(node: TreeNode) -> bool:
     return node.kind is NodeKind.MANAGER
 
 
-def _is_slave(node: TreeNode) -> bool:
-    return node.is_slave
-
-
 def _deletable(asked: CursorMeaning, live: CompletionSource) -> Found:
     if "-z" in asked.options:
         return paths(live, asked.typed, WantedPath(lambda node: node.kind is NodeKind.ZOMBIE))
@@ -71,13 +67,19 @@ def _changeable(state: str) -> Maker:
     return make
 
 
-def _in_port(asked: CursorMeaning, live: CompletionSource) -> Found:
+def _ports(direction: str, count: Callable[[ListingRow], int]) -> Maker:
+    """Return components that have ports of a direction, and these ports."""
     wanted = WantedPath(
-        with_row(lambda row: bool(row.ins)),
+        with_row(lambda row: bool(count(row))),
         has_port=True,
-        port_fits=lambda _, port: port["port_type"] == _IN,
+        port_fits=lambda _, port: port["port_type"] == direction,
     )
-    return paths(live, asked.typed, wanted)
+    return _all(wanted)
+
+
+def _recorded(asked: CursorMeaning, live: CompletionSource) -> Found | Files:
+    is_played = asked.options.keys() & {"-p", "-d"} and asked.command == "rtlog"
+    return (_IN_PORTS if is_played else _OUT_PORTS)(asked, live)
 
 
 def _operation(asked: CursorMeaning, live: CompletionSource) -> Found:
@@ -100,17 +102,6 @@ def _operation(asked: CursorMeaning, live: CompletionSource) -> Found:
         for name, text in operations_in(port.get("properties", {}).get(DEFINITION, ""))
         for candidate in those([f"{head}:{port['name']}.{name}"], f"{head}:{typed}", text)
     ]
-
-
-def _out_port(asked: CursorMeaning, live: CompletionSource) -> Found | Files:
-    if asked.options.keys() & {"-p", "-d"} and asked.command == "rtlog":
-        return _in_port(asked, live)
-    wanted = WantedPath(
-        with_row(lambda row: bool(row.outs)),
-        has_port=True,
-        port_fits=lambda _, port: port["port_type"] == _OUT,
-    )
-    return paths(live, asked.typed, wanted)
 
 
 def _fitting(asked: CursorMeaning, live: CompletionSource) -> Found:
@@ -300,22 +291,10 @@ def _components(live: CompletionSource) -> list[dict[str, Any]]:
         return []
 
 
-def _modules(asked: CursorMeaning, live: CompletionSource) -> Found:
-    return those((each["path"] for each in live.part()["modules"]), asked.typed)
-
-
-def _properties(asked: CursorMeaning, live: CompletionSource) -> Found:
-    return those((f"{key}=" for key in live.part()["properties"]), asked.typed)
-
-
 def _settings(asked: CursorMeaning, _live: CompletionSource) -> Found:
     from rtkit.settings.layer_file import SETTINGS
 
     return those((each.key for each in SETTINGS), asked.typed)
-
-
-def _instances(asked: CursorMeaning, live: CompletionSource) -> Found:
-    return those((row.instance for row in live.tree().listing().rows), asked.typed)
 
 
 def _live(asked: CursorMeaning, live: CompletionSource) -> Found:
@@ -394,6 +373,8 @@ def _keys(file: str) -> Maker:
 
 
 _PORT = WantedPath(with_row(lambda row: bool(row.ins + row.outs + row.services)), has_port=True)
+_IN_PORTS = _ports("DataInPort", lambda row: row.ins)
+_OUT_PORTS = _ports("DataOutPort", lambda row: row.outs)
 _MAKERS: dict[str, Maker] = {
     "active": _changeable("Active"),
     "anything": _all(WantedPath(lambda node: not node.is_directory, takes_folders=True)),
@@ -409,7 +390,7 @@ _MAKERS: dict[str, Maker] = {
         those(("component", "system"), asked.typed) if not asked.arguments else ()
     ),
     "component|manager": _all(WantedPath(lambda node: living(node) or _is_manager(node))),
-    "component|slave": _all(WantedPath(lambda node: living(node) or _is_slave(node))),
+    "component|slave": _all(WantedPath(lambda node: living(node) or node.is_slave)),
     "composite-type": lambda asked, _: those(_COMPOSITES, asked.typed),
     "conf": _conf,
     "connected": _connected,
@@ -425,22 +406,28 @@ _MAKERS: dict[str, Maker] = {
     "fitting": _fitting,
     "folder": lambda _asked, _live: Files(is_folder=True),
     "host": _hosts,
-    "in-port": _in_port,
+    "in-port": _IN_PORTS,
     "inactive": _changeable("Inactive"),
-    "instance": _instances,
+    "instance": lambda asked, live: those(
+        (row.instance for row in live.tree().listing().rows), asked.typed
+    ),
     "live": _live,
-    "loaded-module": _modules,
+    "loaded-module": lambda asked, live: those(
+        (each["path"] for each in live.part()["modules"]), asked.typed
+    ),
     "manager": _all(WantedPath(_is_manager)),
     "manager-name": _manager_names,
     "manager|component": _all(WantedPath(lambda node: living(node) or _is_manager(node))),
     "manager|word": _manager_or_word,
     "module": _loadable,
     "operation": _operation,
-    "out-port": _out_port,
+    "out-port": _recorded,
     "port": _all(_PORT),
     "parameter": _profile_values,
     "profile": lambda _asked, _live: PROFILES,
-    "property": _properties,
+    "property": lambda asked, live: those(
+        (f"{key}=" for key in live.part()["properties"]), asked.typed
+    ),
     "set": _sets,
     "setting": _settings,
     "type": _types,

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import time
 from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
@@ -69,10 +68,7 @@ def check(
     components = [*components, *folders]
     checked = list(_checked(app, systems, components, options))
     rules = {**RULES_OF_PROFILES, **RULES, "unreadable": "A file or folder cannot be read"}
-    now = time.strftime("%Y-%m-%dT%H:%M:%S", time.gmtime())
-    for line in report_lines(
-        report, checked, rules, tool, now, style=finding_style, is_quiet=is_quiet
-    ):
+    for line in report_lines(report, checked, rules, tool, style=finding_style, is_quiet=is_quiet):
         click.echo(line)
     if report == TEXT and not components and not is_quiet and _lacks_profiles(checked):
         app.report("hint: --components FOLDER tells where RTC profiles are")

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
@@ -55,8 +54,7 @@ def verdict_lines(
     if form == JSON:
         yield from json_records.lines("deviation", map(_record, found))
         return
-    now = time.strftime("%Y-%m-%dT%H:%M:%S", time.gmtime())
-    yield from report_lines(form, _checked(source, system, found), RULES, TOOL, now)
+    yield from report_lines(form, _checked(source, system, found), RULES, TOOL)
 
 
 def _record(each: Deviation) -> dict[str, object]:

@@ -63,7 +63,7 @@ def main(
     judge = partial(_judge, strict=app.is_strict, ignored=ignored, is_explaining=explain)
     checked = _checked(app, paths, judge, seen)
     for line in report_lines(
-        JSON if is_json else form, checked, rules, TOOL, _now(), style=finding_style, is_quiet=quiet
+        JSON if is_json else form, checked, rules, TOOL, style=finding_style, is_quiet=quiet
     ):
         click.echo(line)
     return _status(app, seen)
@@ -112,9 +112,3 @@ def _rules() -> dict[str, str]:
     from rtkit.profile_tools.validation import RULES as OTHER_RULES
 
     return RULES | OTHER_RULES
-
-
-def _now() -> str:
-    import time
-
-    return time.strftime("%Y-%m-%dT%H:%M:%S", time.gmtime())
