@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from rtkit.api.system_profiles import SystemProfile, load
     from rtkit.api.tree import Tree
     from rtkit.by_hand import run
-    from rtkit.property.annotations import Range, Returns, Text, Unit
+    from rtkit.property.annotations import Concurrent, Range, Returns, Text, Unit
     from rtkit.property.codes import PropertyError
     from rtkit.property.functional import behavior
     from rtkit.property.marker import Marker
@@ -38,6 +38,7 @@ _HOMES = {
     "Client": "rtkit.api.client",
     "aio": "rtkit.aio",
     "Choices": "rtkit.property.presenting",
+    "Concurrent": "rtkit.property.annotations",
     "Gui": "rtkit.property.presenting",
     "Element": "rtkit.property.values",
     "Marker": "rtkit.property.marker",
@@ -64,8 +65,8 @@ _HOMES = {
     "serve": "rtkit.wires.serve",
 }
 __all__ = [
-    "Ask", "Choices", "Client", "Element", "Gui", "Marker", "Mount", "Names", "PropertyChange",
-    "PropertyError", "Range", "Returns", "SystemPlan", "SystemProfile", "Text", "Tree", "Unit",
+    "Ask", "Choices", "Client", "Concurrent", "Element", "Gui", "Marker", "Mount", "Names",
+    "PropertyChange", "PropertyError", "Range", "Returns", "SystemPlan", "SystemProfile", "Text", "Tree", "Unit",
     "Word", "__version__", "aio", "behavior", "component_of", "connect", "init_of", "load",
     "mounts", "run", "serve",
 ]  # fmt: skip

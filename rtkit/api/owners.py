@@ -226,7 +226,7 @@ class Owners:
     def _here(self, typed: str) -> tuple[PropertyTarget, Owner]:
         from rtkit.tree.live_place import open_live
 
-        place, kind = place_here(typed, "/", places.services())
+        place, kind = place_here(typed, "/", places.services_of(typed) or places.services())
         if kind == "service":
             path = places.service_socket(place.service)
             connect = wire_of("unix").provider(path, self._settings).connect

@@ -103,6 +103,16 @@ def services() -> list[str]:
     return sorted(name.replace("%2F", "/") for name in names)
 
 
+def services_of(path: str) -> list[str]:
+    """Return those of `services` whose names a path begins with, its host before it or not."""
+    folder, found = runtime_dir(), set()
+    steps = [step for step in path.split("/") if step not in ("", ".")]
+    for rest in ("/".join(steps), "/".join(steps[1:])):
+        ends = [at for at, character in enumerate(rest) if character in "./"]
+        found.update(rest[:end] for end in (*ends, len(rest)))
+    return sorted(name for name in found if os.path.exists(f"{folder}/{_escaped(name)}.ps"))
+
+
 def _escaped(service: str) -> str:
     return service.replace("/", "%2F")
 

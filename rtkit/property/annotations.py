@@ -52,6 +52,14 @@ class Returns(NamedTuple):
     to: Any = None
 
 
+class Concurrent(NamedTuple):
+    """Several requests may read a value at once, each on a thread of its own.
+
+    For a getter that waits for others: ``def get_best(self) -> Annotated[str, Concurrent()]``.
+    Else those of one property wait for each other.
+    """
+
+
 Text = typing.NewType("Text", str)
 """Text that is no value: as it is, without quotes (``text``)."""
 

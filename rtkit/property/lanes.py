@@ -6,6 +6,7 @@ its property, so that one property is got and set in the order of the requests.
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Callable
 from typing import TYPE_CHECKING
@@ -22,6 +23,9 @@ if TYPE_CHECKING:  # clients look here for a time-out, and need nothing of the o
 
 NAMES = "?"
 """The lane of all that looks which names there are."""
+ALONE = "*"
+"""Begins the name of a lane of one request: it waits for none of its property, nor they for it."""
+_count = itertools.count()
 
 
 def lane_of(values: LiveValues, ask: PropertyRequest) -> str | None:
@@ -36,7 +40,9 @@ def lane_of(values: LiveValues, ask: PropertyRequest) -> str | None:
             return None
         node = nodes.get(name)
     if node is not None:
-        return node.name if _is_called(node, is_set=is_set) and node.calls_user_code else None
+        if not (_is_called(node, is_set=is_set) and node.calls_user_code):
+            return None
+        return f"{ALONE}{next(_count)}" if node.is_concurrent and not is_set else node.name
     segments = name.split(".")
     if segments[-1] == "listen":
         return _lane_of_listening(values, segments[:-1], tail)

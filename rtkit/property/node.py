@@ -35,13 +35,14 @@ class PropertyNode:
         source: The owner of the value, which is not kept here, of a name that came; else None.
         choices: Returns the only values allowed just now; None where they do not change.
         returning: Puts it back when nobody sets it any more; None where it stays as it was set.
+        is_concurrent: Its reader may be called by several requests at once.
         is_quick: Whether reading and writing call no user code just now; None for never.
     """
 
     __slots__ = (
-        "_line", "_pair", "_payload", "choices", "function", "history", "is_quick", "listeners",
-        "name", "quality", "reader", "returning", "revision", "source", "spec", "time", "value",
-        "writer",
+        "_line", "_pair", "_payload", "choices", "function", "history", "is_concurrent", "is_quick",
+        "listeners", "name", "quality", "reader", "returning", "revision", "source", "spec", "time",
+        "value", "writer",
     )  # fmt: skip
 
     def __init__(self, name: str, spec: PropertySpec, value: Content | None, time: float) -> None:
@@ -53,6 +54,7 @@ class PropertyNode:
         self.revision = 1
         self.reader: Reader | None = None
         self.writer: Writer | None = None
+        self.is_concurrent = False
         self.is_quick: Callable[[], bool] | None = None
         self.function: FunctionalProperty | None = None
         self.source: NameSource | None = None

@@ -13,7 +13,7 @@ from types import MappingProxyType
 from typing import Any, NamedTuple
 
 from rtkit.guard import guarded
-from rtkit.property.annotations import Returns, bare, extra_of, returned, spec_of
+from rtkit.property.annotations import Concurrent, Returns, bare, extra_of, returned, spec_of
 from rtkit.property.arguments import Taken, accepted, arguments_of, declared_of, given_to
 from rtkit.property.codes import PropertyError
 from rtkit.property.conversion import is_builtin, to_value
@@ -337,6 +337,7 @@ class Exported:
             return _assign(thing, member, wanted, named)
 
         node = self._service.add(name, spec=spec, read=read, write=write)
+        node.is_concurrent = extra_of(member.hint, Concurrent) is not None
         if is_plain:
             node.is_quick = _quickness(holder, member, type(holder()))
         if choices is not None and not choices.is_fixed:

@@ -11,7 +11,6 @@ import math
 import operator
 import re
 import shlex
-import subprocess
 import threading
 from collections.abc import Callable, Collection, Sequence
 from fnmatch import fnmatchcase
@@ -23,6 +22,7 @@ from rtkit import Ask, Element, Names, PropertyError, Range, Unit, Word, init_of
 from rtkit.services.frames import is_number
 from rtkit.services.misread import misread
 from rtkit.services.paths import RESERVED
+from rtkit.services.started import StartedProcess
 
 _OWN = frozenset(["search", "start", "started", "frames", "unanswered", "name", "type", "status"])
 _CONDITION = re.compile(r"\s*([^\s<>=!~]+)\s*(<=|>=|!=|==|<|>|=|~)\s*([^\s<>=!~].*?)\s*")
@@ -37,8 +37,10 @@ _ALIVE = frozenset({"unknown", "denied", "write-only", "internal", "busy", "bad-
 _LONGEST_LEASE_S = 3600.0
 _LONGEST_SEARCH_S = 10.0
 _STARTING_S = 10.0
-_ENDING_S = 5.0
 _LOOK_S = 0.1
+_GONE = Element("service")
+_Search = tuple[list[str], list[tuple[str, str]]]
+"""Names of services that fit, and of those that failed, with the codes of their errors."""
 
 
 class Entry(NamedTuple):
@@ -130,10 +132,10 @@ class Resource(Names):
         self._unanswered: list[tuple[str, str]] = []
         self._watch, self._period, self._misses, self._route = watch, period, misses, route
         self._commands = {words[0]: words[1:] for words in map(shlex.split, starts) if words[1:]}
-        self._processes: list[tuple[str, subprocess.Popen[bytes]]] = []
+        self._processes: list[StartedProcess] = []
         self._entries: dict[str, Entry] = {}
         self._names: tuple[str, ...] = ()
-        self._lock = threading.RLock()
+        self._lock, self._starting = threading.RLock(), threading.Lock()
         self._is_over, self._has_looked = threading.Event(), threading.Event()
         self._client = rtkit.Client()
         self._trouble = ""
@@ -146,11 +148,10 @@ class Resource(Names):
 
     def __exit__(self, *_: object) -> None:
         self._is_over.set()
-        for _kind, process in self._processes:
-            process.terminate()
-        for _kind, process in self._processes:
-            _end(process)
-        self._processes.clear()
+        for process in self._processes:
+            process.stop()
+        for process in self._processes:
+            self._end(process)
         self._client.close()
 
     @property
@@ -244,28 +245,28 @@ class Resource(Names):
         within: float = 0.8,
         start: bool = False,
         failed: bool = False,
-    ) -> list[Word | Element]:
+    ) -> Annotated[list[Word | Element], rtkit.Concurrent()]:
         """Return the names of the services that fit now.
 
         ``type`` is a word of their types; ``near`` is ``(x y r)`` or ``(x y z r)`` in the world
         [m]; ``where`` is ``PROPERTY OP VALUE``, several joined by ``and``. All are asked at once,
         and waited for at most ``within`` seconds: those that fail are in ``unanswered``, and with
-        ``failed=1`` behind the names. With ``start=1`` one of the type is started if none fits.
+        ``failed=1`` behind the names. With ``start=1`` one of the type is started if none fits;
+        ``unknown``: that did not fit either, and was stopped again.
         """
-        if not 0 <= within <= _LONGEST_SEARCH_S:  # others who search wait for it
+        if not 0 <= within <= _LONGEST_SEARCH_S:
             raise PropertyError("bad-parameter", f"within: 0 to {_LONGEST_SEARCH_S:g} s")
-        self._has_looked.wait(self._period)
-        found, unanswered = self._found(type, near, where, within)
-        if start and not found and type in self._commands:
-            self.start(type)
-            found, unanswered = self._found(type, near, where, within)
+        until = monotonic() + within
+        self._has_looked.wait(min(self._period, within / 2))
+        found, unanswered = self._found(type, near, where, until - monotonic())
+        if start and not found:
+            look = lambda: self._found(type, near, where, within)  # noqa: E731
+            found, unanswered = self._found_by_start(type, look, within)
         self._unanswered = unanswered
         errors = [Element("failed", {"code": code}, (), Word(name)) for name, code in unanswered]
         return [*map(Word, found), *(errors if failed else ())]
 
-    def _found(
-        self, type_word: str, near: Sequence[float], where: str, within: float
-    ) -> tuple[list[str], list[tuple[str, str]]]:
+    def _found(self, type_word: str, near: Sequence[float], where: str, within: float) -> _Search:
         conditions = _conditions(where) + ([_near(near)] if near else [])
         entries = [
             each for each in self._entries.values() if not type_word or type_word in each.types
@@ -289,26 +290,63 @@ class Resource(Names):
 
     def start(self, kind: str) -> str:
         """Start a service of a kind that may be started; return its name once it has registered."""
+        with self._starting:
+            return self._start(kind)[1]
+
+    def _start(self, kind: str) -> tuple[StartedProcess, str]:
         if kind not in self._commands:
             known = " ".join(self._commands) or "nothing"
             raise PropertyError("denied", f"not to be started here: {kind} ({known} is)")
         before = self._of_type(kind)
-        process = subprocess.Popen(self._commands[kind], stdin=subprocess.DEVNULL)
-        self._processes.append((kind, process))
+        try:
+            process = StartedProcess(kind, self._commands[kind])
+        except OSError as error:
+            raise PropertyError("internal", f"{kind} cannot be started: {error}") from error
+        self._processes = [*(each for each in self._processes if each.is_running), process]
+        try:
+            return process, self._registered(process, before)
+        except BaseException:
+            self._end(process)
+            raise
+
+    def _registered(self, process: StartedProcess, before: frozenset[str]) -> str:
         end = monotonic() + _STARTING_S
-        while not (new := self._of_type(kind) - before):
-            if process.poll() is not None:
-                raise PropertyError("internal", f"{kind} ended with {process.returncode}")
+        while not (new := self._of_type(process.kind) - before):
+            if not process.is_running:
+                raise PropertyError("internal", f"{process.kind} ended with {process.outcome}")
             if monotonic() > end:
-                raise PropertyError("timeout", f"{kind} does not register")
+                raise PropertyError("timeout", f"{process.kind} does not register")
             self._is_over.wait(_LOOK_S)
             self._probe()
         return min(new)
 
+    def _found_by_start(self, kind: str, look: Callable[[], _Search], within: float) -> _Search:
+        """Start one of a kind, and search again until it fits; stop it if it does not in time."""
+        is_late = self._starting.locked()
+        with self._starting:
+            if is_late and (outcome := look())[0]:
+                return outcome  # that of somebody else
+            if kind in self.started:
+                raise PropertyError("unknown", f"none fits: {kind} was started, and runs")
+            process, name = self._start(kind)
+            until = monotonic() + within
+            while not (outcome := look())[0]:
+                if monotonic() > until:
+                    self._end(process)
+                    self.set(_property_of(name), _GONE, remove=True)
+                    text = f"none fits: {name} was started, does not, and was stopped again"
+                    raise PropertyError("unknown", text)
+                self._is_over.wait(_LOOK_S)
+        return outcome
+
+    def _end(self, process: StartedProcess) -> None:
+        process.end()
+        self._processes = [each for each in self._processes if each is not process]
+
     @property
     def started(self) -> list[str]:
         """Kinds that were started here and still run."""
-        return [kind for kind, process in self._processes if process.poll() is None]
+        return [each.kind for each in self._processes if each.is_running]
 
     def _of_type(self, kind: str) -> frozenset[str]:
         return frozenset(each.service for each in self._entries.values() if kind in each.types)
@@ -329,14 +367,6 @@ def _property_of(service: str) -> str:
     first, *rest = service.split("/")
     head = f"~{first}" if first in _OWN else first
     return ".".join(f"~{each}" if each in RESERVED else each for each in (head, *rest))
-
-
-def _end(process: subprocess.Popen[bytes]) -> None:
-    try:
-        process.wait(_ENDING_S)
-    except subprocess.TimeoutExpired:
-        process.kill()
-        process.wait()
 
 
 def _entry(service: str, value: object) -> Entry:

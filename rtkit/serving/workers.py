@@ -17,6 +17,7 @@ from typing import Any
 
 from rtkit.guard import GuardedResult, guarded
 from rtkit.property.codes import PropertyError
+from rtkit.property.lanes import ALONE
 from rtkit.property.messages import Answer
 from rtkit.property.user_code import Cancel, Finished, UserCode, Work, is_coroutine
 from rtkit.serving.coroutines import Coroutines
@@ -156,7 +157,8 @@ class Workers(UserCode):
             self._engage()
         times += [job.until for job in self._jobs if job.refuse is not None]
         if self._due:
-            times += [job.began_at + HAND_OVER_S for job in running if not job.is_slow]
+            ends = [job.began_at + HAND_OVER_S for job in running if not job.is_slow]
+            times += ends or [now + HAND_OVER_S]  # a worker that has still to begin
         return min(times, default=None)
 
     def _give_up(self, job: _Job) -> None:
@@ -202,6 +204,11 @@ class Workers(UserCode):
 
     def _carry_out(self, job: _Job) -> None:
         job.began_at = monotonic()
+        if job.lane.startswith(ALONE):
+            job.is_slow = True  # it is known to take its time
+            self._slow += 1
+            if self._due:
+                self._engage()
         if job.refuse is not None:
             job.work()
         del self._jobs[job]

@@ -9,6 +9,7 @@ import signal
 import subprocess
 import sys
 from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from queue import SimpleQueue
 from time import monotonic
 from typing import Any
@@ -205,8 +206,80 @@ def test_what_is_on_the_list_is_started_also_by_a_search(client: rtkit.Client) -
         assert code(lambda: client.call("resource.start", "tank")) == "denied"
         assert code(lambda: client.call("resource.start", "light; ls")) == "denied"
         assert code(lambda: client.call("resource.start", "broken")) == "internal"
+        assert code(lambda: client.get("resource.search", type="tank", start=1)) == "denied"
         it.close()
     assert code(lambda: client.get("lights/l7.level")) == "no-service"
+
+
+def test_what_is_started_and_does_not_fit_is_stopped_again(client: rtkit.Client) -> None:
+    program = _LIGHTS.replace("in sys.stdin", "in iter(lambda: time.sleep(60), 1)")
+    command = f"light sh -c '{sys.executable} -c \"$0\" 7; true' '{program}'"
+    with served(Resource(period=0.2, starts=(command,))):
+        bright = {"type": "light", "where": "level > 0.8", "start": 1, "within": 0.2}
+        for _ in range(2):
+            with pytest.raises(rtkit.PropertyError, match="none fits: lights/l7 was started, does"):
+                client.get("resource.search", **bright)
+            assert client.get("resource.started") == ()
+            assert client.get("resource.search", type="light") == ()
+            assert code(lambda: client.get("lights/l7.level")) == "no-service"
+        fits = {"type": "light", "where": "level < 0.8", "start": 1}
+        assert client.get("resource.search", **fits) == ("lights/l7",)
+        with pytest.raises(rtkit.PropertyError, match="none fits: light was started, and runs"):
+            client.get("resource.search", **bright)
+        assert client.get("resource.search", **fits) == ("lights/l7",)
+    assert code(lambda: client.get("lights/l7.level")) == "no-service"
+
+
+@pytest.mark.parametrize(
+    ("command", "words"),
+    [
+        ("sh -c 'echo no such bulb >&2; exit 3'", "x ended with 3: no such bulb"),
+        ("false", "x ended with 1$"),
+        ("/no/such/program", "x cannot be started: .*No such file"),
+    ],
+)
+def test_a_service_that_ends_at_its_start_is_named_with_its_last_error(
+    client: rtkit.Client, command: str, words: str, capfd: pytest.CaptureFixture[str]
+) -> None:
+    with served(Resource(period=0.2, starts=(f"x {command}",))):
+        with pytest.raises(rtkit.PropertyError, match=words) as caught:
+            client.get("resource.search", type="x", start=1)
+        assert caught.value.code == "internal"
+        assert client.get("resource.started") == ()
+    assert ("no such bulb" in capfd.readouterr().err) is ("bulb" in words)
+
+
+def test_what_does_not_register_is_stopped_again(
+    client: rtkit.Client, monkeypatch: pytest.MonkeyPatch, place: str
+) -> None:
+    monkeypatch.setattr("rtkit.services.resource._STARTING_S", 0.5)
+    command = f"x sh -c 'trap \"echo > {place}/ended; exit\" TERM; while :; do sleep 0.1; done'"
+    with served(Resource(period=0.2, starts=(command,))):
+        assert code(lambda: client.get("resource.search", type="x", start=1)) == "timeout"
+        assert client.get("resource.started") == ()
+        assert os.path.exists(f"{place}/ended")
+
+
+def test_searches_at_once_of_what_is_slow_are_each_answered_in_a_second(
+    client: rtkit.Client,
+) -> None:
+    lights = Lights(range(1, 6))
+    with served(Resource()), ThreadPoolExecutor(10) as clients:
+        until(lambda: len(client.get("resource.search", type="light")) == 5)
+        client.call("lights/l2.slow", 3.0)
+
+        def search(_: int) -> tuple[Any, float]:
+            began = monotonic()
+            found = client.get("resource.search", type="light", where="heat > 0", failed=1)
+            return found, monotonic() - began
+
+        outcomes = list(clients.map(search, range(10)))
+        assert {tuple(map(str, found[:4])) for found, _ in outcomes} == {
+            ("lights/l1", "lights/l3", "lights/l4", "lights/l5")
+        }
+        assert all(str(found[4].leaf) == "lights/l2" for found, _ in outcomes)
+        assert max(took for _, took in outcomes) < 1.0 + 0.5
+    lights.close()
 
 
 def test_frames_have_names(client: rtkit.Client) -> None:

@@ -185,3 +185,18 @@ def test_who_holds_the_lock(folder: Path, monkeypatch: pytest.MonkeyPatch) -> No
 )
 def test_the_last_mark_of_a_pattern_is_the_pid(pattern: str, path: str) -> None:
     assert places.of_pid(pattern, 7) == path
+
+
+@pytest.mark.parametrize(
+    ("path", "found"),
+    [("robots/r1.level", ["robots/r1"]), ("robots/r1/arm.x.y", ["robots/r1", "robots/r1/arm"]),
+     ("//robots/./r1/level", ["robots/r1"]), ("/localhost/lamp.on", ["lamp"]), ("lamp", ["lamp"]),
+     ("lam.on", []), ("robots", []), ("", []), ("a b/%2F", []), ("x" * 300, [])],
+)  # fmt: skip
+def test_services_of_a_path_are_those_that_its_first_steps_name(
+    path: str, found: list[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("RTKIT_RUNTIME_DIR", str(tmp_path))
+    for name in ("robots%2Fr1", "robots%2Fr1%2Farm", "lamp", "lampion"):
+        (tmp_path / f"{name}.ps").touch()
+    assert places.services_of(path) == found

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import math
+from typing import Annotated
 
 import pytest
 
-from rtkit.property.lanes import NAMES, lane_of, wait_of
+from rtkit.property.annotations import Concurrent
+from rtkit.property.lanes import ALONE, NAMES, lane_of, wait_of
 from rtkit.property.messages import Answer
 from rtkit.property.objects import Exported
 from rtkit.property.requests import PropertyRequest
@@ -54,6 +56,21 @@ def test_lanes_of_an_object(target: str, payload: str | None, lane: str | None) 
     service = Service("service")
     Exported(service, Thing())
     assert lane_of(service.values, _ask(target, payload)) == lane
+
+
+def test_requests_of_what_may_be_read_by_several_at_once_have_a_lane_each() -> None:
+    class Found:
+        def get_best(self, of: str = "") -> Annotated[float, Concurrent()]:
+            return 1.0
+
+        def set_best(self, value: float) -> None: ...
+
+    service = Service()
+    Exported(service, Found())
+    lanes = [lane_of(service.values, _ask(each)) for each in ("best", "best", "best?of=all")]
+    assert len(set(lanes)) == 3
+    assert all(lane and lane.startswith(ALONE) for lane in lanes)
+    assert lane_of(service.values, _ask("best", "2")) == "best"
 
 
 def test_an_attribute_that_becomes_something_else_leaves_the_loop() -> None:

@@ -10,6 +10,7 @@ from time import monotonic
 import pytest
 
 from rtkit.property.codes import PropertyError
+from rtkit.property.lanes import ALONE
 from rtkit.property.messages import Answer
 from rtkit.serving import workers as module
 from rtkit.serving.workers import Workers
@@ -84,6 +85,22 @@ def test_what_is_slow_holds_up_its_own_lane_only(owner: Owner) -> None:
     assert owner.await_done(1) == ["other: beside it"]
     is_free.set()
     assert owner.await_done(3) == ["other: beside it", "first: late", "second: after it"]
+
+
+def test_what_is_alone_in_its_lane_is_waited_for_by_nobody(owner: Owner) -> None:
+    together = threading.Barrier(10)
+    for index in range(10):
+        owner.later(f"{ALONE}{index}", "met", lambda: together.wait(BOUND_S) >= 0)
+    owner.later("other", "other", lambda: "beside them")
+    assert sorted(owner.await_done(11)) == [*["met: True"] * 10, "other: beside them"]
+
+
+def test_what_waits_for_a_worker_that_has_still_to_begin_is_looked_at_soon(owner: Owner) -> None:
+    with owner.lock:  # so none begins
+        for lane in "ab":
+            owner.workers.later(lane, lambda: None, owner.refused.append, 0.0)
+        now = monotonic()
+        assert owner.workers.check(now) == now + module.HAND_OVER_S
 
 
 def test_what_has_not_begun_in_time_never_does(owner: Owner) -> None:
