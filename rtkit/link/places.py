@@ -105,7 +105,8 @@ def services() -> list[str]:
 
 def services_of(path: str) -> list[str]:
     """Return those of `services` whose names a path begins with, its host before it or not."""
-    folder, found = runtime_dir(), set()
+    folder = runtime_dir()
+    found: set[str] = set()
     steps = [step for step in path.split("/") if step not in ("", ".")]
     for rest in ("/".join(steps), "/".join(steps[1:])):
         ends = [at for at, character in enumerate(rest) if character in "./"]
