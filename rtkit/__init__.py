@@ -66,9 +66,9 @@ _HOMES = {
 }
 __all__ = [
     "Ask", "Choices", "Client", "Concurrent", "Element", "Gui", "Marker", "Mount", "Names",
-    "PropertyChange", "PropertyError", "Range", "Returns", "SystemPlan", "SystemProfile", "Text", "Tree",
-    "Unit", "Word", "__version__", "aio", "behavior", "component_of", "connect", "init_of", "load",
-    "mounts", "run", "serve",
+    "PropertyChange", "PropertyError", "Range", "Returns", "SystemPlan", "SystemProfile", "Text",
+    "Tree", "Unit", "Word", "__version__", "aio", "behavior", "component_of", "connect", "init_of",
+    "load", "mounts", "run", "serve",
 ]  # fmt: skip
 
 
