@@ -45,12 +45,12 @@ class StartedProcess:
 
     @property
     def is_running(self) -> bool:
-        """Whether it has not ended yet."""
+        """Tells that it has not ended yet."""
         return self._process.poll() is None
 
     @property
     def outcome(self) -> str:
-        """What it ended with: its status, and its last error; once it has ended."""
+        """Its status at the end, and its last error; once it has ended."""
         self._reading.join(_ENDING_S)
         return f"{self._process.wait()}{f': {self.last}' if self.last else ''}"
 
