@@ -66,9 +66,11 @@ class NmeaReader:
         try:
             fields = self._library.parse(text, check=True)
             return Sentence(text, str(fields.sentence_type), fields)
-        except (self._library.ParseError, AttributeError):  # its own sentences have no such type
+        except self._library.ParseError:
             self.refused += 1
-            return None
+        except AttributeError:
+            pass  # a maker's own sentence: it is whole, but of no such type
+        return None
 
 
 def local(
@@ -159,7 +161,9 @@ class Gps(DeviceSensor):
             quality = int(fields.gps_qual or 0)
             is_fixed = quality > 0 and bool(fields.lat and fields.lon)
             position = (fields.latitude, fields.longitude, float(fields.altitude or 0))
-            if not (abs(position[0]) <= 90 and abs(position[1]) <= 180):
+            is_on_earth = abs(position[0]) <= 90 and abs(position[1]) <= 180
+            is_whole = fields.lat_dir in ("N", "S") and fields.lon_dir in ("E", "W")
+            if is_fixed and not (is_on_earth and is_whole):
                 raise ValueError("no place on the earth")
             self._fixed(*((position, _FIXES[min(quality, 8)]) if is_fixed else ((), "none")))
             self._publish("satellites", int(fields.num_sats or 0))
@@ -180,6 +184,8 @@ class Gps(DeviceSensor):
         self._publish("position", position)
         self._publish("fix", fix)
         self._publish("status", "ready" if position else "no fix")
+        if not position:
+            self._publish("velocity", (0.0, 0.0))
 
     def _changed(self, state: str) -> None:
         super()._changed("no fix" if state == "ready" and not self.position else state)

@@ -90,14 +90,14 @@ class InputReader:
         return reports
 
 
-def axis_range(descriptor: int, code: int) -> tuple[int, int] | None:
-    """Return least and greatest value of an axis of an open device, None where it cannot tell."""
+def axis_range(descriptor: int, code: int) -> tuple[int, int, int] | None:
+    """Return least and greatest value and flatness of an axis, None where a device cannot tell."""
     from fcntl import ioctl
 
     info = struct.Struct("@6i")
     request = 2 << 30 | info.size << 16 | ord("E") << 8 | 0x40 + code  # EVIOCGABS
     try:
-        _, low, high, *_ = info.unpack(ioctl(descriptor, request, bytes(info.size)))
+        _, low, high, _, flat, _ = info.unpack(ioctl(descriptor, request, bytes(info.size)))
     except OSError:
         return None  # a pipe, a terminal, or no such axis
-    return (low, high) if low < high else None
+    return (low, high, max(0, flat)) if low < high else None

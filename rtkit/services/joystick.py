@@ -52,7 +52,7 @@ class _InputSensor(DeviceSensor):
 
     def _fraction(self, code: int, value: float) -> float:
         """Return where a value is between the limits of its axis: 0 to 1."""
-        low, high = self._ranges.get(code, self._limits)
+        low, high = self._ranges.get(code, self._limits)[:2]
         return min(1.0, max(0.0, (value - low) / (high - low)))
 
 
@@ -62,7 +62,7 @@ class Joystick(_InputSensor):
     Args:
         device: ``/dev/input/eventN``.
         limits: Least and greatest value of axes of a device that does not tell them.
-        dead: Deflection up to which an axis is at rest, 0 to 1.
+        dead: Deflection up to which an axis is at rest, 0 to 1; the device may tell more.
         location, base, frames: See `Sensor`.
 
     Attributes:
@@ -107,7 +107,9 @@ class Joystick(_InputSensor):
         self._ranges.setdefault(event.code, limits)
         fraction = self._fraction(event.code, event.value)
         found = fraction if event.name in _TRIGGERS else 2 * fraction - 1
-        return 0.0 if abs(found) <= self.dead else round(found, 4)
+        low, high, *flat = self._ranges[event.code]
+        rest = max(self.dead, 2 * sum(flat) / (high - low))
+        return 0.0 if abs(found) <= rest else round(found, 4)
 
     def _rest(self) -> None:
         self._raw = {}

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import struct
 from collections.abc import Iterable
 from typing import Any, Final
 
@@ -117,6 +118,29 @@ def test_a_joystick_tells_deflections_and_buttons_and_goes_to_rest() -> None:
     assert stick.status == "waiting: unplugged"
 
 
+@pytest.mark.parametrize(
+    ("low", "high", "flat", "at", "deflection"),
+    [
+        (-32768, 32767, 0, -32768, -1.0), (-32768, 32767, 0, 32767, 1.0),
+        (0, 255, 15, 142, 0.0), (0, 255, 15, 143, 0.1216), (0, 255, 15, 113, 0.0),
+        (-100, 300, 0, 100, 0.0), (-100, 300, 0, 0, -0.5), (-100, 300, 0, 900, 1.0),
+    ],
+)  # fmt: skip
+def test_an_axis_is_scaled_as_its_device_tells(
+    monkeypatch: pytest.MonkeyPatch, low: int, high: int, flat: int, at: int, deflection: float
+) -> None:
+    def told(descriptor: int, request: int, info: bytes) -> bytes:
+        if request & 0x3F:
+            raise OSError(22, "no such axis")
+        return struct.pack("@6i", 7, low, high, 3, flat, 12)
+
+    monkeypatch.setattr("fcntl.ioctl", told)
+    stick = Joystick("/nowhere")
+    stick._opened(0)
+    stick._take(report((3, 0, at)))
+    assert stick.axes == {"x": deflection}
+
+
 def test_a_mouse_moves_within_its_plane() -> None:
     mouse = Pointer("/nowhere", limits=(0, 100), size=(2.0, 1.0))
     mouse._take(report((2, 0, 25), (2, 1, -50), (2, 8, -2)))
@@ -176,7 +200,8 @@ def test_a_fix_is_read_in_pieces_and_a_line_without_its_beginning_is_refused() -
         sentence(GGA)[:-4] + b"00\r\n", sentence(GGA).split(b"*")[0] + b"\r\n",
         b"\xff\x00 rubbish\n", b"x" * 5000,
         sentence("GPGGA,123519,north,N,02528.0,E,1,08,0.9,high,M,46.9,M,,"),
-        sentence(GGA.replace("6503", "9903")), sentence("GPXYZ,1,2"), b"$\n", b"$PGRM*11\n",
+        sentence(GGA.replace("6503", "9903")), sentence(GGA.replace(",N,", ",,")),
+        sentence(GGA.replace(",E,", ",e,")), sentence("GPXYZ,1,2"), b"$\n", b"$PGRM*11\n",
     ],
 )  # fmt: skip
 def test_a_wrong_line_is_refused_and_the_fix_stays(bad: bytes) -> None:
@@ -195,13 +220,26 @@ def test_a_wrong_line_is_refused_and_the_fix_stays(bad: bytes) -> None:
 )
 def test_no_fix_is_reported_and_leaves_no_position(lost: str) -> None:
     gps = Gps("/nowhere", origin=(65.0, 25.0, 0.0))
-    gps._take(sentence(GGA) + sentence(lost))
+    gps._take(sentence(GGA) + sentence(RMC) + sentence(lost))
     assert (gps.status, gps.fix, gps.position) == ("no fix", "none", ())
+    assert gps.velocity == (0.0, 0.0)
     assert gps.get_markers() == []
     gps._take(sentence(GGA.replace(",E,1,", ",E,4,")))
     assert (gps.status, gps.fix) == ("ready", "rtk")
     gps._changed("waiting: unplugged")
     assert (gps.status, gps.fix, gps.position) == ("waiting: unplugged", "none", ())
+
+
+def test_talkers_of_all_constellations_are_read_and_sentences_of_makers_are_no_fault() -> None:
+    gps = Gps("/nowhere")
+    for talker, latitude in (("GP", 48.0), ("GL", 48.1), ("GN", -48.2), ("GA", 48.3), ("BD", 48.4)):
+        degrees, minutes = divmod(abs(latitude) * 60, 60)
+        place = f"{degrees:02.0f}{minutes:07.4f},{'N' if latitude > 0 else 'S'}"
+        gps._take(sentence(f"{talker}GGA,123519,{place},01130.0000,W,1,14,0.6,15.4,M,46.9,M,,"))
+        assert gps.position[:2] == pytest.approx((latitude, -11.5))
+    for other in ("GLGSV,1,1,02,65,40,083,46,66,17,308,41", "PUBX,00,1", "PMTK010,001"):
+        gps._take(sentence(other))
+    assert (gps.status, gps.satellites, gps.refused) == ("ready", 14, 0)
 
 
 def test_a_degree_is_as_long_as_on_the_ellipsoid() -> None:
