@@ -261,6 +261,27 @@ def test_a_service_that_hangs_or_is_dead_holds_up_nothing(
     light._is_free.set()
 
 
+def test_a_service_that_dies_while_it_is_looked_at_is_an_event(
+    client: rtkit.Client, ends: ExitStack
+) -> None:
+    text = f"""{HEAD}:m a sm:Machine ; sm:initial :a .
+    :a a sm:State ; sm:transition ( [ sm:when "robot.location.x > 1" ; sm:to :b ]
+                                    [ sm:on "failed.robot" ; sm:to :dead ] ) .
+    :b a sm:State . :dead a sm:State ; sm:transition [ sm:on "on" ; sm:to :a ] ."""
+    robot = rtkit.serve(Robot(), "robot")
+    ends.enter_context(rtkit.serve(StateMachine(text, logs_all=True, start=True), "butler"))
+    until(lambda: "value" in [entry[2] for entry in client.get("butler.log")])
+    robot.close()
+    until(lambda: client.get("butler.state") == "dead")
+    assert "robot.location.x: no-service: it has gone" in [
+        entry[3] for entry in client.get("butler.log")
+    ]
+    ends.enter_context(rtkit.serve(Robot(), "robot"))
+    client.set("butler.event", "on")
+    client.set("robot.location.x", "2")
+    until(lambda: client.get("butler.state") == "b")
+
+
 def test_a_guard_waits_for_a_service_that_comes_later(
     client: rtkit.Client, ends: ExitStack
 ) -> None:

@@ -129,7 +129,9 @@ class ServiceLink:
 
     def _received(self, change: Any) -> None:
         self._report(MachineEvent(change.target, None if change.code else change.value, True))
-        if change.code not in ("", "no-service"):
+        if change.code == "no-service":
+            self._failed(change.target, "no-service: it has gone")
+        elif change.code:
             with self._changed:
                 self._gone.add(change.target)  # nothing further will come of this listening
                 self._changed.notify()
