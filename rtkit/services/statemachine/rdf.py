@@ -105,7 +105,12 @@ class _Statements:
         self.of = found
         self.line: Callable[[], int] = int
         is_xml = re.match(r"\ufeff?\s*<(\?xml|rdf:RDF)", text)
-        (self._read_xml if is_xml else self._read_turtle)(text, Lines())
+        try:
+            (self._read_xml if is_xml else self._read_turtle)(text, Lines())
+        except BadMachine:
+            raise
+        except Exception as error:  # whatever the parser of a library meets in rubbish
+            raise BadMachine(str(error) or "cannot be read", self.line()) from None
 
     def _read_turtle(self, text: str, graph: Any) -> None:
         from rdflib.plugins.parsers.notation3 import BadSyntax, RDFSink, SinkParser
@@ -121,10 +126,6 @@ class _Statements:
         except BadSyntax as error:
             why = str(error).partition("(")[2].partition(") at ^")[0]
             raise BadMachine(why, error.lines + 1) from None
-        except BadMachine:
-            raise
-        except Exception as error:  # whatever the parser of a library meets in rubbish
-            raise BadMachine(str(error) or "cannot be read", self.line()) from None
 
     def _read_xml(self, text: str, graph: Any) -> None:
         from io import BytesIO
@@ -145,10 +146,6 @@ class _Statements:
             reader.parse(source)
         except SAXParseException as error:
             raise BadMachine(error.getMessage(), error.getLineNumber() or 0) from None
-        except BadMachine:
-            raise
-        except Exception as error:  # whatever the parser of a library meets in rubbish
-            raise BadMachine(str(error), self.line()) from None
 
     def line_of(self, node: Any) -> int:
         """Return the line at which a node is begun to be described, else where it is named."""
@@ -270,7 +267,7 @@ class _Reader:
             name, line = path.rpartition(".")[2], self._statements.line_of(node)
             if path and (not _NAME.fullmatch(name) or name in RESERVED):
                 raise BadMachine(f"not a name of a state: {name}", line)
-            if node in self._paths or path in self._paths.values() or path.count(".") > _DEEPEST:
+            if node in self._paths or (path, "") in self._lines or path.count(".") > _DEEPEST:
                 raise BadMachine(f"state {path} is there twice, or nested too deep", line)
             self._paths[node] = path
             self._lines[path, ""] = line
@@ -291,9 +288,8 @@ class _Reader:
         if found is None:
             return ""
         target = self._paths.get(found, re.split(r"[#/]", str(found))[-1])
-        self._lines[path, word if word == "initial" else f"{word} {target}"] = self._where[
-            node, word
-        ]
+        what = word if word == "initial" else f"{word} {target}"
+        self._lines[path, what] = self._where[node, word]
         return target
 
     def _initial(self, node: Any, path: str) -> str:
