@@ -418,12 +418,22 @@ class Vision(Sensor, rtkit.Names):
         return self.get_image()
 
     def get_markers(self, frame: str = "base") -> list[rtkit.Marker]:
-        """All that the active methods find in the pictures of all cameras, in a frame."""
+        """All that the active methods find in the pictures of all cameras that are there."""
         self.get_location(frame)  # a frame that is not there is refused also when nothing is seen
         active = [each for each in self.methods.values() if each.active and "markers" in each.forms]
-        views = [(each, name) for each in active for name in self.cameras]
-        found = (each.get_result("markers", name, frame=frame) for each, name in views)
-        return [marker for markers in found for marker in markers]
+        found: list[rtkit.Marker] = []
+        away: dict[str, rtkit.PropertyError] = {}
+        for each, name in [(each, name) for each in active for name in self.cameras]:
+            try:
+                found += each.get_result("markers", name, frame=frame)
+            except rtkit.PropertyError as error:
+                away[name] = error
+                if error.code == "bad-parameter" or len(away) == len(self.cameras):
+                    raise
+        status = f"waiting: {' '.join(away)}" if away else "ready"
+        if status != self.status:
+            self._publish("status", status)
+        return found
 
     def _chosen(self, camera: str) -> Chosen:
         name = camera or self.camera
