@@ -394,7 +394,8 @@ class Storage(Names):
             listed = self._look()
         found = []
         for each, path in listed.files.items():
-            if not fnmatchcase(each, name) or not _is_kind(path[-1], type):
+            is_named = fnmatchcase(each, name) or fnmatchcase(path[-1], name)
+            if not (is_named and _is_kind(path[-1], type)):
                 continue
             try:
                 if newer and self._files().status(path).st_mtime <= newer:

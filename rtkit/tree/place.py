@@ -105,7 +105,8 @@ def _without_manager(path: Path, trouble: str, *, is_deep: bool) -> TreeNode | N
     On its own host only if it does not run: one that hangs is to be reported.
     """
     hostname = os.uname().nodename
-    if len(path.elements) > 1 or not all(is_local_host(each, hostname) for each in path.elements):
+    host, *below = path.elements or [LOCAL]
+    if not is_local_host(host, hostname):
         return None
     chosen = os.environ.get("RTKIT_MANAGER") or ""
     usual = chosen or DEFAULT_MANAGER
@@ -121,6 +122,11 @@ def _without_manager(path: Path, trouble: str, *, is_deep: bool) -> TreeNode | N
     if not path.elements:
         for node in _at_once(_of(_server, servers(), None, is_deep=is_deep)):
             root.add(node)
+    place: TreeNode | None = local
+    for step in below:  # only above services there is anything without a manager
+        place = place.children.get(step) if place else None
+    if below and (place is None or place.kind is not NodeKind.DIRECTORY):
+        return None
     return root if local.children or len(root.children) > 1 else None
 
 

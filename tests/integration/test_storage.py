@@ -298,6 +298,11 @@ def test_search(files: Files, root: Path) -> None:
     assert files.get("search?newer=2000&name=*.txt") == "(b.txt)"
     assert files.get("search?text=red") == "(a.txt p.jpg)"
     assert files.get("search?text=red&type=txt") == "(a.txt)"
+    (root / "some balls").mkdir()
+    (root / "some balls" / "ball 1.jpg").write_bytes(b"")
+    assert files.get("search?name=*.jpg") == "(some%20balls.ball%201.jpg p.jpg)"
+    assert files.get('search?name="ball *.jpg"') == "(some%20balls.ball%201.jpg)"
+    assert files.get("search?name=some%2520balls.*") == "(some%20balls.ball%201.jpg)"
     assert files.code("search?wrong=1") == "bad-parameter"
 
 

@@ -54,6 +54,15 @@ def arm(shell: Any) -> Iterator[Any]:
     assert process.returncode == 0
 
 
+def test_services_are_listed_by_the_place_above_them_without_a_manager(arm: Any) -> None:
+    for line in ("rtls robots", "rtls /localhost/robots", "rtls robots/"):
+        assert arm.run(line) == (0, "arm/\n", "")
+    assert arm.run("rtls -R /localhost") == (0, ".:\nrobots/\n\n./robots:\narm/\n\n", "")
+    why = "rtls: manager 'manager' is not running (start it with: rtmgr start)\n"
+    for line in ("rtls robots/leg", "rtls /localhost/robots/leg", "rtls robot", "rtls /x/robots"):
+        assert arm.run(line) == (1, "", why)
+
+
 def test_an_object_is_got_set_and_listened_to(arm: Any) -> None:
     assert arm.ok("rtget robots/arm") == "(raised angle name picture pose reach)\n"
     line = "rtget robots/arm.angle /localhost/robots/arm/name robots/arm/pose.y"

@@ -10,7 +10,7 @@ from rtkit.cli.shared.app import App, check_at_most_one
 from rtkit.cli.shared.command import command
 from rtkit.cli.shared.options import MayWatch, arguments, flag, json_flag, watch_option
 from rtkit.cli.shared.watch import WatchedScreen
-from rtkit.cli.tree.service_listing import ServiceListing, service_at
+from rtkit.cli.tree.service_listing import ServiceListing, above_services, service_at
 from rtkit.errors import Malformed, Unreachable
 from rtkit.tree.resolve import entry
 from rtkit.tree.view import NodeKind, TreeNode, once
@@ -77,6 +77,7 @@ def main(
 
             watch_service(listing, WatchedScreen(period_s, gap))
         return 0
+    path = app.path(above) if (above := above_services(paths[0] if paths else ".")) else path
     show = _json if is_json else _long if is_long else _short(is_single)
 
     def look() -> tuple[TreeNode, TreeNode]:
@@ -130,7 +131,7 @@ def _blocks(node: TreeNode, title: str, kept: Container[TreeNode], show: _Show) 
     yield from show([child for child in node.entries() if child in kept])
     yield ""
     for child in node.entries():
-        if child.is_directory:
+        if child.is_directory and (child.children or child.kind is not NodeKind.DIRECTORY):
             yield from _blocks(child, f"{title}/{child.name}", kept, show)
 
 

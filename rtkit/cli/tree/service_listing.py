@@ -35,6 +35,20 @@ def service_at(typed: str) -> PropertyTarget | None:
     return place if place.service else None
 
 
+def above_services(typed: str) -> str:
+    """Return a path as it is in the tree if services are below it (``robots``), empty if none."""
+    from rtkit.link.places import services
+
+    if not (known := services()):
+        return ""
+    from rtkit.tree.property_connections import parse
+
+    steps = [name.split("/") for name in known]
+    above = {"/".join(each[:end]) for each in steps for end in range(1, len(each))}
+    place = parse(typed, working_directory(), above, os.uname().nodename)
+    return f"/localhost/{place.service}" if place.service and not place.name else ""
+
+
 class ServiceListing:
     """Listing of a place in a service.
 
