@@ -19,6 +19,7 @@ from rtkit.property.limits import ValueLimits
 from rtkit.property.messages import Answer, Payload
 from rtkit.property.naming import parse_parameters, write_parameters
 from rtkit.property.reading import read
+from rtkit.property.requests import UNDER_WAY, VIA
 from rtkit.property.values import Element, Value
 from rtkit.property.writing import quoted, write
 from rtkit.serving.event_loop import PropertyEventLoop
@@ -44,11 +45,15 @@ class Ask(NamedTuple):
         target: The property, as `Client.get` takes it.
         value: To set it to; a GET without.
         parameters: Of the request.
+        in_turn: The owner may ask back what asks it here, as a group does that is in a group. What
+            comes back to a property that waits for it is then refused at once; a member of
+            another make may take that for a parameter that it does not know.
     """
 
     target: str
     value: Any = UNSET
     parameters: Mapping[str, Any] = MappingProxyType({})
+    in_turn: bool = False
 
 
 class _Asked:
@@ -172,12 +177,21 @@ class Client(Closing):
 
         Args:
             asks: What is got or set.
-            deadline_s: When to wait no longer, from now on [s].
+            deadline_s: When to wait no longer, from now on [s]. In code that answers a request
+                it is at most what that has left, but for a tenth of a second to answer in.
 
         Returns:
             For each request the value (empty for what was set) or its `PropertyError`: ``timeout``
             of an owner that has not answered by then.
         """
+        via, until = UNDER_WAY.get()
+        if until < inf:
+            left_s = until - monotonic()
+            deadline_s = max(0.0, min(deadline_s, round(left_s - min(0.1, left_s * 0.2), 3)))
+        if via and any(each.in_turn for each in asks):
+            more = {VIA: ".".join(via)}
+            asks = [each._replace(parameters={**each.parameters, **more}) if each.in_turn else each
+                    for each in asks]  # fmt: skip
         return [
             answer if isinstance(answer, PropertyError) else _object(answer)
             for answer in self._answers(asks, deadline_s)

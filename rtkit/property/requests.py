@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Hashable
+from contextvars import ContextVar
 from typing import TYPE_CHECKING, NamedTuple
 
 from rtkit.property.access import Access
@@ -115,6 +116,28 @@ class PropertyRequest(NamedTuple):
     until: float = math.inf
     via: tuple[str, ...] = ()
 
+
+class UnderWay(NamedTuple):
+    """Request that user code answers, for those that it makes to do so.
+
+    Attributes:
+        via: What waits for the answer: each of a service, and of what is done in turn there.
+        until: When nobody does any more [s], by the monotonic clock.
+    """
+
+    via: tuple[str, ...] = ()
+    until: float = math.inf
+
+    def call(self, work: Callable[[], object]) -> None:
+        """Do something that answers it."""
+        token = UNDER_WAY.set(self)
+        try:
+            work()
+        finally:
+            UNDER_WAY.reset(token)
+
+
+UNDER_WAY = ContextVar("UNDER_WAY", default=UnderWay())  # noqa: B039  it does not change
 
 PASSES_ON = "~proxy.passes"
 """Property by which an owner that knows `via` tells whether it passes requests on: 0, or 1."""

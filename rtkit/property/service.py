@@ -51,11 +51,14 @@ Source: `property-service` reference.
 from __future__ import annotations
 
 import time as _time
+import uuid
 from collections.abc import Callable
 from dataclasses import replace
 from fnmatch import fnmatchcase
 from functools import partial
+from math import inf
 from typing import Any
+from zlib import crc32
 
 from rtkit.property import block_requests, functional_requests
 from rtkit.property.codes import PropertyError
@@ -77,6 +80,7 @@ from rtkit.property.requests import (
     PASSES_ON,
     PropertyRequest,
     Requester,
+    UnderWay,
     is_among_proxies,
     split_via,
 )
@@ -126,6 +130,7 @@ class Service:
         self._fast_path = FastPath(self.values)
         self.quick = self._fast_path.reply
         self._started = wall()
+        self._id = f"s{uuid.uuid4().hex[:12]}"
         self._has_user_code = False
 
     # What the owner does.
@@ -287,10 +292,19 @@ class Service:
         lane = lane_of(self.values, ask) if self._has_user_code else None
         if lane is None:
             self._answer(ask)
-        else:
-            asked = ask._replace(answer=first_only(ask.answer))
-            work = partial(self._answer, asked)
-            self.values.user_code.later(lane, work, asked.answer, wait_of(ask, self.values.clock()))
+            return
+        mark = f"{self._id}-{crc32(lane.encode()):x}"
+        if mark in ask.via:  # it would wait in its lane for itself
+            text = f"the request has come back to {self.name or 'here'}, which waits for the answer"
+            ask.answer(Answer(text, "conflict"))
+            return
+        asked, now = ask._replace(answer=first_only(ask.answer)), self.values.clock()
+        wait = wait_of(ask, now)
+        # A service may be passed anew by what user code asks; only what waits for itself may not.
+        via = (*(each for each in ask.via if "-" in each), mark)
+        under_way = UnderWay(via, now + (wait or inf))
+        work = partial(under_way.call, partial(self._answer, asked))
+        self.values.user_code.later(lane, work, asked.answer, wait)
 
     def _answer(self, ask: PropertyRequest) -> None:
         try:

@@ -8,8 +8,9 @@ See decisions 27 and 65.
 
 from __future__ import annotations
 
+import itertools
 import uuid
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import partial
 from time import monotonic
 
@@ -29,7 +30,7 @@ from rtkit.property.writing import write
 from rtkit.proxy.addresses import source_of
 from rtkit.proxy.narrowing import GUI, describes_widgets, joined
 from rtkit.proxy.prefix import Allowed, PrefixedNames
-from rtkit.proxy.relay import MOST_HOPS, ROUTE, Relay, check_way, route_answer, route_target
+from rtkit.proxy.relay import ITSELF, MOST_HOPS, ROUTE, Relay, route_answer, route_target
 from rtkit.serving.event_loop import PropertyEventLoop
 from rtkit.wires.provider_connection import Answering, ProviderConnection
 from rtkit.wires.wire import WireSettings
@@ -139,13 +140,15 @@ class Mounts:
         self._service = service
         self._host = service.host
         self._id = f"m{uuid.uuid4().hex[:12]}"
+        self._count = itertools.count(1)
         self._mounted: dict[str, tuple[_Mounted, Callable[[], bool]]] = {}
         self._host.at_end(self._close)
 
     def add(self, name: str, mount: MountPoint, is_there: Callable[[], bool]) -> None:
         """See `MountTable.add`."""
         assert isinstance(mount, Mount)
-        mounted = _Mounted(self._host, self._service, name, mount, self._id)
+        id = f"{self._id}x{next(self._count)}"
+        mounted = _Mounted(self._host, self._service, name, mount, id)
         self._mounted[name] = mounted, is_there
 
     def remove(self, name: str) -> None:
@@ -168,7 +171,6 @@ class Mounts:
             return False
         name = ask.target.partition("?")[0].rpartition("/")[2]
         try:
-            check_way(self._id, ask.via)
             name = canonical(name) if "%" in name else name
             mounted = self._of(name)
             if mounted is not None:
@@ -207,8 +209,18 @@ class Mounts:
 
     # Several owners at once
 
+    def _is_among(self, ids: Sequence[str]) -> bool:
+        """Return whether a mount of this service is among those that passed something on."""
+        return any(each.startswith(self._id) for each in ids)
+
+    def _check_once(self, ask: PropertyRequest) -> None:
+        """Refuse to put together again what is being put together here."""
+        if self._is_among(ask.via):
+            raise PropertyError("no-service", ITSELF)
+
     def _takes_widgets(self, name: str, ask: PropertyRequest) -> bool:
         """Ask for the widgets of the object and of all owners below, but where a value stands."""
+        self._check_once(ask)
         place = name.removesuffix(GUI)
         below = [each for at, (each, _) in self._mounted.items()
                  if at.startswith(place) and not each.has_value]  # fmt: skip
@@ -241,6 +253,7 @@ class Mounts:
             return False
         if ask.payload is not None:
             return self._takes_bulk(place, ask)
+        self._check_once(ask)
         wanted: list[str] | None = None
         groups: dict[_Mounted | None, list[str]] = {each: [] for each in (None, *below)}
         if "names" in target.parameters:
@@ -288,7 +301,7 @@ class Mounts:
     def _answer_route(self, target: RequestTarget, answer: Answering) -> None:
         """Tell which services lie behind, so that no proxy of them leads back to itself."""
         hops, seen = route_target(target)
-        if self._id in seen:
+        if self._is_among(seen):
             answer(Answer(f"({self._id})"))
             return
         found: list[Answer] = []

@@ -22,6 +22,8 @@ _AGAIN_S = 5.0
 """How long until members are asked again for their names [s]."""
 _WAITED_S = 0.2
 """How long names of members are waited for [s]."""
+_SHARE = 0.8
+"""How much of its time a group leaves to a group in it."""
 _TOLD = {"type", "access", "unit", "min", "max", "step", "choices", "doc", "functional"}
 _ESCAPED = str.maketrans({'"': '\\"', "\\": "\\\\", "\n": "\\n", "\r": "\\r", "\t": "\\t"})
 _STATES = ("running", "failed", "stopped", "done", "idle")
@@ -58,6 +60,7 @@ class Members:
         self._targets: dict[str, str] = {}
         self._known: dict[str, tuple[str, ...]] = {}
         self._asked_at: dict[str, float] = {}
+        self._is_group: dict[str, bool] = {}
         self._names: tuple[str, ...] = _NAMES
         self._lock = threading.Lock()
         self._client: rtkit.Client | None = None
@@ -102,6 +105,7 @@ class Members:
                 raise rtkit.PropertyError("unknown", f"no member: {name}")
             self._known.pop(name, None)
             self._asked_at.pop(name, None)
+            self._is_group.pop(name, None)
             self._rename()
 
     def names(self) -> Collection[str]:
@@ -143,8 +147,9 @@ class Members:
 
     def about(self, name: str) -> dict[str, Any]:
         """Return what a member tells of a property: type, access, unit and more; none if none."""
+        until = monotonic() + self.deadline
         for each in list(self._known):
-            meta = self.get([each], f"{name}.meta", {})[0].get(each)
+            meta = self.get([each], f"{name}.meta", {}, (until - monotonic()) / 2)[0].get(each)
             if isinstance(meta, rtkit.Element):
                 return {each.name: each.leaf for each in meta.children if each.name in _TOLD}
         return {}
@@ -152,7 +157,10 @@ class Members:
     def pose_of(self, service: str) -> Sequence[float]:
         """Return the location of any service, whose name is the name of a frame."""
         assert self._client is not None
-        return tuple(self._client.get(f"{service}.location"))
+        (found,) = self._client.ask_all([rtkit.Ask(f"{service}.location")], self.deadline / 2)
+        if isinstance(found, rtkit.PropertyError):
+            raise found
+        return tuple(found)
 
     def get(
         self,
@@ -186,9 +194,17 @@ class Members:
         """Make a request of each member, with the value to set, if there is one."""
         if self._client is None:
             raise rtkit.PropertyError("no-service", "the group is not served yet")
-        ask, error, targets = rtkit.Ask, rtkit.PropertyError, self._targets
+        until = monotonic() + bound_s
+        if new := values.keys() - self._is_group.keys():
+            self._find_groups(new, min(_WAITED_S, bound_s / 2))
+            bound_s = max(0.0, round(until - monotonic(), 3))
+        ask, error, targets, kinds = rtkit.Ask, rtkit.PropertyError, self._targets, self._is_group
+        of_group = {**parameters, "timeout": round(bound_s * _SHARE, 3)}
         asks = [
-            ask(f"{targets.get(each, each)}.{name}", *value)._replace(parameters=parameters)
+            ask(f"{targets.get(each, each)}.{name}", *value)._replace(
+                parameters=of_group if kinds.get(each) else parameters,
+                in_turn=kinds.get(each, False),
+            )
             for each, value in values.items()
         ]
         answers = dict(zip(values, self._client.ask_all(asks, bound_s), strict=True))
@@ -200,6 +216,15 @@ class Members:
         for each in failures:
             del answers[each.name]
         return answers, failures
+
+    def _find_groups(self, new: Collection[str], bound_s: float) -> None:
+        """Find out which members are groups; of one that does not tell by then, another time."""
+        assert self._client is not None
+        asks = [rtkit.Ask(f"{self._targets.get(each, each)}.type") for each in new]
+        for each, type in zip(new, self._client.ask_all(asks, bound_s), strict=True):
+            is_error = isinstance(type, rtkit.PropertyError)
+            if not is_error or type.code not in ("no-service", "timeout"):
+                self._is_group[each] = isinstance(type, tuple) and "group" in type
 
 
 def _why(error: rtkit.PropertyError) -> str:

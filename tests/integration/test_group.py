@@ -3,6 +3,8 @@ or take their time."""
 
 from __future__ import annotations
 
+import os
+import signal
 import socket
 import time
 from collections.abc import Callable, Iterator
@@ -11,7 +13,7 @@ from itertools import pairwise
 from pathlib import Path
 
 import pytest
-from bots import Bot, fleet
+from bots import Bot, fleet, in_processes
 from waiting import until
 
 import rtkit
@@ -161,6 +163,90 @@ def test_who_is_slow_to_tell_its_names_delays_nobody(
                 assert error_of(lambda: client.set("swarm.velocity", (1,) * 6))[0] == "timeout"
                 assert time.monotonic() - began < 1.5
         Path(places.service_socket("deaf")).unlink()
+
+
+@pytest.mark.parametrize("groups", [
+    {"g0": "r0 g0"},
+    {"g0": "r0 g1", "g1": "g0 r1"},
+    {"g0": "g1", "g1": "g0"},
+    {"g0": "g1 r0", "g1": "r1 g2", "g2": "g0"},
+])  # fmt: skip
+def test_groups_that_hold_each_other_say_so_at_once(
+    groups: dict[str, str], client: rtkit.Client
+) -> None:
+    bots = {name: Bot() for name in ("r0", "r1") if name in str(groups)}
+    with ExitStack() as stack:
+        for name, bot in bots.items():
+            stack.enter_context(rtkit.serve(bot, name, is_on_zenoh=False))
+        stack.enter_context(in_processes(**groups))
+        for times, name in enumerate(groups, start=1):
+            held = next(each for each in groups[name].split() if each.startswith("g"))
+            code, text = error_of(lambda n=name: client.set(f"{n}.velocity", (1,) * 6))  # type: ignore[misc]
+            assert code == "conflict"
+            assert f"{held}: conflict: " in text
+            assert f"the request has come back to {name}, which waits for the answer" in text
+            assert {each.times for each in bots.values()} <= {times}, "each is moved once"
+            if bots:
+                assert client.get(f"{name}.velocity") == (1.0,) * 6
+            assert client.get(f"{name}.status") == f"failed: {held}"
+            began = time.monotonic()
+            client.ask_all([rtkit.Ask(f"{name}.{each}") for each in ("velocity", "status")], 10)
+            assert time.monotonic() - began < 0.9, "the deadline of 1 s was not waited for"
+        assert client.get("g0.velocity.meta.type") == "vector[6]"
+        assert client.get("g0.properties", values=True, timeout=5)
+        round_ = "".join(f".robots.{each}" for each in [*groups, "g0"][1:])[1:]
+        listing = rtkit.Ask("g0.properties?all&values")
+
+        def is_named() -> bool:
+            ((*pairs,),) = client.ask_all([listing], 5.0)
+            found = dict(pairs).get(round_)
+            return isinstance(found, rtkit.Element) and "proxy of itself" in str(found.leaf)
+
+        until(is_named, "where it goes round is named")
+
+
+def test_a_group_of_groups_moves_each_once_and_in_time(client: rtkit.Client) -> None:
+    names = [f"r{at}" for at in range(4)]
+    bots = [Bot(float(at)) for at in range(4)]
+    with ExitStack() as stack:
+        for name, bot in zip(names, bots, strict=True):
+            stack.enter_context(rtkit.serve(bot, name, is_on_zenoh=False))
+        inner = {"g1": "r0 r1", "g2": "zone.r2", "g0": "g1 zone.g2 r3"}
+        held = {name: rtkit.Mount(name) for name in ("r2", "g2", "g0")}
+        stack.enter_context(rtkit.serve(held, "zone", is_on_zenoh=False))  # type: ignore[arg-type]
+        processes = stack.enter_context(in_processes(**inner))
+        there = rtkit.Ask("zone.g0.robots.g2.robots.r2.times")
+        until(lambda: client.ask_all([there], 5) == [0], "all is there")
+        for times, group in enumerate(("g0", "zone.g0"), start=1):
+            client.set(f"{group}.velocity", (times,) * 6)
+            assert [each.times for each in bots] == [times] * 4
+            assert client.get(f"{group}.velocity") == (times,) * 6
+        assert drive(client, "g0") == pytest.approx((1.0, 0.0))
+        assert client.get("g0.status") == "ready"
+        client.set("g0.deadline", 0.5)
+        processes["g2"].send_signal(signal.SIGSTOP)
+        os.waitpid(processes["g2"].pid, os.WUNTRACED)
+        began = time.monotonic()
+        code, text = error_of(lambda: client.set("g0.velocity", (3,) * 6))
+        assert time.monotonic() - began < 0.5 + 0.4
+        assert (code, "1 of 3 failed: g2: timeout" in text) == ("timeout", True)
+        assert [each.times for each in bots] == [3, 3, 2, 3]
+
+
+def test_who_asks_a_group_is_answered_in_its_time(client: rtkit.Client) -> None:
+    """A deadline sooner than that of the group, or of a group in it, is kept as well."""
+    with ExitStack() as stack:
+        for name, takes_s in (("quick", 0.0), ("slow", 2.0)):
+            stack.enter_context(rtkit.serve(Bot(takes_s=takes_s), name, is_on_zenoh=False))
+        for name, robots in (("inner", "slow quick"), ("outer", "quick inner")):
+            group = Group(robots=robots, deadline=1.5)
+            stack.enter_context(rtkit.serve(group, name, is_on_zenoh=False))
+        assert client.get("outer.version") == "1.0"
+        began = time.monotonic()
+        assert client.get("outer.velocity", timeout=0.9) == (0.0,) * 6
+        (failed,) = client.ask_all([rtkit.Ask("outer.velocity", (1,) * 6)], 0.9)
+        assert "inner: timeout: 1 of 2 failed: slow: timeout: " in str(failed)
+        assert time.monotonic() - began < 2 * 0.9 + 0.2
 
 
 def test_some_of_them_have_a_name_of_their_own(swarm: Group, client: rtkit.Client) -> None:

@@ -251,11 +251,13 @@ def test_services_mount_each_other_in_any_order_and_again(
     ends: dict[str, Any] = {"a": start("a", "b"), "b": start("b", "a")}
     for again in ("a", "b", ""):
         for name, peer in ("ab", "ba"):
-            gone_round = [rtkit.Ask(f"{name}.{way}.v") for way in ("peer.peer", "peer.peer.peer")]
+            far = ("peer.peer.peer", "peer.peer.peer.peer")
+            gone_round = [rtkit.Ask(f"{name}.{way}.v") for way in far]
             until(lambda n=name, p=peer: client.ask_all([rtkit.Ask(f"{n}.peer.v")], 5.0) == [p])  # type: ignore[misc]
             until(lambda n=peer, p=name: client.ask_all([rtkit.Ask(f"{n}.peer.v")], 5.0) == [p])  # type: ignore[misc]
             for refused in client.ask_all(gone_round, _BOUND_S):
                 assert (refused.code, "proxy of itself" in str(refused)) == ("no-service", True)
+            assert client.get(f"{name}.peer.peer.v") == name
             began = monotonic()
             values = dict(client.get(f"{name}.properties", all=True, values=True))
             assert (values["v"], values["peer.v"], len(values)) == (name, peer, 3)
@@ -280,16 +282,18 @@ def test_no_request_goes_round_a_ring(place: str, client: rtkit.Client) -> None:
             ask = rtkit.Ask(f"{name}.next.next.v")
             until(lambda a=ask, f=far: client.ask_all([a], 5.0) == [f])  # type: ignore[misc]
         assert [client.get(f"a.{way}v") for way in ("", "next.", "next.next.")] == ["a", "b", "c"]
-        for way in ("a.next.next.next.v", "a.next.next.next.next.v", "self.me.x"):
+        assert client.get("a.next.next.next.v") == "a"
+        for way in ("a.next.next.next.next.v", "self.me.x"):
             assert code(lambda w=way: client.get(w)) == "no-service"  # type: ignore[misc]
             assert code(lambda w=way: client.listen(w, print)) == "no-service"  # type: ignore[misc]
         assert len(client.get("a.properties", all=True)) == 6
+        assert "away" in str(client.get("a.gui"))
         ends.enter_context(bridge("a", f"unix:{place}/p.sock", prefix="p"))
         with serve({"v": 0, "back": rtkit.Mount(f"unix:{place}/p.sock")}, "d"):
             assert client.get("d.back.p.next.v") == "b"
             for name in "abc":
                 assert client.get(f"d.back.p.{'next.' * 'abc'.index(name)}v") == name
-            assert code(lambda: client.get("d.back.p.next.next.next.v")) == "no-service"
+            assert code(lambda: client.get("d.back.p.next.next.next.next.v")) == "no-service"
 
 
 def test_rules_of_an_endpoint_hold_for_what_is_mounted(place: str, client: rtkit.Client) -> None:

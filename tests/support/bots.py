@@ -5,6 +5,7 @@ A robot is where its last target was. Slow ones take 2 s for each answer.
 
 from __future__ import annotations
 
+import signal
 import subprocess
 import sys
 import time
@@ -32,6 +33,7 @@ class Bot:
         self._at = [x, y, 0.0, 0.0, 0.0, 0.0]
         self._velocity: Six = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
         self._takes_s = takes_s
+        self.times: int = 0
         self.note: str = "none"
         self.behaviors: Final = _Behaviors(self._at, takes_s)
 
@@ -50,6 +52,7 @@ class Bot:
     def set_velocity(self, velocity: Six) -> None:
         time.sleep(self._takes_s)
         self._velocity = velocity
+        self.times += 1
 
 
 class _Behaviors:
@@ -96,6 +99,33 @@ def fleet(bounds: Sequence[int], slow: Sequence[int]) -> Iterator[list[subproces
             left.unlink()  # of those that were killed
 
 
+@contextmanager
+def in_processes(**groups: str) -> Iterator[dict[str, subprocess.Popen[str]]]:
+    """Serve groups, each in a process of its own, with these members."""
+    processes = {}
+    try:
+        for name, robots in groups.items():
+            words = [sys.executable, __file__, "group", name, robots]
+            pipe = subprocess.PIPE
+            processes[name] = subprocess.Popen(words, stdin=pipe, stdout=pipe, text=True)
+        for process in processes.values():
+            assert process.stdout is not None
+            assert process.stdout.readline() == "ready\n"
+        yield processes
+    finally:
+        for process in processes.values():
+            process.send_signal(signal.SIGCONT)
+            process.communicate("", timeout=20)
+
+
+def _serve_group(name: str, robots: str) -> None:
+    from rtkit.services.group import Group
+
+    with rtkit.serve(Group(robots=robots), name, is_on_zenoh=False):
+        print("ready", flush=True)
+        sys.stdin.read()
+
+
 def _serve(first: int, last: int, kind: str, slow: set[int]) -> None:
     with ExitStack() as stack:
         for at in range(first, last):
@@ -105,5 +135,7 @@ def _serve(first: int, last: int, kind: str, slow: set[int]) -> None:
         sys.stdin.read()
 
 
-if __name__ == "__main__":
+if __name__ == "__main__" and sys.argv[1] == "group":
+    _serve_group(*sys.argv[2:])
+elif __name__ == "__main__":
     _serve(int(sys.argv[1]), int(sys.argv[2]), sys.argv[3], {*map(int, sys.argv[4].split(","))})
