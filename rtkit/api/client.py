@@ -15,7 +15,7 @@ from rtkit.errors import RtkitError
 from rtkit.property.blocks import as_bytes, blocks_of, joined_blocks
 from rtkit.property.codes import PropertyError
 from rtkit.property.conversion import to_value
-from rtkit.property.limits import ValueLimits
+from rtkit.property.limits import OF_REPLIES
 from rtkit.property.messages import Answer, Payload
 from rtkit.property.naming import parse_parameters, write_parameters
 from rtkit.property.reading import read
@@ -33,9 +33,6 @@ if TYPE_CHECKING:
 
 UNSET: Any = object()
 """Stands for no value: the request is a GET."""
-
-_OF_REPLIES = ValueLimits(text=1 << 26, items=1 << 26)
-"""Limits of what was asked for: an owner may have more to tell than it takes at once."""
 
 
 class Ask(NamedTuple):
@@ -370,9 +367,9 @@ def _object(payload: Payload) -> Any:
     if isinstance(payload, bytes):
         return payload
     try:
-        return _of_value(read(payload, _OF_REPLIES))
+        return _of_value(read(payload, OF_REPLIES))
     except PropertyError as error:
-        if len(payload) > _OF_REPLIES.text and payload[:1] in "(<":
+        if len(payload) > OF_REPLIES.text and payload[:1] in "(<":
             raise PropertyError("too-large", f"a value that is {error}: get its bytes") from None
         return payload
 

@@ -17,6 +17,9 @@ class ValueLimits(NamedTuple):
 
 LIMITS = ValueLimits()
 
+OF_REPLIES = ValueLimits(text=1 << 26, items=1 << 26)
+"""Limits of what was asked for: an owner may have more to tell than it takes at once."""
+
 
 class Budget:
     """Counts items over groups, elements and leaves, and bounds what may still be read."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from rtkit.property.codes import PropertyError
-from rtkit.property.limits import LIMITS
+from rtkit.property.limits import LIMITS, OF_REPLIES
 from rtkit.property.messages import Payload
 from rtkit.property.reading import read
 from rtkit.property.types import Content
@@ -19,7 +19,7 @@ def payload_to_plain(payload: Payload) -> Any:
 
         return {"base64": b64encode(payload).decode("ascii")}
     try:
-        return to_plain(read(payload))
+        return to_plain(read(payload, OF_REPLIES))
     except PropertyError:
         return payload
 

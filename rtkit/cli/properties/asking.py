@@ -87,11 +87,12 @@ def write_raw(payload: Payload) -> None:
     import sys
 
     from rtkit.property.codes import PropertyError
+    from rtkit.property.limits import OF_REPLIES
     from rtkit.property.reading import read
 
     if isinstance(payload, str):
         try:
-            value = read(payload)
+            value = read(payload, OF_REPLIES)
         except PropertyError:
             value = payload
         text = value if isinstance(value, str) and payload.startswith('"') else payload

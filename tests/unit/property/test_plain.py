@@ -29,6 +29,10 @@ def test_bytes_are_base64() -> None:
     assert from_plain(payload_to_plain(b"\xff\x00")) == b"\xff\x00"
 
 
+def test_a_long_list_is_a_list() -> None:
+    assert payload_to_plain(f"({'1.25 ' * 300_000})") == [1.25] * 300_000
+
+
 def _deep() -> Any:
     value: Any = []
     for _ in range(100):
