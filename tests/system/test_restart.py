@@ -10,6 +10,7 @@ import signal
 from typing import Any
 
 import pytest
+from faultkit import Order, Points
 from waiting import told_pid, until
 
 MANAGER = "/localhost/manager.mgr"
@@ -102,6 +103,14 @@ def kill_manager(shell: Any) -> None:
     os.close(pidfd)
 
 
+def end_by(pid: int, number: signal.Signals) -> None:
+    """End a process, and wait for its end."""
+    ended = os.pidfd_open(pid)
+    os.kill(pid, number)
+    assert select.select([ended], [], [], 10.0)[0]
+    os.close(ended)
+
+
 def _has_ended(pidfd: int) -> bool:
     try:
         signal.pidfd_send_signal(pidfd, 0)
@@ -171,14 +180,11 @@ def test_the_end_of_a_found_slave_is_told_with_its_reason(pair: Any) -> None:
     until(lambda: "*A.rtc  (signal 9)" in pair.ok("rtls -l /localhost"), "the zombie")
 
 
-def test_who_died_while_there_was_no_manager_is_told_once(pair: Any) -> None:
-    """With how it ended where its zygote knows that; whose zygote died too is made again."""
+def test_slaves_that_ended_without_a_manager_are_reported_once(pair: Any) -> None:
+    """The zygote knows how they ended; a slave that ended with its zygote is made again."""
     slave = told_pid(pair, "a")
     kill_manager(pair)
-    ended = os.pidfd_open(slave)
-    os.kill(slave, signal.SIGSEGV)
-    assert select.select([ended], [], [], 10.0)[0]
-    os.close(ended)
+    end_by(slave, signal.SIGSEGV)
     pair.ok("rtmgr start")
     shown = pair.ok("rtls -l /localhost")
     assert "*A.rtc  (signal 11)" in shown
@@ -195,6 +201,41 @@ def test_who_died_while_there_was_no_manager_is_told_once(pair: Any) -> None:
     assert "Active  1/0  1/0  0/0  0/0  B.rtc" in shown  # all ended with it: it is made again
     pair.ok("rtdel -z")
     assert pair.ok("rtls /localhost").split() == ["B.rtc", "manager.mgr/"]
+
+
+@pytest.mark.parametrize("point", ["zygote.alone", "zygote.reaped", "zygote.accepted"])
+def test_a_slow_zygote_still_tells_how_a_slave_ended(shell: Any, point: str) -> None:
+    """Each delay is longer than a manager takes to start, and shorter than it waits."""
+    points = Points(shell.folder / "points")
+    shell.environment.update(points.variable)
+    shell.ok("rtmgr start --allow-faults")
+    for name in "ab":  # a zygote ends with its last child
+        shell.ok(f"rtmgr {MANAGER} -c 'ConsoleIn?instance_name={name}&manager_name={name}'")
+    points.arm(Order(point, 1, "delay", "1.5"))
+    slave = told_pid(shell, "a")
+    kill_manager(shell)
+    end_by(slave, signal.SIGSEGV)
+    shell.ok("rtmgr start --allow-faults")
+    assert points.has_struck(1)
+    shown = shell.ok("rtls -l /localhost")
+    assert "*a.rtc  (signal 11)" in shown
+    assert shell.log().count("slave a ended while no manager ran: signal 11") == 1
+
+
+def test_a_stopped_zygote_does_not_hold_up_the_next_manager(shell: Any) -> None:
+    shell.ok("rtmgr start")
+    shell.ok(f"rtmgr {MANAGER} -c 'ConsoleIn?instance_name=A&manager_name=a'")
+    zygote = parent_of(told_pid(shell, "a"))
+    kill_manager(shell)
+    until(lambda: any((shell.folder / "run").glob("*.zygote")), "a zygote that listens")
+    os.kill(zygote, signal.SIGSTOP)
+    try:
+        shell.ok("rtmgr start")
+        assert shell.ok("rtls /localhost").split() == ["A.rtc", "manager.mgr/"]
+    finally:
+        os.kill(zygote, signal.SIGCONT)
+    os.kill(told_pid(shell, "a"), signal.SIGKILL)
+    until(lambda: "*A.rtc  (signal 9)" in shell.ok("rtls -l /localhost"), "the zombie")
 
 
 @pytest.mark.parametrize("is_zygote_killed", [False, True])

@@ -13,6 +13,7 @@ import os
 import signal
 
 from rtkit.container.control_channel import ControlChannel
+from rtkit.container.orphans import is_stopped
 from rtkit.deployment.message import Message
 from rtkit.errors import Malformed
 from rtkit.link import unix
@@ -40,6 +41,12 @@ class FormerZygotes:
         """Children that have not yet reported, with their names, if those are known."""
         return {pid: self._names.get(pid, "") for pid in self._missing}
 
+    @property
+    def is_complete(self) -> bool:
+        """Return whether each that runs has told its children, and all that happened before."""
+        silent = self._children.keys() - self._pids.keys()
+        return all(is_stopped(unix.pid_of(channel.socket)) for channel in silent)
+
     def has(self, pid: int) -> bool:
         """Return whether a zygote will report the end of this process."""
         return any(pid in children for children in self._children.values())
@@ -49,11 +56,13 @@ class FormerZygotes:
         found = []
         for path in glob.glob(of_pid(glob.escape(self._pattern), "*")):
             try:
-                channel = ControlChannel(unix.connect(path))
+                connection = unix.connect(path)
             except OSError:
                 with contextlib.suppress(FileNotFoundError):
                     os.unlink(path)  # killed: nobody is behind it
                 continue
+            connection.setblocking(False)  # it may be stopped
+            channel = ControlChannel(connection)
             self._children[channel] = set()
             found.append(channel)
         return found

@@ -189,7 +189,10 @@ class SlaveSupervisor:
     @property
     def is_complete(self) -> bool:
         """Return whether all slaves of earlier managers have reported, but for stopped ones."""
-        return not self._unreported.is_worth_waiting(self.former_zygotes.missing, self._keys)
+        former_zygotes = self.former_zygotes
+        return former_zygotes.is_complete and not self._unreported.is_worth_waiting(
+            former_zygotes.missing, self._keys
+        )
 
     def absent(self) -> Iterator[ev.Event]:
         """Yield who did not come back, living and dead; once."""

@@ -144,12 +144,13 @@ class Zygote:
         self._unlisten()
         self._channel = ControlChannel(connection)
         self._selector.register(self._channel, selectors.EVENT_READ, self._receive)
-        children = sorted(self._children)
-        self._report({"children": children, "names": self._children, "zygote": os.getpid()})
-        fault.point("zygote.accepted")
         kept, self._reports = self._reports, []
         for report in kept:
             self._report(report)
+        fault.point("zygote.accepted")
+        # Last: who is no child any more has been reported, so the manager waits for no more.
+        children = sorted(self._children)
+        self._report({"children": children, "names": self._children, "zygote": os.getpid()})
 
     def _unlisten(self) -> None:
         if self._listener is not None:
