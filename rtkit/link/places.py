@@ -99,8 +99,12 @@ def services() -> list[str]:
         entries = os.listdir(runtime_dir())
     except OSError:
         return []
-    names = [entry.removesuffix(".ps") for entry in entries if entry.endswith(".ps")]
-    return sorted(name.replace("%2F", "/") for name in names)
+    return sorted(service_of(entry) for entry in entries if entry.endswith(".ps"))
+
+
+def service_of(path: str) -> str:
+    """Return the name of the property service that listens at a `service_socket`."""
+    return os.path.basename(path).removesuffix(".ps").replace("%2F", "/")
 
 
 def services_of(path: str) -> list[str]:

@@ -22,6 +22,9 @@ from rtkit.property.writing import write
 
 SCALARS = (bool, int, float, str, bytes)
 """Annotations that say all about a value: the present one need not be known."""
+_FOUND = ", found "
+_SHOWN = 40
+"""How many characters of a value an error shows."""
 _CONTAINERS = (list, tuple, set, frozenset)
 
 
@@ -71,8 +74,11 @@ def _like(present: object, value: Content) -> Any:
 
 
 def _refusal(expected: str, value: Content) -> PropertyError:
-    found = "bytes" if isinstance(value, bytes) else f"{kind_of(value)} {write(value)[:60]}"
-    return PropertyError("bad-value", f"expected {expected}, found {found}")
+    if isinstance(value, bytes):
+        return PropertyError("bad-value", f"expected {expected}{_FOUND}bytes")
+    text = write(value)
+    text = text if len(text) <= _SHOWN else f"{text[: _SHOWN - 1]}…"
+    return PropertyError("bad-value", f"expected {expected}{_FOUND}{kind_of(value)} {text}")
 
 
 def _scalar(hint: type, value: Content) -> object:
@@ -141,7 +147,8 @@ def _one_of(hints: tuple[Any, ...], value: Content, present: object) -> Any:
             return from_value(value, hint, present)
         except PropertyError as error:
             reasons.append(str(error))
-    raise PropertyError("bad-value", "; or ".join(reasons))
+    # What is wrong inside the value comes before the kinds that it is not at all.
+    raise PropertyError("bad-value", "; or ".join(sorted(reasons, key=lambda why: _FOUND in why)))
 
 
 def _choice(choices: tuple[object, ...], value: Content) -> object:

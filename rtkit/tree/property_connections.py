@@ -11,6 +11,7 @@ from collections.abc import Callable, Iterable, Sequence
 from functools import cached_property, partial
 from typing import TYPE_CHECKING, Literal, NamedTuple
 
+from rtkit.errors import RtkitError
 from rtkit.property.codes import PropertyError
 from rtkit.property.messages import Answer, Payload
 from rtkit.property.naming import EXTENSIONS
@@ -20,6 +21,9 @@ if TYPE_CHECKING:
     from rtkit.tree.live_properties import ThisHost
     from rtkit.wires.property_client import PropertyClient
     from rtkit.wires.wire import ClientSide
+
+_NAMES_S = 1.0
+"""How long a service may take to list the names that one was perhaps to be [s]."""
 
 
 class PropertyTarget(NamedTuple):
@@ -290,7 +294,7 @@ def printed_error(typed: str, error: Exception) -> PropertyError:
     return PropertyError(code, f"{typed}: {code}: {error}")
 
 
-def asked(ask: Callable[[], Answer], typed: str) -> Payload:
+def asked(ask: Callable[[], Answer], place: PropertyTarget, end: PropertyClient) -> Payload:
     """Return the value of an answer.
 
     Raises:
@@ -299,4 +303,39 @@ def asked(ask: Callable[[], Answer], typed: str) -> Payload:
     try:
         return ask().value()
     except Exception as error:
-        raise printed_error(typed, error) from error
+        raise with_near_names(error, place, end) from error
+
+
+def with_near_names(error: Exception, place: PropertyTarget, end: PropertyClient) -> PropertyError:
+    """Return an error as commands show it; of an unknown property, with names like it."""
+    shown = printed_error(place.typed, error)
+    if shown.code != "unknown" or not place.name:
+        return shown
+    from rtkit.rtc.nearest import did_you_mean
+
+    path = place.typed.partition("?")[0]
+    begin = path.removesuffix(place.name) if path.endswith(place.name) else ""
+    try:
+        names = str(end.ask(f"properties?all=1&timeout={_NAMES_S}").value()).strip("()").split()
+    except RtkitError:
+        return shown  # the error itself is what counts
+    meant = did_you_mean(place.name, names, shown=lambda name: f"{begin}{name}")
+    return PropertyError("unknown", f"{shown}{meant}")
+
+
+def check_outcome(payload: Payload, typed: str) -> None:
+    """Check that an action that has ended did what it was to do.
+
+    Raises:
+        PropertyError: It failed; as commands show it.
+    """
+    if not (isinstance(payload, str) and payload.startswith(("<call ", "<behavior "))):
+        return
+    from rtkit.property.reading import read
+    from rtkit.property.values import Element
+
+    outcome = read(payload)
+    error = outcome.find("error") if isinstance(outcome, Element) else None
+    if error is not None:
+        failure = PropertyError(error.attributes.get("code", "internal"), str(error.leaf or ""))
+        raise printed_error(typed, failure)

@@ -10,7 +10,7 @@ from rtkit.closing import Closing
 from rtkit.errors import RtkitError
 from rtkit.link.wakeup import Wakeup
 from rtkit.property.messages import PropertyEvent
-from rtkit.tree.property_connections import PropertyConnections, printed_error
+from rtkit.tree.property_connections import PropertyConnections, printed_error, with_near_names
 from rtkit.wires.property_client import PropertyClient
 
 _Received = tuple[str, PropertyEvent | Exception]
@@ -39,7 +39,7 @@ class PropertySubscription(Closing):
                 try:
                     end.listen(target)
                 except RtkitError as error:
-                    raise printed_error(typed, error) from error
+                    raise with_near_names(error, place, end) from error
                 name = target.partition("?")[0]
                 names.setdefault(id(end), {})[name] = typed
                 ends[id(end)] = end

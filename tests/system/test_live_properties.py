@@ -34,6 +34,10 @@ class Arm:
         return self.angle
 
 
+    def lowered(self, by: float):
+        raise ValueError("the floor is there")
+
+
 def broken():
     raise ValueError("no arm")
 '''
@@ -64,7 +68,7 @@ def test_services_are_listed_by_the_place_above_them_without_a_manager(arm: Any)
 
 
 def test_an_object_is_got_set_and_listened_to(arm: Any) -> None:
-    assert arm.ok("rtget robots/arm") == "(raised angle name picture pose reach)\n"
+    assert arm.ok("rtget robots/arm") == "(raised lowered angle name picture pose reach)\n"
     line = "rtget robots/arm.angle /localhost/robots/arm/name robots/arm/pose.y"
     assert arm.ok(line) == '0.5\n"right"\n2.0\n'
     assert arm.ok("rtset robots/arm.angle -0.25") == ""
@@ -103,6 +107,31 @@ def test_an_object_is_got_set_and_listened_to(arm: Any) -> None:
     assert heard == ["3\n", "4\n", "5\n"]
     assert changes.wait(30) == 0
     changes.communicate()
+
+
+def test_an_unknown_property_is_reported_with_names_like_it(arm: Any) -> None:
+    for command, end in (("rtget", ""), ("rtset", " 1"), ("rtlisten", "")):
+        for typed, meant in (
+            ("robots/arm.angel", "robots/arm.angle"),
+            (f"{arm.web}/angel", f"{arm.web}/angle"),
+            ("localhost.lod", None),
+        ):
+            done = arm.run(f"{command} {typed}{end}")
+            hint = f" (did you mean {meant}?)"
+            assert done.status == 1
+            assert done.err.endswith(f"{hint}\n") is (meant is not None), done.err
+    why = "unknown: no such property: quite.other"
+    assert arm.run("rtget robots/arm.quite.other").err == f"rtget: robots/arm.quite.other: {why}\n"
+
+
+def test_echo_of_a_failed_action_prints_its_outcome_and_ends_with_1(arm: Any) -> None:
+    why = "ValueError: the floor is there"
+    assert arm.run("rtset --echo robots/arm.lowered 2") == (
+        1,
+        f'<call state="failed"><error code="bad-value">{why}</error></call>\n',
+        f"rtset: robots/arm.lowered: bad-value: {why}\n",
+    )
+    assert arm.run("rtset robots/arm.lowered 2") == (0, "", "")  # it has only been started
 
 
 def test_getters_take_parameters_and_values_are_remembered(arm: Any) -> None:

@@ -65,7 +65,7 @@ def main(
 
             def get(block: Mapping[str, int]) -> str | bytes:
                 more = joined([*parameters, *(f"{k}={v}" for k, v in block.items())])
-                return asked(lambda: end.ask(place.target(more)), place.typed)
+                return asked(lambda: end.ask(place.target(more)), place, end)
 
             try:
                 return place.typed, get({})

@@ -95,7 +95,9 @@ def main(
         "--allow-set GLOB", "Names that may be set over the serial line (repeatable)."
     ),
     notify: tuple[str, ...] = several(
-        "--notify GLOB", "SERVICE/NAME of yours that events may be SET to (repeatable)."
+        "--notify GLOB",
+        "Listeners on any wire may have events SET to these properties: SERVICE/NAME of yours, "
+        "or WIRE:ADDRESS/SERVICE/NAME (repeatable; default none).",
     ),
     files: tuple[str, ...] = several(
         "--rules FILE", "A rule: which client may do what over which wire; or a limit."

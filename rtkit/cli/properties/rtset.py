@@ -57,7 +57,8 @@ def main(
     returns without an error the value is in force: whoever asks now gets it, or a newer one.
 
     An action takes its arguments as a group, or as parameters with -p; it has started when
-    the command returns, with --echo it is done and its outcome is printed.
+    the command returns, with --echo it is done and its outcome is printed; the status is 1 if it
+    failed.
     """
     given = [each.removeprefix(_MARK) for each in words]
     wanted = 1 if path is not None else 2
@@ -75,7 +76,12 @@ def main(
         from rtkit.property.blocks import as_bytes, blocks_of
         from rtkit.property.codes import PropertyError
         from rtkit.property.limits import LIMITS
-        from rtkit.tree.property_connections import asked, bound_of, printed_error
+        from rtkit.tree.property_connections import (
+            asked,
+            bound_of,
+            check_outcome,
+            printed_error,
+        )
 
         place, end = places.find(given[0])
         more += bound_of(end, place.parameters, more, app.timeout_s)
@@ -83,7 +89,7 @@ def main(
             target = place.target(joined([*more, *(f"{k}={v}" for k, v in where.items())]))
             sent = block if where else payload
             try:
-                value = asked(lambda: end.ask(target, sent), place.typed)  # noqa: B023
+                value = asked(lambda: end.ask(target, sent), place, end)  # noqa: B023
             except PropertyError as error:
                 if not where or error.code != "bad-parameter":
                     raise
@@ -91,6 +97,7 @@ def main(
                 raise printed_error(place.typed, PropertyError("too-large", text)) from None
     if has_echo:
         terminal.write([shown(value)])
+        check_outcome(value, place.typed)
 
 
 def _content(path: str) -> str | bytes:

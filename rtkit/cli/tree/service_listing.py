@@ -91,8 +91,8 @@ class ServiceListing:
         options = ["meta"] * self.has_values + ["all"] * self.is_deep
         target = f"{base}?{'&'.join(options)}" if options else base
         with connected(self.app, None) as places:
-            _, end = places.find(typed)
-            rows = _group(asked(lambda: end.ask(target), typed))
+            place, end = places.find(typed)
+            rows = _group(asked(lambda: end.ask(target), place, end))
             if self.has_values:
                 rows = tuple(_completed(end, self.place.name, rows))
         if not self.has_values:

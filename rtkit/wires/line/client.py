@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import select
 import socket
 import struct
@@ -198,7 +199,11 @@ def connect_unix(path: str, timeout_s: float) -> LineClient:
     try:
         return LineClient(unix.connect(path, timeout_s), timeout_s)
     except OSError as error:
-        raise Unreachable(f"cannot reach {path}: {error.strerror or error}") from error
+        from rtkit.link.places import runtime_path, service_of
+
+        is_service = os.path.dirname(path) == runtime_path() and path.endswith(".ps")
+        what = f"service {service_of(path)}" if is_service else path
+        raise Unreachable(f"cannot reach {what}: {error.strerror or error}") from error
 
 
 def connect_tcp(host: str, port: int, timeout_s: float) -> LineClient:

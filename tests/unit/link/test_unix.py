@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from rtkit.errors import Unreachable
-from rtkit.link import unix
+from rtkit.link import places, unix
 from rtkit.wires.line.client import connect_unix
 
 
@@ -41,3 +41,18 @@ def test_a_socket_of_another_user_is_told_nothing(
     with listener.accept()[0] as heard:
         assert heard.recv(1) == b""
     assert unix.is_answering(path)  # nobody may take its place
+
+
+def test_a_service_that_was_killed_is_named_and_not_its_socket(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    tmp_path.chmod(0o700)
+    monkeypatch.setenv("RTKIT_RUNTIME_DIR", str(tmp_path))
+    with socket.socket(socket.AF_UNIX) as killed:
+        killed.bind(places.service_socket("parts/arm"))
+    for path, what in (
+        (places.service_socket("parts/arm"), "service parts/arm: Connection refused"),
+        (f"{tmp_path}/else/arm.ps", f"{tmp_path}/else/arm.ps: No such file or directory"),
+    ):
+        with pytest.raises(Unreachable, match=f"^cannot reach {what}$"):
+            connect_unix(path, 1.0)

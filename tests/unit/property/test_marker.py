@@ -10,6 +10,7 @@ import pytest
 
 import rtkit
 from rtkit import Element, Marker, PropertyError, Word
+from rtkit.property.fitting import from_value
 from rtkit.property.reading import read
 from tests.unit.property.test_objects import refused, served
 
@@ -134,3 +135,16 @@ def test_actions_take_markers_and_lists_of_them() -> None:
     assert refused(service, "best", BALL.replace("</marker>", "<time>x</time></marker>"))
     assert refused(service, "near", f"({BALL} 3)") == "bad-value"
     assert rtkit.Marker is Marker
+
+
+def test_what_is_wrong_in_a_value_comes_before_the_kinds_that_it_is_not() -> None:
+    bad = read(
+        "<marker><type>ball</type><color>(1 0 0)</color><location>(1 2 x)</location></marker>"
+    )
+    with pytest.raises(PropertyError) as caught:
+        from_value(bad, list[Marker] | Marker, None)
+    first, second = str(caught.value).split("; or ")
+    assert first == "expected a location of 2, 3 or 6 numbers"
+    assert second.startswith("expected a list, found marker <marker")
+    assert second.endswith("…")
+    assert len(second) < 80
