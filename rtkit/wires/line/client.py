@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import select
 import socket
 import struct
@@ -199,10 +198,11 @@ def connect_unix(path: str, timeout_s: float) -> LineClient:
     try:
         return LineClient(unix.connect(path, timeout_s), timeout_s)
     except OSError as error:
-        from rtkit.link.places import runtime_path, service_of
+        from rtkit.link.places import service_of, service_socket
 
-        is_service = os.path.dirname(path) == runtime_path() and path.endswith(".ps")
-        what = f"service {service_of(path)}" if is_service else path
+        name = service_of(path)
+        is_service = path.endswith(".ps") and path == service_socket(name)
+        what = f"service {name}" if is_service else path
         raise Unreachable(f"cannot reach {what}: {error.strerror or error}") from error
 
 
