@@ -17,6 +17,8 @@ from contextlib import suppress
 from functools import cache
 from typing import Any, NamedTuple
 
+from rtkit.link.processes import stat_of
+
 MARK = "RTKIT_SLAVE"
 """Environment variable by which what a slave starts is known, also in a session of its own."""
 
@@ -306,10 +308,8 @@ def _children(pid: int) -> list[int]:
 
 
 def _process(pid: int) -> _Process | None:
-    try:
-        with open(f"/proc/{pid}/stat", "rb", buffering=0) as file:
-            text = file.read()
-    except (FileNotFoundError, ProcessLookupError):
+    fields = stat_of(pid)
+    if not fields:
         return None
-    state, parent, group, session, *more = text.rpartition(b")")[2].split()
+    state, parent, group, session, *more = fields
     return _Process(pid, state.decode(), int(parent), int(group), int(session), int(more[_BEGAN]))

@@ -5,6 +5,8 @@ from __future__ import annotations
 import os
 from typing import NamedTuple
 
+from rtkit.link.processes import stat_of
+
 _TABLES = ("/proc/net/tcp", "/proc/net/tcp6")
 _LISTENING = "0A"
 SERVANT = "rtkit TCP port"
@@ -29,7 +31,8 @@ def port_holder(port: int) -> PortHolder | None:
     found = listener(port)
     if found is None or found.name != SERVANT:
         return found
-    parent = _parent(found.pid)
+    fields = stat_of(found.pid)
+    parent = int(fields[1]) if fields else 0
     return PortHolder(found.uid, parent, _name(parent)) if parent > 1 else found
 
 
@@ -81,14 +84,6 @@ def _name(pid: int) -> str:
             return file.read().strip()
     except OSError:
         return "a process"
-
-
-def _parent(pid: int) -> int:
-    try:
-        with open(f"/proc/{pid}/stat", encoding="utf-8", errors="replace") as file:
-            return int(file.read().rpartition(")")[2].split()[1])
-    except OSError:
-        return 0
 
 
 def user_name(uid: int) -> str:

@@ -48,7 +48,7 @@ def is_abandoned(path: str, pid: int) -> bool:
     The kernel lists which paths are bound in a network namespace; who lives in another one is
     believed to be the owner.
     """
-    if _state(pid) in ("", "Z", "X"):
+    if state_of(pid) in ("", "Z", "X"):
         return True
     try:
         is_near = os.stat(f"/proc/{pid}/ns/net").st_ino == os.stat("/proc/self/ns/net").st_ino
@@ -59,12 +59,19 @@ def is_abandoned(path: str, pid: int) -> bool:
     return is_near and not _is_bound(path)
 
 
-def _state(pid: int) -> str:
-    try:
-        with open(f"/proc/{pid}/stat", encoding="ascii", errors="replace") as file:
-            return file.read().rpartition(") ")[2][:1]
-    except (FileNotFoundError, ProcessLookupError):
-        return ""
+def stat_of(pid: int) -> list[bytes]:
+    """Return what the kernel tells of a process, from its state on; nothing when it is gone.
+
+    Source: proc(5), ``/proc/PID/stat`` from field 3 on.
+    """
+    with suppress(OSError), open(f"/proc/{pid}/stat", "rb", buffering=0) as file:
+        return file.read().rpartition(b")")[2].split()
+    return []
+
+
+def state_of(pid: int) -> str:
+    """Return the state of a process, one letter as the kernel tells it; empty without one."""
+    return next(iter(stat_of(pid)), b"").decode()
 
 
 def _is_bound(path: str) -> bool:

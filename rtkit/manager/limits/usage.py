@@ -7,6 +7,7 @@ from contextlib import suppress
 from typing import NamedTuple
 
 from rtkit.container.orphans import family
+from rtkit.link.processes import stat_of
 
 _TICK_S = 1.0 / os.sysconf("SC_CLK_TCK")
 _PAGE_BYTES = os.sysconf("SC_PAGE_SIZE")
@@ -40,7 +41,7 @@ def usage(pid: int) -> Usage | None:
 
     Source: proc(5), fields 14, 15 and 24 of ``/proc/PID/stat``.
     """
-    fields = _stat(pid)
+    fields = stat_of(pid)
     if not fields:
         return None
     return Usage((int(fields[11]) + int(fields[12])) * _TICK_S, int(fields[21]) * _PAGE_BYTES)
@@ -51,7 +52,7 @@ def tree_usage(pid: int) -> Used:
 
     Source: proc(5), fields 14 to 17 and 24 of ``/proc/PID/stat``.
     """
-    found = {each: fields for each in (pid, *family(pid)) if (fields := _stat(each))}
+    found = {each: fields for each in (pid, *family(pid)) if (fields := stat_of(each))}
     if pid not in found:
         return Used()
     memory = [int(fields[21]) * _PAGE_BYTES for fields in found.values()]
@@ -77,12 +78,6 @@ def data_bytes(pid: int) -> int:
     with suppress(OSError), open(f"/proc/{pid}/statm", "rb") as file:
         return int(file.read().split()[5]) * _PAGE_BYTES
     return 0
-
-
-def _stat(pid: int) -> list[bytes]:
-    with suppress(OSError), open(f"/proc/{pid}/stat", "rb", buffering=0) as file:
-        return file.read().rpartition(b")")[2].split()
-    return []
 
 
 def _descriptors(pid: int) -> int:

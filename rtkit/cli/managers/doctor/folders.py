@@ -9,6 +9,7 @@ from collections.abc import Iterator
 from rtkit.cli.managers.doctor import ERROR, NOTE, OK, WARNING, Diagnosis
 from rtkit.errors import Refused, RtkitError, Unreachable
 from rtkit.link import places, secret
+from rtkit.link.processes import state_of
 
 _LEAST_SPACE = 50 << 20
 _SOCKET = ".sock"
@@ -138,15 +139,6 @@ def _parts(entry: str) -> tuple[str, int | None]:
 
 def _lives(pid: int) -> bool:
     return state_of(pid) not in _DEAD
-
-
-def state_of(pid: int) -> str:
-    """Return the state of a process, one letter as the kernel tells it; empty without one."""
-    try:
-        with open(f"/proc/{pid}/stat", encoding="utf-8", errors="replace") as file:
-            return file.read().rpartition(")")[2].split()[0]
-    except (OSError, IndexError):
-        return ""
 
 
 _SUFFIX = ".desired"

@@ -9,10 +9,10 @@ from threading import Thread
 from typing import TYPE_CHECKING, TypeVar
 
 from rtkit.cli.managers.doctor import ERROR, NOTE, OK, WARNING, Diagnosis
-from rtkit.cli.managers.doctor.folders import state_of
 from rtkit.deployment.health import IN_DEBUGGER
 from rtkit.errors import RtkitError
 from rtkit.link import places
+from rtkit.link.processes import state_of
 from rtkit.rtc.manager_address import DEFAULT_PORT
 
 if TYPE_CHECKING:
