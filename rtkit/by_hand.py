@@ -395,7 +395,7 @@ def _start_manager(wish: _Wish) -> None:
     from rtkit.manager import launch
     from rtkit.settings.configuration import CommandLineSettings
 
-    name = wish.manager or os.environ.get("RTKIT_MANAGER") or places.DEFAULT_MANAGER
+    name = wish.manager or places.usual_manager()
     if places.owner(name) is None:
         launch.start(name, CommandLineSettings(), wish.timeout_s)
 

@@ -8,6 +8,7 @@ from rtkit.api.data_tree import silent
 from rtkit.api.session import Notify
 from rtkit.api.tree import Tree
 from rtkit.errors import Unreachable
+from rtkit.link.places import usual_manager
 from rtkit.tree import connect as connecting
 from rtkit.tree.client import DEFAULT_TIMEOUT_S
 
@@ -39,7 +40,7 @@ def connect(
             raise
         from rtkit.api.gathering import can_be_started, start_manager
 
-        name = manager or connecting.usual_manager()
+        name = manager or usual_manager()
         if not can_be_started(name):
             raise
         start_manager(name, timeout_s, notify)

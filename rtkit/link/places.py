@@ -22,6 +22,11 @@ _LOCK = "hhqqi"
 """``struct flock`` of Linux on 64 bits: type, whence, start, length, pid."""
 
 
+def usual_manager() -> str:
+    """Return the manager that is meant where none is named: its name, or its address."""
+    return os.environ.get("RTKIT_MANAGER") or DEFAULT_MANAGER
+
+
 def runtime_dir() -> str:
     """Return the folder of sockets and locks, in which nobody else can have laid one.
 

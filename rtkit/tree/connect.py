@@ -6,7 +6,7 @@ import os
 from typing import TYPE_CHECKING
 
 from rtkit.errors import Unreachable
-from rtkit.link.places import DEFAULT_MANAGER, manager_socket, owner
+from rtkit.link.places import manager_socket, owner, usual_manager
 from rtkit.tree.api import as_text
 from rtkit.tree.client import DEFAULT_TIMEOUT_S, Tree, bounded
 
@@ -50,11 +50,6 @@ def connect(
     tree = kind(ZenohLink(session), os.uname().nodename, name, timeout_s)
     tree.has_ended = lambda: owner(name) is None
     return tree
-
-
-def usual_manager() -> str:
-    """Return the manager that is meant where none is named."""
-    return os.environ.get("RTKIT_MANAGER") or DEFAULT_MANAGER
 
 
 def connect_at(

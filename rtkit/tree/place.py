@@ -8,7 +8,7 @@ from functools import partial
 from typing import TYPE_CHECKING, TypeVar
 
 from rtkit.errors import RtkitError, Unreachable
-from rtkit.link.places import DEFAULT_MANAGER, manager_socket
+from rtkit.link.places import DEFAULT_MANAGER, manager_socket, usual_manager
 from rtkit.rtc.manager_address import is_address
 from rtkit.rtc.names import LOCAL, MANAGER_SUFFIX, Path, is_local_host
 from rtkit.tree.client import DEFAULT_TIMEOUT_S
@@ -37,7 +37,7 @@ def manager_of(path: Path) -> str:
     name = next(named, "").removesuffix(MANAGER_SUFFIX)
     if not name:
         return ""
-    usual = os.environ.get("RTKIT_MANAGER") or DEFAULT_MANAGER
+    usual = usual_manager()
     if name == usual or not is_local_host(host, os.uname().nodename):
         return ""
     return name if os.path.exists(manager_socket(name)) else ""
@@ -240,7 +240,7 @@ def shown(name: str, manager: str, place: str) -> str:
     Empty if there is none: then the component is only found below its manager.
     """
     host, _, rest = name.partition("/")
-    usual = os.environ.get("RTKIT_MANAGER") or DEFAULT_MANAGER
+    usual = usual_manager()
     if manager == usual or not is_local_host(host, os.uname().nodename):
         return f"/{name}"
     return f"/{place}/{rest}" if is_address(place) else ""

@@ -158,10 +158,10 @@ def _placed(
 ) -> list[tuple[str, ComponentFacts]]:
     """Return living components, but those of data tools, each behind its path."""
     from rtkit.api.observers import place_of
-    from rtkit.link.places import DEFAULT_MANAGER
+    from rtkit.link.places import usual_manager
     from rtkit.probe.port_pattern import is_tool
 
-    is_usual = manager == (os.environ.get("RTKIT_MANAGER") or DEFAULT_MANAGER)
+    is_usual = manager == usual_manager()
     return [
         (place_of(manager, each, host, is_usual=is_usual), each)
         for each in components

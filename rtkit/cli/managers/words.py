@@ -38,7 +38,7 @@ def run_word(
     typed = name.removesuffix(MANAGER_SUFFIX)
     if word in ("start", "run", "install"):
         return _launch(app, word, typed, wanted, options, shows)
-    chosen = typed or os.environ.get("RTKIT_MANAGER") or "manager"
+    chosen = typed or places.usual_manager()
     from rtkit.tree import managers
 
     if is_address(chosen):

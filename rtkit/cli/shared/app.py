@@ -83,9 +83,9 @@ class App:
         """The name, or address, of the manager that is asked, whether it runs or not."""
         if self._tree is not None:
             return self._tree.manager
-        from rtkit.link.places import DEFAULT_MANAGER
+        from rtkit.link.places import usual_manager
 
-        return self._place or os.environ.get("RTKIT_MANAGER") or DEFAULT_MANAGER
+        return self._place or usual_manager()
 
     def read_settings(self) -> None:
         """Read the files of settings, and have them count where the environment says nothing.
@@ -212,7 +212,7 @@ class App:
     @property
     def usual_manager(self) -> str:
         """Return the manager of components whose path names none."""
-        from rtkit.tree.connect import usual_manager
+        from rtkit.link.places import usual_manager
 
         return usual_manager()
 

@@ -27,8 +27,7 @@ def open_zenoh(host: PropertyEventLoop, service: PropertyProvider) -> None:
     path = places.check_socket_length(places.service_key_socket(service.name))
     with contextlib.suppress(FileNotFoundError):
         os.unlink(path)  # of one that was killed: the name is ours since the line endpoint is open
-    manager = unix_endpoint(places.manager_socket(os.environ.get("RTKIT_MANAGER") or
-                                                  places.DEFAULT_MANAGER))  # fmt: skip
+    manager = unix_endpoint(places.manager_socket(places.usual_manager()))
     more = {"connect/endpoints": json.dumps([manager]), "connect/retry": _RETRY}
     session = open_listener(unix_endpoint(path), more=more)
     host.at_end(lambda: remove_socket(path))
