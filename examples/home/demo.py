@@ -11,6 +11,7 @@ import argparse
 import json
 import math
 import os
+import select
 import shutil
 import signal
 import sys
@@ -18,11 +19,15 @@ import tempfile
 import threading
 import time
 from collections.abc import Mapping
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
 import rtkit
+from rtkit.container.orphans import began_at
 from rtkit.errors import RtkitError
+from rtkit.link import places
+from rtkit.manager.child_process import ENDS_WITH
 
 HERE = Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE.parent))
@@ -153,6 +158,24 @@ def _check(watched: Watched, outcome: Outcome, photo: bytes) -> None:
         raise NotAsExpected("; ".join(broken))
 
 
+def clear_after(folder: Path) -> None:
+    """Have a process remove a folder when this one was killed, and its manager has ended."""
+    this = os.pidfd_open(os.getpid())
+    if os.fork():
+        os.close(this)
+        return
+    os.setsid()  # what interrupts this one from the keyboard is not for it
+    for number, mode in enumerate((os.O_RDONLY, os.O_WRONLY, os.O_WRONLY)):
+        os.dup2(os.open(os.devnull, mode), number)
+    select.select([this], [], [])
+    manager = places.owner("manager")
+    with suppress(ProcessLookupError):  # it has ended meanwhile
+        if manager is not None:
+            select.select([os.pidfd_open(manager)], [], [])
+    shutil.rmtree(folder, ignore_errors=not folder.exists())
+    os._exit(0)
+
+
 def main() -> None:
     """Run it with folders of its own."""
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
@@ -160,12 +183,15 @@ def main() -> None:
     parser.add_argument("--set", action="append", default=[], metavar="NAME=VALUE")
     given = parser.parse_args()
     folder = Path(tempfile.mkdtemp(prefix="home-"))
+    this = os.getpid()
     os.environ |= {
+        ENDS_WITH: f"{this}:{began_at(this)}",  # the manager ends with this, also if that is killed
         "RTKIT_RUNTIME_DIR": str(folder / "run"), "RTKIT_STATE_DIR": str(folder / "state"),
         "RTKIT_MODULE_PATH": str(HERE), "RTKIT_PORT": "none", "RTKIT_MANAGER": "manager",
     }  # fmt: skip
     for ending in (signal.SIGINT, signal.SIGTERM):  # what was started is taken down, too
         signal.signal(ending, lambda number, _: sys.exit(128 + number))
+    clear_after(folder)
     try:
         run(dict(each.split("=", 1) for each in given.set), folder, given.out)
     except (NotAsExpected, RtkitError) as error:

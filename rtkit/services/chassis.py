@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from typing import Annotated, Any
 
 import rtkit
@@ -14,8 +15,6 @@ from rtkit.services.running import Running, Twist
 STANDS: Twist = (0.0, 0.0, 0.0)
 _GAIN = 3.0
 """How much faster for each metre or radian that is left [1/s]."""
-_SIGN_OF_LIFE_S = 1.0
-"""How long it says nothing to its world while it stands [s]: one begun anew is entered then."""
 _TURNS_FIRST = 0.5
 """How far off the target may be ahead of who cannot go sideways [rad]."""
 
@@ -57,15 +56,16 @@ class Chassis:
         self._size = max(self.dimensions[:2]) / 2, self.dimensions[2]
         self._driven = STANDS
         self.trouble = ""
-        self._still_s = 0.0
         self._entered = 0
+        self._wake: Callable[[], None] = lambda: None
 
     def enter(self) -> None:
         """Appear in the world, and be moved there from now on; who is there already stays."""
         self._entered += 1
         if self._entered > 1:
             return
-        self.world = driving.enlist(self, self._in)
+        crew = driving.enlist(self, self._in)
+        self.world, self._wake = crew.world, crew.wake
         try:
             self._appear()
         except BaseException as error:
@@ -108,6 +108,7 @@ class Chassis:
         if twist != STANDS and self.running is not None:
             self.running.stop()
         self._driven = twist
+        self._wake()
 
     def follow(self, running: Running) -> None:
         """Be led from now on."""
@@ -115,6 +116,7 @@ class Chassis:
         before, self.running = self.running, running
         if before is not None:
             before.stop()
+        self._wake()
 
     def halt(self) -> None:
         """Be led and driven no longer."""
@@ -131,15 +133,13 @@ class Chassis:
     def wanted(self, seconds: float) -> Twist | None:
         """Return how it is to move next, None where it stands."""
         running, twist = self.running, self._driven
-        if running is not None and running.state == "running":
+        is_led = running is not None and running.state == "running"
+        if running is not None and is_led:
             twist = running.step(seconds) or STANDS
         possible = self.possible(twist, seconds)
-        is_still = possible == STANDS and self.is_settled and not self.trouble
-        self._still_s = self._still_s + seconds if is_still else 0.0
-        if is_still and self._still_s < _SIGN_OF_LIFE_S:
+        if possible == STANDS and self.is_settled and not self.trouble and not is_led:
             self.velocity = STANDS
             return None
-        self._still_s = 0.0
         return possible
 
     def moved(self, row: Row, seconds: float) -> None:

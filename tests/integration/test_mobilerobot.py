@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import queue
 import threading
 import time
 from collections.abc import Callable, Iterator
@@ -14,9 +15,10 @@ from typing import Any
 import pytest
 
 import rtkit
+from rtkit.services.chassis import Chassis
 from rtkit.services.frames import transform
 from rtkit.services.legged import LeggedRobot
-from rtkit.services.mobilerobot import DifferentialRobot
+from rtkit.services.mobilerobot import DifferentialRobot, MobileRobot
 from rtkit.services.world import HomeWorld
 
 _BOUND_S = 20.0
@@ -226,6 +228,35 @@ def test_a_world_that_comes_later_is_entered_then(
     ends.enter_context(rtkit.serve(HomeWorld(pace=_PACE), "home", is_on_zenoh=False))
     until(lambda: has_ended(client, "robots/early"))
     assert client.get("home.bodies.early.location.x") == pytest.approx(1.0, abs=0.02)
+
+
+def test_a_robot_that_stands_is_hardly_asked_and_starts_at_once(
+    place: str, ends: ExitStack
+) -> None:
+    home = HomeWorld()
+    looks: queue.Queue[int] = queue.Queue()
+    asked = 0
+
+    class Counted(Chassis):
+        def wanted(self, seconds: float) -> Any:
+            nonlocal asked
+            asked += 1
+            return super().wanted(seconds)
+
+        def moved(self, row: Any, seconds: float) -> None:
+            super().moved(row, seconds)
+            looks.put(asked)
+
+    robot = type("Robot", (MobileRobot,), {"chassis_type": Counted})(world=home, body="one")
+    ends.enter_context(robot)
+    first, second = looks.get(timeout=_BOUND_S), looks.get(timeout=_BOUND_S)
+    assert second - first <= 3  # in a second: twenty, if it moved
+    home.bodies.set("one", None)
+    until(lambda: home.bodies.names())  # it looks where it is
+    before = time.monotonic()
+    robot.set_velocity((0.3, 0, 0, 0, 0, 0))
+    until(lambda: robot.get_status() == "moving")
+    assert time.monotonic() - before < 0.8
 
 
 def test_a_hundred_robots_of_one_process_share_a_thread_and_a_request(
