@@ -2,18 +2,15 @@
 
 from __future__ import annotations
 
-import os
 import select
 import socket
-import subprocess
 import sys
-from collections.abc import Iterator, Sequence
-from contextlib import ExitStack, contextmanager
-from pathlib import Path
+from collections.abc import Sequence
+from contextlib import AbstractContextManager, ExitStack
 from time import monotonic
 
 import rtkit
-from bench.harness import Lines, Row, folders, paired, timed
+from bench.harness import Lines, Row, folders, paired, servers, timed
 from rtkit.link import places
 from rtkit.link.deadline import with_deadline
 from rtkit.property.line import write_request as _line
@@ -22,7 +19,6 @@ _MEMBERS = 100
 _PROCESSES = 10
 _ROUNDS = 41
 _BARE_IS = "a client that writes the same lines to 100 sockets at once and reads the replies"
-_PIPE = subprocess.PIPE
 
 
 def _fanout() -> Lines:
@@ -60,26 +56,11 @@ def _ask_each(ends: Sequence[socket.socket], line: bytes) -> None:
                     raise RuntimeError("a member of the benchmark did not do it")
 
 
-@contextmanager
-def _started(names: Sequence[str]) -> Iterator[None]:
+def _started(names: Sequence[str]) -> AbstractContextManager[None]:
     """Serve members in some processes, and the group of them in another one."""
     count = len(names) // _PROCESSES
     words = [names[at : at + count] for at in range(0, len(names), count)]
-    ends: list[subprocess.Popen[str]] = []
-    environment = {**os.environ, "PYTHONPATH": str(Path(__file__).parents[1])}
-    try:
-        for each in (*words, ["swarm", *names]):
-            line = [sys.executable, "-m", "bench.group", *each]
-            end = subprocess.Popen(line, stdin=_PIPE, stdout=_PIPE, text=True, env=environment)
-            ends.append(end)
-        for end in ends:
-            assert end.stdout is not None
-            if end.stdout.readline() != "ready\n":
-                raise RuntimeError("a server of the benchmark did not start")
-        yield
-    finally:
-        for end in ends:
-            end.communicate("", timeout=20)
+    return servers(*(["bench.group", *each] for each in (*words, ["swarm", *names])))
 
 
 class _Robot:

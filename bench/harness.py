@@ -12,11 +12,13 @@ import os
 import resource
 import signal
 import statistics
+import subprocess
 import sys
 import tempfile
 import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
+from pathlib import Path
 from typing import NamedTuple
 
 import rtkit
@@ -270,3 +272,24 @@ def columns(cells: Sequence[Sequence[str]]) -> str:
     widths = [max(map(len, column)) for column in zip(*cells, strict=True)]
     lines = ["  ".join(f"{c:<{w}}" for c, w in zip(line, widths, strict=True)) for line in cells]
     return "\n".join(line.rstrip() for line in lines)
+
+
+@contextmanager
+def servers(*lines: Sequence[str]) -> Iterator[None]:
+    """Run modules with these words, each a process that serves until its input ends."""
+    ends: list[subprocess.Popen[str]] = []
+    environment = {**os.environ, "PYTHONPATH": str(Path(__file__).parents[1])}
+    try:
+        for line in lines:
+            words = [sys.executable, "-m", *line]
+            pipe = subprocess.PIPE
+            end = subprocess.Popen(words, stdin=pipe, stdout=pipe, text=True, env=environment)
+            ends.append(end)
+        for end in ends:
+            assert end.stdout is not None
+            if end.stdout.readline() != "ready\n":
+                raise RuntimeError("a server of the benchmark did not start")
+        yield
+    finally:
+        for end in ends:
+            end.communicate("", timeout=20)

@@ -15,7 +15,7 @@ from queue import Empty, SimpleQueue
 
 import zenoh
 
-from bench.harness import Lines, Row, folders, paired, timed
+from bench.harness import Lines, Row, folders, paired, servers, timed
 from rtkit.errors import Unreachable
 from rtkit.link import places, zenoh_keys
 from rtkit.link.zenoh import open_client, unix_endpoint
@@ -257,17 +257,6 @@ def _one_processor() -> Iterator[None]:
 @contextmanager
 def _server() -> Iterator[None]:
     """Run a service of very simple properties, and what it is compared with, each a process."""
-    with folders():
-        ends = [subprocess.Popen(
-            [sys.executable, "-m", "bench.property_ends", role],
-            stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True,
-        ) for role in ("ours", "zenoh", "lines")]  # fmt: skip
-        try:
-            for end in ends:
-                assert end.stdout is not None
-                if end.stdout.readline() != "ready\n":
-                    raise RuntimeError("a server of the benchmark did not start")
-            yield
-        finally:
-            for end in ends:
-                end.communicate("", timeout=20)
+    roles = ("ours", "zenoh", "lines")
+    with folders(), servers(*(["bench.property_ends", role] for role in roles)):
+        yield

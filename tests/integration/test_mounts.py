@@ -8,13 +8,14 @@ import socket
 import subprocess
 import sys
 from collections import ChainMap
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import ExitStack
 from queue import SimpleQueue
 from time import monotonic
 from typing import Any
 
 import pytest
+from asking import code, until
 
 import rtkit
 from rtkit.errors import Malformed
@@ -58,18 +59,6 @@ def client() -> Iterator[rtkit.Client]:
 
 def serve(thing: object, name: str, **more: object) -> object:
     return rtkit.serve(thing, name, **{"is_on_zenoh": False, **more})  # type: ignore[arg-type]
-
-
-def code(work: Callable[[], object]) -> str:
-    with pytest.raises(rtkit.PropertyError) as caught:
-        work()
-    return caught.value.code
-
-
-def until(holds: Callable[[], object]) -> None:
-    end = monotonic() + _BOUND_S
-    while not holds():
-        assert monotonic() < end
 
 
 @pytest.mark.parametrize("wire", ["unix", "tcp", "http", "zenoh"])

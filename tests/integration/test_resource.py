@@ -8,13 +8,14 @@ import random
 import signal
 import subprocess
 import sys
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from queue import SimpleQueue
 from time import monotonic
 from typing import Any
 
 import pytest
+from asking import code, until
 
 import rtkit
 from rtkit.services.resource import Resource
@@ -80,18 +81,6 @@ def client(place: str) -> Iterator[rtkit.Client]:
 
 def served(resource: Resource) -> Any:
     return rtkit.serve(resource, "resource", is_on_zenoh=False)
-
-
-def code(work: Callable[[], object]) -> str:
-    with pytest.raises(rtkit.PropertyError) as caught:
-        work()
-    return caught.value.code
-
-
-def until(holds: Callable[[], object]) -> None:
-    end = monotonic() + _BOUND_S
-    while not holds():
-        assert monotonic() < end
 
 
 def test_services_are_found_by_type_place_and_live_condition(client: rtkit.Client) -> None:
