@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING
 
 from rtkit.errors import RtkitError, Unreachable
+from rtkit.link.places import host_name
 from rtkit.rtc.names import MANAGER_SUFFIX
 
 if TYPE_CHECKING:
@@ -33,7 +33,7 @@ class Managers:
         """Find them; `usual` is the manager of components whose path names none."""
         from rtkit.deployment.place import Hosts, manager_in
 
-        self.host = os.uname().nodename
+        self.host = host_name()
         self._hosts = Hosts(self.host, {})
         self._paths = {c.instance_name: c.path_uri or "" for c in profile.components}
         self.homes = {
@@ -115,7 +115,7 @@ def gather_named(session: Session, servers: Sequence[str]) -> tuple[str, ...]:
     from rtkit.tree.connect import connect
     from rtkit.tree.manager_set import ManagerSet
 
-    hosts = Hosts(os.uname().nodename, {})
+    hosts = Hosts(host_name(), {})
     usual = session.usual_manager
     named = {server: manager_in(f"{server.strip('/')}/.", hosts) for server in servers}
     trees: dict[str, Tree] = {}

@@ -8,6 +8,7 @@ from functools import partial
 from typing import TYPE_CHECKING
 
 from rtkit.errors import Malformed, Unreachable, UsageProblem
+from rtkit.link.places import host_name
 
 if TYPE_CHECKING:
     from rtkit.api.session import Session
@@ -215,11 +216,9 @@ def present_code(components: Iterable[ComponentFacts]) -> dict[str, str]:
 
 def nothing(manager: str) -> Snapshot:
     """Return the snapshot of a host where nothing lives, and of its usual manager."""
-    import os
-
     from rtkit.deployment.facts import Snapshot
 
-    return Snapshot(os.uname().nodename, manager, 0, "")
+    return Snapshot(host_name(), manager, 0, "")
 
 
 def runner(

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import threading
 from collections.abc import Callable
 from functools import partial
@@ -12,6 +11,7 @@ from typing import NamedTuple
 
 from rtkit.errors import RtkitError
 from rtkit.link import places
+from rtkit.link.places import host_name
 from rtkit.property.codes import PropertyError
 from rtkit.property.messages import Answer, Payload
 from rtkit.serving.event_loop import PropertyEventLoop
@@ -210,7 +210,7 @@ class Owners:
 
     @staticmethod
     def _among(services: list[str], path: str) -> PropertyTarget:
-        place = parse(path, "/", services, os.uname().nodename)
+        place = parse(path, "/", services, host_name())
         if not place.service:
             raise no_service(place.name, services)
         return place

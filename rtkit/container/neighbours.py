@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import os
-
 from rtkit.container.operations import LATER, ContainerServices, Operations
 from rtkit.deployment.message import Message
 from rtkit.errors import RtkitError
 from rtkit.link import places, zenoh_keys
+from rtkit.link.places import host_name
 from rtkit.link.threads import start_thread
 from rtkit.logs.late import late
 
@@ -53,7 +52,7 @@ def _listing(manager: str) -> str:
 
     link = ZenohLink(open_client(unix_endpoint(places.manager_socket(manager)), _TIMEOUT_S))
     try:
-        service = zenoh_keys.service(os.uname().nodename, manager)
+        service = zenoh_keys.service(host_name(), manager)
         return link.call(zenoh_keys.extension_key(service, "listing"), None, _TIMEOUT_S).value()
     finally:
         link.close()

@@ -27,6 +27,11 @@ def usual_manager() -> str:
     return os.environ.get("RTKIT_MANAGER") or DEFAULT_MANAGER
 
 
+def host_name() -> str:
+    """Return the name of this host in the tree: ``RTKIT_HOSTNAME``, else that of the machine."""
+    return os.environ.get("RTKIT_HOSTNAME") or os.uname().nodename
+
+
 def runtime_dir() -> str:
     """Return the folder of sockets and locks, in which nobody else can have laid one.
 

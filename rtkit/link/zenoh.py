@@ -139,6 +139,48 @@ def open_listener(
         raise Unreachable(f"cannot listen on {endpoint}: {_bare(error)}") from error
 
 
+def open_between(endpoints: Iterable[str], rules: str, lease_ms: int) -> zenoh.Session:
+    """Open a router that joins others and listens nowhere; `rules` say what passes.
+
+    Args:
+        endpoints: Of those others; each is to answer.
+        rules: Access rules of zenoh, as JSON.
+        lease_ms: How long those others bear its silence [ms].
+
+    Raises:
+        Unreachable: One does not answer.
+    """
+    import json
+
+    settings = {
+        "connect/endpoints": json.dumps([*endpoints]),
+        "connect/timeout_ms": "0",
+        "connect/exit_on_failure": "true",
+        "listen/endpoints": "[]",
+        "access_control": rules,
+        "transport/link/tx/lease": str(lease_ms),
+    }
+    try:
+        return _without_panic(lambda: zenoh.open(_config("router", settings, False)))
+    except zenoh.ZError as error:
+        raise Unreachable(f"the routers cannot be joined: {_bare(error)}") from error
+
+
+def ask_router_id(endpoint: str) -> str:
+    """Return the id of the router at an endpoint.
+
+    Raises:
+        Unreachable: None answers.
+    """
+    session = open_client(endpoint, 5.0)
+    try:
+        return str(next(iter(session.info.routers_zid())))
+    except StopIteration:
+        raise Unreachable(f"no router at {endpoint}") from None
+    finally:
+        session.close()  # type: ignore[no-untyped-call]
+
+
 def _bare(error: zenoh.ZError) -> str:
     """Return the message of an error of zenoh, without the line of its source."""
     return re.sub(r" at /\S+\.rs:\d+\.?", "", str(error)).rstrip(".")

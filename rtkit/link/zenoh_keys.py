@@ -86,6 +86,15 @@ def introduction(of_realm: str = "") -> str:
     return f"rtw/{of_realm or realm()}"
 
 
+def all_of_host(host: str) -> list[str]:
+    """Return the expressions for all keys of a host, ``*`` for any: marks match no wildcard."""
+    own = f"rt/{realm()}/{host if host == '*' else escape(host)}"
+    data = f"rtd/{own.removeprefix('rt/')}/**"
+    marks = ("@", "@x", "@e")
+    below = [f"{own}/{place}/{mark}/**" for place in ("*", "*/*", "@ps/**") for mark in marks]
+    return [*below, data]
+
+
 def property_key(service_key: str, name: str) -> str:
     """Return the key of a property of a service; chunks of its name are separated by ``/``."""
     return f"{service_key}/@/{'/'.join(map(escape, name.split('/')))}"

@@ -23,6 +23,7 @@ from rtkit.deployment.message import Message
 from rtkit.errors import Malformed, Refused, RtkitError
 from rtkit.link import places, zenoh_keys
 from rtkit.link.deadline import boot_id
+from rtkit.link.places import host_name
 from rtkit.logs.logs import open_log
 from rtkit.manager.child_process import ENDS_WITH
 from rtkit.manager.claim import check_silence, remove_stale, take_lock
@@ -152,6 +153,7 @@ def _started(
         loop.notifier.ready()
         keeper.begin()
         loop.following.begin()
+        loop.sync_links()
 
 
 def _forget_folder(folder: str) -> None:
@@ -378,7 +380,7 @@ def _register(loop: Loop, state: ManagerState, stack: ExitStack) -> None:
 
 
 def _state(name: str, folder: str, settings: Settings) -> ManagerState:
-    state = ManagerState(os.uname().nodename, name, os.getpid(), __version__)
+    state = ManagerState(host_name(), name, os.getpid(), __version__)
     state.names = _names(state.host, name, settings)
     state.processes[ev.OWN_PROCESS] = Process(ev.OWN_PROCESS, name, os.getpid(), "up")
     state.settings, state.folder = settings, folder

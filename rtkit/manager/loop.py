@@ -33,6 +33,7 @@ from rtkit.manager.core.event_ring import CORE, EventRing
 from rtkit.manager.core.requests import NOBODY, PendingRequests
 from rtkit.manager.fault_guard import FaultGuard, header, select_but, text_of
 from rtkit.manager.following.following import Following
+from rtkit.manager.host_link_processes import HostLinkProcesses
 from rtkit.manager.limits.usage import usage
 from rtkit.manager.predecessor.descendants import Descendants
 from rtkit.manager.query_server import ManagerQueryServer
@@ -87,6 +88,7 @@ class Loop:
         requests: Who waits for answers.
         query_server: Where requests are taken.
         following: Follows the events of systems.
+        links: Links to other hosts.
         connections: To slaves and zygotes.
         notifier: Reports to the service manager that started this one, if one did.
         wake_descriptor: A byte at it wakes the loop, for `signal.set_wakeup_fd`.
@@ -113,6 +115,7 @@ class Loop:
         self.query_server.follow = self.following.ask
         self.query_server.dump = self._dump
         self.query_server.events = self._ring.about
+        self.links = HostLinkProcesses(core.state.name)
         self.has_failed = False
         self.notifier = ServiceNotifier(core.state, {})
         self._container = container
@@ -170,6 +173,10 @@ class Loop:
             listened = partial(self._listened, line)
             self._announce[line] = link.announce(zenoh_keys.line_key(service, line), listened)
 
+    def sync_links(self) -> None:
+        """Have links to the hosts that are desired, and to no others."""
+        self.links.sync(self._core.state.kept.hosts)
+
     def run(self) -> None:
         """Work until the core reports that all is done; no fault in a duty ends that."""
         while not self._is_finished:
@@ -204,6 +211,7 @@ class Loop:
         """Let go of all descriptors; what is posted from now on is not received."""
         self._is_closed = True
         self.following.close()
+        self.links.close()
         self._selector.close()
         self.connections.close()
         self._watchdog.forget(ev.OWN_PROCESS)
@@ -375,6 +383,8 @@ class Loop:
                 self._watchdog.hasten(key)
             case ev.FollowAsked():
                 self.following.sync()
+            case ev.OperationRequested("link_host" | "unlink_host"):
+                self.sync_links()
             case ev.StopRequested():
                 self.notifier.end(is_restart=self.query_server.restart is not None)
                 self.following.end()

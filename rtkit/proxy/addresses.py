@@ -5,10 +5,9 @@ An address is ``SCHEME:REST`` of a wire of `rtkit.wires.table`, or a path of the
 
 from __future__ import annotations
 
-import os
-
 from rtkit.errors import Malformed
 from rtkit.link import places
+from rtkit.link.places import host_name
 from rtkit.property.codes import PropertyError
 from rtkit.property.naming import escape
 from rtkit.serving.provider import PropertyProvider
@@ -55,7 +54,7 @@ def _in_tree(path: str, cwd: str, settings: WireSettings) -> ProviderAddress:
     from rtkit.tree.live_place import open_live, split
     from rtkit.tree.property_connections import parse
 
-    place = parse(path, cwd, places.services(), os.uname().nodename)
+    place = parse(path, cwd, places.services(), host_name())
     if place.service and not place.name:
         socket = places.service_socket(place.service)
         return wire_of("unix").provider(socket, settings)._replace(name=place.service)

@@ -6,7 +6,7 @@ import os
 from typing import TYPE_CHECKING
 
 from rtkit.errors import Unreachable
-from rtkit.link.places import manager_socket, owner, usual_manager
+from rtkit.link.places import host_name, manager_socket, owner, usual_manager
 from rtkit.tree.api import as_text
 from rtkit.tree.client import DEFAULT_TIMEOUT_S, Tree, bounded
 
@@ -19,8 +19,8 @@ def connect(
 ) -> Tree:
     """Connect to a manager of this host, by default the one that the settings name.
 
-    `manager` may also be an address, ``localhost:2811`` or ``corbaloc::localhost:2811``. What is
-    returned is of the `kind`.
+    `manager` may also be an address, ``localhost:2811`` or ``corbaloc::localhost:2811``, or one of
+    a linked host, ``robot1/manager``. What is returned is of the `kind`.
 
     Raises:
         Unreachable: It does not run, or does not answer within `timeout_s` [s].
@@ -38,6 +38,9 @@ def connect(
         from rtkit.rtc.manager_address import parse_address
 
         return connect_at(parse_address(name), timeout_s, kind)
+    if "/" in name:
+        host, _, manager = name.partition("/")
+        return connect_far(host, manager, timeout_s, kind)
     path = manager_socket(name)
     if not os.path.exists(path):
         raise Unreachable(why_absent(name))
@@ -47,9 +50,27 @@ def connect(
         if owner(name) is None:
             raise Unreachable(why_absent(name)) from error
         raise Unreachable(f"manager {name!r} does not answer within {timeout_s:g} s") from error
-    tree = kind(ZenohLink(session), os.uname().nodename, name, timeout_s)
+    tree = kind(ZenohLink(session), host_name(), name, timeout_s)
     tree.has_ended = lambda: owner(name) is None
     return tree
+
+
+def connect_far(
+    host: str, manager: str, timeout_s: float = DEFAULT_TIMEOUT_S, kind: type[Tree] = Tree
+) -> Tree:
+    """Connect to a manager of another host, over the link that a manager here has to that host.
+
+    Raises:
+        Unreachable: There is no link, or it is lost; says why.
+        Refused: Another user can have laid the socket of the manager here.
+    """
+    from rtkit.link import host_links
+
+    link = host_links.read(host)
+    if link.why:
+        raise Unreachable(f"host {host} cannot be reached: {link.why}")
+    near = connect(link.manager, timeout_s, kind)
+    return kind(near.link, host, manager or link.far_manager, timeout_s)
 
 
 def connect_at(
@@ -65,7 +86,7 @@ def connect_at(
     from rtkit.link.zenoh import ZenohLink
     from rtkit.rtc.names import is_local_host
 
-    if not is_local_host(address.host, os.uname().nodename):
+    if not is_local_host(address.host, host_name()):
         raise Unreachable(f"managers of other hosts cannot be reached yet: {address}")
     try:
         session = tcp_endpoint.log_in(address.port, secret.read(), bounded(timeout_s))

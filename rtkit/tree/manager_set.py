@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import select
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import suppress
@@ -14,6 +13,7 @@ from rtkit.deployment.actions import Action, Result
 from rtkit.deployment.facts import Snapshot
 from rtkit.deployment.multi_manager import down, homes_in, joined, manager_for, sent
 from rtkit.errors import RtkitError, Unreachable
+from rtkit.link.places import host_name
 from rtkit.link.transport import DeadLink
 from rtkit.rtc.profiles import ConnectorProfile
 from rtkit.tree.client import DEFAULT_TIMEOUT_S, Tree
@@ -50,7 +50,7 @@ class ManagerSet(Tree):
         first = next(iter(trees.values()), None)
         super().__init__(
             first.link if first is not None else DeadLink(),
-            first.host if first is not None else os.uname().nodename,
+            first.host if first is not None else host_name(),
             names[0],
             first.timeout_s if first is not None else DEFAULT_TIMEOUT_S,
         )

@@ -8,7 +8,8 @@ from functools import partial
 from typing import TYPE_CHECKING, TypeVar
 
 from rtkit.errors import RtkitError, Unreachable
-from rtkit.link.places import DEFAULT_MANAGER, manager_socket, usual_manager
+from rtkit.link.host_links import hosts, is_linked
+from rtkit.link.places import DEFAULT_MANAGER, host_name, manager_socket, usual_manager
 from rtkit.rtc.manager_address import is_address
 from rtkit.rtc.names import LOCAL, MANAGER_SUFFIX, Path, is_local_host
 from rtkit.tree.client import DEFAULT_TIMEOUT_S
@@ -26,7 +27,8 @@ _Answer = TypeVar("_Answer")
 def manager_of(path: Path) -> str:
     """Return the manager that a path is below, as `connect` takes it; empty for the usual one.
 
-    That is the one at ``host:port``, or another one of this host by ``/localhost/…/NAME.mgr``.
+    That is the one at ``host:port``, one of a linked host, or another one of this host by
+    ``/localhost/…/NAME.mgr``.
     """
     if not path.elements:
         return ""
@@ -35,10 +37,9 @@ def manager_of(path: Path) -> str:
         return host
     named = (each for each in path.elements[1:] if each.endswith(MANAGER_SUFFIX))
     name = next(named, "").removesuffix(MANAGER_SUFFIX)
-    if not name:
-        return ""
-    usual = usual_manager()
-    if name == usual or not is_local_host(host, os.uname().nodename):
+    if not is_local_host(host, host_name()):
+        return f"{host}/{name}" if is_linked(host) else ""
+    if name in ("", usual_manager()):
         return ""
     return name if os.path.exists(manager_socket(name)) else ""
 
@@ -93,8 +94,11 @@ def root_for(tree: Callable[[], Tree], path: Path, *, is_deep: bool) -> tuple[Tr
         root = _without_manager(path, str(error), is_deep=is_deep)
         if root is None:
             raise
-        return root, os.uname().nodename
+        return root, host_name()
     root = build(listing)
+    if path.elements and manager_of(path).partition("/")[1]:
+        root.children[LOCAL].name = listing.host
+        return root, listing.host
     add_others(root, asked, path, is_deep=is_deep)
     return root, listing.host
 
@@ -104,7 +108,7 @@ def _without_manager(path: Path, trouble: str, *, is_deep: bool) -> TreeNode | N
 
     On its own host only if it does not run: one that hangs is to be reported.
     """
-    hostname = os.uname().nodename
+    hostname = host_name()
     host, *below = path.elements or [LOCAL]
     if not is_local_host(host, hostname):
         return None
@@ -143,7 +147,7 @@ def add_others(root: TreeNode, tree: Tree, path: Path, *, is_deep: bool) -> None
         return
     asked: list[Callable[[], TreeNode]] = []
     if not path.elements:
-        asked += _of(_server, servers(), tree, is_deep=is_deep)
+        asked += _of(_server, [*servers(), *hosts()], tree, is_deep=is_deep)
     far = len(asked)
     if local is not None and is_here:
         known = local.children
@@ -219,7 +223,8 @@ def _server(address: str, timeout_s: float, *, is_deep: bool) -> TreeNode:
         return node
 
     bare = TreeNode(address, NodeKind.HOST)
-    return _with_content(bare, address, named, timeout_s) if is_deep else bare
+    where = address if is_address(address) else f"{address}/"
+    return _with_content(bare, where, named, timeout_s) if is_deep else bare
 
 
 def _with_content(
@@ -240,7 +245,9 @@ def shown(name: str, manager: str, place: str) -> str:
     Empty if there is none: then the component is only found below its manager.
     """
     host, _, rest = name.partition("/")
-    usual = usual_manager()
-    if manager == usual or not is_local_host(host, os.uname().nodename):
+    far, slash, _ = place.partition("/")
+    if slash:
+        return f"/{far}/{rest}"
+    if manager == usual_manager() or not is_local_host(host, host_name()):
         return f"/{name}"
     return f"/{place}/{rest}" if is_address(place) else ""

@@ -12,6 +12,7 @@ from rtkit.closing import Closing
 from rtkit.deployment.plan_lock import LockHolder, holder_from_text
 from rtkit.errors import Malformed, NotFound, Refused, RtkitError
 from rtkit.link import stopping
+from rtkit.link.places import host_name
 from rtkit.link.port_holders import user_name
 from rtkit.link.processes import ProcessWatch
 from rtkit.rtc.serde import encode
@@ -33,7 +34,7 @@ class PlanLocks(Closing):
             notify: Receives for whom it waits, and who gives none.
         """
         pid, user = os.getpid(), user_name(os.getuid())
-        self._holder = LockHolder(uuid.uuid4().hex, command, user, os.uname().nodename, pid)
+        self._holder = LockHolder(uuid.uuid4().hex, command, user, host_name(), pid)
         self._wait_s = wait_s
         self._notify = notify
         self._taken: list[Tree] = []
@@ -91,7 +92,7 @@ class PlanLocks(Closing):
         holder = holder_from_text(tree.plan_lock())
         if holder is None:
             return  # it has just been given back
-        if holder.host != os.uname().nodename:
+        if holder.host != host_name():
             time.sleep(timeout_s)  # its end cannot be seen from here
             return
         try:

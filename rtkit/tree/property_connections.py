@@ -6,12 +6,12 @@ name of a present service that fits is the service.
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable, Iterable, Sequence
 from functools import cached_property, partial
 from typing import TYPE_CHECKING, Literal, NamedTuple
 
 from rtkit.errors import RtkitError
+from rtkit.link.places import host_name
 from rtkit.property.codes import PropertyError
 from rtkit.property.messages import Answer, Payload
 from rtkit.property.naming import EXTENSIONS
@@ -265,7 +265,7 @@ def no_service(name: str, known: Sequence[str], more: str = "") -> PropertyError
 
 
 def _hostname() -> str:
-    return os.uname().nodename
+    return host_name()
 
 
 class OfService:

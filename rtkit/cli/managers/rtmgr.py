@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
@@ -22,6 +21,7 @@ from rtkit.cli.shared.options import (
     together,
 )
 from rtkit.errors import Malformed, Unreachable, UsageProblem
+from rtkit.link.places import host_name
 
 if TYPE_CHECKING:
     from rtkit.cli.managers.steps import ManagerStep
@@ -213,7 +213,7 @@ def _at_address(app: App, typed: str) -> TreeNode:
 
     address = parse_address(typed)
     why = f"no manager named {address.id} answers at {address}: {typed}"
-    if not is_local_host(address.host, os.uname().nodename):
+    if not is_local_host(address.host, host_name()):
         raise Unreachable(why)
     try:
         tree, slave = app.at(address)

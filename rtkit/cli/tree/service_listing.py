@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Iterator, Sequence
 from time import monotonic
 from typing import TYPE_CHECKING, cast
@@ -10,6 +9,7 @@ from typing import TYPE_CHECKING, cast
 from rtkit.cli.shared import terminal
 from rtkit.cli.shared.app import App, working_directory
 from rtkit.errors import Unreachable
+from rtkit.link.places import host_name
 
 if TYPE_CHECKING:
     from rtkit.property.values import Element, Value
@@ -31,7 +31,7 @@ def service_at(typed: str) -> PropertyTarget | None:
         return None
     from rtkit.tree.property_connections import parse
 
-    place = parse(typed, working_directory(), known, os.uname().nodename)
+    place = parse(typed, working_directory(), known, host_name())
     return place if place.service else None
 
 

@@ -127,6 +127,7 @@ _KINDS: Mapping[str, _Kind] = {
     "answered": _Kind("answered", str),
     "followed": _Kind("followed", str),
     "reached": _Kind("reached", Followed),
+    "host": _Kind("hosts", str),
 }
 
 
@@ -142,6 +143,7 @@ class DesiredState:
         answered: What batches came to that changed anything, the last ones, by id.
         followed: By what systems are followed whose events lead them, as text, by name.
         reached: What became of each of them.
+        hosts: Other hosts that are to be linked, by name, as JSON.
     """
 
     def __init__(self) -> None:
@@ -157,6 +159,7 @@ class DesiredState:
         self.answered: dict[str, str] = {}
         self.followed: dict[str, str] = {}
         self.reached: dict[str, Followed] = {}
+        self.hosts: dict[str, str] = {}
         self._changed: dict[tuple[str, str], None] = {}
         self._stored: set[tuple[str, str]] = set()
 

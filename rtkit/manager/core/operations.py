@@ -20,6 +20,7 @@ from rtkit.manager.core.state import ManagerState
 from rtkit.rtc.create import FRESH_SLAVE
 from rtkit.rtc.names import check_instance_name
 from rtkit.rtc.profiles import TypeProfile
+from rtkit.rtc.serde import parse_json
 
 TIMEOUT_S = 10.0
 """How long an operation may take that is not part of a batch [s]."""
@@ -84,6 +85,7 @@ READ: Mapping[str, Callable[[ManagerState], str]] = {
     "is_master": lambda state: manager_properties.lookup(state, "manager.is_master") or "",
     "get_master_managers": lambda state: "\n".join(state.masters),
     "get_slave_managers": _slaves,
+    "get_hosts": lambda state: "\n".join(state.kept.hosts),
 }
 
 
@@ -144,6 +146,23 @@ def _remove(managers: list[str], argument: str) -> Procedure:
     return Result()
 
 
+def _link_host(state: ManagerState, argument: str) -> Procedure:
+    """Have a link to another host, which is given as JSON."""
+    yield from ()
+    name = str(parse_json(argument).get("name") or "")
+    check_instance_name(name)
+    state.kept.put("host", name, argument)
+    return Result(value=name)
+
+
+def _unlink_host(state: ManagerState, argument: str) -> Procedure:
+    yield from ()
+    if argument not in state.kept.hosts:
+        raise NotFound(f"no link to host {argument}")
+    state.kept.drop("host", argument)
+    return Result()
+
+
 def _service(_state: ManagerState, argument: str) -> Procedure:
     yield from ()
     raise NotFound(f"the manager has no service {argument}")
@@ -162,6 +181,8 @@ DO: Mapping[str, Callable[[ManagerState, str], Procedure]] = {
     "add_slave_manager": lambda state, name: _add(state.slaves, name),
     "remove_slave_manager": lambda state, name: _remove(state.slaves, name),
     "get_service": _service,
+    "link_host": _link_host,
+    "unlink_host": _unlink_host,
 }
 
 

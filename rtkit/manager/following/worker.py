@@ -25,6 +25,7 @@ from rtkit.deployment.plan_lock import LockHolder, holder_from_text
 from rtkit.deployment.states.states_text import spec_from_text
 from rtkit.errors import Refused, RtkitError
 from rtkit.fast_dataclass import replace
+from rtkit.link.places import host_name
 from rtkit.link.port_holders import user_name
 from rtkit.property.exchange import Reply, Request
 from rtkit.rtc.serde import decode_text, encode
@@ -220,7 +221,7 @@ class OwnSite:
         self._manager = manager
         self._answers: SimpleQueue[Reply | None] = SimpleQueue()
         self._is_over = Event()
-        host = os.uname().nodename
+        host = host_name()
         user, pid = user_name(os.getuid()), os.getpid()
         self._holder = LockHolder(uuid.uuid4().hex, purpose, user, host, pid)
 

@@ -5,7 +5,6 @@ What its store, the checkpoints of its slaves and their output say is put togeth
 
 from __future__ import annotations
 
-import os
 from collections.abc import Iterator
 
 from rtkit.container.slave_checkpoint import SlaveCheckpoint
@@ -13,6 +12,7 @@ from rtkit.deployment.facts import ComponentFacts, ProcessFacts, Snapshot
 from rtkit.errors import Malformed
 from rtkit.fast_dataclass import replace
 from rtkit.link import places, running
+from rtkit.link.places import host_name
 from rtkit.manager.core.desired import DesiredState
 from rtkit.manager.predecessor.crashes import UnseenCrash, unseen_crashes
 from rtkit.manager.predecessor.unreported import checkpoint_of, living_slaves
@@ -65,7 +65,7 @@ def last_known(manager: str) -> Snapshot | None:
     lost = {each.process: each.zombie for each in found.values() if each.process not in there}
     processes += [ProcessFacts(name, True, 0, "lost", end) for name, end in lost.items()]
     return Snapshot(
-        os.uname().nodename,
+        host_name(),
         manager,
         0,
         "",

@@ -7,6 +7,7 @@ import json
 import os
 
 from rtkit.link import places, zenoh_keys
+from rtkit.link.places import host_name
 from rtkit.link.streams import remove_socket
 from rtkit.link.zenoh import open_listener, unix_endpoint
 from rtkit.serving.event_loop import PropertyEventLoop
@@ -31,7 +32,7 @@ def open_zenoh(host: PropertyEventLoop, service: PropertyProvider) -> None:
     more = {"connect/endpoints": json.dumps([manager]), "connect/retry": _RETRY}
     session = open_listener(unix_endpoint(path), more=more)
     host.at_end(lambda: remove_socket(path))
-    key = zenoh_keys.property_service(os.uname().nodename, service.name)
+    key = zenoh_keys.property_service(host_name(), service.name)
     query_server = QueryServer(host, service, "zenoh")
     endpoint = PropertyEndpoint(session, key, query_server.take)
     query_server.send = endpoint.send

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from rtkit.link.places import host_name
 from rtkit.wires.wire import ProviderAddress, Wire, WireSettings, service_name
 
 if TYPE_CHECKING:
@@ -11,7 +12,6 @@ if TYPE_CHECKING:
 
 
 def _provider(name: str, settings: WireSettings) -> ProviderAddress:
-    import os
 
     from rtkit.link import places, zenoh_keys
     from rtkit.link.zenoh import open_client, unix_endpoint
@@ -19,7 +19,7 @@ def _provider(name: str, settings: WireSettings) -> ProviderAddress:
 
     service = service_name(name)
     path = places.check_socket_length(places.service_key_socket(service))
-    key = zenoh_keys.property_service(os.uname().nodename, service)
+    key = zenoh_keys.property_service(host_name(), service)
     return ProviderAddress(
         lambda: ZenohConnection(
             settings.host, open_client(unix_endpoint(path), settings.timeout_s), key

@@ -1,0 +1,72 @@
+"""Host: a name in the tree, and the way to it over SSH."""
+
+from __future__ import annotations
+
+from rtkit.errors import Malformed
+from rtkit.fast_dataclass import Record
+from rtkit.rtc.manager_address import is_port
+from rtkit.rtc.names import check_instance_name
+
+MANAGER = "manager"
+
+
+class Host(Record):
+    """A host of the inventory.
+
+    Attributes:
+        name: Its name in the tree, ``/robot1``; also the one by which its manager knows itself.
+        address: Where its sshd listens: a name, an IP address, or a ``Host`` of OpenSSH's file.
+        user: Who logs in; empty for what OpenSSH's file says, else the present user.
+        port: Of its sshd; 0 for what OpenSSH's file says, else 22.
+        python: The interpreter that makes virtual environments there.
+        manager: The manager there that is linked.
+        tags: Words by which requirements of components choose it.
+    """
+
+    name: str
+    address: str
+    user: str = ""
+    port: int = 0
+    python: str = "python3"
+    manager: str = MANAGER
+    tags: tuple[str, ...] = ()
+
+    def __str__(self) -> str:
+        user = f"{self.user}@" if self.user else ""
+        address = f"[{self.address}]" if ":" in self.address else self.address
+        return f"{user}{address}{f':{self.port}' if self.port else ''}"
+
+
+def host_at(name: str, typed: str) -> Host:
+    """Return the host ``[USER@]ADDRESS[:PORT]``, where an IPv6 address stands in brackets.
+
+    Raises:
+        Malformed: It cannot be read; or the name is none, or one that stands for this host.
+    """
+    check_host_name(name)
+    user, at, place = typed.rpartition("@")
+    address, colon, port = place.rpartition(":")
+    if not colon or place.endswith("]") or (":" in address and not address.endswith("]")):
+        address, port = place, ""
+    if colon and port and not is_port(port):
+        raise Malformed(f"not a port: {port} (in {typed})")
+    bare = address.removeprefix("[").removesuffix("]")
+    if not bare or (at and not user) or not _is_word(bare) or (user and not _is_word(user)):
+        raise Malformed(f"not [USER@]ADDRESS[:PORT]: {typed!r}")
+    return Host(name, bare, user, int(port or 0))
+
+
+def check_host_name(name: str) -> str:
+    """Return a name if a host can bear it.
+
+    Raises:
+        Malformed: It cannot be an element of a path, or means this host.
+    """
+    check_instance_name(name)
+    if name == "localhost" or name.startswith("-") or "." in name[:1] or ":" in name:
+        raise Malformed(f"not a name for a host: {name}")
+    return name
+
+
+def _is_word(text: str) -> bool:
+    return text.isprintable() and not any(c.isspace() for c in text) and not text.startswith("-")

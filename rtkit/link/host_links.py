@@ -1,0 +1,89 @@
+"""Links to other hosts as they are seen here: a file each, which the process of the link writes.
+
+The file ``NAME.link`` beside the sockets says which host is linked, and whether it can be reached.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+from typing import NamedTuple
+
+from rtkit.errors import Unreachable
+from rtkit.link import places
+
+_SUFFIX = ".link"
+
+
+class HostLink(NamedTuple):
+    """State of a link.
+
+    Attributes:
+        host: Name of the host in the tree.
+        manager: The manager here whose link it is.
+        far_manager: The manager there.
+        why: Why it cannot be reached; empty while it is linked.
+        pid: The process of the link; 0 for none.
+        round_trip_s: How long a question to its sshd took [s].
+    """
+
+    host: str
+    manager: str
+    far_manager: str
+    why: str = ""
+    pid: int = 0
+    round_trip_s: float = 0.0
+
+
+def link_file(host: str) -> str:
+    """Return the path of the file of a link."""
+    return os.path.join(places.runtime_dir(), f"{host}{_SUFFIX}")
+
+
+def is_linked(host: str) -> bool:
+    """Return whether there is a link to a host, whether or not it can be reached now."""
+    return os.path.exists(os.path.join(places.runtime_path(), f"{host}{_SUFFIX}"))
+
+
+def hosts() -> list[str]:
+    """Return the hosts to which there are links, in order."""
+    try:
+        entries = os.listdir(places.runtime_dir())
+    except OSError:
+        return []
+    return sorted(each.removesuffix(_SUFFIX) for each in entries if each.endswith(_SUFFIX))
+
+
+def read(host: str) -> HostLink:
+    """Return the state of a link.
+
+    Raises:
+        Unreachable: There is none.
+    """
+    try:
+        with open(link_file(host), encoding="utf-8") as file:
+            fields = json.load(file)
+        return HostLink(**fields)
+    except FileNotFoundError:
+        raise Unreachable(f"no link to host {host} (rthost list names the known ones)") from None
+    except (OSError, ValueError, TypeError) as error:
+        raise Unreachable(f"the state of the link to {host} cannot be read: {error}") from error
+
+
+def write(link: HostLink) -> None:
+    """Write the state of a link.
+
+    Raises:
+        NotFound: It cannot be written.
+    """
+    from rtkit.link.atomic import write_output
+
+    write_output(json.dumps(link._asdict()).encode(), link_file(link.host), mode=0o600)
+
+
+def remove(host: str) -> None:
+    """Remove the state of a link that is no more."""
+    from contextlib import suppress
+
+    with suppress(FileNotFoundError):
+        os.unlink(link_file(host))
