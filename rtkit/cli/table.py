@@ -22,6 +22,16 @@ TOPICS: dict[str, dict[str, str]] = {
     "examples": {
         "rtbug": "Run Bug navigation, an example of one system in many deployments.",
     },
+    "hosts": {
+        "rthost": "Keep the inventory of other hosts, and look at them over SSH.",
+    },
+    "hosts.words": {
+        "accept": "Have the key of a host be known, if it has this fingerprint.",
+        "add": "Add a host to the inventory of the user.",
+        "check": "Look at hosts over SSH, all of the inventory by default.",
+        "list": "List the known hosts, and how the links to them are; no host is asked.",
+        "remove": "Remove a host from the inventory of the user, and end the link to it.",
+    },
     "managers": {
         "rtconfig": "Show settings, and the files and variables that they are from.",
         "rtdoctor": "Tell what is wrong with this set-up, and what helps.",

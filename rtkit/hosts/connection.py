@@ -11,6 +11,7 @@ import hashlib
 import os
 import shlex
 import socket
+import time
 from collections.abc import Sequence
 from contextlib import suppress
 from typing import TYPE_CHECKING, NamedTuple
@@ -117,6 +118,32 @@ class Connection(Closing):
             raise Unreachable(f"{self.host.name}: {error}") from error
         return channel
 
+    def ping(self) -> float:
+        """Return how long a question to its sshd takes [s].
+
+        Raises:
+            Unreachable: It did not answer.
+        """
+        began = time.monotonic()
+        transport = self.transport
+        transport.global_request("keepalive@openssh.com", wait=True)
+        if not transport.is_active():
+            raise Unreachable(f"the connection to {self.host.name} has ended")
+        return time.monotonic() - began
+
+    def sftp(self) -> paramiko.SFTPClient:
+        """Open a channel for files.
+
+        Raises:
+            Unreachable: The connection ended, or its sshd has no SFTP.
+        """
+        try:
+            files = paramiko.SFTPClient.from_transport(self.transport)
+        except (paramiko.SSHException, OSError) as error:
+            raise Unreachable(f"{self.host.name}: no SFTP: {error}") from error
+        assert files is not None
+        return files
+
     def await_silence(self) -> str:
         """Ask again and again whether the far side is there; return why it is not any more."""
         import threading
@@ -161,7 +188,7 @@ def _connect(host: Host, way: Way, timeout_s: float) -> Connection:
             way.address,
             way.port,
             way.user,
-            key_filename=list(way.identities) or None,
+            key_filename=[*way.identities] or None,  # type: ignore[arg-type]
             timeout=timeout_s,
             banner_timeout=timeout_s,
             auth_timeout=timeout_s,
@@ -177,7 +204,8 @@ def _connect(host: Host, way: Way, timeout_s: float) -> Connection:
         raise _explained(host, way, error) from error
     transport = client.get_transport()
     assert transport is not None
-    transport.sock.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1) if through is None else 0
+    if isinstance(transport.sock, socket.socket):
+        transport.sock.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
     return Connection(host, client, through)
 
 

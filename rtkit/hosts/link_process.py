@@ -38,6 +38,7 @@ _FIRST_S, _MOST_S = 0.05, 2.0
 """How long until the next try after a failure, at first and at most [s]."""
 _LEASE_MS = 1500
 _CHUNK = 1 << 16
+_EVER_S = 1e6
 
 
 def main() -> None:
@@ -50,7 +51,12 @@ def main() -> None:
         comm.write(f"rtkit-> {host.name}")
     watch = ProcessWatch(os.getppid())
     ended = threading.Event()
-    start_thread(lambda: (watch.await_end(1e6), ended.set()), "manager")
+
+    def await_manager() -> None:
+        watch.await_end(_EVER_S)
+        ended.set()
+
+    start_thread(await_manager, "manager")
     _keep(manager, host, ended)
 
 

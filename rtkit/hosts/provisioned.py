@@ -1,10 +1,101 @@
-"""The rtkit of another host: where it is, and how it is started there."""
+"""The rtkit of another host: made there when it is missing, and how it is started.
+
+It is a virtual environment in the user's own folder, ``~/.local/share/rtkit/versions/ID``, with a
+link ``current`` to the one in use.
+"""
 
 from __future__ import annotations
 
+import json
+import os
+import posixpath
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+from rtkit.errors import Refused, Unreachable
+from rtkit.hosts import far_side, wheels
 from rtkit.hosts.connection import Connection
+from rtkit.hosts.far_side import Look
+from rtkit.hosts.wheels import WheelSet
+
+_CURRENT = ".local/share/rtkit/current"
+_INSTALL_S = 300.0
+Say = Callable[[str], object]
+
+
+class Provisioned(NamedTuple):
+    """What was done: the version that is in use, whether it is new, bytes that were sent."""
+
+    id: str
+    is_new: bool
+    sent_bytes: int
 
 
 def python(connection: Connection) -> list[str]:
     """Return the words that run the Python of the rtkit of a host, with its name in the tree."""
-    return ["env", f"RTKIT_HOSTNAME={connection.host.name}", connection.host.python, "-P"]
+    host = connection.host
+    # A shell expands no ~ in words: what is run there begins in the user's home.
+    return ["env", f"RTKIT_HOSTNAME={host.name}", f"{_CURRENT}/bin/python", "-P"]
+
+
+def provision(connection: Connection, look: Look, say: Say) -> Provisioned:
+    """Have this rtkit on a host; what is there already is used.
+
+    Interrupted anywhere it can be done again: a version counts when it is complete.
+
+    Raises:
+        Refused: The host does not do; tells all that is wrong.
+        NotFound: There is no wheel of something for it.
+        Unreachable: The connection ended.
+    """
+    name = connection.host.name
+    far_side.check(look.far, name)
+    chosen = wheels.wheels_for(look.far.kind)
+    if look.far.current == chosen.id:
+        return Provisioned(chosen.id, False, 0)
+    answer = _install(connection, chosen)
+    sent = 0
+    if answer["lacking"]:
+        sent = sum(os.path.getsize(chosen.files[each]) for each in answer["lacking"])
+        say(f"{name}: {len(answer['lacking'])} wheels are sent, {sent / 1e6:.1f} MB")
+        _send(connection, chosen, answer["lacking"], answer["wheels"])
+        answer = _install(connection, chosen)
+        if answer["lacking"]:
+            raise Refused(f"{name}: damaged on the way: {', '.join(answer['lacking'])}")
+    say(f"{name}: rtkit {chosen.id} is in use")
+    return Provisioned(chosen.id, bool(answer["made"]), sent)
+
+
+def _install(connection: Connection, chosen: WheelSet) -> dict[str, Any]:
+    """Make the version there if all wheels are, else return which are lacking."""
+    host = connection.host
+    wanted = json.dumps({"id": chosen.id, "wheels": chosen.digests})
+    done = connection.run(
+        [host.python, "-", wanted], far_side.program("far_install.py"), timeout_s=_INSTALL_S
+    )
+    if done.status:
+        lines = done.err.strip().splitlines() or [f"exit status {done.status}"]
+        raise Refused(f"{host.name}: rtkit cannot be made there: {lines[-1]}")
+    return dict(json.loads(done.out))
+
+
+def _send(connection: Connection, chosen: WheelSet, names: list[str], folder: str) -> None:
+    """Send files; each is in its place when it is whole.
+
+    Raises:
+        Unreachable: It was broken off.
+        Refused: They cannot be written there.
+    """
+    import paramiko
+
+    with connection.sftp() as files:
+        for name in names:
+            draft = posixpath.join(folder, f"{name}.part")
+            try:
+                files.put(chosen.files[name], draft, confirm=True)
+                files.posix_rename(draft, posixpath.join(folder, name))
+            except (paramiko.SSHException, EOFError, ConnectionError) as error:
+                raise Unreachable(f"{connection.host.name}: broken off at {name}") from error
+            except OSError as error:
+                why = error.strerror or str(error)
+                raise Refused(f"{connection.host.name}: cannot write {draft}: {why}") from error

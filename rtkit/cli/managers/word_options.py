@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from rtkit.cli.shared.options import flag, option
+from rtkit.cli.shared.options import flag, option, several
 from rtkit.errors import UsageProblem
 
 _OF_SERVICES = ("install", "uninstall")
@@ -19,6 +19,8 @@ class WordOptions(NamedTuple):
     is_system: bool = flag("--system", "install: a service of the machine (root's default).")
     user: str = option("--run-as USER", "install --system: run as this user.", default="")
     is_forced: bool = flag("--force", "install, uninstall: also a unit that was changed.")
+    hosts: tuple[str, ...] = several("--host NAME", "start, stop: on a host of rthost list.")
+    replaces: bool = flag("--replace", "start --host: end a manager of another rtkit there.")
 
     def check(self, word: str) -> None:
         """Check that a word takes the options that were given; "" stands for no word.
@@ -33,6 +35,8 @@ class WordOptions(NamedTuple):
             ("--system", self.is_system, _OF_SERVICES),
             ("--run-as", bool(self.user), ("install",)),
             ("--force", self.is_forced, _OF_SERVICES),
+            ("--host", bool(self.hosts), ("start", "stop")),
+            ("--replace", self.replaces, ("start",)),
         ):
             if is_given and word not in words:
                 raise UsageProblem(f"{option_} is for rtmgr {' and '.join(words)}")

@@ -36,6 +36,10 @@ def run_word(
     `shows` is ``json`` or ``text`` where that is asked for; `file` is where a dump goes.
     """
     typed = name.removesuffix(MANAGER_SUFFIX)
+    if options.hosts:
+        from rtkit.cli.hosts.far_managers import run_at_hosts
+
+        return run_at_hosts(app, word, options.hosts, typed, replaces=options.replaces)
     if word in ("start", "run", "install"):
         return _launch(app, word, typed, wanted, options, shows)
     chosen = typed or places.usual_manager()

@@ -11,9 +11,12 @@ if TYPE_CHECKING:
     from rtkit.cli.shared.command import Main
 
 
+GROUPS = {"profiles.words": "rtprofile", "hosts.words": "rthost"}
+"""Folders of words, and whose words they are."""
+
 TABLE: dict[str, tuple[str, str]] = {
-    # A file of a word of rtprofile has an underscore behind what Python keeps for itself.
-    f"rtprofile {stem.rstrip('_')}" if topic.endswith(".words") else stem: (
+    # A file of a word has an underscore behind what Python keeps for itself.
+    f"{GROUPS[topic]} {stem.rstrip('_')}" if topic in GROUPS else stem: (
         f"rtkit.cli.{topic}.{stem}",
         summary,
     )

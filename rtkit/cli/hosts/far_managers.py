@@ -1,0 +1,85 @@
+"""Starts and stops managers of other hosts, several at once: ``rtmgr start --host robot1``."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
+from typing import TYPE_CHECKING
+
+from rtkit.cli.shared.app import App
+from rtkit.errors import RtkitError, Unreachable, UsageProblem
+from rtkit.fast_dataclass import replace
+
+if TYPE_CHECKING:
+    from rtkit.hosts.host import Host
+    from rtkit.tree.client import Tree
+
+_LEAST_S = 60.0
+"""How long a host may take at least to be linked: what is made there takes its time [s]."""
+
+
+def run_at_hosts(app: App, word: str, names: Sequence[str], manager: str, *, replaces: bool) -> int:
+    """Start or stop the manager of each host; return the exit status.
+
+    All are tried, at the same time; those that failed are told, each with its step.
+    """
+    from rtkit.hosts import inventory
+
+    if word not in ("start", "stop"):
+        raise UsageProblem(f"--host is for rtmgr start and stop, not {word}")
+    hosts = [inventory.host(name) for name in dict.fromkeys(names)]
+    if manager:
+        hosts = [replace(host, manager=manager) for host in hosts]
+    near = _near(app) if word == "start" else _near_if_running(app)
+    failures: list[RtkitError] = []
+
+    def one(host: Host) -> None:
+        try:
+            _do(app, word, host, near, replaces=replaces)
+        except RtkitError as error:
+            failures.append(error)
+            app.fail(str(error))
+
+    try:
+        with ThreadPoolExecutor(max_workers=len(hosts)) as pool:
+            list(pool.map(one, hosts))
+    finally:
+        if near is not None:
+            near.close()
+    return app.status(failures[0]) if failures else 0
+
+
+def _do(app: App, word: str, host: Host, near: Tree | None, *, replaces: bool) -> None:
+    from rtkit.hosts import bring_up
+
+    timeout_s = max(app.timeout_s, _LEAST_S)
+    if word == "stop":
+        was_running = bring_up.stop(host, near, app.timeout_s)
+        app.verbose(f"{host.name}: {'ended' if was_running else 'did not run'}")
+        return
+    assert near is not None
+    done = bring_up.start(host, near, app.verbose, replaces=replaces, timeout_s=timeout_s)
+    app.verbose(f"{host.name}: linked, {'ran already' if done.was_running else 'started'}")
+
+
+def _near(app: App) -> Tree:
+    """Return the manager of this host that has the links; it is started if it does not run."""
+    from rtkit.api.gathering import start_manager
+    from rtkit.link import places
+    from rtkit.tree.connect import connect
+
+    name = os.environ.get("RTKIT_MANAGER") or places.DEFAULT_MANAGER
+    if places.owner(name) is None:
+        start_manager(name, app.timeout_s, app.fail)
+        app.verbose(f"manager {name} of this host is started")
+    return connect(name, app.timeout_s)
+
+
+def _near_if_running(app: App) -> Tree | None:
+    from rtkit.tree.connect import connect
+
+    try:
+        return connect("", app.timeout_s)
+    except Unreachable:
+        return None

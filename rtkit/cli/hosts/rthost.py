@@ -1,0 +1,23 @@
+"""``rthost``: the inventory of hosts, a module for each word."""
+
+from __future__ import annotations
+
+from rtkit.cli.shared.group import group
+
+_HELP = """Keep the inventory of other hosts, and look at them over SSH.
+
+It is hosts.toml in this folder, or of the user (in XDG_CONFIG_HOME/rtkit, else ~/.config/rtkit). A
+host needs sshd and Python; rtmgr start --host NAME does the rest. Of OpenSSH's own file
+~/.ssh/config these keywords count: Host, Match, Include, HostName, HostKeyAlias, Port, User,
+IdentityFile, IdentitiesOnly, IdentityAgent, UserKnownHostsFile, GlobalKnownHostsFile, ProxyJump.
+"""
+
+main = group(
+    "rthost",
+    _HELP,
+    ["add", "list", "check", "accept", "remove"],
+    examples=(
+        ("rthost add robot1 pi@192.168.1.7", "Know a host by a name."),
+        ("rthost check", "Can all hosts be reached, and do they do?"),
+    ),
+)

@@ -1,0 +1,43 @@
+"""``rthost add``: know a host by a name."""
+
+from __future__ import annotations
+
+from rtkit.cli.shared.app import App, WrongArguments
+from rtkit.cli.shared.command import command
+from rtkit.cli.shared.options import arguments, flag, option, several
+
+
+@command(
+    "add",
+    is_local=True,
+    examples=(
+        ("rthost add robot1 pi@192.168.1.7", "Known as /robot1 from now on."),
+        ("rthost add arm arm.local:2222 --tag gpu", "With a tag, which requirements name."),
+    ),
+    arguments=("anything",),
+)
+def main(
+    app: App,
+    python: str = option("--python FILE", "Interpreter there (default python3).", default=""),
+    manager: str = option("--manager NAME", "Manager there (default manager).", default=""),
+    tags: tuple[str, ...] = several("--tag WORD", "Word by which requirements choose it."),
+    is_forced: bool = flag("--force", "Replace a host of that name."),
+    words: tuple[str, ...] = arguments("NAME [USER@]ADDRESS[:PORT]"),
+) -> None:
+    """Add a host to the inventory of the user.
+
+    NAME is its name in the tree, /NAME. ADDRESS is a name, an IP address (IPv6 in brackets), or a
+    Host of ~/.ssh/config. Nothing is asked of the host: rthost check does that.
+    """
+    from rtkit.fast_dataclass import replace
+    from rtkit.hosts import inventory
+    from rtkit.hosts.host import host_at
+
+    if len(words) != 2:
+        raise WrongArguments("takes a name and an address")
+    found = host_at(*words)
+    host = replace(
+        found, python=python or found.python, manager=manager or found.manager, tags=tags
+    )
+    inventory.add(host, is_forced=is_forced)
+    app.verbose(f"{host.name} is in {inventory.user_file()}")

@@ -1,0 +1,109 @@
+"""Brings managers of other hosts up, and links them to one of this host; takes them down again."""
+
+from __future__ import annotations
+
+import json
+import select
+import time
+from contextlib import closing
+from typing import Any, NamedTuple
+
+from rtkit.errors import Malformed, Refused, Unreachable
+from rtkit.hosts import far_side, provisioned
+from rtkit.hosts.connection import Connection, connect
+from rtkit.hosts.host import Host
+from rtkit.hosts.provisioned import Provisioned, Say
+from rtkit.link import host_links, places
+from rtkit.link.folder_watch import FolderWatch
+from rtkit.rtc.serde import encode_text
+from rtkit.tree.client import Tree
+
+_FAR_S = 40.0
+
+
+class BroughtUp(NamedTuple):
+    """What was done at a host: what was provisioned, and whether its manager ran already."""
+
+    provisioned: Provisioned
+    was_running: bool
+
+
+def start(host: Host, near: Tree, say: Say, *, replaces: bool, timeout_s: float) -> BroughtUp:
+    """Have the manager of a host run, of this version of rtkit, and linked to `near`.
+
+    Each step finds what an earlier run has done: it can be run again wherever it was interrupted.
+
+    Raises:
+        RtkitError: A step failed; names host and step. What was done before stays.
+    """
+    with connect(host, timeout_s) as connection:
+        done = provisioned.provision(connection, far_side.look(connection), say)
+        found = _ask(connection, "start")
+        if found["version"] != found["here"] or found["host"] != host.name:
+            found = _replace(connection, found, replaces=replaces)
+    link(host, near, timeout_s)
+    return BroughtUp(done, bool(found["was_running"]))
+
+
+def stop(host: Host, near: Tree | None, timeout_s: float) -> bool:
+    """Stop the manager of a host, and end the link to it; return whether it ran."""
+    with connect(host, timeout_s) as connection:
+        found = _ask(connection, "stop")
+    if near is not None and host.name in near.get("get_hosts").splitlines():
+        near.set("unlink_host", host.name)
+    return bool(found["was_running"])
+
+
+def link(host: Host, near: Tree, timeout_s: float) -> None:
+    """Have a manager of this host linked to that of another one; return when it is.
+
+    Raises:
+        Unreachable: It was not in time; tells why. The manager goes on trying.
+    """
+    with closing(FolderWatch(places.runtime_dir())) as watch:
+        near.set("link_host", encode_text(host))
+        deadline = time.monotonic() + timeout_s
+        while (why := _why(host.name)) and (left_s := deadline - time.monotonic()) > 0:
+            select.select([watch], [], [], left_s)
+            watch.take()
+    if why:
+        raise Unreachable(f"host {host.name} is not linked within {timeout_s:g} s: {why}")
+
+
+def _why(name: str) -> str:
+    """Return why a link is not up; its file is made by the manager as soon as it is asked."""
+    try:
+        return host_links.read(name).why
+    except Unreachable as error:
+        return str(error)
+
+
+def _replace(connection: Connection, found: dict[str, Any], *, replaces: bool) -> dict[str, Any]:
+    """Restart a manager of another version, or of another name of its host.
+
+    Raises:
+        Refused: That is not wanted.
+    """
+    host = connection.host
+    other = f"rtkit {found['version']}, as host {found['host']}"
+    if not replaces:
+        raise Refused(
+            f"{host.name}: manager {host.manager} runs there with {other}; here is"
+            f" {found['here']}: --replace has it end, with its components, and starts this one"
+        )
+    _ask(connection, "stop")
+    return _ask(connection, "start")
+
+
+def _ask(connection: Connection, word: str) -> dict[str, Any]:
+    host = connection.host
+    command = [*provisioned.python(connection), "-m", "rtkit.hosts.far_manager", word, host.manager]
+    done = connection.run(command, timeout_s=_FAR_S)
+    try:
+        found = dict(json.loads(done.out))
+    except (ValueError, TypeError):
+        text = " ".join((done.err or done.out).split())[-300:] or f"exit status {done.status}"
+        raise Malformed(f"{host.name}: {word}: {text}") from None
+    if "error" in found:
+        raise Refused(f"{host.name}: {found['error']}")
+    return found

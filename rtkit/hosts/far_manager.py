@@ -1,0 +1,57 @@
+"""Starts or stops a manager of its own host; run there over SSH, by the provisioned rtkit.
+
+Its arguments are ``start|stop|look NAME``; it writes what it found as JSON.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import pwd
+import sys
+
+from rtkit.errors import RtkitError
+from rtkit.link import places
+from rtkit.tree import managers
+from rtkit.tree.connect import connect
+from rtkit.version import __version__
+
+_START_S = 20.0
+
+
+def keep_runtime_folder() -> None:
+    """Have sockets where they stay when the user logs out.
+
+    systemd removes the user's runtime folder then, unless the user lingers.
+    """
+    user = pwd.getpwuid(os.getuid()).pw_name
+    if not os.path.exists(f"/var/lib/systemd/linger/{user}"):
+        os.environ.pop("XDG_RUNTIME_DIR", None)
+
+
+def main() -> int:
+    """Be the program."""
+    word, name = sys.argv[1:3]
+    keep_runtime_folder()
+    try:
+        is_running = places.owner(name) is not None
+        if word == "start" and not is_running:
+            from rtkit.manager import launch
+            from rtkit.settings.configuration import CommandLineSettings
+
+            launch.start(name, CommandLineSettings(), _START_S)
+        elif word == "stop" and is_running:
+            managers.stop(name, _START_S)
+        found = {"was_running": is_running, "here": __version__}
+        if word != "stop" and places.owner(name) is not None:
+            with connect(name, _START_S) as tree:
+                found |= {"version": tree.get("rtkit.version"), "host": tree.host}
+    except RtkitError as error:
+        print(json.dumps({"error": str(error)}))
+        return 1
+    print(json.dumps(found))
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,60 @@
+"""Program that looks at a host, under any Python 3 there, and writes what it finds as JSON.
+
+It is sent as text to the interpreter there, so it uses the standard library only, and none of the
+syntax of later versions.
+"""
+
+import json
+import os
+import platform
+import shutil
+import sys
+import sysconfig
+import time
+
+
+def _value(file: str, key: str) -> str:
+    try:
+        with open(file) as stream:
+            lines = [line.split(":", 1) for line in stream if ":" in line]
+    except OSError:
+        return ""
+    return dict(lines).get(key, "").strip()
+
+
+def found() -> dict:  # type: ignore[type-arg]
+    """Return what this host is."""
+    home = os.path.expanduser("~")
+    base = os.path.join(home, ".local", "share", "rtkit")
+    current = os.path.join(base, "current")
+    memory = _value("/proc/meminfo", "MemAvailable").split()
+    user = os.environ.get("USER") or os.environ.get("LOGNAME") or ""
+    try:
+        import venv  # noqa: F401
+
+        has_venv = True
+    except ImportError:
+        has_venv = False
+    return {
+        "python": list(sys.version_info[:3]),
+        "implementation": sys.implementation.name,
+        "abi": sysconfig.get_config_var("SOABI") or "",
+        "machine": platform.machine(),
+        "libc": list(platform.libc_ver()),
+        "has_venv": has_venv,
+        "home": home,
+        "hostname": platform.node(),
+        "user": user,
+        "has_linger": os.path.exists("/var/lib/systemd/linger/" + user),
+        "has_systemd": os.path.isdir("/run/systemd/system"),
+        "free_bytes": shutil.disk_usage(home).free,
+        "is_writable": os.access(home, os.W_OK),
+        "memory_bytes": int(memory[0]) * 1024 if memory else 0,
+        "processors": os.cpu_count() or 0,
+        "time_s": time.time(),
+        "current": os.path.basename(os.readlink(current)) if os.path.islink(current) else "",
+    }
+
+
+if __name__ == "__main__":
+    sys.stdout.write(json.dumps(found()))

@@ -1,0 +1,117 @@
+"""What a host is like: its Python, what wheels fit it, room, clock; and why it does not do."""
+
+from __future__ import annotations
+
+import json
+import time
+from typing import NamedTuple
+
+from rtkit.errors import Malformed, Refused
+from rtkit.fast_dataclass import Record
+from rtkit.hosts.connection import Connection
+from rtkit.hosts.wheels import Kind
+from rtkit.rtc.serde import decode
+
+OLDEST = (3, 11)
+_ROOM = 300 << 20
+"""How much room a version of rtkit takes at most [bytes]."""
+
+
+class FarSide(Record):
+    """Host as its own Python sees it; sizes in bytes, time in seconds since 1970."""
+
+    python: tuple[int, ...]
+    implementation: str
+    abi: str
+    machine: str
+    libc: tuple[str, ...]
+    has_venv: bool
+    home: str
+    hostname: str
+    user: str
+    has_linger: bool
+    has_systemd: bool
+    free_bytes: int
+    is_writable: bool
+    memory_bytes: int
+    processors: int
+    time_s: float
+    current: str
+
+    @property
+    def version(self) -> str:
+        """Version of its Python, ``3.11``."""
+        return ".".join(map(str, self.python[:2]))
+
+    @property
+    def kind(self) -> Kind:
+        """Which wheels fit it."""
+        return Kind(self.version, self.machine, self.libc[1] if len(self.libc) > 1 else "")
+
+    def obstacles(self) -> list[str]:
+        """Return why rtkit cannot be made there, a line each."""
+        found = []
+        if self.python[:2] < OLDEST:
+            found.append(f"its Python is {self.version}, rtkit needs {'.'.join(map(str, OLDEST))}")
+        if self.implementation != "cpython":
+            found.append(f"its Python is {self.implementation}, not cpython")
+        if self.libc[:1] != ("glibc",):
+            found.append("its C library is not glibc, for which there are wheels")
+        if not self.has_venv:
+            found.append("its Python has no module venv (Debian: apt install python3-venv)")
+        if not self.is_writable:
+            found.append(f"nothing can be written in {self.home}")
+        if self.free_bytes < _ROOM:
+            free, needed = self.free_bytes >> 20, _ROOM >> 20
+            found.append(f"{free} MiB are free in {self.home}, {needed} are needed")
+        return found
+
+
+class Look(NamedTuple):
+    """Look at a host: what it is, how long a question takes [s], how far its clock is ahead [s]."""
+
+    far: FarSide
+    round_trip_s: float
+    offset_s: float
+
+
+def look(connection: Connection) -> Look:
+    """Look at a host.
+
+    Raises:
+        Refused: There is no Python.
+        Unreachable: The connection ended.
+    """
+    host = connection.host
+    round_trip_s = connection.ping()
+    began, began_s = time.monotonic(), time.time()
+    done = connection.run([host.python, "-"], program("far_probe.py"))
+    took_s = time.monotonic() - began
+    if done.status:
+        why = " ".join(done.err.split()) or f"exit status {done.status}"
+        raise Refused(f"{host.name}: no Python there as {host.python}: {why}")
+    try:
+        far = decode(FarSide, json.loads(done.out))
+    except (ValueError, Malformed) as error:
+        raise Malformed(f"{host.name}: {host.python} says no sense: {error}") from error
+    # It looks at its clock last of all: half a round trip before its answer is here.
+    offset_s = far.time_s - (began_s + took_s - round_trip_s / 2)
+    return Look(far, round_trip_s, offset_s)
+
+
+def program(name: str) -> bytes:
+    """Return the text of a program that runs at the far side."""
+    from importlib.resources import files
+
+    return files("rtkit.hosts").joinpath(name).read_bytes()
+
+
+def check(found: FarSide, name: str) -> None:
+    """Refuse a host that does not do.
+
+    Raises:
+        Refused: Tells why, all of it.
+    """
+    obstacles = found.obstacles()
+    if obstacles:
+        raise Refused(f"{name}: {'; '.join(obstacles)}")

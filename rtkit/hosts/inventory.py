@@ -1,0 +1,161 @@
+"""Inventory of hosts: ``hosts.toml``, a table for each host.
+
+The user's own is in the configuration folder; one beside a system profile, or in the present
+folder, counts more. As what it names is trusted with code, no stranger may be able to write it.
+"""
+
+from __future__ import annotations
+
+import os
+import tomllib
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+from rtkit.errors import Malformed, NotFound, Refused
+from rtkit.hosts.host import Host, check_host_name, host_at
+from rtkit.rtc.nearest import did_you_mean
+from rtkit.settings.reading import read_private
+
+FILE = "hosts.toml"
+_KEYS = ("address", "python", "manager", "tags")
+
+
+def user_file() -> str:
+    """Return the path of the user's own inventory."""
+    base = os.environ.get("XDG_CONFIG_HOME") or os.path.expanduser("~/.config")
+    return os.path.join(base, "rtkit", FILE)
+
+
+def files(folder: str = ".") -> list[str]:
+    """Return the inventories that are there, the strongest first; one beside a profile first."""
+    here = os.path.join(os.path.abspath(folder), FILE)
+    return [each for each in dict.fromkeys((here, user_file())) if os.path.lexists(each)]
+
+
+def read(folder: str = ".") -> dict[str, Host]:
+    """Return all known hosts by name.
+
+    Raises:
+        Malformed: Names file, host and key.
+        Refused: A stranger can have written a file.
+    """
+    found: dict[str, Host] = {}
+    for file in reversed(files(folder)):
+        found.update(_parsed(file, read_private(file, must_be_ours=True)))
+    return dict(sorted(found.items()))
+
+
+def host(name: str, folder: str = ".") -> Host:
+    """Return a known host.
+
+    Raises:
+        NotFound: There is none of that name; tells what may have been meant.
+    """
+    known = read(folder)
+    if name not in known:
+        hint = did_you_mean(name, known) or f" (add it: rthost add {name} USER@ADDRESS)"
+        raise NotFound(f"no such host: {name}{hint}")
+    return known[name]
+
+
+def add(new: Host, *, is_forced: bool = False) -> None:
+    """Add a host to the user's inventory; what else stands there stays as it is.
+
+    Raises:
+        Refused: There is one of that name already.
+    """
+    document = _document()
+    if new.name in document and not is_forced:
+        raise Refused(f"host {new.name} is there already; --force replaces it")
+    table: dict[str, Any] = {"address": str(new)}
+    usual = Host("", "")
+    if new.python != usual.python:
+        table["python"] = new.python
+    if new.manager != usual.manager:
+        table["manager"] = new.manager
+    if new.tags:
+        table["tags"] = [*new.tags]
+    document[new.name] = table
+    _write(document)
+
+
+def remove(name: str) -> None:
+    """Remove a host from the user's inventory.
+
+    Raises:
+        NotFound: It is not in it.
+    """
+    document = _document()
+    if name not in document:
+        elsewhere = [file for file in files() if file != user_file() and name in _names(file)]
+        where = f"; it stands in {elsewhere[0]}" if elsewhere else ""
+        raise NotFound(f"no such host in {user_file()}: {name}{where}")
+    del document[name]
+    _write(document)
+
+
+def _names(file: str) -> Iterable[str]:
+    return _parsed(file, read_private(file, must_be_ours=True))
+
+
+def _document() -> Any:
+    import tomlkit
+    from tomlkit.exceptions import TOMLKitError
+
+    path = user_file()
+    if not os.path.lexists(path):
+        return tomlkit.document()
+    data = read_private(path, must_be_ours=True)
+    _parsed(path, data)
+    try:
+        return tomlkit.parse(data)
+    except TOMLKitError as error:
+        raise Malformed(f"{path}: {error}") from error
+
+
+def _write(document: Any) -> None:
+    import tomlkit
+
+    from rtkit.link.atomic import write_output
+
+    path = user_file()
+    os.makedirs(os.path.dirname(path), mode=0o700, exist_ok=True)
+    write_output(tomlkit.dumps(document).encode(), path, mode=0o600)
+
+
+def _parsed(path: str, data: bytes) -> dict[str, Host]:
+    try:
+        tables = tomllib.loads(data.decode("utf-8"))
+    except (UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
+        raise Malformed(f"{path}: {error}") from None
+    try:
+        return {name: _host(name, table) for name, table in tables.items()}
+    except Malformed as error:
+        raise Malformed(f"{path}: {error}") from None
+
+
+def _host(name: str, table: Any) -> Host:
+    check_host_name(name)
+    if not isinstance(table, Mapping):
+        raise Malformed(f"{name}: not a table, as [{name}]")
+    for key in table:
+        if key not in _KEYS:
+            raise Malformed(f"{name}: unknown key: {key}{did_you_mean(key, _KEYS)}")
+    texts = {key: table.get(key) for key in ("address", "python", "manager")}
+    for key, value in texts.items():
+        if (key == "address" or key in table) and not (isinstance(value, str) and value):
+            raise Malformed(f"{name}: {key}: not a text")
+    tags = table.get("tags", [])
+    if not isinstance(tags, list) or not all(isinstance(each, str) for each in tags):
+        raise Malformed(f"{name}: tags: not a list of texts")
+    at = host_at(name, str(texts["address"]))
+    usual = Host("", "")
+    return Host(
+        at.name,
+        at.address,
+        at.user,
+        at.port,
+        str(texts["python"] or usual.python),
+        str(texts["manager"] or usual.manager),
+        tuple(tags),
+    )

@@ -1,0 +1,216 @@
+"""Wheels of rtkit and all it needs, chosen for the Python and the machine of another host.
+
+They are kept in the cache folder, a folder for each kind of host, and fetched there by pip.
+"""
+
+from __future__ import annotations
+
+import base64
+import hashlib
+import importlib.metadata
+import json
+import os
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+import zipfile
+from typing import NamedTuple
+
+from rtkit.errors import NotFound, Refused
+from rtkit.version import __version__
+
+_NEWEST_GLIBC, _OLDEST_GLIBC = 45, 17
+_FETCH_S = 600.0
+
+
+class Kind(NamedTuple):
+    """Kind of host, as far as wheels go: ``cp311``, ``x86_64``, ``2.36``."""
+
+    python: str
+    machine: str
+    glibc: str
+
+    @property
+    def name(self) -> str:
+        """The name of the kind in folders and messages."""
+        return f"cp{self.python.replace('.', '')}-glibc{self.glibc}-{self.machine}"
+
+
+def cache_folder() -> str:
+    """Return the folder of wheels in the user's cache."""
+    base = os.environ.get("XDG_CACHE_HOME") or os.path.expanduser("~/.cache")
+    return os.path.join(base, "rtkit", "wheels")
+
+
+class WheelSet(NamedTuple):
+    """Wheels that make a version of rtkit.
+
+    Attributes:
+        id: Version, with a fingerprint of what is in the wheels.
+        files: Paths by name.
+        digests: SHA-256 by name, in hexadecimal.
+    """
+
+    id: str
+    files: dict[str, str]
+    digests: dict[str, str]
+
+
+def wheels_for(kind: Kind) -> WheelSet:
+    """Return the wheels for a kind of host; they are fetched unless they are there.
+
+    Raises:
+        NotFound: There is no wheel of a package for that kind, and its name.
+        Refused: pip cannot be run here.
+    """
+    own = own_wheel()
+    key = hashlib.sha256("\n".join(sorted(requirements())).encode()).hexdigest()[:8]
+    folder = os.path.join(cache_folder(), f"{kind.name}-{key}")
+    if not os.path.isdir(folder):
+        _fetch(kind, folder)
+    files = {name: os.path.join(folder, name) for name in sorted(os.listdir(folder))}
+    files[os.path.basename(own)] = own
+    digests = {name: _digest(path) for name, path in files.items()}
+    whole = hashlib.sha256(json.dumps(digests, sort_keys=True).encode()).hexdigest()
+    return WheelSet(f"{__version__}-{whole[:12]}", files, digests)
+
+
+def requirements() -> list[str]:
+    """Return what rtkit needs, without extras, and pip to install it."""
+    needs = importlib.metadata.requires("rtkit") or []
+    return ["pip", *(each for each in needs if "extra ==" not in each)]
+
+
+def _fetch(kind: Kind, folder: str) -> None:
+    """Fetch the wheels into a new folder, which is there when all are."""
+    os.makedirs(os.path.dirname(folder), mode=0o700, exist_ok=True)
+    with tempfile.TemporaryDirectory(dir=os.path.dirname(folder)) as draft:
+        target = os.path.join(draft, "wheels")
+        os.mkdir(target)
+        text = _pip("download", "-q", "-d", target, *_choice(kind), *requirements())
+        if text:
+            raise NotFound(f"no wheels for {kind.name}: {_reason(text)}")
+        try:
+            os.rename(target, folder)
+        except OSError:
+            if not os.path.isdir(folder):  # else somebody else was as quick
+                raise
+
+
+def _choice(kind: Kind) -> list[str]:
+    """Return the options of pip that choose wheels for a kind of host."""
+    digits = kind.python.replace(".", "")
+    words = ["--only-binary=:all:", "--implementation", "cp", "--python-version", kind.python]
+    for abi in (f"cp{digits}", "abi3", "none"):
+        words += ["--abi", abi]
+    newest = int(kind.glibc.partition(".")[2] or _OLDEST_GLIBC)
+    for minor in range(min(newest, _NEWEST_GLIBC), _OLDEST_GLIBC - 1, -1):
+        words += ["--platform", f"manylinux_2_{minor}_{kind.machine}"]
+    return [*words, "--platform", f"manylinux2014_{kind.machine}"]
+
+
+def _reason(text: str) -> str:
+    found = re.findall(r"No matching distribution found for (.*)", text)
+    return f"none of {', '.join(dict.fromkeys(found))}" if found else text.splitlines()[-1]
+
+
+def _pip(*words: str) -> str:
+    """Run pip; return what it says of its failure, or nothing."""
+    command = [sys.executable, "-m", "pip", "--disable-pip-version-check", *words]
+    try:
+        done = subprocess.run(command, capture_output=True, text=True, timeout=_FETCH_S)
+    except (OSError, subprocess.TimeoutExpired) as error:
+        raise Refused(f"pip cannot be run: {error}") from error
+    if done.returncode and "No module named pip" in done.stderr:
+        raise Refused(f"{sys.executable} has no pip, which fetches wheels (install it there)")
+    return (done.stderr.strip() or f"exit status {done.returncode}") if done.returncode else ""
+
+
+def own_wheel() -> str:
+    """Return the wheel of this rtkit, made of what is installed.
+
+    Raises:
+        Refused: It cannot be made.
+    """
+    distribution = importlib.metadata.distribution("rtkit")
+    origin = json.loads(distribution.read_text("direct_url.json") or "{}")
+    folder = os.path.join(cache_folder(), "rtkit")
+    os.makedirs(folder, mode=0o700, exist_ok=True)
+    if origin.get("dir_info", {}).get("editable"):
+        return _built(origin["url"].removeprefix("file://"), folder)
+    return _repacked(distribution, folder)
+
+
+def _repacked(distribution: importlib.metadata.Distribution, folder: str) -> str:
+    """Return a wheel of the installed files: their list is what a wheel's is."""
+    tags = re.findall(r"^Tag: (.*)$", distribution.read_text("WHEEL") or "", re.MULTILINE)
+    name = f"rtkit-{distribution.version}-{tags[0] if tags else 'py3-none-any'}.whl"
+    inside = [
+        (str(each), each.locate().read_bytes())  # type: ignore[attr-defined]
+        for each in distribution.files or ()
+        if not str(each).startswith("..")
+        and not str(each).endswith((".pyc", "/RECORD", "/INSTALLER", "/REQUESTED", "_url.json"))
+    ]
+    record = next(str(each) for each in distribution.files or () if str(each).endswith("/RECORD"))
+    lines = [f"{path},sha256={_record_digest(data)},{len(data)}" for path, data in inside]
+    path = os.path.join(folder, name)
+    with (
+        tempfile.NamedTemporaryFile(dir=folder, delete=False) as draft,
+        zipfile.ZipFile(draft, "w", zipfile.ZIP_DEFLATED) as archive,
+    ):
+        for each, data in sorted(inside):
+            archive.writestr(zipfile.ZipInfo(each, (2020, 1, 1, 0, 0, 0)), data)
+        archive.writestr(record, "\n".join([*lines, f"{record},,", ""]))
+    os.replace(draft.name, path)
+    return path
+
+
+def _built(source: str, folder: str) -> str:
+    """Return a wheel that is built of a folder of sources, unless they are as they were."""
+    mark = os.path.join(folder, "built")
+    state = _state_of(source)
+    known = sorted(each for each in os.listdir(folder) if each.endswith(".whl"))
+    if known and _content(mark) == state:
+        return os.path.join(folder, known[0])
+    with tempfile.TemporaryDirectory(dir=folder) as draft:
+        text = _pip("wheel", "-q", "--no-deps", "-w", draft, source)
+        if text:
+            raise Refused(f"no wheel of {source}: {text.splitlines()[-1]}")
+        (made,) = os.listdir(draft)
+        for each in known:
+            os.unlink(os.path.join(folder, each))
+        shutil.move(os.path.join(draft, made), os.path.join(folder, made))
+    with open(mark, "w", encoding="utf-8") as file:
+        file.write(state)
+    return os.path.join(folder, made)
+
+
+def _content(path: str) -> str:
+    try:
+        with open(path, encoding="utf-8") as file:
+            return file.read()
+    except FileNotFoundError:
+        return ""
+
+
+def _state_of(source: str) -> str:
+    """Return a text that changes with the sources."""
+    digest = hashlib.sha256(source.encode())
+    for top in ("rtkit", "schemas", "examples", "profiles", "pyproject.toml"):
+        for folder, names, files in os.walk(os.path.join(source, top)):
+            names[:] = sorted(each for each in names if each != "__pycache__")
+            for each in sorted(files):
+                status = os.stat(os.path.join(folder, each))
+                digest.update(f"{folder}/{each} {status.st_size} {status.st_mtime_ns}".encode())
+    return digest.hexdigest()
+
+
+def _digest(path: str) -> str:
+    with open(path, "rb") as file:
+        return hashlib.sha256(file.read()).hexdigest()
+
+
+def _record_digest(data: bytes) -> str:
+    return base64.urlsafe_b64encode(hashlib.sha256(data).digest()).decode().rstrip("=")
