@@ -10,9 +10,9 @@ from typing import Any, NamedTuple
 
 from rtkit.errors import Malformed, Refused, Unreachable
 from rtkit.hosts import far_side, provisioned
-from rtkit.hosts.connection import Connection, connect
+from rtkit.hosts.connection import HostConnection, connect
 from rtkit.hosts.host import Host
-from rtkit.hosts.provisioned import Provisioned, Say
+from rtkit.hosts.provisioned import Notify, Provisioned
 from rtkit.link import host_links, places
 from rtkit.link.folder_watch import FolderWatch
 from rtkit.rtc.serde import encode_text
@@ -22,13 +22,13 @@ _FAR_S = 40.0
 
 
 class BroughtUp(NamedTuple):
-    """What was done at a host: what was provisioned, and whether its manager ran already."""
+    """Outcome at a host: what was provisioned, and whether its manager ran already."""
 
     provisioned: Provisioned
     was_running: bool
 
 
-def start(host: Host, near: Tree, say: Say, *, replaces: bool, timeout_s: float) -> BroughtUp:
+def start(host: Host, near: Tree, notify: Notify, *, replaces: bool, timeout_s: float) -> BroughtUp:
     """Have the manager of a host run, of this version of rtkit, and linked to `near`.
 
     Each step finds what an earlier run has done: it can be run again wherever it was interrupted.
@@ -37,7 +37,7 @@ def start(host: Host, near: Tree, say: Say, *, replaces: bool, timeout_s: float)
         RtkitError: A step failed; names host and step. What was done before stays.
     """
     with connect(host, timeout_s) as connection:
-        done = provisioned.provision(connection, far_side.look(connection), say)
+        done = provisioned.provision(connection, far_side.look(connection), notify)
         found = _ask(connection, "start")
         if found["version"] != found["here"] or found["host"] != host.name:
             found = _replace(connection, found, replaces=replaces)
@@ -78,7 +78,9 @@ def _why(name: str) -> str:
         return str(error)
 
 
-def _replace(connection: Connection, found: dict[str, Any], *, replaces: bool) -> dict[str, Any]:
+def _replace(
+    connection: HostConnection, found: dict[str, Any], *, replaces: bool
+) -> dict[str, Any]:
     """Restart a manager of another version, or of another name of its host.
 
     Raises:
@@ -95,7 +97,7 @@ def _replace(connection: Connection, found: dict[str, Any], *, replaces: bool) -
     return _ask(connection, "start")
 
 
-def _ask(connection: Connection, word: str) -> dict[str, Any]:
+def _ask(connection: HostConnection, word: str) -> dict[str, Any]:
     host = connection.host
     command = [*provisioned.python(connection), "-m", "rtkit.hosts.far_manager", word, host.manager]
     done = connection.run(command, timeout_s=_FAR_S)

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import base64
 import hashlib
+import logging
 import os
 import shlex
 import socket
@@ -21,12 +22,13 @@ import paramiko
 from rtkit.closing import Closing
 from rtkit.errors import Refused, Unreachable
 from rtkit.hosts.host import Host
-from rtkit.hosts.ssh_config import Way, way_to
+from rtkit.hosts.ssh_config import SshRoute, way_to
 from rtkit.link.threads import start_thread
 
 if TYPE_CHECKING:
     from paramiko.channel import Channel
 
+logging.getLogger("paramiko").setLevel(logging.CRITICAL)  # its errors are raised here, too
 TIMEOUT_S = 10.0
 _PING_S = 0.5
 _SILENT_S = 1.5
@@ -41,14 +43,16 @@ class Done(NamedTuple):
     err: str
 
 
-class Connection(Closing):
+class HostConnection(Closing):
     """An open connection to a host.
 
     Attributes:
         host: Where it leads.
     """
 
-    def __init__(self, host: Host, client: paramiko.SSHClient, through: Connection | None) -> None:
+    def __init__(
+        self, host: Host, client: paramiko.SSHClient, through: HostConnection | None
+    ) -> None:
         self.host = host
         self._client = client
         self._through = through
@@ -165,7 +169,7 @@ class Connection(Closing):
             threading.Event().wait(_PING_S)
 
 
-def connect(host: Host, timeout_s: float = TIMEOUT_S) -> Connection:
+def connect(host: Host, timeout_s: float = TIMEOUT_S) -> HostConnection:
     """Connect to a host, through others where OpenSSH's file says so.
 
     Raises:
@@ -175,7 +179,7 @@ def connect(host: Host, timeout_s: float = TIMEOUT_S) -> Connection:
     return _connect(host, way_to(host), timeout_s)
 
 
-def _connect(host: Host, way: Way, timeout_s: float) -> Connection:
+def _connect(host: Host, way: SshRoute, timeout_s: float) -> HostConnection:
     through = _connect(host, way.through, timeout_s) if way.through is not None else None
     client = paramiko.SSHClient()
     for file in way.known_hosts:
@@ -206,10 +210,10 @@ def _connect(host: Host, way: Way, timeout_s: float) -> Connection:
     assert transport is not None
     if isinstance(transport.sock, socket.socket):
         transport.sock.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
-    return Connection(host, client, through)
+    return HostConnection(host, client, through)
 
 
-def _through(through: Connection, way: Way, timeout_s: float) -> Channel:
+def _through(through: HostConnection, way: SshRoute, timeout_s: float) -> Channel:
     return through.transport.open_channel(
         "direct-tcpip", (way.address, way.port), ("localhost", 0), timeout=timeout_s
     )
@@ -218,7 +222,7 @@ def _through(through: Connection, way: Way, timeout_s: float) -> Channel:
 class _Unknown(paramiko.MissingHostKeyPolicy):
     """Refuses hosts whose key is not known."""
 
-    def __init__(self, host: Host, way: Way) -> None:
+    def __init__(self, host: Host, way: SshRoute) -> None:
         self._host = host
         self._way = way
 
@@ -238,7 +242,7 @@ def fingerprint(key: paramiko.PKey) -> str:
     return "SHA256:" + base64.b64encode(digest).decode("ascii").rstrip("=")
 
 
-def _explained(host: Host, way: Way, error: BaseException) -> BaseException:
+def _explained(host: Host, way: SshRoute, error: BaseException) -> BaseException:
     """Return what a failure means to a user; what is none of the connection, as it is."""
     where = f"{host.name} ({way.place})"
     if isinstance(error, paramiko.BadHostKeyException):

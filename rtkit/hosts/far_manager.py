@@ -6,8 +6,6 @@ Its arguments are ``start|stop|look NAME``; it writes what it found as JSON.
 from __future__ import annotations
 
 import json
-import os
-import pwd
 import sys
 
 from rtkit.errors import RtkitError
@@ -19,20 +17,10 @@ from rtkit.version import __version__
 _START_S = 20.0
 
 
-def keep_runtime_folder() -> None:
-    """Have sockets where they stay when the user logs out.
-
-    systemd removes the user's runtime folder then, unless the user lingers.
-    """
-    user = pwd.getpwuid(os.getuid()).pw_name
-    if not os.path.exists(f"/var/lib/systemd/linger/{user}"):
-        os.environ.pop("XDG_RUNTIME_DIR", None)
-
-
 def main() -> int:
     """Be the program."""
     word, name = sys.argv[1:3]
-    keep_runtime_folder()
+    places.keep_runtime_folder()
     try:
         is_running = places.owner(name) is not None
         if word == "start" and not is_running:

@@ -1,4 +1,4 @@
-"""What a host is like: its Python, what wheels fit it, room, clock; and why it does not do."""
+"""Looks at a host: its Python and the wheels that fit it, room, clock, and what it lacks."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 from rtkit.errors import Malformed, Refused
 from rtkit.fast_dataclass import Record
-from rtkit.hosts.connection import Connection
+from rtkit.hosts.connection import HostConnection
 from rtkit.hosts.wheels import Kind
 from rtkit.rtc.serde import decode
 
@@ -45,7 +45,7 @@ class FarSide(Record):
 
     @property
     def kind(self) -> Kind:
-        """Which wheels fit it."""
+        """Kind of its wheels."""
         return Kind(self.version, self.machine, self.libc[1] if len(self.libc) > 1 else "")
 
     def obstacles(self) -> list[str]:
@@ -67,7 +67,7 @@ class FarSide(Record):
         return found
 
 
-class Look(NamedTuple):
+class HostLook(NamedTuple):
     """Look at a host: what it is, how long a question takes [s], how far its clock is ahead [s]."""
 
     far: FarSide
@@ -75,7 +75,7 @@ class Look(NamedTuple):
     offset_s: float
 
 
-def look(connection: Connection) -> Look:
+def look(connection: HostConnection) -> HostLook:
     """Look at a host.
 
     Raises:
@@ -96,7 +96,7 @@ def look(connection: Connection) -> Look:
         raise Malformed(f"{host.name}: {host.python} says no sense: {error}") from error
     # It looks at its clock last of all: half a round trip before its answer is here.
     offset_s = far.time_s - (began_s + took_s - round_trip_s / 2)
-    return Look(far, round_trip_s, offset_s)
+    return HostLook(far, round_trip_s, offset_s)
 
 
 def program(name: str) -> bytes:

@@ -21,13 +21,14 @@ from typing import TYPE_CHECKING
 
 from rtkit.errors import RtkitError, Unreachable
 from rtkit.hosts import provisioned
-from rtkit.hosts.connection import Connection, connect
+from rtkit.hosts.connection import HostConnection, connect
 from rtkit.hosts.host import Host
 from rtkit.hosts.relay import READY, pump
-from rtkit.link import host_links, places, zenoh_keys
+from rtkit.link import host_links, places, unix, zenoh_keys
 from rtkit.link.host_links import HostLink
 from rtkit.link.processes import ProcessWatch
 from rtkit.link.threads import start_thread
+from rtkit.link.zenoh import ask_router_id, await_answerer, open_between, unix_endpoint
 from rtkit.rtc.serde import decode_text
 
 if TYPE_CHECKING:
@@ -39,6 +40,8 @@ _FIRST_S, _MOST_S = 0.05, 2.0
 _LEASE_MS = 1500
 _CHUNK = 1 << 16
 _EVER_S = 1e6
+_ROUTE_S = 5.0
+"""How long the far manager may take to be heard of once the routers are joined [s]."""
 
 
 def main() -> None:
@@ -87,14 +90,9 @@ def _join(host: Host, manager: str, stack: ExitStack) -> Callable[[], str]:
     """
     connection = stack.enter_context(connect(host))
     channel = _relay(connection, host)
-    path = os.path.join(places.runtime_dir(), f"{host.name}.tunnel")
+    path = host_links.tunnel_socket(host.name)
     places.check_socket_length(path)
-    with suppress(FileNotFoundError):
-        os.unlink(path)
-    listener = stack.enter_context(socket.socket(socket.AF_UNIX))
-    listener.bind(path)
-    stack.callback(os.unlink, path)
-    listener.listen(1)
+    listener = stack.enter_context(unix.listen(path))
     over = threading.Event()
     reasons: list[str] = []
 
@@ -105,6 +103,9 @@ def _join(host: Host, manager: str, stack: ExitStack) -> Callable[[], str]:
     start_thread(lambda: _splice(listener, channel, note), "tunnel")
     session = _open(host, places.manager_socket(manager), path)
     stack.callback(session.close)
+    # Routers tell each other of what they serve some time after they were joined.
+    far = zenoh_keys.property_key(zenoh_keys.service(host.name, host.manager), "manager.pid")
+    await_answerer(unix_endpoint(places.manager_socket(manager)), far, _ROUTE_S)
     start_thread(lambda: note(connection.await_silence()), "pings")
 
     def lost() -> str:
@@ -114,7 +115,7 @@ def _join(host: Host, manager: str, stack: ExitStack) -> Callable[[], str]:
     return lost
 
 
-def _relay(connection: Connection, host: Host) -> Channel:
+def _relay(connection: HostConnection, host: Host) -> Channel:
     """Start the relay; return its input and output once it is through to the manager there.
 
     Raises:
@@ -154,8 +155,6 @@ def _open(host: Host, near: str, tunnel: str) -> zenoh.Session:
     Raises:
         Unreachable: One of both does not answer.
     """
-    from rtkit.link.zenoh import ask_router_id, open_between, unix_endpoint
-
     ends = (unix_endpoint(near), unix_endpoint(tunnel))
     return open_between(ends, _rules(ask_router_id(ends[0]), host.name), _LEASE_MS)
 
@@ -164,14 +163,14 @@ def _rules(near_id: str, host: str) -> str:
     """Return the access rules: all to the near router, to the far one what is its host's own."""
     own, every = zenoh_keys.all_of_host(host), zenoh_keys.all_of_host("*")
     reading = ["query", "declare_subscriber", "liveliness_query", "declare_liveliness_subscriber"]
-    telling = ["put", "delete", "reply", "declare_queryable", "liveliness_token"]
+    answering = ["put", "delete", "reply", "declare_queryable", "liveliness_token"]
     return json.dumps(
         {
             "enabled": True,
             "default_permission": "deny",
             "rules": [
-                _rule("all", ["ingress", "egress"], [*reading, *telling], every),
-                _rule("told", ["ingress"], telling, own),
+                _rule("all", ["ingress", "egress"], [*reading, *answering], every),
+                _rule("told", ["ingress"], answering, own),
                 _rule("asked", ["egress"], reading, own),
             ],
             "subjects": [{"id": "near", "zids": [near_id]}, {"id": "both"}],

@@ -14,31 +14,31 @@ from typing import Any, NamedTuple
 
 from rtkit.errors import Refused, Unreachable
 from rtkit.hosts import far_side, wheels
-from rtkit.hosts.connection import Connection
-from rtkit.hosts.far_side import Look
+from rtkit.hosts.connection import HostConnection
+from rtkit.hosts.far_side import HostLook
 from rtkit.hosts.wheels import WheelSet
 
 _CURRENT = ".local/share/rtkit/current"
 _INSTALL_S = 300.0
-Say = Callable[[str], object]
+Notify = Callable[[str], object]
 
 
 class Provisioned(NamedTuple):
-    """What was done: the version that is in use, whether it is new, bytes that were sent."""
+    """Outcome of provisioning: the version in use, whether it is new, bytes that were sent."""
 
     id: str
     is_new: bool
     sent_bytes: int
 
 
-def python(connection: Connection) -> list[str]:
+def python(connection: HostConnection) -> list[str]:
     """Return the words that run the Python of the rtkit of a host, with its name in the tree."""
     host = connection.host
     # A shell expands no ~ in words: what is run there begins in the user's home.
     return ["env", f"RTKIT_HOSTNAME={host.name}", f"{_CURRENT}/bin/python", "-P"]
 
 
-def provision(connection: Connection, look: Look, say: Say) -> Provisioned:
+def provision(connection: HostConnection, look: HostLook, notify: Notify) -> Provisioned:
     """Have this rtkit on a host; what is there already is used.
 
     Interrupted anywhere it can be done again: a version counts when it is complete.
@@ -57,16 +57,16 @@ def provision(connection: Connection, look: Look, say: Say) -> Provisioned:
     sent = 0
     if answer["lacking"]:
         sent = sum(os.path.getsize(chosen.files[each]) for each in answer["lacking"])
-        say(f"{name}: {len(answer['lacking'])} wheels are sent, {sent / 1e6:.1f} MB")
+        notify(f"{name}: {len(answer['lacking'])} wheels are sent, {sent / 1e6:.1f} MB")
         _send(connection, chosen, answer["lacking"], answer["wheels"])
         answer = _install(connection, chosen)
         if answer["lacking"]:
             raise Refused(f"{name}: damaged on the way: {', '.join(answer['lacking'])}")
-    say(f"{name}: rtkit {chosen.id} is in use")
+    notify(f"{name}: rtkit {chosen.id} is in use")
     return Provisioned(chosen.id, bool(answer["made"]), sent)
 
 
-def _install(connection: Connection, chosen: WheelSet) -> dict[str, Any]:
+def _install(connection: HostConnection, chosen: WheelSet) -> dict[str, Any]:
     """Make the version there if all wheels are, else return which are lacking."""
     host = connection.host
     wanted = json.dumps({"id": chosen.id, "wheels": chosen.digests})
@@ -79,7 +79,7 @@ def _install(connection: Connection, chosen: WheelSet) -> dict[str, Any]:
     return dict(json.loads(done.out))
 
 
-def _send(connection: Connection, chosen: WheelSet, names: list[str], folder: str) -> None:
+def _send(connection: HostConnection, chosen: WheelSet, names: list[str], folder: str) -> None:
     """Send files; each is in its place when it is whole.
 
     Raises:

@@ -22,6 +22,7 @@ _CHUNK = 1 << 16
 def main() -> int:
     """Be the process."""
     name = sys.argv[1] if len(sys.argv) > 1 else places.DEFAULT_MANAGER
+    places.keep_runtime_folder()
     try:
         if places.owner(name) is None:
             raise ConnectionError(running.why_absent(name))

@@ -12,14 +12,11 @@ from rtkit.hosts.host import Host, host_at
 HONOURED = (
     "Host",
     "Match",
-    "Include",
     "HostName",
-    "HostKeyAlias",
     "Port",
     "User",
     "IdentityFile",
     "IdentitiesOnly",
-    "IdentityAgent",
     "UserKnownHostsFile",
     "GlobalKnownHostsFile",
     "ProxyJump",
@@ -31,7 +28,7 @@ _KNOWN_HOSTS = "~/.ssh/known_hosts"
 _OF_ALL = "/etc/ssh/ssh_known_hosts"
 
 
-class Way(NamedTuple):
+class SshRoute(NamedTuple):
     """Way to an sshd, and how to be let in.
 
     Attributes:
@@ -47,7 +44,7 @@ class Way(NamedTuple):
     known_hosts: tuple[str, ...]
     identities: tuple[str, ...] = ()
     uses_agent: bool = True
-    through: Way | None = None
+    through: SshRoute | None = None
 
     @property
     def place(self) -> str:
@@ -60,7 +57,7 @@ def config_file() -> str:
     return os.environ.get("RTKIT_SSH_CONFIG") or os.path.expanduser("~/.ssh/config")
 
 
-def way_to(host: Host, _depth: int = 0) -> Way:
+def way_to(host: Host, _depth: int = 0) -> SshRoute:
     """Return the way to a host.
 
     Raises:
@@ -87,7 +84,7 @@ def way_to(host: Host, _depth: int = 0) -> Way:
     if jump.lower() != "none":
         *_, last = (each.strip() for each in jump.split(","))
         through = way_to(host_at(host.name, last), _depth + 1)
-    return Way(
+    return SshRoute(
         str(found.get("hostname", host.address)),
         host.port or int(found.get("port", 22)),
         user,

@@ -40,9 +40,14 @@ def link_file(host: str) -> str:
     return os.path.join(places.runtime_dir(), f"{host}{_SUFFIX}")
 
 
+def tunnel_socket(host: str) -> str:
+    """Return the path of the socket behind which the router of a host is."""
+    return os.path.join(places.runtime_dir(), f"{host}.tunnel")
+
+
 def is_linked(host: str) -> bool:
     """Return whether there is a link to a host, whether or not it can be reached now."""
-    return os.path.exists(os.path.join(places.runtime_path(), f"{host}{_SUFFIX}"))
+    return os.path.exists(link_file(host))
 
 
 def hosts() -> list[str]:
@@ -82,8 +87,9 @@ def write(link: HostLink) -> None:
 
 
 def remove(host: str) -> None:
-    """Remove the state of a link that is no more."""
+    """Remove what a link leaves that is no more."""
     from contextlib import suppress
 
-    with suppress(FileNotFoundError):
-        os.unlink(link_file(host))
+    for path in (tunnel_socket(host), link_file(host)):
+        with suppress(FileNotFoundError):
+            os.unlink(path)

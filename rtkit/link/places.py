@@ -53,6 +53,18 @@ def runtime_path() -> str:
     return os.path.join(base, "rtkit") if base else f"/tmp/rtkit-{os.getuid()}"
 
 
+def keep_runtime_folder() -> None:
+    """Have the folder of sockets where it stays when the user logs out, from now on.
+
+    systemd removes the user's runtime folder then, unless the user lingers.
+    """
+    import pwd
+
+    user = pwd.getpwuid(os.getuid()).pw_name
+    if not os.path.exists(f"/var/lib/systemd/linger/{user}"):
+        os.environ.pop("XDG_RUNTIME_DIR", None)
+
+
 def state_dir() -> str:
     """Return the folder of logs: ``RTKIT_STATE_DIR``, or below the XDG state folder.
 

@@ -9,6 +9,7 @@ import errno
 import os
 import socket
 import struct
+from contextlib import suppress
 
 _PEER = struct.Struct("3i")
 
@@ -26,6 +27,24 @@ def connect(path: str, timeout_s: float | None = None) -> socket.socket:
         end.connect(path)
         if user_of(end) != os.getuid():
             raise PermissionError(errno.EACCES, "another user listens there", path)
+    except BaseException:
+        end.close()
+        raise
+    return end
+
+
+def listen(path: str) -> socket.socket:
+    """Listen on a unix socket, in the place of one that is left there.
+
+    Raises:
+        OSError: It cannot be made.
+    """
+    with suppress(FileNotFoundError):
+        os.unlink(path)
+    end = socket.socket(socket.AF_UNIX)
+    try:
+        end.bind(path)
+        end.listen(1)
     except BaseException:
         end.close()
         raise

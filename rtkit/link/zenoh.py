@@ -13,6 +13,7 @@ from __future__ import annotations
 import math
 import os
 import re
+import threading
 from collections.abc import Callable, Iterable, Mapping
 
 import zenoh
@@ -164,6 +165,25 @@ def open_between(endpoints: Iterable[str], rules: str, lease_ms: int) -> zenoh.S
         return _without_panic(lambda: zenoh.open(_config("router", settings, False)))
     except zenoh.ZError as error:
         raise Unreachable(f"the routers cannot be joined: {_bare(error)}") from error
+
+
+def await_answerer(endpoint: str, key: str, timeout_s: float) -> None:
+    """Wait until a query of this key, sent to the router at an endpoint, reaches somebody.
+
+    Raises:
+        Unreachable: It does not in time [s], or there is no router.
+    """
+    session = open_client(endpoint, timeout_s)
+    try:
+        querier = session.declare_querier(key)
+        known = threading.Event()
+        querier.declare_matching_listener(lambda status: known.set() if status.matching else None)
+        status = querier.matching_status
+        is_known: bool = status.matching  # type: ignore[attr-defined]  # its stub is wrong
+        if not is_known and not known.wait(timeout_s):
+            raise Unreachable(f"nobody answers for {key}")
+    finally:
+        session.close()  # type: ignore[no-untyped-call]
 
 
 def ask_router_id(endpoint: str) -> str:

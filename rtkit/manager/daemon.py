@@ -153,7 +153,7 @@ def _started(
         loop.notifier.ready()
         keeper.begin()
         loop.following.begin()
-        loop.sync_links()
+        loop.links.sync()
 
 
 def _forget_folder(folder: str) -> None:

@@ -16,6 +16,7 @@ from rtkit.link import host_links
 from rtkit.link.host_links import HostLink
 from rtkit.link.processes import ProcessWatch
 from rtkit.manager.child_process import Backoff, exit_reason
+from rtkit.manager.core.state import ManagerState
 
 _log = logging.getLogger(__name__)
 _MODULE = "rtkit.hosts.link_process"
@@ -26,25 +27,28 @@ class HostLinkProcesses:
     """Processes of links; called on the loop, except the threads of its own.
 
     Args:
-        manager: Name of the manager whose links they are.
+        state: Of the manager whose links they are.
     """
 
-    def __init__(self, manager: str) -> None:
-        self._manager = manager
+    def __init__(self, state: ManagerState) -> None:
+        self._state = state
         self._links: dict[str, _LinkProcess] = {}
 
-    def sync(self, wanted: Mapping[str, str]) -> None:
-        """Have the links to these hosts, by name with the host as JSON, and no others."""
+    def sync(self) -> None:
+        """Have the links to the hosts that are desired, and no others."""
+        self._have(self._state.kept.hosts)
+
+    def _have(self, wanted: Mapping[str, str]) -> None:
         for name, link in [*self._links.items()]:
             if wanted.get(name) != link.text:
                 self._links.pop(name).close()
         for name, text in wanted.items():
             if name not in self._links:
-                self._links[name] = _LinkProcess(self._manager, name, text)
+                self._links[name] = _LinkProcess(self._state.name, name, text)
 
     def close(self) -> None:
         """End all."""
-        self.sync({})
+        self._have({})
 
 
 class _LinkProcess:

@@ -115,7 +115,7 @@ class Loop:
         self.query_server.follow = self.following.ask
         self.query_server.dump = self._dump
         self.query_server.events = self._ring.about
-        self.links = HostLinkProcesses(core.state.name)
+        self.links = HostLinkProcesses(core.state)
         self.has_failed = False
         self.notifier = ServiceNotifier(core.state, {})
         self._container = container
@@ -172,10 +172,6 @@ class Loop:
         for line in (TREE, METRICS):
             listened = partial(self._listened, line)
             self._announce[line] = link.announce(zenoh_keys.line_key(service, line), listened)
-
-    def sync_links(self) -> None:
-        """Have links to the hosts that are desired, and to no others."""
-        self.links.sync(self._core.state.kept.hosts)
 
     def run(self) -> None:
         """Work until the core reports that all is done; no fault in a duty ends that."""
@@ -384,7 +380,7 @@ class Loop:
             case ev.FollowAsked():
                 self.following.sync()
             case ev.OperationRequested("link_host" | "unlink_host"):
-                self.sync_links()
+                self.links.sync()
             case ev.StopRequested():
                 self.notifier.end(is_restart=self.query_server.restart is not None)
                 self.following.end()

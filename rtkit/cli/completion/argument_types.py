@@ -49,6 +49,12 @@ def _is_manager(node: TreeNode) -> bool:
     return node.kind is NodeKind.MANAGER
 
 
+def _known_hosts(asked: CursorMeaning, _live: CompletionSource) -> Found:
+    from rtkit.hosts import inventory
+
+    return those(inventory.read(), asked.typed)
+
+
 def _deletable(asked: CursorMeaning, live: CompletionSource) -> Found:
     if "-z" in asked.options:
         return paths(live, asked.typed, WantedPath(lambda node: node.kind is NodeKind.ZOMBIE))
@@ -411,6 +417,8 @@ _MAKERS: dict[str, Maker] = {
     "instance": lambda asked, live: those(
         (row.instance for row in live.tree().listing().rows), asked.typed
     ),
+    "instance": _instances,
+    "known-host": _known_hosts,
     "live": _live,
     "loaded-module": lambda asked, live: those(
         (each["path"] for each in live.part()["modules"]), asked.typed

@@ -8,8 +8,8 @@ _HELP = """Keep the inventory of other hosts, and look at them over SSH.
 
 It is hosts.toml in this folder, or of the user (in XDG_CONFIG_HOME/rtkit, else ~/.config/rtkit). A
 host needs sshd and Python; rtmgr start --host NAME does the rest. Of OpenSSH's own file
-~/.ssh/config these keywords count: Host, Match, Include, HostName, HostKeyAlias, Port, User,
-IdentityFile, IdentitiesOnly, IdentityAgent, UserKnownHostsFile, GlobalKnownHostsFile, ProxyJump.
+~/.ssh/config these keywords count: Host, Match, HostName, Port, User, IdentityFile,
+IdentitiesOnly, UserKnownHostsFile, GlobalKnownHostsFile, ProxyJump.
 """
 
 main = group(

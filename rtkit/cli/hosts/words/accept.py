@@ -9,8 +9,11 @@ from rtkit.cli.shared.options import arguments
 
 @command(
     "accept",
-    examples=(("rthost accept robot1 SHA256:k3y…", "The fingerprint as rthost check told it."),),
-    arguments=("host", "anything"),
+    examples=(
+        ("rthost accept robot1 SHA256:Ru5v", "Of this fingerprint, as rthost check told it."),
+        ("rthost accept arm -h", "Tell more."),
+    ),
+    arguments=("known-host", "anything"),
 )
 def main(app: App, words: tuple[str, ...] = arguments("NAME FINGERPRINT")) -> None:
     """Have the key of a host be known, if it has this fingerprint.

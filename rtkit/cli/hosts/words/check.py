@@ -11,7 +11,7 @@ from rtkit.cli.shared.options import arguments, json_flag
 from rtkit.errors import Refused, RtkitError
 
 if TYPE_CHECKING:
-    from rtkit.hosts.far_side import Look
+    from rtkit.hosts.far_side import HostLook
     from rtkit.hosts.host import Host
 
 
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
         ("rthost check --json", "All hosts, for another program."),
     ),
     json=("host-check",),
-    arguments=("host",),
+    arguments=("known-host",),
 )
 def main(
     app: App, is_json: bool = json_flag(), names: tuple[str, ...] = arguments("[NAME]...")
@@ -54,14 +54,14 @@ def main(
     return app.status(failed[0]) if failed else 0
 
 
-def _looks(hosts: list[Host], timeout_s: float) -> list[tuple[Host, Look | RtkitError]]:
+def _looks(hosts: list[Host], timeout_s: float) -> list[tuple[Host, HostLook | RtkitError]]:
     """Look at all at once."""
     from concurrent.futures import ThreadPoolExecutor
 
     from rtkit.hosts.connection import connect
     from rtkit.hosts.far_side import look
 
-    def one(host: Host) -> Look | RtkitError:
+    def one(host: Host) -> HostLook | RtkitError:
         try:
             with connect(host, timeout_s) as connection:
                 return look(connection)
@@ -72,7 +72,7 @@ def _looks(hosts: list[Host], timeout_s: float) -> list[tuple[Host, Look | Rtkit
         return [*zip(hosts, pool.map(one, hosts), strict=True)]
 
 
-def _lines(host: Host, found: Look) -> list[str]:
+def _lines(host: Host, found: HostLook) -> list[str]:
     far = found.far
     rows = [
         ("Address", str(host)),
@@ -88,7 +88,7 @@ def _lines(host: Host, found: Look) -> list[str]:
     return [*terminal.pairs(rows, "  ")]
 
 
-def _record(host: Host, found: Look, obstacles: list[str]) -> dict[str, object]:
+def _record(host: Host, found: HostLook, obstacles: list[str]) -> dict[str, object]:
     far = found.far
     return {
         "name": host.name,

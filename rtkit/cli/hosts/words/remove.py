@@ -10,8 +10,11 @@ from rtkit.errors import Unreachable
 
 @command(
     "remove",
-    examples=(("rthost remove robot1", "Forget it, and end the link to it."),),
-    arguments=("host",),
+    examples=(
+        ("rthost remove robot1", "Forget it, and end the link to it."),
+        ("rthost remove robot1 -v", "So, and tell whether it was linked."),
+    ),
+    arguments=("known-host",),
 )
 def main(app: App, words: tuple[str, ...] = arguments("NAME")) -> None:
     """Remove a host from the inventory of the user, and end the link to it.

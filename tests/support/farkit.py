@@ -1,0 +1,158 @@
+"""Other hosts for tests: namespaces with a real sshd, a network link, own files and processes.
+
+Nothing is prepared on such a host but sshd, Python, and the key of the test's user.
+"""
+
+from __future__ import annotations
+
+import itertools
+import os
+import shutil
+import signal
+import socket
+import subprocess
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from functools import cache
+from pathlib import Path
+
+from waiting import until
+
+_numbers = itertools.count()
+_SSHD = "/usr/sbin/sshd"
+_OPTIONS = "-o UsePAM=no -o PasswordAuthentication=no -o StrictModes=no -o PrintMotd=no"
+
+
+@cache
+def missing() -> str:
+    """Return why there can be no such host here, empty if there can."""
+    if os.getuid():
+        return "only root may have network namespaces"
+    tools = {"ip": "iproute2", "unshare": "util-linux", _SSHD: "openssh-server"}
+    lacking = [package for tool, package in tools.items() if not shutil.which(tool)]
+    if lacking:
+        return f"not installed: {', '.join(lacking)}"
+    done = subprocess.run(["unshare", "-n", "true"], capture_output=True, text=True, check=False)
+    return f"no network namespace can be had here: {done.stderr}" if done.returncode else ""
+
+
+class FarHost:
+    """A host in namespaces.
+
+    Attributes:
+        name: Its host name.
+        address: Where its sshd listens.
+        folder: Of the test: keys, and what sshd says.
+    """
+
+    def __init__(self, name: str, folder: Path, room: str = "600m") -> None:
+        number = next(_numbers)
+        low = 4 * (number % 63) + 1
+        net = f"10.{200 + os.getpid() // 250 % 50}.{os.getpid() % 250}"
+        self.name, self.folder = name, folder
+        self.near, self.address = f"{net}.{low}", f"{net}.{low + 1}"
+        self._space = f"rtk{os.getpid()}n{number}"
+        self._ends = (f"rtk{number}p{os.getpid()}"[:15], f"rtf{number}p{os.getpid()}"[:15])
+        self._log = (folder / f"{name}.sshd").open("wb")
+        self._sshd: subprocess.Popen[bytes] | None = None
+        self._room = room
+
+    @property
+    def key(self) -> Path:
+        """The private key of the test's user."""
+        return self.folder / "key"
+
+    def open(self) -> None:
+        """Have the host, and wait until its sshd listens."""
+        for name in ("key", "hostkey"):
+            if not (self.folder / name).exists():
+                _run("ssh-keygen", "-q", "-t", "ed25519", "-N", "", "-f", str(self.folder / name))
+        near, far = self._ends
+        _run("ip", "netns", "add", self._space)
+        _run("ip", "link", "add", near, "type", "veth", "peer", "name", far)
+        _run("ip", "link", "set", far, "netns", self._space)
+        _run("ip", "addr", "add", f"{self.near}/30", "dev", near)
+        _run("ip", "link", "set", near, "up")
+        for words in (
+            ["addr", "add", f"{self.address}/30", "dev", far],
+            ["link", "set", far, "up"],
+            ["link", "set", "lo", "up"],
+        ):
+            _run("ip", "-n", self._space, *words)
+        self.power_on()
+
+    def power_on(self) -> None:
+        """Start it: its home is empty but for the key of the user."""
+        script = f"""
+            set -e
+            hostname {self.name}
+            mount --make-rprivate /
+            mkdir -p /dev/shm/keys; cp {self.folder}/key.pub {self.folder}/hostkey /dev/shm/keys/
+            mount -t tmpfs -o size={self._room},mode=700 tmpfs /root
+            mkdir -m 700 /root/.ssh; cp /dev/shm/keys/key.pub /root/.ssh/authorized_keys
+            mv /dev/shm/keys/hostkey /root/.ssh/hostkey; chmod 600 /root/.ssh/*; rm -r /dev/shm/keys
+            mount -t tmpfs -o mode=1777 tmpfs /tmp; mount -t tmpfs tmpfs /run; mkdir /run/sshd
+            mount -t tmpfs -o mode=1777 tmpfs /dev/shm
+            exec {_SSHD} -D -e -p 22 -h /root/.ssh/hostkey {_OPTIONS}
+        """
+        spaces = ["unshare", "-m", "-u", "-i", "-p", "--fork", "--mount-proc", "--kill-child"]
+        command = ["ip", "netns", "exec", self._space, *spaces, "sh", "-c", script]
+        self._sshd = subprocess.Popen(
+            command, stdin=subprocess.DEVNULL, stdout=self._log, stderr=self._log
+        )
+        until(self._is_listening, f"sshd of {self.name}")
+
+    def _is_listening(self) -> bool:
+        assert self._sshd is not None
+        assert self._sshd.poll() is None, (self.folder / f"{self.name}.sshd").read_text()
+        with socket.socket() as probe:
+            probe.settimeout(1.0)
+            return probe.connect_ex((self.address, 22)) == 0
+
+    def power_off(self) -> None:
+        """End all of its processes at once."""
+        if self._sshd is not None:
+            self._sshd.send_signal(signal.SIGKILL)
+            self._sshd.wait()
+            self._sshd = None
+
+    def link(self, state: str) -> None:
+        """Cut its network link (``down``) or heal it (``up``)."""
+        _run("ip", "link", "set", self._ends[0], state)
+
+    def run(self, *words: str) -> str:
+        """Run a command there as its root user would at its console; return what it writes."""
+        assert self._sshd is not None
+        pids = subprocess.run(
+            ["pgrep", "-P", str(self._sshd.pid)], capture_output=True, text=True, check=True
+        )
+        inside = ["nsenter", "-t", pids.stdout.split()[0], "-a", "env", "HOME=/root"]
+        done = subprocess.run([*inside, *words], capture_output=True, text=True, check=False)
+        assert done.returncode == 0, done.stderr
+        return done.stdout
+
+    def close(self) -> None:
+        """Have it no longer."""
+        self.power_off()
+        with suppress(subprocess.CalledProcessError):
+            _run("ip", "link", "del", self._ends[0])
+        with suppress(subprocess.CalledProcessError):
+            _run("ip", "netns", "del", self._space)
+        self._log.close()
+
+
+@contextmanager
+def far_hosts(folder: Path, *names: str) -> Iterator[list[FarHost]]:
+    """Have hosts of these names."""
+    hosts = [FarHost(name, folder) for name in names]
+    try:
+        for host in hosts:
+            host.open()
+        yield hosts
+    finally:
+        for host in hosts:
+            host.close()
+
+
+def _run(*words: str) -> None:
+    subprocess.run(words, check=True, capture_output=True)

@@ -1,0 +1,192 @@
+"""Other hosts: known by names, reached over SSH, made ready, linked, and seen in one tree."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Iterator
+from pathlib import Path
+
+import farkit
+import pytest
+from farkit import FarHost, far_hosts
+from forked import Commands
+from shells import ROOT, Shell, opened_shell
+from waiting import until
+
+pytestmark = pytest.mark.skipif(bool(farkit.missing()), reason=farkit.missing())
+
+
+def _at_home(shell: Shell, hosts: list[FarHost]) -> None:
+    """Give a shell a home of its own, from which these hosts can be logged into."""
+    home = shell.folder / "home"
+    (home / ".ssh").mkdir(parents=True, mode=0o700)
+    if hosts:
+        key = home / ".ssh" / "id_ed25519"
+        key.write_bytes(hosts[0].key.read_bytes())
+        key.chmod(0o600)
+    cache = os.environ.get("XDG_CACHE_HOME") or str(ROOT / ".venv" / "cache")
+    shell.environment |= {"HOME": str(home), "XDG_CACHE_HOME": cache}
+    for name in ("XDG_CONFIG_HOME", "SSH_AUTH_SOCK"):
+        shell.environment.pop(name, None)
+
+
+@pytest.fixture(scope="module")
+def hosts(tmp_path_factory: pytest.TempPathFactory) -> Iterator[list[FarHost]]:
+    with far_hosts(tmp_path_factory.mktemp("far"), "robot1", "robot2") as hosts:
+        yield hosts
+
+
+@pytest.fixture
+def known(shell: Shell, hosts: list[FarHost]) -> Shell:
+    """A shell that knows both hosts, and their keys."""
+    _at_home(shell, hosts)
+    for host in hosts:
+        shell.ok(f"rthost add {host.name} root@{host.address}")
+        _accept(shell, host.name)
+    return shell
+
+
+def _accept(shell: Shell, name: str) -> None:
+    told = shell.run(f"rthost check {name}")
+    assert told.status == 1
+    shell.ok(told.err.strip().rpartition("if that is it: ")[2])
+
+
+@pytest.fixture(scope="module")
+def fleet(commands: Commands, hosts: list[FarHost]) -> Iterator[Shell]:
+    """A shell whose manager is linked to both hosts."""
+    with opened_shell(commands) as shell:
+        _at_home(shell, hosts)
+        for host in hosts:
+            shell.ok(f"rthost add {host.name} root@{host.address}")
+            _accept(shell, host.name)
+        shell.ok("rtmgr start --host robot1 --host robot2")
+        yield shell
+        shell.ok("rtmgr stop")
+
+
+def test_a_host_whose_key_is_not_known_is_told_nothing(shell: Shell, hosts: list[FarHost]) -> None:
+    _at_home(shell, hosts)
+    shell.ok(f"rthost add robot1 root@{hosts[0].address}")
+    told = shell.run("rthost check robot1")
+    assert told.status == 1
+    assert "is not known: ssh-ed25519 SHA256:" in told.err
+    assert shell.run("rthost accept robot1 SHA256:another").status == 1
+    assert shell.run("rtmgr start --host robot1").status == 1
+    shell.ok("rtmgr stop")
+
+
+def test_a_changed_key_is_refused(known: Shell, hosts: list[FarHost]) -> None:
+    file = known.folder / "home" / ".ssh" / "known_hosts"
+    one = hosts[0]
+    lines = file.read_text().splitlines()
+    key = "AAAAC3NzaC1lZDI1NTE5AAAAIOIwvWTeRY1vm8bPqRtX5bYkYnZg7h7jCFzrD9H8Tz2W"
+    file.write_text(f"{one.address} ssh-ed25519 {key}\n{lines[1]}\n")
+    told = known.run("rthost check robot1")
+    assert told.status == 1
+    assert "its key has changed" in told.err
+    assert known.run("rthost check robot2").status == 0
+    assert (
+        "another key"
+        in known.run(
+            f"rthost accept robot1 {told.err.split('changed: ssh-ed25519 ')[1].split(',')[0]}"
+        ).err
+    )
+
+
+def test_check_tells_what_a_host_is_and_changes_nothing_there(
+    known: Shell, hosts: list[FarHost]
+) -> None:
+    records = [json.loads(line) for line in known.ok("rthost check --json").splitlines()]
+    assert [each["hostname"] for each in records] == ["robot1", "robot2"]
+    assert all(abs(each["clock_offset_s"]) <= 0.1 + each["round_trip_s"] for each in records)
+    assert not [each["obstacles"] for each in records if each["obstacles"]]
+
+
+def test_hosts_are_listed_as_they_stand_in_the_inventory(shell: Shell) -> None:
+    _at_home(shell, [])
+    shell.ok("rthost add arm pi@arm.local:2222 --tag gpu --tag big")
+    assert shell.run("rthost add arm other").status == 1
+    shell.ok("rthost add arm pi@[fe80::1]:22 --force")
+    assert shell.run("rthost add 'a/b' x").status == 1
+    assert shell.run("rthost add localhost x").status == 1
+    (shell.folder / "hosts.toml").write_text('[cart]\naddress = "10.0.0.9"\n')
+    shown = shell.ok("rthost list")
+    assert "pi@[fe80::1]:22" in shown
+    assert "cart" in shown
+    told = shell.run("rthost remove cart")
+    assert "it stands in" in told.err
+    shell.ok("rthost remove arm")
+    (shell.folder / "hosts.toml").write_text('[cart]\nadress = "10.0.0.9"\n')
+    assert "did you mean address" in shell.run("rthost list").err
+
+
+def test_a_bare_host_is_made_ready_linked_and_used_from_here(fleet: Shell) -> None:
+    assert {"robot1/", "robot2/"} <= {*fleet.ok("rtls /").split()}
+    fleet.ok("rtmgr -c ConsoleIn -c ConsoleOut /robot1/manager.mgr")
+    fleet.ok("rtcon /robot1/ConsoleIn0.rtc:out /robot1/ConsoleOut0.rtc:in")
+    fleet.ok("rtact /robot1/ConsoleIn0.rtc /robot1/ConsoleOut0.rtc")
+    assert "Active  1/1" in fleet.ok("rtls -l /robot1")
+    assert fleet.ok("rtls /robot2").split() == ["manager.mgr/"]
+    paths = [json.loads(line)["path"] for line in fleet.ok("rtls --json /robot1").splitlines()]
+    assert "/robot1/ConsoleIn0.rtc" in paths
+    fleet.ok("rtmgr -d ConsoleIn0 -d ConsoleOut0 /robot1/manager.mgr")
+
+
+def test_start_is_done_once_however_often_it_is_asked_for(fleet: Shell) -> None:
+    told = fleet.run("rtmgr start --host robot1 -v")
+    assert told.status == 0
+    assert "ran already" in told.err
+    assert "sent" not in told.err
+
+
+def test_who_is_linked_commands_nobody_here(fleet: Shell, hosts: list[FarHost]) -> None:
+    far = hosts[0]
+    python = "/root/.local/share/rtkit/current/bin/python"
+    near = os.uname().nodename
+    script = (
+        "import rtkit.tree.connect as c; t = c.connect();"
+        f"t._service = t._service.replace('/robot1/', '/{near}/');"
+        "t.timeout_s = 1.0; print(t.get('manager.pid'))"
+    )
+    asked = f'env RTKIT_HOSTNAME=robot1 {python} -c "{script}" 2>&1 | tail -n 1'
+    assert "nobody answers" in far.run("sh", "-c", asked)
+
+
+def test_a_cut_link_is_told_at_once_and_heals(fleet: Shell, hosts: list[FarHost]) -> None:
+    def is_linked() -> bool:
+        rows = [json.loads(line) for line in fleet.ok("rthost list --json").splitlines()]
+        return bool(next(row for row in rows if row["name"] == "robot2")["is_linked"])
+
+    hosts[1].link("down")
+    until(lambda: not is_linked(), "the link is lost")
+    told = fleet.run("rtls /robot2")
+    assert told.status == 1
+    assert "host robot2 cannot be reached" in told.err
+    assert fleet.run("rtls -R /").status == 1
+    fleet.ok("rtls /robot1")
+    hosts[1].link("up")
+    until(is_linked, "the link is there again")
+    fleet.ok("rtls /robot2")
+
+
+def test_stop_ends_manager_and_link(known: Shell, fleet: Shell, hosts: list[FarHost]) -> None:
+    fleet.ok("rtmgr stop --host robot2")
+    assert "robot2/" not in fleet.ok("rtls /").split()
+    assert "daemon" not in hosts[1].run("sh", "-c", "cat /proc/*/cmdline | tr '\\0' ' '")
+    fleet.ok("rtmgr start --host robot2")
+
+
+def test_what_a_host_lacks_is_told_before_anything_is_sent(known: Shell, tmp_path: Path) -> None:
+    with far_hosts(tmp_path, "small") as (small,):
+        known.ok(f"rthost add small root@{small.address}")
+        key = known.folder / "home" / ".ssh" / "id_ed25519"
+        key.write_bytes(small.key.read_bytes())
+        _accept(known, "small")
+        small.run("mount", "-o", "remount,size=20m", "/root")
+        told = known.run("rtmgr start --host small")
+        assert told.status == 1
+        assert "MiB are free in /root" in told.err
+        assert ".local" not in small.run("ls", "-A", "/root")
+    known.ok("rtmgr stop")
