@@ -8,6 +8,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import farkit
+import jsonrecords
 import pytest
 from farkit import FarHost, far_hosts
 from forked import Commands
@@ -98,7 +99,7 @@ def test_a_changed_key_is_refused(known: Shell, hosts: list[FarHost]) -> None:
 def test_check_tells_what_a_host_is_and_changes_nothing_there(
     known: Shell, hosts: list[FarHost]
 ) -> None:
-    records = [json.loads(line) for line in known.ok("rthost check --json").splitlines()]
+    records = jsonrecords.checked(known.ok("rthost check --json"))
     assert [each["hostname"] for each in records] == ["robot1", "robot2"]
     assert all(abs(each["clock_offset_s"]) <= 0.1 + each["round_trip_s"] for each in records)
     assert not [each["obstacles"] for each in records if each["obstacles"]]
@@ -112,6 +113,7 @@ def test_hosts_are_listed_as_they_stand_in_the_inventory(shell: Shell) -> None:
     assert shell.run("rthost add 'a/b' x").status == 1
     assert shell.run("rthost add localhost x").status == 1
     (shell.folder / "hosts.toml").write_text('[cart]\naddress = "10.0.0.9"\n')
+    jsonrecords.checked(shell.ok("rthost list --json"))
     shown = shell.ok("rthost list")
     assert "pi@[fe80::1]:22" in shown
     assert "cart" in shown

@@ -417,7 +417,6 @@ _MAKERS: dict[str, Maker] = {
     "instance": lambda asked, live: those(
         (row.instance for row in live.tree().listing().rows), asked.typed
     ),
-    "instance": _instances,
     "known-host": _known_hosts,
     "live": _live,
     "loaded-module": lambda asked, live: those(

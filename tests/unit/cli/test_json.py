@@ -66,6 +66,8 @@ ELSEWHERE = {
     "diagnosis": "unit/cli/test_doctor.py",
     "deviation": "unit/cli/test_system.py",
     "event": "system/test_observers.py",
+    "host": "system/test_hosts.py",
+    "host-check": "system/test_hosts.py",
     "log-record": "system/test_observers.py",
     "plan": "unit/cli/test_planning.py",
     "replay": "unit/cli/test_rtmgr_replay.py",
@@ -85,7 +87,7 @@ WITHOUT = {
     "rtinject", "rtproxy", "rtreset", "rtresurrect", "rtserve", "rtset", "rtstart", "rtstop",
     "rtteardown",  # change, and tell nothing
     "rtcwd",  # prints what a shell is to evaluate
-    "rtprofile",  # its words have it
+    "rthost", "rtprofile",  # their words have it
     "rtdoc", "rtstodot",  # write documents of other forms
     "rtgui",  # for a terminal only
 }  # fmt: skip
