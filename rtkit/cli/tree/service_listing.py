@@ -45,7 +45,7 @@ def above_services(typed: str) -> str:
 
     steps = [name.split("/") for name in known]
     above = {"/".join(each[:end]) for each in steps for end in range(1, len(each))}
-    place = parse(typed, working_directory(), above, os.uname().nodename)
+    place = parse(typed, working_directory(), above, host_name())
     return f"/localhost/{place.service}" if place.service and not place.name else ""
 
 
