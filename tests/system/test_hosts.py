@@ -100,6 +100,7 @@ def test_check_tells_what_a_host_is_and_changes_nothing_there(
     known: Shell, hosts: list[FarHost]
 ) -> None:
     records = jsonrecords.checked(known.ok("rthost check --json"))
+    assert {jsonrecords.kind_of(each) for each in records} == {"host-check"}
     assert [each["hostname"] for each in records] == ["robot1", "robot2"]
     assert all(abs(each["clock_offset_s"]) <= 0.1 + each["round_trip_s"] for each in records)
     assert not [each["obstacles"] for each in records if each["obstacles"]]
