@@ -11,7 +11,7 @@ import threading
 import time
 from collections.abc import Callable, Iterator, Mapping
 from functools import partial
-from typing import Any, NamedTuple, TypeVar
+from typing import Any, TypeVar
 
 from rtkit import fault
 from rtkit.component import invocation
@@ -41,11 +41,18 @@ P = TypeVar("P", bound=Port)
 E = TypeVar("E", Outlet, Fetcher, CallerEnd)
 
 
-class _Held(NamedTuple):
-    """A connector that is open, or being opened, and its ports in this process."""
+class _Held:
+    """A connector that is open, or being opened, and its ports in this process.
 
-    connector: ConnectorProfile
-    ports: list[Port]
+    Attributes:
+        opened: The endpoint at which it is waited for here; empty where it is not.
+        reached: The endpoint at which its other end was found; empty until then.
+    """
+
+    def __init__(self, connector: ConnectorProfile) -> None:
+        self.connector = connector
+        self.ports: list[Port] = []
+        self.opened = self.reached = ""
 
 
 class Connectors:
@@ -105,15 +112,20 @@ class Connectors:
 
     def _sink(self, _message: Message, connector: ConnectorProfile) -> str:
         port = self._port(connector, 1, InPort)
-        endpoint = self._wiring.receive(connector, port)
-        self._hold(connector, port)
-        return endpoint
+        return self._wait(connector, port, lambda: self._wiring.receive(connector, port))
 
     def _serve(self, _message: Message, connector: ConnectorProfile) -> str:
         port = self._port(connector, 0, OutPort)
-        endpoint = self._wiring.serve(connector, port)
-        self._hold(connector, port)
-        return endpoint
+        return self._wait(connector, port, lambda: self._wiring.serve(connector, port))
+
+    def _wait(self, connector: ConnectorProfile, port: Port, listen: Callable[[], str]) -> str:
+        """Open the end that is waited at, unless it is open; return its endpoint."""
+        held = self._held.get(connector.connector_id)
+        if held is None or not held.opened:
+            endpoint = listen()
+            held = self._hold(connector, port)
+            held.opened = endpoint
+        return held.opened
 
     def _source(self, message: Message, connector: ConnectorProfile) -> object:
         port, wiring = self._port(connector, 0, OutPort), self._wiring
@@ -133,9 +145,12 @@ class Connectors:
         find: Callable[[ConnectorProfile, str], E],
         use: Callable[[E], None],
     ) -> object:
-        if connector.connector_id in self._held:
+        endpoint, known = message["endpoint"], self._held.get(connector.connector_id)
+        if known is not None and not known.reached:
             raise Refused(f"connection {connector.connector_id} is open, or being opened, here")
-        endpoint = message["endpoint"]
+        if known is not None and known.reached == endpoint:
+            return ""
+        self.cut(connector.connector_id)  # its other end has been made again elsewhere
         held = self._hold(connector, port)
         return self._reach(message, held, partial(find, connector, endpoint), use)
 
@@ -160,17 +175,23 @@ class Connectors:
         end = int(message["end"])
         port = self._port(connector, end, ServicePort)
         served = port.served
-        self._attach(connector, port, {})
 
         def reply(request: bytes) -> bytes:
             return invocation.answer(request, served, time.monotonic_ns())
 
-        return self._wiring.serve_calls(connector, end, reply)
+        def listen() -> str:
+            self._attach(connector, port, {})
+            return self._wiring.serve_calls(connector, end, reply)
+
+        return self._wait(connector, port, listen)
 
     def _consult(self, message: Message, connector: ConnectorProfile) -> object:
         """Call over a connector what is offered at an endpoint."""
         end = int(message["end"])
         port, peer = self._port(connector, end, ServicePort), str(connector.ports[1 - end])
+        known = self._held.get(connector.connector_id)
+        if known is not None and known.reached == message["endpoint"]:
+            return ""
         held = self._attach(connector, port, {})
 
         def use(caller: CallerEnd) -> None:
@@ -227,6 +248,7 @@ class Connectors:
                 raise Refused(f"connection {id} was removed while it was made")
             fault.point("holder.found_end")
             use(end)
+            held.reached = message["endpoint"]
             fault.point("holder.joined")
         except RtkitError as error:
             end.close()
@@ -243,8 +265,8 @@ class Connectors:
         self._host.refuse(message, error)
 
     def _hold(self, connector: ConnectorProfile, *ports: Port) -> _Held:
-        held = self._held.setdefault(connector.connector_id, _Held(connector, []))
-        held.ports.extend(ports)
+        held = self._held.setdefault(connector.connector_id, _Held(connector))
+        held.ports.extend(port for port in ports if port not in held.ports)
         return held
 
     def _forget(self, held: _Held) -> None:
