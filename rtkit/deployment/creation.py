@@ -9,7 +9,7 @@ from rtkit.deployment.facts import Snapshot
 from rtkit.deployment.layered_plan import Check, Layer, LayeredPlan, PlannedAction, layer
 from rtkit.deployment.live_index import LiveIndex, absence
 from rtkit.deployment.system import BadComponent, WantedComponent, WantedSystem
-from rtkit.deployment.wiring import parting, wiring_plan
+from rtkit.deployment.wiring import wiring_plan
 from rtkit.errors import Malformed, NotFound
 from rtkit.rtc.create import FRESH_SLAVE, parse_create
 from rtkit.rtc.names import check_instance_name
@@ -137,9 +137,6 @@ def checks(
                 failure = f"Required port not found: {end.port} (on {component.path})"
             text = f'Check for required port "{end.port}" on component at path {component.path}'
             yield Check(text, failure)
-        why = parting(system, live, connector.profile) if connector.is_required else ""
-        if why:
-            yield Check(f"Check that {why.partition(': ')[0]} can be connected", why)
 
 
 def component_checks(

@@ -81,14 +81,6 @@ class LiveIndex:
         """Return each manager's facts about itself, by its name; the first one first."""
         return self._managers
 
-    def parted(self, connector: ConnectorProfile) -> str:
-        """Return why a connector cannot be, as its ends are in two managers; empty if not so."""
-        if not self.snapshot.others:
-            return ""
-        from rtkit.deployment.multi_manager import parted
-
-        return parted(connector, {**self._lives, **self._belongs}, self.snapshot.manager)
-
     def connector(self, connector_id: str) -> ConnectorProfile | None:
         """Return the connection of that id, or None."""
         return self._connectors.get(connector_id)

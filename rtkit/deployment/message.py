@@ -1,10 +1,28 @@
-"""Messages between a manager and its processes: tables, as they travel."""
+"""Messages between a manager and its processes, or another manager: tables, as they travel."""
 
 from __future__ import annotations
 
+import json
 from collections.abc import Mapping
 from typing import Any
+
+from rtkit.errors import Malformed
 
 Message = Mapping[str, Any]
 MISSING, NEW = "missing", "new"
 """What is done where a configuration set is not there: it is added; and one that is, is refused."""
+
+
+def message_from(text: str) -> Message:
+    """Return the message that a text is.
+
+    Raises:
+        Malformed: It is none.
+    """
+    try:
+        message = json.loads(text)
+    except (ValueError, RecursionError) as error:
+        raise Malformed(f"not a message: {error}") from error
+    if not isinstance(message, dict):
+        raise Malformed(f"not a message: {text[:80]}")
+    return message

@@ -3,7 +3,7 @@
 A name of another manager than the first appears below it: ``localhost/m1.mgr/Motor0.rtc`` is what
 manager ``m1`` itself calls ``localhost/Motor0.rtc``.
 
-See decision 33.
+See decisions 33 and 71.
 """
 
 from __future__ import annotations
@@ -13,14 +13,15 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from rtkit.deployment import actions as act
 from rtkit.deployment.actions import Action
 from rtkit.deployment.facts import Snapshot
-from rtkit.errors import Refused
 from rtkit.fast_dataclass import dataclass, fields, replace
 from rtkit.rtc.create import parse_create
+from rtkit.rtc.far_ends import far_name, named_by, own_end, peer_of, split_far
 from rtkit.rtc.names import LOCAL, MANAGER_SUFFIX
-from rtkit.rtc.profiles import ConnectorProfile
+from rtkit.rtc.profiles import ConnectorProfile, PortRef
 
 Homes = Mapping[str, str]
 """Managers of components, by instance name."""
+NOWHERE: Homes = {}
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,12 +51,14 @@ def joined(snapshots: Sequence[Snapshot], homes: Homes) -> Snapshot:
             is_home = homes.get(facts.instance) == each.manager
             if is_home or facts.instance not in bearers:
                 bearers[facts.instance] = each.manager
+    snapshots, crossing = _with_halves_joined(snapshots)
+    first = snapshots[0]
     for each in snapshots:
-        for connector in _whole(each, bearers):
+        for connector in _whole(each, bearers, crossing):
             is_home = all(homes.get(end.instance) == each.manager for end in connector.ports)
             if is_home or connector.connector_id not in connectors:
                 connectors[connector.connector_id] = each.manager
-    parts = [_part(each, bearers, connectors) for each in snapshots]
+    parts = [_part(each, bearers, connectors, crossing) for each in snapshots]
     shown = [parts[0], *map(_shown_below, parts[1:])]
     values = {each.name: getattr(first, each.name) for each in fields(first)}
     values["components"] = tuple(facts for each in shown for facts in each.components)
@@ -64,23 +67,57 @@ def joined(snapshots: Sequence[Snapshot], homes: Homes) -> Snapshot:
     return JointSnapshot(**values, others=tuple(shown[1:]))
 
 
-def _part(each: Snapshot, bearers: Homes, connectors: Mapping[str, str]) -> Snapshot:
+def _with_halves_joined(snapshots: Sequence[Snapshot]) -> tuple[list[Snapshot], Homes]:
+    """Return snapshots in which two halves of one connector are one, where its out end lives.
+
+    Besides, the managers of the other ends of these, by the ids of the connectors.
+
+    A half whose other one is not there, or not joined, is none: a plan makes it whole.
+    """
+    halves: dict[str, dict[str, ConnectorProfile]] = {}
+    for each in snapshots:
+        for connector in each.connectors:
+            if peer_of(connector) and not connector.trouble:
+                between = named_by(connector, each.manager)
+                halves.setdefault(connector.connector_id, {})[each.manager] = between
+    found, crossing = list[Snapshot](), dict[str, str]()
+    for each in snapshots:
+        connectors = []
+        for connector in each.connectors:
+            peer = peer_of(connector)
+            known = halves.get(connector.connector_id, {})
+            if not peer:
+                connectors.append(connector)
+            elif own_end(connector)[0] == 0 and known.get(each.manager) == known.get(peer, ""):
+                connectors.append(_plain(connector))
+                crossing[connector.connector_id] = peer
+        found.append(replace(each, connectors=tuple(connectors)))
+    return found, crossing
+
+
+def _plain(connector: ConnectorProfile) -> ConnectorProfile:
+    ends = (PortRef(split_far(end.instance)[1], end.port) for end in connector.ports)
+    return replace(connector, ports=tuple(ends))
+
+
+def _part(each: Snapshot, bearers: Homes, connectors: Homes, crossing: Homes) -> Snapshot:
     """Return what counts of one manager's facts."""
     return replace(
         each,
         components=tuple(c for c in each.components if bearers[c.instance] == each.manager),
         connectors=tuple(
             connector
-            for connector in _whole(each, bearers)
+            for connector in _whole(each, bearers, crossing)
             if connectors[connector.connector_id] == each.manager
         ),
     )
 
 
-def _whole(each: Snapshot, bearers: Homes) -> Iterator[ConnectorProfile]:
+def _whole(each: Snapshot, bearers: Homes, crossing: Homes) -> Iterator[ConnectorProfile]:
     """Yield the connectors of which both ends count."""
     for connector in each.connectors:
-        if all(bearers.get(end.instance) == each.manager for end in connector.ports):
+        managers = (each.manager, crossing.get(connector.connector_id, each.manager))
+        if tuple(bearers.get(end.instance) for end in connector.ports) == managers:
             yield connector
 
 
@@ -125,16 +162,13 @@ def down(host: str, manager: str) -> Snapshot:
 def manager_for(
     action: Action, homes: Homes, connectors: Iterable[ConnectorProfile], usual: str
 ) -> str:
-    """Return which manager an action is for.
+    """Return which manager an action is for: a connection is made by that of its out end.
 
     Args:
         action: What is to be done.
         homes: Where components live, or belong.
         connectors: The connectors that there are.
         usual: The manager for what belongs to none.
-
-    Raises:
-        Refused: It is for two of them.
     """
     match action:
         case act.Load() | act.Unload():
@@ -142,7 +176,7 @@ def manager_for(
         case act.Create():
             return homes.get(parse_create(action.create).instance_name, usual)
         case act.Connect():
-            return _one_of(action.connector, homes, usual)
+            return homes.get(action.connector.ports[0].instance, usual)
         case act.Disconnect():
             known = (each for each in connectors if each.connector_id == action.connector_id)
             connector = next(known, None)
@@ -157,8 +191,10 @@ def manager_for(
     return homes.get(action.instance, usual)
 
 
-def sent(action: Action, manager: str) -> Action:
+def sent(action: Action, manager: str, homes: Homes = NOWHERE) -> Action:
     """Return an action in the words of the manager that is to do it."""
+    if isinstance(action, act.Connect):
+        return act.Connect(between_managers(action.connector, manager, homes))
     if isinstance(action, (act.Load, act.Unload)):
         return replace(action, manager="")
     if isinstance(action, act.Create):
@@ -168,21 +204,12 @@ def sent(action: Action, manager: str) -> Action:
     return action
 
 
-def parted(connector: ConnectorProfile, homes: Homes, usual: str) -> str:
-    """Return why a connector cannot be, as its ends are in two managers; empty when they are not.
-
-    Reported as what is wrong with the second end.
-    """
-    one, other = (
-        homes.get(end.instance, usual) for end in (connector.ports[0], connector.ports[-1])
+def between_managers(connector: ConnectorProfile, manager: str, homes: Homes) -> ConnectorProfile:
+    """Return a connector in the words of a manager: ends elsewhere name theirs."""
+    ends = tuple(
+        end
+        if homes.get(end.instance, manager) == manager
+        else PortRef(far_name(end.instance, homes[end.instance]), end.port)
+        for end in connector.ports
     )
-    if one == other:
-        return ""
-    return f"its components are in two managers ({one} and {other}); a connection joins two of one"
-
-
-def _one_of(connector: ConnectorProfile, homes: Homes, usual: str) -> str:
-    why = parted(connector, homes, usual)
-    if why:
-        raise Refused(f"connection {connector.connector_id}: {why}")
-    return homes.get(connector.ports[0].instance, usual)
+    return replace(connector, ports=ends)

@@ -62,12 +62,6 @@ def missing_end(
     return ""
 
 
-def parting(system: WantedSystem, live: LiveIndex, connector: ConnectorProfile) -> str:
-    """Return why a connection cannot be, as its ends are in two managers; empty if not so."""
-    why = live.parted(connector)
-    return f"{' to '.join(address(system, end) for end in connector.ports)}: {why}" if why else ""
-
-
 def is_same_connector(known: ConnectorProfile | None, connector: ConnectorProfile) -> bool:
     """Return whether a connection exists just as wanted."""
     if known is None or set(known.ports) != set(connector.ports):
@@ -84,7 +78,7 @@ def _connection(
         f"Connect {source} to {target} with ID {connector.connector_id}"
         f" and properties {dict(connector.properties)}"
     )
-    blocked = missing_end(system, live, connector, pending) or parting(system, live, connector)
+    blocked = missing_end(system, live, connector, pending)
     is_free = not {end.instance for end in connector.ports} & set(pending)
     holds = (
         not blocked

@@ -22,7 +22,7 @@ from rtkit.errors import Malformed, Unreachable
 from rtkit.link import places
 from rtkit.link.deadline import deadline_from_bytes, deadline_to_bytes
 from rtkit.link.threads import start_thread
-from rtkit.property.exchange import Reply, Request
+from rtkit.property.exchange import Reply, Request, failure
 
 _RETRY = "{period_init_ms: 50, period_max_ms: 200, period_increase_factor: 1.5}"
 LEASE_S = 600.0
@@ -249,6 +249,36 @@ class ZenohLink:
             raise Malformed(f"not a property: {key}") from error
         return lambda: _first(replies, timeout_s)
 
+    def ask_later(
+        self, key: str, payload: str, timeout_s: float, answer: Callable[[Reply], object]
+    ) -> None:
+        """Send a SET; `answer` is called once, on a thread of zenoh, and must only enqueue.
+
+        Raises:
+            Unreachable: The connection is closed.
+        """
+        waiting = [answer]
+
+        def take(reply: zenoh.Reply) -> None:
+            if waiting:
+                waiting.pop()(_reply_of(reply, timeout_s))
+
+        def end() -> None:
+            if waiting:
+                waiting.pop()(Reply(f"no answer within {timeout_s:g} s", Unreachable.kind))
+
+        try:
+            self._session.get(
+                key,
+                payload=payload,
+                attachment=deadline_to_bytes(timeout_s),
+                timeout=timeout_s,
+                handler=zenoh.handlers.Callback(take, end, indirect=False),
+                consolidation=zenoh.ConsolidationMode.NONE,
+            )
+        except zenoh.ZError as error:
+            raise Unreachable("the connection is closed") from error
+
     def serve(self, service_key: str, enqueue: Callable[[Request], object]) -> None:
         """See `Link.serve`."""
         for mark, is_extension in (("@", False), ("@x", True)):
@@ -298,6 +328,13 @@ def _first(replies: Iterable[zenoh.Reply], timeout_s: float) -> Reply:
         if reply.err is not None:
             return _error_reply(reply.err, timeout_s)
     raise Unreachable("nobody answers for it")
+
+
+def _reply_of(reply: zenoh.Reply, timeout_s: float) -> Reply:
+    try:
+        return _first([reply], timeout_s)
+    except Unreachable as error:
+        return failure(error)
 
 
 def _receiver(

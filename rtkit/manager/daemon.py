@@ -130,7 +130,7 @@ def _recall(
         rows, remark = keeper.find()
     if remark:
         warn(remark)
-    return keeper, ev.StoreRead(rows, boot_id(), remark)
+    return keeper, ev.StoreRead(rows, boot_id(), remark, os.urandom(8).hex())
 
 
 def _started(

@@ -35,6 +35,7 @@ from rtkit.manager.fault_guard import FaultGuard, header, select_but, text_of
 from rtkit.manager.following.following import Following
 from rtkit.manager.host_link_processes import HostLinkProcesses
 from rtkit.manager.limits.usage import usage
+from rtkit.manager.peers.peers import Peers
 from rtkit.manager.predecessor.descendants import Descendants
 from rtkit.manager.query_server import ManagerQueryServer
 from rtkit.manager.service_notifier import ServiceNotifier
@@ -128,6 +129,7 @@ class Loop:
         self._watchdog.watch(ev.OWN_PROCESS, core.state.pid)
         self._descendants: Descendants | None = None
         self._limiter: Limiter | None = None  # made for the first slave with limits
+        self._peers = Peers(core.state.host, self.post, self.note_fault)
         self._stacks = open_stacks(slave_supervisor.data_pattern, core.state.pid)
         self._tidy_at = 0.0
         self._announce: dict[str, Callable[[str], object]] = {}
@@ -208,6 +210,7 @@ class Loop:
         self._is_closed = True
         self.following.close()
         self.links.close()
+        self._peers.close()
         self._selector.close()
         self.connections.close()
         self._watchdog.forget(ev.OWN_PROCESS)
@@ -479,6 +482,9 @@ class Loop:
                 fault.point("manager.signalled")
             case ev.LimitSlave():
                 self._limit(instruction)
+            case ev.AskPeer() | ev.WatchPeers():
+                fault.point("manager.asking_peer")
+                self._peers.order(instruction)
             case ev.StoreRows(number, rows):
                 self._keeper.keep(number, rows)
             case ev.RemoveStore():

@@ -80,6 +80,9 @@ class ManagerQueryServer:
             raise Unreachable(NOT_BEGUN)
         if request.is_extension and request.name == "picture":
             return ev.SnapshotRequested(self._requests.add(request.answer))
+        if request.is_extension and request.name == "half" and request.payload is not None:
+            number = self._requests.add(request.answer)
+            return ev.PeerAsked(request.payload, number, request.until)
         if request.is_extension or request.payload is None:
             self._read(request)
             return None

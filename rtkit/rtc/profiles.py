@@ -72,12 +72,18 @@ class PortRef:
 
 @dataclass(frozen=True, slots=True)
 class ConnectorProfile:
-    """A made connection. A data connector names its out port first."""
+    """A made connection. A data connector names its out port first.
+
+    Attributes:
+        trouble: Why only the own half of it is there, where the other end is in another manager
+            (`rtkit.rtc.far_ends`); empty when it is whole.
+    """
 
     connector_id: str
     name: str
     ports: tuple[PortRef, ...]
     properties: Mapping[str, str] = field(default_factory=dict)
+    trouble: str = ""
 
 
 @dataclass(frozen=True, slots=True)

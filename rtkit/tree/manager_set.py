@@ -167,7 +167,8 @@ class ManagerSet(Tree):
         self, name: str, actions: Sequence[Action], is_ordered: bool, timeout_s: float | None
     ) -> Answer:
         try:
-            words = [sent(action, name) for action in actions]
+            homes = {**self._known, **self.homes}
+            words = [sent(action, name, homes) for action in actions]
             return self.at(name).begin(words, is_ordered=is_ordered, timeout_s=timeout_s)
         except RtkitError as error:
             failure = error  # raised at this manager's turn: the requests to others go first

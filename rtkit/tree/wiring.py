@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, NamedTuple, Protocol
 
 from rtkit.deployment.shown_ports import OwnEnds
-from rtkit.errors import NotFound, Refused
+from rtkit.errors import NotFound, Refused, Unreachable
 from rtkit.rtc.enums import PortType
+from rtkit.rtc.far_ends import far_name
 from rtkit.rtc.names import Path
 from rtkit.rtc.profiles import ConnectorProfile, PortProfile, PortRef
 from rtkit.tree.resolve import component_of_port, no_port
@@ -27,11 +28,22 @@ _NO_CHOICE = ("dataport.data_type", "port.port_type", "description")
 
 
 class ResolvedPort(NamedTuple):
-    """A port that a user named, found; `ref` is its own name where a composite shows it."""
+    """A port that a user named, found; `ref` is its own name where a composite shows it.
+
+    Attributes:
+        manager: Which manager has it, where several are asked.
+    """
 
     path: Path
     ref: PortRef
     port: PortProfile
+    manager: str = ""
+
+    def seen_from(self, manager: str) -> PortRef:
+        """Return the port as a manager names it."""
+        if self.manager == manager:
+            return self.ref
+        return PortRef(far_name(self.ref.instance, self.manager), self.ref.port)
 
 
 class Facts(Protocol):
@@ -44,6 +56,12 @@ class Facts(Protocol):
     def part(self, instances: Sequence[str]) -> Snapshot:
         """Return what concerns a few components."""
         ...
+
+
+class ManagerFacts(Facts, Protocol):
+    """Source of facts that has the name of its manager: a `Tree`."""
+
+    manager: str
 
 
 def find_ends(facts: Facts, paths: Sequence[Path]) -> tuple[Snapshot, list[ResolvedPort]]:
@@ -60,6 +78,52 @@ def find_ends(facts: Facts, paths: Sequence[Path]) -> tuple[Snapshot, list[Resol
     own = OwnEnds.of(snapshot)
     ends = [_end(snapshot, own, *each) for each in zip(instances, paths, strict=True)]
     return snapshot, ends
+
+
+def find_ends_at(
+    at: Callable[[Path], ManagerFacts], paths: Sequence[Path]
+) -> tuple[dict[str, Snapshot], list[ResolvedPort]]:
+    """Return the ports at paths that may lead to several managers, and what each knows of them.
+
+    Where they lead to one only, that goes by no name.
+
+    Raises:
+        NotFound: A component, or a port, does not exist.
+        Refused: Something else than a living component is there.
+        Unreachable: A manager does not run.
+    """
+    trees = [at(path) for path in paths]
+    names = list(dict.fromkeys(tree.manager for tree in trees))
+    if len(names) < 2:
+        snapshot, ends = find_ends(trees[0], paths)
+        return {"": snapshot}, ends
+    snapshots: dict[str, Snapshot] = {}
+    found: dict[int, ResolvedPort] = {}
+    for name in names:
+        places = [number for number, tree in enumerate(trees) if tree.manager == name]
+        tree = trees[places[0]]
+        snapshots[name], ends = find_ends(tree, [paths[number] for number in places])
+        found.update(zip(places, (end._replace(manager=name) for end in ends), strict=True))
+    return snapshots, [found[number] for number in range(len(paths))]
+
+
+def find_far_end(at: Callable[[Path], ManagerFacts], path: Path) -> PortRef:
+    """Return a port in another manager as this one names it, also while that one is away.
+
+    Raises:
+        NotFound: The other manager answers, and there is no such port.
+    """
+    from rtkit.rtc.names import COMPONENT_SUFFIX, MANAGER_SUFFIX
+
+    try:
+        tree = at(path)
+        _, (end,) = find_ends(tree, [path])
+    except Unreachable:
+        above = (each for each in path.elements if each.endswith(MANAGER_SUFFIX))
+        manager = next(above, "").removesuffix(MANAGER_SUFFIX)
+        instance = path.elements[-1].removesuffix(COMPONENT_SUFFIX)
+        return PortRef(far_name(instance, manager), path.port or "")
+    return PortRef(far_name(end.ref.instance, tree.manager), end.ref.port)
 
 
 def ports_of(facts: Facts, path: Path) -> tuple[PortProfile, ...]:
@@ -95,7 +159,7 @@ def check_pair(one: ResolvedPort, other: ResolvedPort, properties: Mapping[str, 
     from rtkit.rtc.port_types import WRONG_TYPE
 
     why = refusal((one.port, other.port), properties)
-    if one.ref == other.ref:
+    if (one.ref, one.manager) == (other.ref, other.manager):
         why = WRONG_TYPE
     elif not why:
         lacks = (_lacking(one.port, other.port, *each) for each in properties.items())
@@ -128,22 +192,29 @@ def make_connector(
 ) -> ConnectorProfile:
     """Return the connector of two ports, out port first, defaults filled in.
 
+    It is in the words of the manager of its first port, which is to be asked for it.
+
     Raises:
         Refused: The ports cannot be connected with these properties; states why.
     """
     check_pair(one, other, given)
+    ends = in_order(one, other)
     if one.port.port_type is PortType.SERVICE:
-        ends, properties = (one, other), {**SERVICE_DEFAULTS, **given}
+        properties = {**SERVICE_DEFAULTS, **given}
     else:
-        from rtkit.rtc.port_types import are_reversed
-
-        is_turned = are_reversed((one.port.port_type, other.port.port_type))
-        ends = (other, one) if is_turned else (one, other)
         data_type = one.port.data_type or other.port.data_type
         properties = {**DATA_DEFAULTS, "dataport.data_type": data_type, **given}
-    refs = tuple(end.ref for end in ends)
+    refs = tuple(end.seen_from(ends[0].manager) for end in ends)
     chosen = name or f"{one.port.name}_{other.port.name}"
     return ConnectorProfile(connector_id, chosen, refs, properties)
+
+
+def in_order(one: ResolvedPort, other: ResolvedPort) -> tuple[ResolvedPort, ResolvedPort]:
+    """Return two ports, the out port of a data connection first."""
+    from rtkit.rtc.port_types import are_reversed
+
+    is_turned = are_reversed((one.port.port_type, other.port.port_type))
+    return (other, one) if is_turned else (one, other)
 
 
 def between(

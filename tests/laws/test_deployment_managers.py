@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+from fake_manager import meet
 from fake_tree import fake_tree
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -42,7 +43,7 @@ def spread(draw):
 
 
 def placed(profile, homes):
-    """Return a profile with each component at home; connections between two homes left out."""
+    """Return a profile with each component at home."""
 
     def path(component):
         host, rest = component.path_uri.split("/", 1)
@@ -52,11 +53,6 @@ def placed(profile, homes):
     return replace(
         profile,
         components=tuple(replace(c, path_uri=path(c)) for c in profile.components),
-        data_port_connectors=tuple(
-            wire
-            for wire in profile.data_port_connectors
-            if homes[wire.source.instance_name] == homes[wire.target.instance_name]
-        ),
     )
 
 
@@ -66,6 +62,7 @@ class Managers:
     def __init__(self, homes):
         self.homes = homes
         self.worlds = {name: make_world(name) for name in NAMES}
+        meet(self.worlds)
 
     def fleet(self):
         trees = {name: fake_tree(world) for name, world in self.worlds.items()}

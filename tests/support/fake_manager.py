@@ -16,10 +16,11 @@ from fake_shell import FakeCall, FakeShell
 from rtkit.deployment.actions import Action, Result
 from rtkit.deployment.facts import ComponentFacts, Followed, ProcessFacts, Snapshot
 from rtkit.deployment.plan_lock import PlanLock
-from rtkit.errors import RtkitError
+from rtkit.errors import RtkitError, Unreachable
 from rtkit.manager.core import events as ev
 from rtkit.manager.core.events import OWN_PROCESS
 from rtkit.manager.core.state import Process
+from rtkit.property.exchange import Reply
 from rtkit.rtc.enums import LifeCycleState
 from rtkit.rtc.pattern import ComponentPattern
 from rtkit.rtc.profiles import ConnectorProfile, ModuleProfile
@@ -62,6 +63,7 @@ class FakeManager:
         gone: Why it answers nobody; empty when it does.
         loadable: The modules that could be loaded, as told to clients.
         performed: Every action performed, in order.
+        peers: The other managers of its host, by name.
         changed: Called after facts of a component changed.
         publish: Receives what is published.
         plan_lock: Who carries a plan out.
@@ -85,6 +87,7 @@ class FakeManager:
         self.gone = ""
         self.fault: Callable[[Action], Result | None] = _no_fault
         self.performed: list[Action] = []
+        self.peers: Mapping[str, FakeManager] = {}
         self.changed: Callable[[], object] = _nothing
         self.publish: Callable[[ev.Publish], object] = _nothing
         self.plan_lock = PlanLock(lambda _pid: Immortal())
@@ -256,13 +259,33 @@ class FakeManager:
 
     def serve(self, most: int = sys.maxsize) -> None:
         """Do what is asked of zygote and containers until nothing is, or so much of it."""
-        while (self.shell.calls or self.shell.spawned or self.shell.signals) and most > 0:
+        while most > 0 and (
+            self.shell.calls or self.shell.spawned or self.shell.signals or self.shell.questions
+        ):
             most -= 1
+            self._ask_peers()
             for name in list(self.shell.spawned):
                 self.shell.fork(name, next(self._pids))
             if self.shell.calls:
                 self._serve(self.shell.calls.pop(0))
             self._end_the_retired()
+
+    def _ask_peers(self) -> None:
+        """Bring questions to other managers, and their answers back."""
+        while self.shell.questions:
+            asked = self.shell.questions.pop(0)
+            peer, shell = self.peers.get(asked.peer), self.shell
+
+            def answer(reply: Reply, number: int = asked.number, shell: FakeShell = shell) -> None:
+                shell.feed(ev.PeerAnswered(number, reply.text, reply.error))
+
+            if peer is None or peer.gone:
+                answer(Reply(f"manager {asked.peer} is not running", Unreachable.kind))
+                continue
+            if asked.peer not in shell.state.peers:
+                shell.feed(ev.PeerFound(asked.peer))
+            peer.shell.feed(ev.PeerAsked(asked.text, peer.shell.requests.add(answer)))
+            peer.serve()
 
     def _end_the_retired(self) -> None:
         for key, number in self.shell.signals:
@@ -299,6 +322,13 @@ class FakeManager:
 
     def _tell(self, key: int, instance: str) -> None:
         self.shell.say(key, facts=self.containers.told(instance))
+
+
+def meet(managers: Mapping[str, FakeManager]) -> None:
+    """Have managers of one host reach each other."""
+    for each in managers.values():
+        each.peers = managers
+        each.shell.feed(ev.RecoveryRequested(each.shell.requests.add(_nothing)))
 
 
 def _nothing(*_: object) -> None:

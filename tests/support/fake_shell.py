@@ -24,6 +24,7 @@ from rtkit.manager.core.state import ManagerState, Process
 from rtkit.property.exchange import Reply
 from rtkit.rtc.create import parse_create
 from rtkit.rtc.enums import ExecutionKind, PortType
+from rtkit.rtc.far_ends import split_far
 from rtkit.rtc.profiles import (
     ConnectorProfile,
     ExecutionContextProfile,
@@ -118,6 +119,8 @@ class FakeShell:
         adopted: Keys of slaves that were found, by pid.
         signals: What was sent, as (key, number).
         limits: Which limits slaves were given, by key.
+        questions: What other managers are asked.
+        watched: Which ones are to be watched.
         wake_at: When the core wants a tick.
         is_finished: Whether the core reported that all is done.
         rows: What was kept, by kind and name.
@@ -145,6 +148,8 @@ class FakeShell:
         self.adopted: dict[int, int] = {}
         self.signals: list[tuple[int, int]] = []
         self.limits: dict[int, SlaveLimits] = {}
+        self.questions: list[ev.AskPeer] = []
+        self.watched: tuple[str, ...] = ()
         self.wake_at: float | None = None
         self.is_finished = False
         self.rows: dict[tuple[str, str], str] = {}
@@ -205,6 +210,10 @@ class FakeShell:
                 self.limits[key] = limits
             case ev.AnswerClient(request, reply):
                 self.requests.answer(request, reply)
+            case ev.AskPeer():
+                self.questions.append(instruction)
+            case ev.WatchPeers(peers):
+                self.watched = peers
             case ev.WakeAt(moment):
                 self.wake_at = moment if self.wake_at is None else min(moment, self.wake_at)
             case ev.ExitDaemon():
@@ -353,6 +362,9 @@ def check_facts(state: ManagerState) -> None:
     for connector_id, connector in state.connectors.items():
         assert connector.connector_id == connector_id, connector
         for end in connector.ports:
+            if split_far(end.instance)[0]:
+                assert connector_id in state.kept.wires, f"half that is not wanted: {connector}"
+                continue
             facts = state.components[end.instance]
             assert not facts.zombie, f"zombie is connected: {connector}"
             assert facts.port(end.port) is not None, f"no such port: {connector}"

@@ -69,12 +69,6 @@ def test_a_system_in_two_managers_is_one_system(manager: Any) -> None:
     assert "create In2 on m1 in slave source" in shown.out
     assert shell.ok("rtls -1 /localhost") == "manager.mgr/\n"
 
-    crossed = profile(shell.folder / "crossed.xml", [("In1", "Out2")])
-    assert "two managers (manager and m1)" in shell.run(f"rtapply {crossed}").err
-    assert shell.run("rtmgr status m1").status == 1
-    assert "two managers (manager and m1)" in shell.run(f"rtresurrect {crossed}").err
-    assert states(shell) == {}
-    assert shell.run("rtmgr status m1").status == 1  # it was started for nothing
     shell.ok("rtmgr start m1")
 
     plan = json.loads(shell.ok(f"rtplan --json {file}"))
@@ -140,3 +134,27 @@ def test_a_manager_killed_on_the_way_stops_it_and_run_again_it_finishes(manager:
     assert again.status == 0
     assert re.match(r"\[1/\d\] start manager m1\n", again.err)
     assert shell.run(f"rtcheck {file}") == (0, "", "")
+
+
+def test_a_system_may_be_connected_across_its_managers(manager: Any) -> None:
+    shell = manager
+    crossed = profile(shell.folder / "crossed.xml", [("In1", "Out2"), ("In2", "Out1")])
+    assert "connect In1.out to Out2.in" in shell.run(f"rtplan {crossed}").out
+    assert shell.run(f"rtapply {crossed}").status == 0
+    assert shell.run(f"rtcheck {crossed}") == (0, "", "")
+    assert shell.ok(f"rtplan {crossed}").startswith("nothing to do")
+    shell.ok("rtcryo -o saved.xml /localhost /localhost/m1.mgr")
+    assert shell.run("rtcheck saved.xml") == (0, "", "")
+
+    # Half a connection is reported as missing, and made whole again.
+    pid = json.loads(shell.ok("rtmgr status --json m1"))["pid"]
+    os.kill(pid, signal.SIGKILL)
+    shell.ok("rtmgr start m1")
+    assert shell.run(f"rtapply {crossed}").status == 0
+    shell.ok("rtdis /localhost/m1.mgr/Out2.rtc")
+    assert "No connection between /localhost/In1.rtc:out" in shell.run(f"rtcheck {crossed}").err
+    assert "connect In1.out to Out2.in" in shell.ok(f"rtplan {crossed}")
+    assert shell.run(f"rtapply {crossed}").status == 0
+    assert shell.run(f"rtcheck {crossed}") == (0, "", "")
+    assert shell.run(f"rtteardown --exit {crossed}").status == 0
+    assert states(shell) == {}

@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from rtkit.deployment.facts import Snapshot
     from rtkit.rtc.names import Path
     from rtkit.rtc.profiles import ConnectorProfile
+    from rtkit.tree.client import Tree
     from rtkit.tree.wiring import ResolvedPort
 
 
@@ -55,20 +56,22 @@ def main(
     """
     from rtkit.component.options import remarks
     from rtkit.component.port_matching import ANY_DATA_TYPE
-    from rtkit.tree.wiring import find_ends, make_connector
+    from rtkit.tree.wiring import find_ends_at, in_order, make_connector
 
     given = _properties(app, texts) | ({ANY_DATA_TYPE: "YES"} if force else {})
     app.warn(remarks(given))
     ports = _port_paths(app, paths)
-    snapshot, (first, *others) = find_ends(app.tree, ports)
-    if no_duplicates and connector_id:
-        snapshot = app.tree.snapshot()  # the id may be in use at quite other ports
-    connectors = []
+    snapshots, (first, *others) = find_ends_at(app.tree_at, ports)
+    wanted: list[tuple[Tree, ConnectorProfile]] = []
     for other, each_id in zip(others, _ids(connector_id, len(others)), strict=True):
-        connectors.append(make_connector(first, other, each_id, name, given))
-        if no_duplicates:
-            _check_new(snapshot, first, other, each_id, name)
-    _make(app, connectors, {connector.connector_id for connector in snapshot.connectors})
+        connector = make_connector(first, other, each_id, name, given)
+        out, _ = in_order(first, other)
+        tree = app.tree_at(out.path)
+        if no_duplicates:  # the id may be in use at quite other ports
+            known = tree.snapshot() if connector_id else snapshots[out.manager]
+            _check_new(known, first, other, connector, name)
+        wanted.append((tree, connector))
+    _make(app, wanted, {each.connector_id for s in snapshots.values() for each in s.connectors})
 
 
 def _properties(app: App, texts: Sequence[str]) -> dict[str, str]:
@@ -86,7 +89,7 @@ def _properties(app: App, texts: Sequence[str]) -> dict[str, str]:
 def _port_paths(app: App, typed: Sequence[str]) -> list[Path]:
     if not typed:
         raise Malformed("No ports specified.")
-    paths = [app.path(each) for each in typed]
+    paths = [app.path(typed[0]), *map(app.beside, typed[1:])]
     if paths[0].port is None:
         raise Malformed("No source port specified.")
     if len(paths) < 2 or any(path.port is None for path in paths[1:]):
@@ -103,11 +106,12 @@ def _ids(wished: str, count: int) -> list[str]:
 
 
 def _check_new(
-    snapshot: Snapshot, one: ResolvedPort, other: ResolvedPort, connector_id: str, name: str
+    snapshot: Snapshot, one: ResolvedPort, other: ResolvedPort, wanted: ConnectorProfile, name: str
 ) -> None:
     from rtkit.tree.wiring import between
 
-    if between(snapshot.connectors, one.ref, [other.ref]):
+    connector_id = wanted.connector_id
+    if between(snapshot.connectors, wanted.ports[0], [wanted.ports[1]]):
         raise Refused(
             "An identical connection already exists between"
             f" {one.path.typed} and {other.path.typed}"
@@ -115,25 +119,26 @@ def _check_new(
     for connector in snapshot.connectors:
         if connector.connector_id == connector_id:
             raise Refused(f"A connection with ID {connector_id} already exists")
-        if (
-            name
-            and connector.name == name
-            and (one.ref in connector.ports or other.ref in connector.ports)
-        ):
+        if name and connector.name == name and not set(wanted.ports).isdisjoint(connector.ports):
             raise Refused(f"A connection with name {name} already exists at these ports")
 
 
-def _make(app: App, wires: Sequence[ConnectorProfile], present: set[str]) -> None:
+def _make(app: App, wanted: Sequence[tuple[Tree, ConnectorProfile]], present: set[str]) -> None:
+    from itertools import groupby
+
     from rtkit.deployment.actions import Connect, Disconnect
 
-    results = app.tree.apply([Connect(connector) for connector in wires])
-    last = results[-1]
-    if last.ok:
-        for connector in wires:
-            app.verbose(f"{connector.ports[0]} -> {connector.ports[1]}: {connector.connector_id}")
-        return
-    made = [connector.connector_id for connector in wires[: len(results) - 1]]
-    undo = [Disconnect(each) for each in made if each not in present]
-    if undo:
-        app.tree.apply(undo, is_ordered=False)
-    raise from_kind(last.kind, f"Failed to make connection: {last.code.value} ({last.why})")
+    made: list[tuple[Tree, str]] = []
+    for tree, group in groupby(wanted, lambda each: each[0]):
+        connectors = [connector for _, connector in group]
+        results = tree.apply([Connect(connector) for connector in connectors])
+        done = zip(connectors, results, strict=False)
+        made += [(tree, connector.connector_id) for connector, result in done if result.ok]
+        last = results[-1]
+        if not last.ok:
+            for maker, connector_id in made:
+                if connector_id not in present:
+                    maker.apply([Disconnect(connector_id)])
+            raise from_kind(last.kind, f"Failed to make connection: {last.code.value} ({last.why})")
+    for _, connector in wanted:
+        app.verbose(f"{connector.ports[0]} -> {connector.ports[1]}: {connector.connector_id}")

@@ -36,7 +36,7 @@ def main(
     """
     if not paths:
         raise WrongArguments("No component or port specified.")
-    found = [app.path(each) for each in paths]
+    found = [app.path(paths[0]), *map(app.beside, paths[1:])]
     if len(found) > 1:
         _check_ports(found)
     connectors = _connections(app, found)
@@ -59,13 +59,16 @@ def _check_ports(paths: Sequence[Path]) -> None:
 
 def _connections(app: App, paths: Sequence[Path]) -> list[ConnectorProfile]:
     from rtkit.tree.resolve import component
-    from rtkit.tree.wiring import between, find_ends, of_component
+    from rtkit.tree.wiring import between, find_ends, find_far_end, of_component
 
     if paths[0].port is None:
         instance = app.node(component, paths[0]).instance
         return of_component(app.tree.part([instance]), instance)
-    snapshot, (first, *others) = find_ends(app.tree, paths)
-    return between(snapshot.connectors, first.ref, [other.ref for other in others])
+    near = [path for path in paths if app.is_at_tree(path)]
+    snapshot, (first, *others) = find_ends(app.tree, near)
+    refs = [other.ref for other in others]
+    refs += [find_far_end(app.tree_at, path) for path in paths if path not in near]
+    return between(snapshot.connectors, first.ref, refs)
 
 
 def _remove(app: App, wires: Sequence[ConnectorProfile]) -> None:
@@ -74,6 +77,9 @@ def _remove(app: App, wires: Sequence[ConnectorProfile]) -> None:
     if not wires:
         return
     results = app.tree.apply([Disconnect(w.connector_id) for w in wires], is_ordered=False)
+    for result in results:
+        if result.note:
+            app.fail(f"note: {result.note}")
     failures = [
         (connector.connector_id, from_kind(result.kind, f"{result.why}: {connector.connector_id}"))
         for connector, result in zip(wires, results, strict=True)

@@ -66,6 +66,7 @@ class App:
         self.write_error: Callable[[str], object] = _to_stderr
         self._tree = tree
         self._is_own_tree = tree is None
+        self._beside: dict[str, Tree] = {}
         self._place: str | None = None
         self._has_warned_of_servers = False
 
@@ -263,6 +264,36 @@ class App:
         self.note_place(path)
         return path
 
+    def beside(self, typed: str) -> Path:
+        """Read a further path, which may lead to another manager; `tree_at` connects to that."""
+        from rtkit.rtc.names import parse_path
+
+        return parse_path(typed, working_directory())
+
+    def is_at_tree(self, path: Path) -> bool:
+        """Return whether a path leads to the manager that `tree` is connected to."""
+        if not self._is_own_tree:
+            return True
+        from rtkit.tree.place import manager_of
+
+        return manager_of(path) == (self._place or "")
+
+    def tree_at(self, path: Path) -> Tree:
+        """Return the connection to the manager that a path leads to.
+
+        Raises:
+            Unreachable: It does not run, or does not answer.
+        """
+        if self.is_at_tree(path):
+            return self.tree
+        from rtkit.tree.connect import connect
+        from rtkit.tree.place import manager_of
+
+        place = manager_of(path)
+        if place not in self._beside:
+            self._beside[place] = connect(place, self.timeout_s)
+        return self._beside[place]
+
     def shown(self, names: Sequence[str]) -> str:
         """Return the path that a user can type for a component of the manager asked, if any."""
         if not names or not self._is_own_tree:
@@ -326,7 +357,10 @@ class App:
             self.timeout_s = min(self.timeout_s, max(duration_s, _LEAST_TIMEOUT_S))
 
     def close(self) -> None:
-        """End the connection that this run made."""
+        """End the connections that this run made."""
+        for tree in self._beside.values():
+            tree.close()
+        self._beside.clear()
         if self._is_own_tree and self._tree is not None:
             self._tree.close()
             self._tree = None

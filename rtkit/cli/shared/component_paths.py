@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from rtkit.rtc.names import COMPONENT_SUFFIX, MANAGER_SUFFIX
+from rtkit.rtc.far_ends import split_far
+from rtkit.rtc.names import COMPONENT_SUFFIX, LOCAL, MANAGER_SUFFIX
 
 if TYPE_CHECKING:
     from rtkit.deployment.facts import ComponentFacts, Snapshot
@@ -21,5 +22,8 @@ def component_path(snapshot: Snapshot, facts: ComponentFacts) -> str:
 
 def port_path(snapshot: Snapshot, instance: str, port: str) -> str:
     """Return the path of a port; empty when nobody knows its component."""
+    manager, name = split_far(instance)
+    if manager:
+        return f"/{LOCAL}/{manager}{MANAGER_SUFFIX}/{name}{COMPONENT_SUFFIX}:{port}"
     facts = snapshot.component(instance)
     return "" if facts is None else f"{component_path(snapshot, facts)}:{port}"

@@ -173,6 +173,7 @@ def _connection_lines(connector: ConnectorProfile, paths: list[str], level: int)
     head = f" {mark}Connected to  "
     first, *others = [_bold(path) for path in paths]
     lines = [head + first, *(" " * len(head) + other for other in others)]
+    lines += [f"{' ' * len(head)}half: {connector.trouble}"] if connector.trouble else []
     if level < 2:
         return lines
     shown = {k: v for k, v in connector.properties.items() if not k.endswith(_REFERENCES)}

@@ -25,7 +25,7 @@ from rtkit.deployment.planning.parameter_values import Values
 from rtkit.deployment.planning.stale import Stale
 from rtkit.deployment.planning.step_costs import USUAL, Costs
 from rtkit.deployment.system import WantedComponent, WantedConnector, WantedSystem, address
-from rtkit.deployment.wiring import is_same_connector, missing_end, parting
+from rtkit.deployment.wiring import is_same_connector, missing_end
 from rtkit.errors import Impossible
 from rtkit.fast_dataclass import dataclass, field
 from rtkit.rtc.create import CreateString, parse_create
@@ -372,7 +372,6 @@ class ModelBuilder:
         names = [end.instance for end in connector.ports]
         pending = [each for each in names if live.at(each) is None or each in self._replaced]
         why = missing_end(self.system, live, connector, pending) or self._refused(wanted, pending)
-        why = parting(self.system, live, connector) or why
         if why and not wanted.is_required and known is None:
             self._notes.append(why)
             return

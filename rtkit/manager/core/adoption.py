@@ -19,9 +19,11 @@ from rtkit.errors import Malformed
 from rtkit.fast_dataclass import replace
 from rtkit.manager.core.desired import Asked, desired_by, note, requests_from
 from rtkit.manager.core.effects import Procedure, Send, Sleep
+from rtkit.manager.core.halves import NOT_MET
 from rtkit.manager.core.limiting import note_limits
 from rtkit.manager.core.registration import free_names
 from rtkit.manager.core.state import ManagerState, Process
+from rtkit.rtc.far_ends import own_end, peer_of
 from rtkit.rtc.names import check_instance_name
 from rtkit.rtc.profiles import ConnectorProfile
 from rtkit.rtc.serde import decode
@@ -140,6 +142,9 @@ def _take_end(state: ManagerState, process: Process, connector: ConnectorProfile
     known = state.connectors.get(connector_id)
     if known is not None and set(known.ports) == set(connector.ports):
         return
+    if peer_of(connector):
+        _take_half(state, connector)
+        return
     state.loose[connector_id, process.key] = connector
     ends = [state.components.get(end.instance) for end in connector.ports]
     is_alive = all(
@@ -155,6 +160,17 @@ def _take_end(state: ManagerState, process: Process, connector: ConnectorProfile
         state.connectors[connector_id] = connector
         for key in reported & containers:
             del state.loose[connector_id, key]
+
+
+def _take_half(state: ManagerState, connector: ConnectorProfile) -> None:
+    """Note a connector that leads to another manager; whether it is whole, that one knows."""
+    _, end = own_end(connector)
+    facts = state.components.get(end.instance)
+    if facts is not None and not facts.zombie and facts.port(end.port) is not None:
+        why = NOT_MET.format(peer_of(connector))
+        state.connectors[connector.connector_id] = replace(connector, trouble=why)
+        state.kept.put("wire", connector.connector_id, connector)
+        state.kept.untell(peer_of(connector), connector.connector_id)
 
 
 def cut_loose(state: ManagerState, process: Process) -> Procedure:

@@ -26,6 +26,7 @@ from rtkit.manager.core.durable_replies import DurableReplies
 from rtkit.manager.core.follows import Follows
 from rtkit.manager.core.health_monitor import HealthMonitor
 from rtkit.manager.core.limiting import Limiting
+from rtkit.manager.core.meetings import Meetings
 from rtkit.manager.core.metrics import MetricsCollector
 from rtkit.manager.core.modules import TRIAL
 from rtkit.manager.core.recovery import RESTORE_S, note_loss, repair, restore
@@ -58,6 +59,7 @@ class Core:
         self._survey = MetricsCollector(
             state, self._out, self._announcer.run_id, self._health_monitor
         )
+        self._meetings = Meetings(state, self._out, self._tasks, self._keeping)
         self._follows = Follows(state, self._out, self._keeping)
         self._listeners: dict[str, set[str]] = {}
         self._is_stopping = False
@@ -88,6 +90,7 @@ class Core:
         self._now = self._batches.now = now
         self._reactions[type(event)](event)
         self._tasks.run(now)
+        self._meetings.run(now)
         until = self._survey.run(now)
         self._tasks.run_new(now)  # what metrics have given cause for
         self._limiting.run()
@@ -108,6 +111,10 @@ class Core:
             ev.FollowAsked: self._follow,
             ev.FollowSaid: self._follows.take_report,
             ev.OperationRequested: self._batches.operate,
+            ev.PeerAsked: self._meetings.asked,
+            ev.PeerAnswered: self._tasks.peer_answered,
+            ev.PeerFound: self._meetings.found,
+            ev.PeerLost: self._meetings.lost,
             ev.ContainerReported: self._on_report,
             ev.SlaveForked: self._forked,
             ev.SlaveReady: lambda event: self._ready(event.key),
@@ -156,6 +163,7 @@ class Core:
                 state.settings.change(key, value)
         self._batches.recall()
         is_same_boot = state.kept.begin_life(event.boot)
+        state.kept.name_store(event.life)
         self._supervisor.recall(is_same_boot=is_same_boot)
         for facts in list(state.kept.zombies.values()):
             if is_same_boot:
@@ -174,7 +182,7 @@ class Core:
         def done(result: Result) -> None:
             self._keeping.finish([act.Tick("", "")], [result], answer)
 
-        self._is_restoring = True  # slaves that report from now on are late
+        self._is_restoring = self._meetings.is_open = True  # who reports from now on is late
         self._tasks.begin(restore(self.state, self._supervisor.resume), RESTORE_S, done)
 
     # reports of processes
@@ -323,7 +331,7 @@ class Core:
 
     def _cut(self, connector: ConnectorProfile) -> None:
         """Drop a connector and take it off the ends that live."""
-        del self.state.connectors[connector.connector_id]
+        self.state.cut(connector.connector_id)
         ends = {self.state.containers.get(end.instance) for end in connector.ports}
         for process in list(self.state.processes.values()):
             if process.key in ends and process.is_ready:
@@ -371,6 +379,7 @@ class Core:
         is_kept = event.is_kept
         if not self._is_stopping:
             self._is_stopping = self._batches.is_stopping = True
+            self._meetings.is_open = False
             self._keeping.stop(is_kept=is_kept)
             if not is_kept:
                 self._out.append(ev.RemoveStore())

@@ -20,6 +20,7 @@ from rtkit.errors import Malformed
 from rtkit.fast_dataclass import Record, field, replace
 from rtkit.manager.core.events import Row
 from rtkit.rtc.enums import LifeCycleState, Transition
+from rtkit.rtc.far_ends import peer_of
 from rtkit.rtc.profiles import ConnectorProfile
 from rtkit.rtc.serde import decode, encode
 
@@ -124,6 +125,8 @@ _KINDS: Mapping[str, _Kind] = {
     "zombie": _Kind("zombies", ComponentFacts),
     "watched": _Kind("watched", RestartRecord),
     "boot": _Kind("boot", str),
+    "life": _Kind("life", str),
+    "half": _Kind("halves", tuple[str, str]),
     "answered": _Kind("answered", str),
     "followed": _Kind("followed", str),
     "reached": _Kind("reached", Followed),
@@ -140,6 +143,12 @@ class DesiredState:
         watched: What has been done about the ends of components, by instance.
         revived: Components that are just being restarted: they are not newly desired.
         boot: Which run of the machine this is; kept along with the rest.
+        life: The name of this store, which another one has not; kept likewise.
+        halves: Of connectors to other managers, by id: which making each comes from, and with which
+            store of its peer it was made.
+        far: Ids of those connectors, by peer.
+        untold: Of which ones a peer is to hear, by peer: they have changed, or are no more; with
+            the making that the last one of that id came from.
         answered: What batches came to that changed anything, the last ones, by id.
         followed: By what systems are followed whose events lead them, as text, by name.
         reached: What became of each of them.
@@ -156,6 +165,10 @@ class DesiredState:
         self.watched: dict[str, RestartRecord] = {}
         self.revived: set[str] = set()
         self.boot: dict[str, str] = {}
+        self.life: dict[str, str] = {}
+        self.halves: dict[str, tuple[str, str]] = {}
+        self.far: dict[str, dict[str, None]] = {}
+        self.untold: dict[str, dict[str, str]] = {}
         self.answered: dict[str, str] = {}
         self.followed: dict[str, str] = {}
         self.reached: dict[str, Followed] = {}
@@ -185,8 +198,9 @@ class DesiredState:
         changed = {key: None for key in self._changed if key[0] in _URGENT or not is_urgent}
         for key in changed:
             del self._changed[key]
-        if self.boot and not self.is_stored("boot", "id"):
-            changed["boot", "id"] = None
+        for kind, table in (("boot", self.boot), ("life", self.life)):
+            if table and not self.is_stored(kind, "id"):
+                changed[kind, "id"] = None
         return tuple((kind, name, self._text(kind, name)) for kind, name in changed)
 
     def is_kept(self, rows: Iterable[Row]) -> None:
@@ -208,7 +222,10 @@ class DesiredState:
         for kind, name, text in rows:
             self._stored.add((kind, name))
             try:
-                self._table(kind)[name] = decode(_KINDS[kind].row, json.loads(text or ""))
+                value: Any = decode(_KINDS[kind].row, json.loads(text or ""))
+                self._table(kind)[name] = value
+                if kind == "wire":
+                    self._note_far(value)
             except (ValueError, LookupError, TypeError) as error:
                 bad.append(f"{kind} {name}: {error}")
         return bad
@@ -220,6 +237,46 @@ class DesiredState:
         if before != boot:
             self._changed["boot", "id"] = None
         return before == boot
+
+    def name_store(self, life: str) -> None:
+        """Name a store that has no name yet."""
+        if life:
+            self.life.setdefault("id", life)
+
+    @property
+    def store_name(self) -> str:
+        """Return the name of this store."""
+        return self.life.get("id", "")
+
+    def making_of(self, connector_id: str) -> str:
+        """Return which making a half comes from; empty where that is not known."""
+        return self.halves.get(connector_id, ("", ""))[0]
+
+    def untell(self, peer: str, connector_id: str, making: str = "") -> None:
+        """Have a peer hear of a connector, whichever making it comes from or came from."""
+        self.untold.setdefault(peer, {})[connector_id] = making or self.making_of(connector_id)
+
+    def notified(self, peer: str, connector_id: str) -> None:
+        """Note that a peer has heard of a connector."""
+        untold = self.untold.get(peer, {})
+        untold.pop(connector_id, None)
+        if not untold:
+            self.untold.pop(peer, None)
+
+    def _note_far(self, connector: ConnectorProfile) -> str:
+        peer = peer_of(connector)
+        if peer:
+            self.far.setdefault(peer, {})[connector.connector_id] = None
+        return peer
+
+    def _cut_far(self, connector: ConnectorProfile) -> None:
+        peer = peer_of(connector)
+        if peer:
+            self.far[peer].pop(connector.connector_id, None)
+            if not self.far[peer]:
+                del self.far[peer]
+            self.untell(peer, connector.connector_id)
+            self.drop("half", connector.connector_id)
 
     def clear(self) -> None:
         """Clear the desired state."""
@@ -241,11 +298,16 @@ class DesiredState:
         if table.get(name) != value:
             table[name] = value
             self._changed[kind, name] = None
+            if kind == "wire":
+                self._note_far(self.wires[name])
 
     def drop(self, kind: str, name: str) -> None:
         """Remove a row."""
-        if self._table(kind).pop(name, None) is not None:
+        dropped = self._table(kind).pop(name, None)
+        if dropped is not None:
             self._changed[kind, name] = None
+            if kind == "wire":
+                self._cut_far(dropped)
 
     # components
 
@@ -317,9 +379,8 @@ def note(kept: DesiredState, action: Action) -> None:
         case act.Load(path, init):
             kept.put("module", module_row(path, init), init)
         case act.Connect(connector):
-            kept.put("wire", connector.connector_id, connector)
-        case act.Disconnect(connector_id):
-            kept.drop("wire", connector_id)
+            whole = replace(connector, trouble="") if connector.trouble else connector
+            kept.put("wire", connector.connector_id, whole)
         case act.ActivateSet(instance, set_id):
             kept.change(instance, active_set=set_id)
         case act.SetStructure(instance, states):

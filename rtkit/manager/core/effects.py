@@ -48,6 +48,17 @@ class Call(Wait):
     is_lasting: bool = False
 
 
+class CallPeer(Wait):
+    """Ask another manager and wait for its answer; receives that, as plain data.
+
+    A time-out of 0 means that of the batch [s].
+    """
+
+    peer: str
+    message: Message
+    timeout_s: float = 0.0
+
+
 class WaitForEnds(Wait):
     """Wait until each of these slaves has ended, at most `timeout_s` [s]."""
 

@@ -79,6 +79,39 @@ class OperationRequested(Event):
     request: int
 
 
+class PeerAsked(Event):
+    """Another manager asks about halves of connectors (see `rtkit.manager.core.halves`)."""
+
+    text: str
+    request: int
+    until: float = math.inf
+
+
+class PeerAnswered(Event):
+    """Another manager has answered what `AskPeer` asked; or it could not, for a reason.
+
+    Attributes:
+        error: The kind of the error of which `text` tells; empty where it is an answer.
+    """
+
+    number: int
+    text: str
+    error: str = ""
+
+
+class PeerFound(Event):
+    """A manager that `WatchPeers` names has been found: it can be asked."""
+
+    peer: str
+
+
+class PeerLost(Event):
+    """A manager that was found has ended."""
+
+    peer: str
+    why: str
+
+
 class StopRequested(Event):
     """A client or a signal wants the manager to end; if it is urgent, without any grace.
 
@@ -96,11 +129,13 @@ class StoreRead(Event):
         rows: Of the store.
         boot: Which run of the machine this is: in another one, nobody died by himself.
         remark: A finding about the store; mostly empty.
+        life: Names the store from now on, if it has no name yet.
     """
 
     rows: Sequence[Row]
     boot: str = ""
     remark: str = ""
+    life: str = ""
 
 
 class RecoveryRequested(Event):
@@ -303,6 +338,21 @@ class StoreRows(Instruction):
 
 class RemoveStore(Instruction):
     """Remove the store at the end: nothing is desired any more."""
+
+
+class AskPeer(Instruction):
+    """Ask another manager; `PeerAnswered` brings the answer, within `timeout_s` [s]."""
+
+    number: int
+    peer: str
+    text: str
+    timeout_s: float
+
+
+class WatchPeers(Instruction):
+    """Report whenever one of these managers is found or lost; others no more."""
+
+    peers: tuple[str, ...]
 
 
 class AnswerClient(Instruction):

@@ -51,7 +51,8 @@ def procedure_for(action: Action, state: ManagerState) -> Procedure:
     result = yield from _PROCEDURES[type(action)](state, action)
     if isinstance(action, act.Connect):  # with the ports' own names
         action = act.Connect(state.connectors.get(action.connector.connector_id, action.connector))
-    note(state.kept, action)
+    if not isinstance(action, act.Disconnect):  # which has recorded it
+        note(state.kept, action)
     return result
 
 

@@ -19,11 +19,13 @@ from rtkit.errors import Malformed, RtkitError
 from rtkit.manager.core.desired import DesiredComponent, DesiredState, module_path
 from rtkit.manager.core.effects import Effect as Yielded
 from rtkit.manager.core.effects import Gather, Procedure, ReadClock, Sleep
+from rtkit.manager.core.halves import revive_half
 from rtkit.manager.core.modules import known
 from rtkit.manager.core.procedures import procedure_for
 from rtkit.manager.core.state import ManagerState
 from rtkit.rtc.create import parse_create
 from rtkit.rtc.enums import LifeCycleState, Transition
+from rtkit.rtc.far_ends import peer_of
 from rtkit.rtc.profiles import ConnectorProfile
 from rtkit.rtc.serde import decode
 
@@ -205,12 +207,19 @@ def _connects(
         for each in instances
         for connector in bonds.wires.get(each, ())
     }
-    return [
-        _try(state, act.Connect(connector), f"connect {connector.connector_id}", failed)
+    missing = [
+        connector
         for connector in connectors.values()
         if connector.connector_id not in state.connectors
         and connector.connector_id in state.kept.wires
-        and all(_answers(state, end.instance) for end in connector.ports)
+    ]
+    for connector in missing:
+        if peer_of(connector):
+            revive_half(state, connector)
+    return [
+        _try(state, act.Connect(connector), f"connect {connector.connector_id}", failed)
+        for connector in missing
+        if all(_answers(state, end.instance) for end in connector.ports)
     ]
 
 

@@ -10,6 +10,7 @@ from rtkit.errors import NotFound, RtkitError
 from rtkit.fast_dataclass import dataclass, field, replace
 from rtkit.manager.core.desired import DesiredComponent, DesiredState, RestartRecord
 from rtkit.manager.core.events import OWN_PROCESS
+from rtkit.rtc.far_ends import peer_of
 from rtkit.rtc.nearest import did_you_mean
 from rtkit.rtc.profiles import ConnectorProfile, ModuleProfile
 from rtkit.settings.properties import Settings
@@ -154,6 +155,9 @@ class ManagerState:
             more once the rest of what is desired of them is done.
         loose: Ends of connectors that slaves hold which were found, by connector and slave, until
             the other end is known too.
+        peers: Other managers that can be asked about halves of connectors.
+        failing: Why own ends of halves cannot be opened or joined, by connector; tried again.
+        makings: How many connectors to other managers it has made.
     """
 
     UNRECORDED = ("capacity",)
@@ -192,6 +196,21 @@ class ManagerState:
     limits: dict[str, SlaveLimits] = field(default_factory=dict)
     capacity: Callable[[], Capacity] = Capacity
     since_made: dict[str, DesiredComponent] = field(default_factory=dict)
+    peers: set[str] = field(default_factory=set)
+    failing: dict[str, str] = field(default_factory=dict)
+    makings: int = 0
+
+    def cut(self, connector_id: str) -> None:
+        """Drop a connector; the other manager, if it leads to one, is to hear of it."""
+        connector = self.connectors.pop(connector_id, None)
+        peer = peer_of(connector) if connector is not None else ""
+        if peer:
+            self.kept.untell(peer, connector_id)
+
+    def new_making(self) -> str:
+        """Return the name of another making of a connector, which no other has."""
+        self.makings += 1
+        return f"{self.kept.store_name} {self.pid} {self.makings}"
 
     def trouble_of(self, instance: str, process: Process) -> str:
         """Return why a component that lives does not answer; empty when it does."""
@@ -300,7 +319,7 @@ class ManagerState:
     def drop_connectors(self, instance: str) -> None:
         """Drop the connectors of a component; those that are being made will not be kept."""
         for connector in self.connectors_of(instance):
-            del self.connectors[connector.connector_id]
+            self.cut(connector.connector_id)
         for opening in self.openings.values():
             opening.is_broken |= _has_end(opening.wire, instance)
 

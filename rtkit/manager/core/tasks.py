@@ -7,6 +7,7 @@ batch of any length needs no stack. Time comes in as an argument.
 from __future__ import annotations
 
 import heapq
+import json
 import logging
 import math
 import signal
@@ -16,7 +17,7 @@ from functools import partial
 from typing import Any, NamedTuple
 
 from rtkit.deployment.actions import Result
-from rtkit.deployment.message import Message
+from rtkit.deployment.message import Message, message_from
 from rtkit.errors import RtkitError, Unreachable, from_kind
 from rtkit.fast_dataclass import dataclass
 from rtkit.manager.core import effects as fx
@@ -150,6 +151,29 @@ class Tasks:
         """Raise an error in every procedure that waits for this slave, whatever it waits for."""
         self._end_waits(lambda t: t.key == process.key, None, error)
 
+    def peer_answered(self, event: ev.PeerAnswered) -> None:
+        """Take the answer of another manager; one that nobody waits for any more is ignored."""
+        task = self._waiting.get(event.number)
+        if task is None or not isinstance(task.wait, fx.CallPeer):
+            return
+        try:
+            if event.error:
+                raise from_kind(event.error, event.text)
+            self._go_on(event.number, message_from(event.text))
+        except RtkitError as error:
+            self._go_on(event.number, None, error)
+
+    def peers_asked(self) -> set[str]:
+        """Return the managers that are just asked something."""
+        waits = (task.wait for task in self._waiting.values())
+        return {wait.peer for wait in waits if isinstance(wait, fx.CallPeer)}
+
+    def peer_lost(self, peer: str, error: RtkitError) -> None:
+        """Raise an error in every procedure that waits for another manager."""
+        self._end_waits(
+            lambda t: isinstance(t.wait, fx.CallPeer) and t.wait.peer == peer, None, error
+        )
+
     def cancel(self, error: RtkitError) -> None:
         """Raise an error in every procedure whose outcome somebody waits for."""
         self._end_waits(lambda t: t.done is not None, None, error)
@@ -193,6 +217,9 @@ class Tasks:
                         self._ask(task, effect)
                         return
                     error = Unreachable(process.unfit)
+                case fx.CallPeer():
+                    self._ask_peer(task, effect)
+                    return
                 case fx.AcquireSlave():
                     slave = self._needed(effect)
                     if slave is None:
@@ -235,6 +262,13 @@ class Tasks:
         if not ask.is_lasting:
             message["until"] = task.until if not ask.timeout_s else self._now + ask.timeout_s
         self._out.append(ev.SendToContainer(key, message))
+
+    def _ask_peer(self, task: _Task, ask: fx.CallPeer) -> None:
+        number = self._wait(task, ask, -1, ask.timeout_s or None)
+        assert task.until is not None
+        left_s = ask.timeout_s or task.until - self._now
+        text = json.dumps(ask.message, separators=(",", ":"))
+        self._out.append(ev.AskPeer(number, ask.peer, text, left_s))
 
     def _side_by_side(self, task: _Task, effect: fx.Gather) -> None:
         """Begin procedures, and go on with the task when each has ended; each has its time-out."""
@@ -300,6 +334,8 @@ class Tasks:
     def _late(self, task: _Task) -> Unreachable:
         if isinstance(task.wait, fx.WaitUntil):
             return Unreachable(task.wait.why)
+        if isinstance(task.wait, fx.CallPeer):
+            return Unreachable(f"manager {task.wait.peer} does not answer")
         key = task.key
         process = self._state.processes.get(key)
         if process is None:

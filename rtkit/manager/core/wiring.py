@@ -9,9 +9,11 @@ from rtkit.deployment.actions import Result
 from rtkit.deployment.shown_ports import OwnEnds
 from rtkit.errors import Malformed, NotFound, Refused, RtkitError, Unreachable
 from rtkit.manager.core.effects import Call, Procedure, Send, WaitUntil
+from rtkit.manager.core.halves import connect_half, notify_gone
 from rtkit.manager.core.state import ManagerState, Opening, Process, no_component
 from rtkit.rtc.connector_properties import DIRECT, differing
 from rtkit.rtc.enums import PortType
+from rtkit.rtc.far_ends import named_for, own_end, peer_of
 from rtkit.rtc.port_types import WRONG_TYPE, are_reversed, provides
 from rtkit.rtc.profiles import ConnectorProfile, PortProfile
 from rtkit.rtc.serde import encode
@@ -42,12 +44,20 @@ def connect(state: ManagerState, action: act.Connect) -> Procedure:
     while connector_id in state.openings:
         why = f"connection {connector_id} is just being made"
         yield WaitUntil(lambda: connector_id not in state.openings, why)
+    if peer_of(connector):
+        connector = named_for(connector, state.name)
     known = state.connectors.get(connector_id)
     own = OwnEnds(state.components)
     if known is not None:
-        return _same(known, own.connector(connector))
+        same = _same(known, own.connector(connector))
+        if not known.trouble:
+            return same
     if not connector_id or any(ord(c) < 32 for c in connector_id):
         raise Malformed(f"connector id is empty or has control characters: {connector_id!r}")
+    if peer_of(connector):
+        connector = own.connector(connector)
+        yield from _cut_loose(state, connector_id)
+        return (yield from connect_half(state, connector, *own_port(state, connector)))
     ports = _ports(state, connector)
     text = refusal(ports, connector.properties)
     if text or are_reversed([port.port_type for port in ports]):
@@ -70,6 +80,33 @@ def connect(state: ManagerState, action: act.Connect) -> Procedure:
         del state.openings[connector_id]
     state.connectors[connector_id] = connector
     return Result(value=connector_id)
+
+
+def check_same(state: ManagerState, connector: ConnectorProfile) -> None:
+    """Refuse a connector whose id another one has.
+
+    Raises:
+        Refused: Names that.
+    """
+    connector_id = connector.connector_id
+    known = state.connectors.get(connector_id, state.kept.wires.get(connector_id))
+    if known is not None:
+        _same(known, OwnEnds(state.components).connector(connector))
+
+
+def own_port(state: ManagerState, connector: ConnectorProfile) -> tuple[PortProfile, Process]:
+    """Return the port at the own end of half a connector, and its process.
+
+    Raises:
+        NotFound: There is no such component or port.
+        Refused: It is a zombie, or on its way out.
+    """
+    _, end = own_end(connector)
+    process = living(state, end.instance)
+    port = state.components[end.instance].port(end.port)
+    if port is None:
+        raise NotFound(f"Port not found: {end}")
+    return port, process
 
 
 def _same(known: ConnectorProfile, connector: ConnectorProfile) -> Result:
@@ -158,8 +195,17 @@ def disconnect(state: ManagerState, action: act.Disconnect) -> Procedure:
     connector = state.connectors.get(action.connector_id)
     if connector is None:
         raise NotFound(f"no connection with id {action.connector_id}")
-    yield from unwire(state, connector)
-    return Result()
+    peer = peer_of(connector)
+    try:
+        yield from unwire(state, connector)
+    except Unreachable:
+        if peer:  # its half is desired as before
+            state.kept.untell(peer, action.connector_id)
+        raise
+    state.kept.drop("wire", action.connector_id)  # a peer that is told may make it again
+    if not peer:
+        return Result()
+    return (yield from notify_gone(state, peer, action.connector_id))
 
 
 def unwire(state: ManagerState, connector: ConnectorProfile, timeout_s: float = 0.0) -> Procedure:
@@ -191,7 +237,7 @@ def unwire(state: ManagerState, connector: ConnectorProfile, timeout_s: float = 
 
 def cut(state: ManagerState, connector: ConnectorProfile) -> Procedure:
     """Take a connector off its ends without waiting for them."""
-    state.connectors.pop(connector.connector_id, None)
+    state.cut(connector.connector_id)
     ends = [state.process_of(end.instance) for end in connector.ports]
     yield from _abandon([each for each in ends if each is not None], connector.connector_id)
     return Result()

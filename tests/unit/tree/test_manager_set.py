@@ -6,7 +6,7 @@ from dataclasses import replace
 from typing import NoReturn
 
 import pytest
-from fake_manager import FakeManager
+from fake_manager import FakeManager, meet
 from fake_tree import fake_tree
 
 from rtkit.deployment import actions as act
@@ -17,12 +17,13 @@ from rtkit.deployment.live_index import LiveIndex
 from rtkit.deployment.multi_manager import homes_in, inward, outward
 from rtkit.deployment.runner import PlanRunner
 from rtkit.deployment.wanted import wanted
-from rtkit.errors import Impossible, Refused, Unreachable
+from rtkit.errors import Refused, Unreachable
+from rtkit.manager.core import events as ev
 from rtkit.profile import rts_model as rts
 from rtkit.profile.common import ExtensionProperty
 from rtkit.rtc.enums import LifeCycleState, PortType
 from rtkit.rtc.pattern import ComponentPattern
-from rtkit.rtc.profiles import ConnectorProfile, PortProfile, PortRef, TypeProfile
+from rtkit.rtc.profiles import PortProfile, PortRef, TypeProfile
 from rtkit.tree import managers
 from rtkit.tree.manager_set import ManagerSet, subscription_at
 from rtkit.tree.resurrect import resurrect
@@ -77,6 +78,7 @@ GUEST = component("Guest0", "localhost/m1.mgr/Guest0.rtc", create="Guest", modul
 class Host:
     def __init__(self, told: rts.RtsProfile) -> None:
         self.worlds = {name: make_world(name) for name in NAMES}
+        meet(self.worlds)
         self.system = wanted(told, "box", managers=["m1"])
         homes = {c.instance: c.manager or "manager" for c in self.system.components}
         self.fleet = ManagerSet(NAMES, {n: fake_tree(w) for n, w in self.worlds.items()}, homes)
@@ -128,17 +130,35 @@ def test_what_was_made_is_taken_back_where_it_was_made() -> None:
     assert host.worlds["m1"].loaded == {}
 
 
-def test_a_connection_between_two_managers_is_refused_before_anything_is_made() -> None:
+@pytest.mark.parametrize("way", [Host.resurrect, Host.apply])
+def test_a_connection_between_two_managers_is_one_of_the_system(way) -> None:
     host = Host(profile(HERE, THERE, wires=(("Here", "There"),)))
-    why = r"/Here.rtc:out to /localhost/m1.mgr/There.rtc:in: its components are in two managers"
-    with pytest.raises(Refused, match=why):
-        host.resurrect()
-    with pytest.raises(Impossible, match=why):
-        host.apply()
-    assert not any(world.performed for world in host.worlds.values())
-    wire = ConnectorProfile("w", "w", (PortRef("Here", "out"), PortRef("There", "in")))
-    with pytest.raises(Refused, match=r"two managers \(manager and m1\)"):
-        host.fleet.apply([act.Connect(wire)])
+    way(host)
+    ends = (PortRef("Here", "out"), PortRef("There", "in"))
+    (wire,) = host.fleet.snapshot().connectors
+    assert wire.ports == ends
+    assert {
+        name: [str(end) for end in w.connectors[wire.connector_id].ports]
+        for name, w in host.worlds.items()
+    } == {
+        "manager": ["Here.out", "m1.mgr/There.in"],
+        "m1": ["manager.mgr/Here.out", "There.in"],
+    }
+    left = DeploymentGoal(host.system).plan(host.fleet.snapshot()).moves
+    assert {move.kind for move in left} <= {"activate"}
+    assert host.fleet.apply([act.Disconnect(wire.connector_id)])[0].ok
+    assert not any(world.connectors for world in host.worlds.values())
+
+
+def test_half_a_connection_is_none_for_a_plan() -> None:
+    host = Host(profile(HERE, THERE, wires=(("Here", "There"),)))
+    host.apply()
+    shell = host.worlds["manager"].shell
+    shell.feed(ev.PeerLost("m1", "it ended"))
+    assert host.fleet.snapshot().connectors == ()
+    shell.feed(ev.PeerFound("m1"))
+    host.worlds["manager"].serve()
+    assert len(host.fleet.snapshot().connectors) == 1
 
 
 def test_strangers_of_the_same_name_are_told_and_left_alone() -> None:
