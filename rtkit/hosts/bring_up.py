@@ -2,23 +2,34 @@
 
 from __future__ import annotations
 
-import json
 import select
 import time
 from contextlib import closing
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from rtkit.errors import Malformed, Refused, Unreachable
+from rtkit.fast_dataclass import Record
 from rtkit.hosts import far_side, provisioned
 from rtkit.hosts.connection import HostConnection, connect
 from rtkit.hosts.host import Host
 from rtkit.hosts.provisioned import Notify, Provisioned
 from rtkit.link import host_links, places
 from rtkit.link.folder_watch import FolderWatch
-from rtkit.rtc.serde import encode_text
+from rtkit.rtc.names import is_local_host
+from rtkit.rtc.serde import decode_text, encode_text
 from rtkit.tree.client import Tree
 
 _FAR_S = 40.0
+
+
+class _Found(Record):
+    """What `rtkit.hosts.far_manager` tells: of the manager there, and the version it would have."""
+
+    was_running: bool = False
+    here: str = ""
+    version: str = ""
+    host: str = ""
+    error: str = ""
 
 
 class BroughtUp(NamedTuple):
@@ -36,13 +47,15 @@ def start(host: Host, near: Tree, notify: Notify, *, replaces: bool, timeout_s: 
     Raises:
         RtkitError: A step failed; names host and step. What was done before stays.
     """
+    if is_local_host(host.name, near.host):
+        raise Refused(f"{host.name} is the name of this host")
     with connect(host, timeout_s) as connection:
         done = provisioned.provision(connection, far_side.look(connection), notify)
         found = _ask(connection, "start")
-        if found["version"] != found["here"] or found["host"] != host.name:
+        if found.version != found.here or found.host != host.name:
             found = _replace(connection, found, replaces=replaces)
     link(host, near, timeout_s)
-    return BroughtUp(done, bool(found["was_running"]))
+    return BroughtUp(done, found.was_running)
 
 
 def stop(host: Host, near: Tree | None, timeout_s: float) -> bool:
@@ -51,7 +64,7 @@ def stop(host: Host, near: Tree | None, timeout_s: float) -> bool:
         found = _ask(connection, "stop")
     if near is not None and host.name in near.get("get_hosts").splitlines():
         near.set("unlink_host", host.name)
-    return bool(found["was_running"])
+    return found.was_running
 
 
 def link(host: Host, near: Tree, timeout_s: float) -> None:
@@ -78,34 +91,32 @@ def _why(name: str) -> str:
         return str(error)
 
 
-def _replace(
-    connection: HostConnection, found: dict[str, Any], *, replaces: bool
-) -> dict[str, Any]:
+def _replace(connection: HostConnection, found: _Found, *, replaces: bool) -> _Found:
     """Restart a manager of another version, or of another name of its host.
 
     Raises:
         Refused: That is not wanted.
     """
     host = connection.host
-    other = f"rtkit {found['version']}, as host {found['host']}"
+    other = f"rtkit {found.version}, as host {found.host}"
     if not replaces:
         raise Refused(
             f"{host.name}: manager {host.manager} runs there with {other}; here is"
-            f" {found['here']}: --replace has it end, with its components, and starts this one"
+            f" {found.here}: --replace has it end, with its components, and starts this one"
         )
     _ask(connection, "stop")
     return _ask(connection, "start")
 
 
-def _ask(connection: HostConnection, word: str) -> dict[str, Any]:
+def _ask(connection: HostConnection, word: str) -> _Found:
     host = connection.host
     command = [*provisioned.python(connection), "-m", "rtkit.hosts.far_manager", word, host.manager]
     done = connection.run(command, timeout_s=_FAR_S)
     try:
-        found = dict(json.loads(done.out))
-    except (ValueError, TypeError):
+        found = decode_text(_Found, done.out)
+    except Malformed:
         text = " ".join((done.err or done.out).split())[-300:] or f"exit status {done.status}"
         raise Malformed(f"{host.name}: {word}: {text}") from None
-    if "error" in found:
-        raise Refused(f"{host.name}: {found['error']}")
+    if found.error:
+        raise Refused(f"{host.name}: {found.error}")
     return found

@@ -13,7 +13,7 @@ import os
 import shlex
 import socket
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -30,6 +30,8 @@ if TYPE_CHECKING:
 
 logging.getLogger("paramiko").setLevel(logging.CRITICAL)  # its errors are raised here, too
 TIMEOUT_S = 10.0
+_MOST = 16 << 20
+"""How much a command on another host may write [bytes]."""
 _PING_S = 0.5
 _SILENT_S = 1.5
 """How often the far side is asked whether it is there, and how long it may be silent [s]."""
@@ -82,19 +84,25 @@ class HostConnection(Closing):
 
         Raises:
             Unreachable: The connection ended, or it took longer than `timeout_s` [s].
+            Refused: It writes too much.
         """
         channel = self.open(command)
         try:
-            channel.settimeout(timeout_s)
+            until = time.monotonic() + timeout_s
             if data:
                 start_thread(lambda: _feed(channel, data), "ssh input")
             else:
                 channel.shutdown_write()
             errors: list[bytes] = []
-            reading = start_thread(lambda: errors.append(_read(channel.recv_stderr)), "ssh errors")
-            out = _read(channel.recv)
-            reading.join(timeout_s)
-            if not channel.status_event.wait(timeout_s):
+
+            def read_errors() -> None:
+                with suppress(OSError, Refused):  # its status tells more
+                    errors.append(read_all(channel, channel.recv_stderr, until))
+
+            reading = start_thread(read_errors, "ssh errors")
+            out = read_all(channel, channel.recv, until)
+            reading.join(max(0.0, until - time.monotonic()))
+            if not channel.status_event.wait(max(0.0, until - time.monotonic())):
                 raise TimeoutError
             texts = [each.decode("utf-8", "replace") for each in (out, b"".join(errors))]
             return Done(channel.recv_exit_status(), *texts)
@@ -273,8 +281,19 @@ def _feed(channel: Channel, data: bytes) -> None:
         channel.shutdown_write()
 
 
-def _read(receive) -> bytes:  # type: ignore[no-untyped-def]
-    parts = []
-    while data := receive(1 << 16):
-        parts.append(data)
-    return b"".join(parts)
+def read_all(channel: Channel, receive: Callable[[int], bytes], until: float) -> bytes:
+    """Return what comes to its end; who sends it can neither go on for ever nor fill the memory.
+
+    Raises:
+        TimeoutError: It has not ended in time, by the monotonic clock [s].
+        Refused: It is more than `_MOST`.
+    """
+    found = bytearray()
+    while True:
+        channel.settimeout(max(0.001, until - time.monotonic()))
+        data = receive(1 << 16)
+        if not data:
+            return bytes(found)
+        found += data
+        if len(found) > _MOST:
+            raise Refused(f"a host writes more than {_MOST >> 20} MiB")

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import json
+import re
 import time
 from typing import NamedTuple
 
@@ -10,9 +10,10 @@ from rtkit.errors import Malformed, Refused
 from rtkit.fast_dataclass import Record
 from rtkit.hosts.connection import HostConnection
 from rtkit.hosts.wheels import Kind
-from rtkit.rtc.serde import decode
+from rtkit.rtc.serde import decode_text
 
 OLDEST = (3, 11)
+_KIND = re.compile(r"[A-Za-z0-9_]{1,32} [0-9]{1,3}\.[0-9]{1,3}")
 _ROOM = 300 << 20
 """How much room a version of rtkit takes at most [bytes]."""
 
@@ -57,6 +58,8 @@ class FarSide(Record):
             found.append(f"its Python is {self.implementation}, not cpython")
         if self.libc[:1] != ("glibc",):
             found.append("its C library is not glibc, for which there are wheels")
+        elif not _KIND.fullmatch(f"{self.machine} {self.kind.glibc}"):  # it is a name of a folder
+            found.append(f"no machine with wheels: {self.machine}, glibc {self.kind.glibc}")
         if not self.has_venv:
             found.append("its Python has no module venv (Debian: apt install python3-venv)")
         if not self.is_writable:
@@ -91,8 +94,8 @@ def look(connection: HostConnection) -> HostLook:
         why = " ".join(done.err.split()) or f"exit status {done.status}"
         raise Refused(f"{host.name}: no Python there as {host.python}: {why}")
     try:
-        far = decode(FarSide, json.loads(done.out))
-    except (ValueError, Malformed) as error:
+        far = decode_text(FarSide, done.out)
+    except Malformed as error:
         raise Malformed(f"{host.name}: {host.python} says no sense: {error}") from error
     # It looks at its clock last of all: half a round trip before its answer is here.
     offset_s = far.time_s - (began_s + took_s - round_trip_s / 2)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from rtkit.errors import Malformed
 from rtkit.fast_dataclass import Record
 from rtkit.rtc.manager_address import is_port
-from rtkit.rtc.names import check_instance_name
+from rtkit.rtc.names import check_host_name
 
 MANAGER = "manager"
 
@@ -54,18 +54,6 @@ def host_at(name: str, typed: str) -> Host:
     if not bare or (at and not user) or not _is_word(bare) or (user and not _is_word(user)):
         raise Malformed(f"not [USER@]ADDRESS[:PORT]: {typed!r}")
     return Host(name, bare, user, int(port or 0))
-
-
-def check_host_name(name: str) -> str:
-    """Return a name if a host can bear it.
-
-    Raises:
-        Malformed: It cannot be an element of a path, or means this host.
-    """
-    check_instance_name(name)
-    if name == "localhost" or name.startswith("-") or "." in name[:1] or ":" in name:
-        raise Malformed(f"not a name for a host: {name}")
-    return name
 
 
 def _is_word(text: str) -> bool:

@@ -40,8 +40,10 @@ def accept(host: Host, expected: str, timeout_s: float) -> str:
         )
     path = way.known_hosts[0]
     os.makedirs(os.path.dirname(path), mode=0o700, exist_ok=True)
-    with open(path, "a", encoding="utf-8") as stream:
-        stream.write(f"{way.place} {key.get_name()} {key.get_base64()}\n")
+    with open(path, "a+b") as stream:
+        stream.seek(max(0, stream.seek(0, os.SEEK_END) - 1))
+        start = b"\n" if stream.read() not in (b"", b"\n") else b""  # its last line may be open
+        stream.write(start + f"{way.place} {key.get_name()} {key.get_base64()}\n".encode())
     return path
 
 

@@ -12,7 +12,8 @@ from collections.abc import Iterable, Mapping
 from typing import Any
 
 from rtkit.errors import Malformed, NotFound, Refused
-from rtkit.hosts.host import Host, check_host_name, host_at
+from rtkit.hosts.host import Host, host_at
+from rtkit.rtc.names import check_host_name
 from rtkit.rtc.nearest import did_you_mean
 from rtkit.settings.reading import read_private
 

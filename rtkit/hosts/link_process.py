@@ -40,6 +40,8 @@ _FIRST_S, _MOST_S = 0.05, 2.0
 _LEASE_MS = 1500
 _CHUNK = 1 << 16
 _EVER_S = 1e6
+_READY_S, _LINE = 10.0, 2000
+"""How long the relay may take for its first line [s], and how long that is at most [bytes]."""
 _ROUTE_S = 5.0
 """How long the far manager may take to be heard of once the routers are joined [s]."""
 
@@ -89,7 +91,7 @@ def _join(host: Host, manager: str, stack: ExitStack) -> Callable[[], str]:
         RtkitError: They cannot be joined.
     """
     connection = stack.enter_context(connect(host))
-    channel = _relay(connection, host)
+    channel = open_relay(connection, host)
     path = host_links.tunnel_socket(host.name)
     places.check_socket_length(path)
     listener = stack.enter_context(unix.listen(path))
@@ -100,7 +102,7 @@ def _join(host: Host, manager: str, stack: ExitStack) -> Callable[[], str]:
         reasons.append(why)
         over.set()
 
-    start_thread(lambda: _splice(listener, channel, note), "tunnel")
+    start_thread(lambda: splice(listener, channel, note), "tunnel")
     session = _open(host, places.manager_socket(manager), path)
     stack.callback(session.close)
     # Routers tell each other of what they serve some time after they were joined.
@@ -115,7 +117,7 @@ def _join(host: Host, manager: str, stack: ExitStack) -> Callable[[], str]:
     return lost
 
 
-def _relay(connection: HostConnection, host: Host) -> Channel:
+def open_relay(connection: HostConnection, host: Host) -> Channel:
     """Start the relay; return its input and output once it is through to the manager there.
 
     Raises:
@@ -123,10 +125,11 @@ def _relay(connection: HostConnection, host: Host) -> Channel:
     """
     python = provisioned.python(connection)
     channel = connection.open([*python, "-m", "rtkit.hosts.relay", host.manager])
-    channel.settimeout(10.0)
+    until = time.monotonic() + _READY_S
     line = b""
     with suppress(OSError):
-        while not line.endswith(b"\n"):
+        while not line.endswith(b"\n") and len(line) < _LINE:
+            channel.settimeout(max(0.001, until - time.monotonic()))
             data = channel.recv(1)
             if not data:
                 break
@@ -140,12 +143,18 @@ def _relay(connection: HostConnection, host: Host) -> Channel:
     return channel
 
 
-def _splice(listener: socket.socket, channel: Channel, note: Callable[[str], object]) -> None:
+def splice(listener: socket.socket, channel: Channel, note: Callable[[str], object]) -> None:
     """Pass what the one connection to the tunnel says, and hears."""
+
+    def outward(end: socket.socket) -> None:
+        pump(lambda: end.recv(_CHUNK), channel.sendall)
+        note("the router there is silent, or says what is no sense")  # so that here has hung up
+
     with suppress(OSError):
         end, _ = listener.accept()
-        start_thread(lambda: pump(lambda: end.recv(_CHUNK), channel.sendall), "outward")
-        pump(lambda: channel.recv(_CHUNK), end.sendall)
+        with end:
+            start_thread(lambda: outward(end), "outward")
+            pump(lambda: channel.recv(_CHUNK), end.sendall)
     note("the manager there has ended, or the relay to it")
 
 
@@ -156,10 +165,10 @@ def _open(host: Host, near: str, tunnel: str) -> zenoh.Session:
         Unreachable: One of both does not answer.
     """
     ends = (unix_endpoint(near), unix_endpoint(tunnel))
-    return open_between(ends, _rules(ask_router_id(ends[0]), host.name), _LEASE_MS)
+    return open_between(ends, rules(ask_router_id(ends[0]), host.name), _LEASE_MS)
 
 
-def _rules(near_id: str, host: str) -> str:
+def rules(near_id: str, host: str) -> str:
     """Return the access rules: all to the near router, to the far one what is its host's own."""
     own, every = zenoh_keys.all_of_host(host), zenoh_keys.all_of_host("*")
     reading = ["query", "declare_subscriber", "liveliness_query", "declare_liveliness_subscriber"]

@@ -9,14 +9,16 @@ from __future__ import annotations
 import json
 import os
 import posixpath
-from collections.abc import Callable
-from typing import Any, NamedTuple
+from collections.abc import Callable, Iterable
+from typing import NamedTuple
 
-from rtkit.errors import Refused, Unreachable
+from rtkit.errors import Malformed, Refused, Unreachable
+from rtkit.fast_dataclass import Record
 from rtkit.hosts import far_side, wheels
 from rtkit.hosts.connection import HostConnection
 from rtkit.hosts.far_side import HostLook
 from rtkit.hosts.wheels import WheelSet
+from rtkit.rtc.serde import decode_text
 
 _CURRENT = ".local/share/rtkit/current"
 _INSTALL_S = 300.0
@@ -29,6 +31,14 @@ class Provisioned(NamedTuple):
     id: str
     is_new: bool
     sent_bytes: int
+
+
+class _Installed(Record):
+    """What `rtkit.hosts.far_install` tells: its folder of wheels, and which are lacking there."""
+
+    wheels: str
+    lacking: tuple[str, ...]
+    made: bool
 
 
 def python(connection: HostConnection) -> list[str]:
@@ -55,19 +65,24 @@ def provision(connection: HostConnection, look: HostLook, notify: Notify) -> Pro
         return Provisioned(chosen.id, False, 0)
     answer = _install(connection, chosen)
     sent = 0
-    if answer["lacking"]:
-        sent = sum(os.path.getsize(chosen.files[each]) for each in answer["lacking"])
-        notify(f"{name}: {len(answer['lacking'])} wheels are sent, {sent / 1e6:.1f} MB")
-        _send(connection, chosen, answer["lacking"], answer["wheels"])
+    if answer.lacking:
+        sent = sum(os.path.getsize(chosen.files[each]) for each in answer.lacking)
+        notify(f"{name}: {len(answer.lacking)} wheels are sent, {sent / 1e6:.1f} MB")
+        _send(connection, chosen, answer.lacking, answer.wheels)
         answer = _install(connection, chosen)
-        if answer["lacking"]:
-            raise Refused(f"{name}: damaged on the way: {', '.join(answer['lacking'])}")
+        if answer.lacking:
+            raise Refused(f"{name}: damaged on the way: {', '.join(answer.lacking)}")
     notify(f"{name}: rtkit {chosen.id} is in use")
-    return Provisioned(chosen.id, bool(answer["made"]), sent)
+    return Provisioned(chosen.id, answer.made, sent)
 
 
-def _install(connection: HostConnection, chosen: WheelSet) -> dict[str, Any]:
-    """Make the version there if all wheels are, else return which are lacking."""
+def _install(connection: HostConnection, chosen: WheelSet) -> _Installed:
+    """Make the version there if all wheels are, else return which are lacking.
+
+    Raises:
+        Refused: It cannot be made.
+        Malformed: What that host answers makes no sense.
+    """
     host = connection.host
     wanted = json.dumps({"id": chosen.id, "wheels": chosen.digests})
     done = connection.run(
@@ -76,10 +91,13 @@ def _install(connection: HostConnection, chosen: WheelSet) -> dict[str, Any]:
     if done.status:
         lines = done.err.strip().splitlines() or [f"exit status {done.status}"]
         raise Refused(f"{host.name}: rtkit cannot be made there: {lines[-1]}")
-    return dict(json.loads(done.out))
+    found = decode_text(_Installed, done.out)
+    if not chosen.files.keys() >= {*found.lacking}:
+        raise Malformed(f"{host.name}: it lacks what is no wheel of rtkit")
+    return found
 
 
-def _send(connection: HostConnection, chosen: WheelSet, names: list[str], folder: str) -> None:
+def _send(connection: HostConnection, chosen: WheelSet, names: Iterable[str], folder: str) -> None:
     """Send files; each is in its place when it is whole.
 
     Raises:

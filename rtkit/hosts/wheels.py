@@ -19,6 +19,7 @@ import zipfile
 from typing import NamedTuple
 
 from rtkit.errors import NotFound, Refused
+from rtkit.link.places import check_trusted
 from rtkit.version import __version__
 
 _NEWEST_GLIBC, _OLDEST_GLIBC = 45, 17
@@ -63,8 +64,10 @@ def wheels_for(kind: Kind) -> WheelSet:
 
     Raises:
         NotFound: There is no wheel of a package for that kind, and its name.
-        Refused: pip cannot be run here.
+        Refused: pip cannot be run here, or others may write in the cache folder.
     """
+    os.makedirs(cache_folder(), mode=0o700, exist_ok=True)
+    check_trusted(cache_folder())
     own = own_wheel()
     key = hashlib.sha256("\n".join(sorted(requirements())).encode()).hexdigest()[:8]
     folder = os.path.join(cache_folder(), f"{kind.name}-{key}")

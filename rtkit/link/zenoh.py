@@ -29,6 +29,9 @@ LEASE_S = 600.0
 """How long a peer may be silent until it is given up: what stands still is not dead (decision 18)
 [s]."""
 
+_MOST_BETWEEN = 128 << 20
+"""How much a message between hosts may hold [bytes]: it is kept here until it is whole."""
+
 _ID = "id="
 NOTHING: Mapping[str, str] = {}
 _ERROR_ENCODING = zenoh.Encoding("text/plain;rtkit.error")
@@ -160,6 +163,7 @@ def open_between(endpoints: Iterable[str], rules: str, lease_ms: int) -> zenoh.S
         "listen/endpoints": "[]",
         "access_control": rules,
         "transport/link/tx/lease": str(lease_ms),
+        "transport/link/rx/max_message_size": str(_MOST_BETWEEN),
     }
     try:
         return _without_panic(lambda: zenoh.open(_config("router", settings, False)))

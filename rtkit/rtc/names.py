@@ -18,6 +18,7 @@ LOCAL = "localhost"
 COMPONENT_SUFFIX = ".rtc"
 MANAGER_SUFFIX = ".mgr"
 _MAX_NAME = 255
+_MAX_HOST = 64
 
 
 class Path(NamedTuple):
@@ -92,6 +93,20 @@ def check_instance_name(name: str) -> str:
         raise Malformed(f"instance name begins with *, the mark of zombies: {name}")
     if name in (".", ".."):
         raise Malformed(f"instance name is reserved: {name}")
+    return name
+
+
+def check_host_name(name: str) -> str:
+    """Return a name if another host can bear it.
+
+    Raises:
+        Malformed: It cannot be an element of a path, or means this host.
+    """
+    check_instance_name(name)
+    if name == LOCAL or name.startswith(("-", ".")):
+        raise Malformed(f"not a name for a host: {name}")
+    if len(name.encode("utf-8", "replace")) > _MAX_HOST:  # as of Linux; files bear it, too
+        raise Malformed(f"name of a host is longer than {_MAX_HOST} bytes: {name[:40]}…")
     return name
 
 

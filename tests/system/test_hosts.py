@@ -22,6 +22,7 @@ def _at_home(shell: Shell, hosts: list[FarHost]) -> None:
     """Give a shell a home of its own, from which these hosts can be logged into."""
     home = shell.folder / "home"
     (home / ".ssh").mkdir(parents=True, mode=0o700)
+    (home / ".ssh" / "known_hosts").write_text("# no end of line: keys begin on another")
     if hosts:
         key = home / ".ssh" / "id_ed25519"
         key.write_bytes(hosts[0].key.read_bytes())
@@ -83,7 +84,7 @@ def test_a_changed_key_is_refused(known: Shell, hosts: list[FarHost]) -> None:
     one = hosts[0]
     lines = file.read_text().splitlines()
     key = "AAAAC3NzaC1lZDI1NTE5AAAAIOIwvWTeRY1vm8bPqRtX5bYkYnZg7h7jCFzrD9H8Tz2W"
-    file.write_text(f"{one.address} ssh-ed25519 {key}\n{lines[1]}\n")
+    file.write_text(f"{one.address} ssh-ed25519 {key}\n{lines[2]}\n")
     told = known.run("rthost check robot1")
     assert told.status == 1
     assert "its key has changed" in told.err

@@ -18,9 +18,9 @@ from rtkit.manager.core.effects import AcquireSlave, Procedure, Spawn
 from rtkit.manager.core.procedures import procedure_for
 from rtkit.manager.core.state import ManagerState
 from rtkit.rtc.create import FRESH_SLAVE
-from rtkit.rtc.names import check_instance_name
+from rtkit.rtc.names import check_host_name, check_instance_name, is_local_host
 from rtkit.rtc.profiles import TypeProfile
-from rtkit.rtc.serde import parse_json
+from rtkit.rtc.serde import parse_table
 
 TIMEOUT_S = 10.0
 """How long an operation may take that is not part of a batch [s]."""
@@ -147,10 +147,14 @@ def _remove(managers: list[str], argument: str) -> Procedure:
 
 
 def _link_host(state: ManagerState, argument: str) -> Procedure:
-    """Have a link to another host, which is given as JSON."""
+    """Have a link to another host, which is given as JSON.
+
+    A host that bore the name of this one could answer for it: its link lets its own keys pass.
+    """
     yield from ()
-    name = str(parse_json(argument).get("name") or "")
-    check_instance_name(name)
+    name = check_host_name(str(parse_table(argument).get("name") or ""))
+    if is_local_host(name, state.host):
+        raise Refused(f"{name} is the name of this host")
     state.kept.put("host", name, argument)
     return Result(value=name)
 

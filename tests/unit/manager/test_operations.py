@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import json
+
 import pytest
 from fake_shell import OWN, FakeShell, facts
 
 from rtkit.deployment.actions import ChangeState, Create
-from rtkit.errors import NotFound, Refused
+from rtkit.errors import Malformed, NotFound, Refused
 from rtkit.manager.core import events as ev
 from rtkit.manager.core import manager_properties, operations
 from rtkit.manager.query_server import ManagerQueryServer
@@ -137,6 +139,19 @@ def test_what_can_only_be_read_and_what_only_be_set(client):
         client.get("nonsense")
     with pytest.raises(NotFound, match="no service"):
         client.set("get_service", "x")
+
+
+@pytest.mark.parametrize(
+    "name", ["localhost", "127.0.0.1", "..", "*", "-x", "a/b", "a:1", "x" * 65, "here", ""]
+)
+def test_a_link_to_what_can_be_no_other_host_is_refused(client, shell, name):
+    shell.state.host = "here.local"
+    with pytest.raises((Refused, Malformed)):
+        client.set("link_host", json.dumps({"name": name}))
+    with pytest.raises(Malformed):
+        client.set("link_host", "[]")
+    client.set("link_host", '{"name": "robot1"}')
+    assert client.get("get_hosts") == "robot1"
 
 
 def test_the_table_of_operations_is_that_of_the_interface():

@@ -1,0 +1,133 @@
+"""The router between hosts: what one that was taken over sends, and poses as, goes nowhere."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator
+from contextlib import ExitStack
+from pathlib import Path
+from typing import Any
+
+import pytest
+import zenoh
+from waiting import until
+
+from rtkit.hosts.link_process import rules
+from rtkit.link.zenoh import ask_router_id, open_between, open_listener
+
+NEAR, FAR, OTHER = (f"rt/default/{each}/manager/@/x" for each in ("near", "robot1", "robot2"))
+WIDE = ("**", "rt/**", "rt/default/*/manager/@/**", "rt/default/*/manager/@/x")
+
+
+@pytest.fixture
+def routers(tmp_path: Path) -> Iterator[tuple[Any, Any]]:
+    with _joined(tmp_path) as ends:
+        yield ends
+
+
+class _joined(ExitStack):  # noqa: N801  read as a verb
+    """Routers here and there, and the one between them; the far one may pose as the near one."""
+
+    def __init__(self, folder: Path, *, poses: bool = False) -> None:
+        super().__init__()
+        ends = [f"unixsock-stream/{folder}/{each}" for each in ("near", "far")]
+        self.near = self._kept(open_listener(ends[0]))
+        id = ask_router_id(ends[0])
+        more = {"id": json.dumps(id)} if poses else {}
+        self.far = self._kept(open_listener(ends[1], more=more))
+        self._kept(open_between(ends, rules(id, "robot1"), 60_000))
+
+    def _kept(self, session: Any) -> Any:
+        self.callback(session.close)
+        return session
+
+    def __enter__(self) -> Any:
+        return self.near, self.far
+
+
+def _heard(session: Any) -> list[str]:
+    heard: list[str] = []
+    for key in (NEAR, FAR, OTHER):
+        session.declare_subscriber(key, lambda each: heard.append(each.payload.to_string()))
+    return heard
+
+
+def _replies(session: Any, key: str) -> list[str]:
+    found = session.get(key, timeout=0.5, consolidation=zenoh.ConsolidationMode.NONE)
+    return [each.ok.payload.to_string() for each in found if each.ok]
+
+
+def test_a_far_host_publishes_below_its_own_name_only(routers: tuple[Any, Any]) -> None:
+    near, far = routers
+    heard = _heard(near)
+    own = far.declare_publisher(FAR)
+    until(lambda: own.matching_status.matching, "the far side knows who listens to it")
+    for key in (NEAR, OTHER, *WIDE):
+        far.put(key, f"posed as {key}")
+        far.declare_publisher(key).put(f"posed as {key}")
+        far.delete(key)
+    own.put("own")
+    until(lambda: "own" in heard, "what is its own arrives")
+    assert heard == ["own"]
+
+
+def test_a_far_host_asks_and_answers_for_nobody_else(routers: tuple[Any, Any]) -> None:
+    near, far = routers
+    asked: list[str] = []
+
+    def serve(session: Any, key: str, text: str) -> None:
+        def answer(query: zenoh.Query) -> None:
+            asked.append(text)
+            query.reply(query.key_expr, text)
+
+        session.declare_queryable(key, answer)
+
+    serve(near, NEAR, "near")
+    for key in (NEAR, OTHER, *WIDE):
+        serve(far, key, "posed")
+    for key in (NEAR, OTHER):
+        far.liveliness().declare_token(key)
+    serve(far, FAR, "own")
+    far.liveliness().declare_token(FAR)
+    until(lambda: "own" in _replies(near, FAR), "it answers for itself")
+    assert _replies(near, NEAR) == ["near"]
+    assert not _replies(near, OTHER)
+    asked.clear()
+    assert not [text for key in (NEAR, OTHER) for text in _replies(far, key) if text == "near"]
+    assert "near" not in asked
+    alive = [str(each.ok.key_expr) for each in near.liveliness().get("rt/default/*/**", timeout=1)]
+    assert NEAR not in alive
+    assert OTHER not in alive
+
+
+def test_a_far_host_hears_nothing_of_others(routers: tuple[Any, Any]) -> None:
+    near, far = routers
+    heard = _heard(far)
+    for key in WIDE:
+        far.declare_subscriber(key, lambda each: heard.append(each.payload.to_string()))
+    far.declare_queryable(FAR, lambda query: query.reply(FAR, "own"))
+    until(lambda: _replies(near, FAR), "what was declared before is known here")
+    for key in (NEAR, OTHER):
+        near.put(key, "news")
+    assert _replies(near, FAR) == ["own"]  # which went the same way, later
+    assert not heard
+
+
+def test_who_poses_as_the_router_here_is_not_joined(tmp_path: Path) -> None:
+    with _joined(tmp_path, poses=True) as (near, far):
+        asked: list[str] = []
+        near.declare_queryable(NEAR, lambda query: asked.append("asked"))
+        assert not _replies(far, NEAR)
+        assert not asked
+
+
+def test_a_giant_message_is_dropped_and_the_link_stays(routers: tuple[Any, Any]) -> None:
+    near, far = routers
+    sizes: list[int] = []
+    near.declare_subscriber(FAR, lambda each: sizes.append(len(each.payload)))
+    own = far.declare_publisher(FAR, congestion_control=zenoh.CongestionControl.BLOCK)
+    until(lambda: own.matching_status.matching, "the far side knows who listens to it")
+    own.put(bytes(130 << 20))
+    own.put(b"small")
+    until(lambda: sizes, "the small one arrives")
+    assert sizes == [5]
