@@ -23,7 +23,7 @@ _FAR_S = 40.0
 
 
 class _Found(Record):
-    """What `rtkit.hosts.far_manager` tells: of the manager there, and the version it would have."""
+    """Answer of `rtkit.hosts.far_manager`: the manager there, and the version it would have."""
 
     was_running: bool = False
     here: str = ""

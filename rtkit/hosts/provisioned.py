@@ -34,7 +34,7 @@ class Provisioned(NamedTuple):
 
 
 class _Installed(Record):
-    """What `rtkit.hosts.far_install` tells: its folder of wheels, and which are lacking there."""
+    """Answer of `rtkit.hosts.far_install`: its folder of wheels, and which are lacking there."""
 
     wheels: str
     lacking: tuple[str, ...]
