@@ -319,6 +319,8 @@ def with_near_names(error: Exception, place: PropertyTarget, end: PropertyClient
         names = str(end.ask(f"properties?all=1&timeout={_NAMES_S}").value()).strip("()").split()
     except RtkitError:
         return shown  # the error itself is what counts
+    if place.name in names or "(did you mean " in str(shown):
+        return shown  # it is something else that is unknown
     meant = did_you_mean(place.name, names, shown=lambda name: f"{begin}{name}")
     return PropertyError("unknown", f"{shown}{meant}")
 

@@ -101,7 +101,7 @@ def test_a_failure_is_reported_with_what_lived_and_was_logged(project: Shell) ->
         "LS = [sys.executable, '-c', 'from rtkit.cli.tree.rtls import main; main()']\n"
         "def test_commands(rtmanager):\n"
         f"    {CREATE}\n"
-        "    subprocess.Popen(['sleep', '1000'])\n"
+        "    os.posix_spawnp('sleep', ['sleep', '1000'], os.environ)\n"
         "    assert b'Scale0.rtc' in subprocess.run([*LS, '/localhost'], stdout=-1).stdout\n",
     )
     where = r"ValueError: negative \(Scale.py:\d+ in check, called by on_activated\)"
