@@ -182,8 +182,8 @@ class Client(Closing):
             of an owner that has not answered by then.
         """
         via, until = UNDER_WAY.get()
-        if until < inf:
-            left_s = until - monotonic()
+        # What was begun for a request, as a task of asyncio, may go on when that is long answered.
+        if 0.0 < (left_s := until - monotonic()) < inf:
             deadline_s = max(0.0, min(deadline_s, round(left_s - min(0.1, left_s * 0.2), 3)))
         if via and any(each.in_turn for each in asks):
             more = {VIA: ".".join(via)}

@@ -105,19 +105,21 @@ class LiveService(Closing):
 
     def _listen(self, names: deque[str]) -> None:
         """Listen to one after the other, beside other threads that do so."""
-        while names and not self._ended.is_set():
-            with suppress(IndexError):  # another thread has taken the last
+        while not self._ended.is_set():
+            try:
                 name = names.popleft()
-                target = f"{self.name}.{name}"
-                came = partial(self._came, name)
-                try:
-                    self._listened[name] = self._client.listen(target, came, every=0.05)
-                except PropertyError as error:
-                    code = error.code if error.code in _LATE else ""
-                    self.is_partial |= bool(code)
-                    self._problems[name] = str(error).removeprefix(f"{target}: ")
-                    self._came(name, PropertyChange(name, None, 0.0, "bad", code))
-                self._asked.discard(name)
+            except IndexError:  # another thread has taken the last
+                return
+            target = f"{self.name}.{name}"
+            came = partial(self._came, name)
+            try:
+                self._listened[name] = self._client.listen(target, came, every=0.05)
+            except PropertyError as error:
+                code = error.code if error.code in _LATE else ""
+                self.is_partial |= bool(code)
+                self._problems[name] = str(error).removeprefix(f"{target}: ")
+                self._came(name, PropertyChange(name, None, 0.0, "bad", code))
+            self._asked.discard(name)
 
     def _watch(self) -> None:
         """Ask for something that is known without work: who is stopped ends no connection."""

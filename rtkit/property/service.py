@@ -272,7 +272,7 @@ class Service:
     def handle(self, ask: PropertyRequest) -> None:
         """Answer a request, now or later; never raises for what is asked."""
         if is_among_proxies(ask.target):
-            if ask.target.endswith(PASSES_ON):
+            if ask.target == PASSES_ON:
                 ask.answer(Answer(str(int(self.mounts is not None))))
                 return
             ask = split_via(ask)

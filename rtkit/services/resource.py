@@ -322,10 +322,9 @@ class Resource(Names):
 
     def _found_by_start(self, kind: str, look: Callable[[], _Search], within: float) -> _Search:
         """Start one of a kind, and search again until it fits; stop it if it does not in time."""
-        is_late = self._starting.locked()
         with self._starting:
-            if is_late and (outcome := look())[0]:
-                return outcome  # that of somebody else
+            if (outcome := look())[0]:
+                return outcome  # which somebody else has started meanwhile
             if kind in self.started:
                 raise PropertyError("unknown", f"none fits: {kind} was started, and runs")
             process, name = self._start(kind)

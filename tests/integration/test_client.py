@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import os
 import signal
 import subprocess
@@ -16,6 +17,7 @@ import pytest
 import rtkit
 from rtkit.api.properties import PropertyChange
 from rtkit.property.codes import PropertyError
+from rtkit.property.requests import UNDER_WAY, UnderWay
 from rtkit.wires.serve import ServedObject, serve
 
 _BOUND_S = 20.0
@@ -27,6 +29,16 @@ with rtkit.serve(Light(), 'l'):
     print('up', flush=True)
     sys.stdin.read()
 """
+
+
+class Beginning:
+    """Begins tasks of asyncio, which inherit the context of the request."""
+
+    async def get_until(self) -> float:
+        async def of_task() -> float:
+            return UNDER_WAY.get().until
+
+        return await asyncio.create_task(of_task())
 
 
 class Light:
@@ -161,6 +173,20 @@ def test_all_are_asked_at_once_and_the_dead_and_the_slow_are_named(place: str) -
         assert client.ask_all([], 1.0) == []
     for each in lights:
         each.close()
+
+
+def test_what_a_request_began_may_ask_after_its_time(place: str) -> None:
+    found: list[object] = []
+    long_over = UnderWay(until=monotonic() - 1.0)
+    with serve(Light(), "l"), rtkit.Client() as client:
+        long_over.call(lambda: found.extend(client.ask_all([rtkit.Ask("l.level")], _BOUND_S)))
+    assert found == [0.5]
+
+
+def test_a_task_that_a_request_began_has_its_time(place: str) -> None:
+    with serve(Beginning(), "b"), rtkit.Client() as client:
+        (until,) = client.ask_all([rtkit.Ask("b.until", parameters={"timeout": 9})], 9.0)
+        assert until <= monotonic() + 9.0
 
 
 def test_a_set_that_is_given_up_is_never_done(place: str) -> None:
