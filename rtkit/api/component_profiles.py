@@ -128,10 +128,11 @@ def _beside_modules(folder: str) -> Iterator[str]:
 
 def of_packages() -> Iterator[tuple[str, Mapping[str, str]]]:
     """Yield the profiles beside modules of installed packages, with the module of each type."""
-    from rtkit.modules.search import installed
+    from rtkit.modules.search import installed, versions
 
     modules: dict[str, dict[str, str]] = {}
-    for name, each in installed().items():
+    for key, each in {**installed(), **versions()}.items():
+        name = key.partition("==")[0]
         stem, usual = os.path.splitext(each.file)[0], os.path.dirname(each.file)
         for path in (f"{stem}.xml", os.path.join(usual, f"{_USUAL}.xml")):
             types = modules.setdefault(path, {})

@@ -44,6 +44,17 @@ TOPICS: dict[str, dict[str, str]] = {
         "rtwait": "Wait for components, their states, and data of ports.",
         "rtwatch": "Print what happens to components, as it happens.",
     },
+    "packages": {
+        "rtpkg": "Build, publish, find and install packages of components.",
+    },
+    "packages.words": {
+        "build": "Build a package of a folder with pyproject.toml, as rtnew and rtbuild make one.",
+        "install": "Install packages with all that they need, each version in a folder of its own.",
+        "list": "List the installed packages, the newest version of each first.",
+        "publish": "Publish a package in a folder, or in a git repository, to which it is pushed.",
+        "search": "Search repositories for packages, the newest version of each first.",
+        "uninstall": "Uninstall packages, unless a running manager has loaded a module of one.",
+    },
     "profiles": {
         "rtbuild": "Generate components from their RTC profiles.",
         "rtdev": "Apply an RTS profile, and again what is saved, until Ctrl-C.",

@@ -10,7 +10,7 @@ from rtkit.component.composite import TYPES as COMPOSITES
 from rtkit.errors import Malformed, NotFound, Refused
 from rtkit.modules.describing import describe
 from rtkit.modules.known import instead
-from rtkit.modules.search import SUFFIX, Search
+from rtkit.modules.search import Search, is_among
 from rtkit.rtc.create import CreateString, parse_create
 from rtkit.rtc.profiles import ModuleProfile, TypeProfile, split_module
 
@@ -65,7 +65,7 @@ class _Finder:
             if found is None:
                 return ""  # its types are known only when it runs
             offered = found
-        if create.implementation_id in COMPOSITES or _is_among(create, (*self._types, *offered)):
+        if create.implementation_id in COMPOSITES or is_among(create, (*self._types, *offered)):
             return ""
         return self._not_found(create, path, offered)
 
@@ -91,14 +91,14 @@ class _Finder:
 
     def _not_found(self, create: CreateString, path: str, offered: Sequence[TypeProfile]) -> str:
         name = create.implementation_id
-        own = f"{name}{SUFFIX}"
-        may_search = self._is_search_allowed and os.path.basename(own) == own
+        own = self._search.path_of(create)
+        may_search = self._is_search_allowed and os.path.basename(name) == name
         if may_search and own not in self._loaded and self._search.has(own):
             try:
                 found = self._offered(own, "")
             except (NotFound, Refused, Malformed) as error:
                 return str(error)
-            if found is None or _is_among(create, found):
+            if found is None or is_among(create, found):
                 return ""
         named = [kind.type_name for kind in (*self._types, *offered)]
         if name in named:
@@ -111,12 +111,3 @@ class _Finder:
         search = self._search if self._is_search_allowed else None
         more = instead(name, named, COMPOSITES, search)
         return f"{message}{looked if may_search else ''}{more}"
-
-
-def _is_among(create: CreateString, types: Sequence[TypeProfile]) -> bool:
-    fields = ("vendor", "category", "language", "version")
-    return any(
-        each.type_name == create.implementation_id
-        and all(getattr(create, key) in ("", getattr(each, key)) for key in fields)
-        for each in types
-    )

@@ -20,7 +20,7 @@ from rtkit.errors import NotFound, Refused
 from rtkit.modules.bytecode import code_of
 from rtkit.modules.known import instead
 from rtkit.modules.neighbours import among_its_own, fingerprints, forget_neighbours, has_changed
-from rtkit.modules.search import SUFFIX, ModuleSource, Search
+from rtkit.modules.search import ModuleSource, Search
 from rtkit.rtc.create import CreateString
 from rtkit.rtc.nearest import did_you_mean
 from rtkit.rtc.profiles import ModuleProfile, TypeProfile
@@ -254,10 +254,10 @@ class Loader:
         try:
             return self.factories.find(create.implementation_id, *fields)
         except NotFound as error:
-            path = f"{create.implementation_id}{SUFFIX}"
-            is_name = os.path.basename(path) == path  # a type's name must not lead elsewhere
-            may_search = self._is_search_allowed and is_name and (path, "") not in self._known
-            if not may_search or not self._search.has(path):
+            name = create.implementation_id
+            is_name = os.path.basename(name) == name  # a type's name must not lead elsewhere
+            path = self._search.path_of(create) if self._is_search_allowed and is_name else ""
+            if not path or (path, "") in self._known or not self._search.has(path):
                 raise NotFound(f"{error}{self._instead(create.implementation_id)}") from None
         self._found.append(self.load(path))
         return self.factories.find(create.implementation_id, *fields)

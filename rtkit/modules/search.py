@@ -5,7 +5,8 @@ One that no load path has may be that of a module of an installed package: as th
 it for components or, where absolute paths are allowed, as Python does (``robot.arm``). Packages
 declare entry points of the group ``rtkit.components``, ``NAME = MODULE:INIT``: the module is
 requested by NAME, usually the name of its component type, or by MODULE. None of them is run to be
-found.
+found. Of packages that ``rtpkg`` installed there may be several versions: ``NAME==VERSION`` is one
+of them, NAME the newest, and a type with a version the one that has it.
 """
 
 from __future__ import annotations
@@ -18,8 +19,12 @@ from collections.abc import Iterator, Sequence
 from importlib.machinery import ModuleSpec, PathFinder
 from typing import NamedTuple
 
-from rtkit.errors import NotFound, Refused
+from rtkit.errors import Malformed, NotFound, Refused
+from rtkit.modules.describing import describe
+from rtkit.modules.package_folders import folders
+from rtkit.rtc.create import CreateString
 from rtkit.rtc.nearest import did_you_mean
+from rtkit.rtc.profiles import TypeProfile
 from rtkit.settings.reading import find_private
 
 SUFFIX = ".py"
@@ -44,16 +49,23 @@ class ModuleSource(NamedTuple):
 
 
 class ModulePlace(NamedTuple):
-    """Location of a module: file, load path that it has to be in, if any, init and package."""
+    """Location of a module: file, load path that it has to be in, if any, init and package.
+
+    Attributes:
+        pinned: ``NAME==VERSION``, where several versions may be installed; else empty.
+    """
 
     file: str = ""
     folder: str = ""
     init: str = ""
     package: str = ""
+    pinned: str = ""
 
     @property
     def name(self) -> str:
-        """The name by which Python knows it."""
+        """The name by which it is found again: that by which Python knows it, or the pinned one."""
+        if self.pinned:
+            return self.pinned
         stem = os.path.basename(self.file).removesuffix(SUFFIX)
         return f"{self.package}.{stem}" if self.package else stem
 
@@ -73,7 +85,7 @@ class Search:
             Refused: It lies where no module is taken from; names the rule.
         """
         place = self._place(path)
-        file, folder, init, package = place
+        file, folder, init, package, _ = place
         if not file or not os.path.isfile(file):
             looked = f"looked in {', '.join(self.folders)} and among installed packages"
             known = [each.removesuffix(SUFFIX) for each in self.modules()]
@@ -86,6 +98,24 @@ class Search:
             raise Refused(f"module {path} is a link that leaves the load path {folder}")
         again = place.name if init and package else path  # a file elsewhere may be called so, too
         return ModuleSource(file, real, text, init, package or package_of(file), again)
+
+    def path_of(self, create: CreateString) -> str:
+        """Return by which path the module of a type is found: by its name, or a version of that."""
+        name = create.implementation_id
+        usual = f"{name}{SUFFIX}"
+        if not (create.vendor or create.category or create.version):
+            return usual
+        pinned = [key for key in versions() if key.partition("==")[0] == name]
+        paths = [usual, *pinned] if pinned else []
+        return next((path for path in paths if self._offers(path, create)), usual)
+
+    def _offers(self, path: str, create: CreateString) -> bool:
+        try:
+            source = self.read(path)
+            found = describe(source.text, source.file, source.init, source.package)
+        except (NotFound, Refused, Malformed):
+            return False
+        return is_among(create, [each.type for each in found or ()])
 
     def has(self, path: str) -> bool:
         """Return whether there is a module of that name."""
@@ -130,7 +160,7 @@ class Search:
                 if os.path.isfile(file):
                     return ModulePlace(file, folder)
         there = installed()
-        known = there.get(path.removesuffix(SUFFIX))
+        known = there.get(path.removesuffix(SUFFIX)) or versions().get(path)
         if known is not None:
             return known
         if "." not in path or not all(part.isidentifier() for part in path.split(".")):
@@ -164,7 +194,54 @@ def installed() -> dict[str, ModulePlace]:
             file = "" if name in found else file_of(module)
             if file:
                 found[name] = ModulePlace(file, init=init, package=module.rpartition(".")[0])
+    for pinned, place in versions().items():
+        found.setdefault(pinned.partition("==")[0], place)
     return found
+
+
+def versions() -> dict[str, ModulePlace]:
+    """Return the modules of each version of the user's packages, the newest first, by pinned name.
+
+    One that is only there for a package that needs it comes behind those that are packages of
+    their own.
+    """
+    found: dict[str, ModulePlace] = {}
+    needed: dict[str, ModulePlace] = {}
+    for each in folders():
+        for owner, version, entries in _distributions(each.path):
+            for name, module, init in entries:
+                file = file_of(module, [each.path])
+                if file:
+                    pinned = f"{name}=={version}"
+                    package = module.rpartition(".")[0]
+                    among = found if owner == each.name else needed
+                    place = ModulePlace(file, init=init, package=package, pinned=pinned)
+                    among.setdefault(pinned, place)
+    return found | {key: place for key, place in needed.items() if key not in found}
+
+
+def _distributions(folder: str) -> Iterator[tuple[str, str, Iterator[tuple[str, str, str]]]]:
+    """Yield name, version and entry points of each package that a folder has."""
+    try:
+        names = sorted(os.listdir(folder))
+    except OSError:
+        return
+    for name in names:
+        stem = name.removesuffix(".dist-info")
+        if stem != name:
+            owner, _, version = stem.partition("-")
+            file = os.path.join(folder, name, "entry_points.txt")
+            yield owner.replace("_", "-").lower(), version, _group(file)
+
+
+def is_among(create: CreateString, types: Sequence[TypeProfile]) -> bool:
+    """Return whether one of the types is what a create string means."""
+    fields = ("vendor", "category", "language", "version")
+    return any(
+        each.type_name == create.implementation_id
+        and all(getattr(create, key) in ("", getattr(each, key)) for key in fields)
+        for each in types
+    )
 
 
 def _entries(folder: str) -> Iterator[tuple[str, str, str]]:
@@ -184,6 +261,11 @@ def _group(file: str) -> Iterator[tuple[str, str, str]]:
             text = stream.read(_LARGEST)
     except (OSError, UnicodeDecodeError):
         return
+    yield from entry_points(text)
+
+
+def entry_points(text: str) -> Iterator[tuple[str, str, str]]:
+    """Yield name, module and init function of each entry point of components in such a file."""
     section = ""
     for line in text.splitlines():
         heading = _SECTION.fullmatch(line)
@@ -205,13 +287,13 @@ def package_of(file: str) -> str:
     return ".".join(reversed(names))
 
 
-def file_of(module: str) -> str:
-    """Return the file of a module, empty if there is none.
+def file_of(module: str, places: list[str] | None = None) -> str:
+    """Return the file of a module, empty if there is none; looked for in those folders, if given.
 
     Packages that it is in are looked into, not imported.
     """
     first, *rest = module.split(".")
-    spec = _found(first, None)
+    spec = _found(first, places)
     for part in rest:
         if spec is None or spec.submodule_search_locations is None:
             return ""

@@ -23,8 +23,8 @@ class Setting(NamedTuple):
     """A setting of all commands.
 
     Attributes:
-        kind: ``text``, ``flag``, ``seconds``, ``list`` or ``paths``: those are taken from the
-            folder of the file.
+        kind: ``text``, ``flag``, ``seconds``, ``list``, ``paths`` or ``places``: those two are
+            taken from the folder of the file, places unless they are URLs.
     """
 
     key: str
@@ -40,6 +40,7 @@ SETTINGS = (
     Setting("port", "text", "2810", "TCP endpoint of managers, none for none"),
     Setting("module_path", "paths", "", "folders of modules of components"),
     Setting("profile_path", "paths", "", "folders of RTC profiles"),
+    Setting("repositories", "places", "", "where packages are: folders, URLs, git+URLs"),
     Setting("timeout", "seconds", "10", "bound on each call [s]"),
     Setting("exit_detail", "flag", "", "whether exit statuses tell kinds of failure apart"),
     Setting("completion_timeout", "seconds", "1", "how long TAB waits for a manager [s]"),
@@ -81,9 +82,11 @@ def parse(origin: str, path: str, data: bytes, commands: Collection[str] | None)
 def _text(setting: Setting, value: Any, path: str) -> str:
     """Return a value as its environment variable has it."""
     is_number = type(value) in (int, float)
-    if setting.kind in ("list", "paths"):
+    if setting.kind in ("list", "paths", "places"):
         items = [value] if isinstance(value, str) else value
         if isinstance(items, list) and all(isinstance(item, str) for item in items):
+            if setting.kind == "places":
+                return ";".join(e if "://" in e else _joined([e], path) for e in items)
             return ";".join(items) if setting.kind == "list" else _joined(items, path)
     elif setting.kind == "flag" and isinstance(value, bool):
         return "1" if value else "0"

@@ -49,6 +49,12 @@ def _is_manager(node: TreeNode) -> bool:
     return node.kind is NodeKind.MANAGER
 
 
+def _installed_packages(asked: CursorMeaning, _live: CompletionSource) -> Found:
+    from rtkit.modules.package_folders import folders
+
+    return those((f"{each.name}=={each.version}" for each in folders()), asked.typed)
+
+
 def _known_hosts(asked: CursorMeaning, _live: CompletionSource) -> Found:
     from rtkit.hosts import inventory
 
@@ -417,6 +423,7 @@ _MAKERS: dict[str, Maker] = {
     "instance": lambda asked, live: those(
         (row.instance for row in live.tree().listing().rows), asked.typed
     ),
+    "installed-package": _installed_packages,
     "known-host": _known_hosts,
     "live": _live,
     "loaded-module": lambda asked, live: those(

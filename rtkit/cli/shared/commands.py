@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     from rtkit.cli.shared.command import Main
 
 
-GROUPS = {"profiles.words": "rtprofile", "hosts.words": "rthost"}
+GROUPS = {"profiles.words": "rtprofile", "hosts.words": "rthost", "packages.words": "rtpkg"}
 """Folders of words, and whose words they are."""
 
 TABLE: dict[str, tuple[str, str]] = {

@@ -69,6 +69,7 @@ ELSEWHERE = {
     "host": "system/test_hosts.py",
     "host-check": "system/test_hosts.py",
     "log-record": "system/test_observers.py",
+    "package": "system/test_package_repositories.py",
     "plan": "unit/cli/test_planning.py",
     "replay": "unit/cli/test_rtmgr_replay.py",
     "schema-file": "unit/cli/test_profile_schema.py",
@@ -87,7 +88,7 @@ WITHOUT = {
     "rtinject", "rtproxy", "rtreset", "rtresurrect", "rtserve", "rtset", "rtstart", "rtstop",
     "rtteardown",  # change, and tell nothing
     "rtcwd",  # prints what a shell is to evaluate
-    "rthost", "rtprofile",  # their words have it
+    "rthost", "rtpkg", "rtprofile",  # their words have it
     "rtdoc", "rtstodot",  # write documents of other forms
     "rtgui",  # for a terminal only
 }  # fmt: skip

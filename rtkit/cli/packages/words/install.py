@@ -1,0 +1,64 @@
+"""``rtpkg install``: install packages for the managers of the user."""
+
+from __future__ import annotations
+
+from rtkit.cli.packages.records import record, show
+from rtkit.cli.shared.app import App, WrongArguments
+from rtkit.cli.shared.command import command
+from rtkit.cli.shared.options import arguments, json_flag, option, several
+
+
+@command(
+    "install",
+    is_local=True,
+    examples=(
+        ("rtpkg install rtc-scale==1.0.0 --repository wheels", "This version, beside others."),
+        ("rtpkg install --lock robot.lock", "What the lock says, with these very bytes."),
+    ),
+    json=("package",),
+    arguments=("anything",),
+)
+def main(
+    app: App,
+    repositories: tuple[str, ...] = several("--repository PLACE", "Where to look; repeatable."),
+    lock: str = option(
+        "--lock FILE", "Refuse wheels whose bytes differ; add those it lacks.", default=""
+    ),
+    is_json: bool = json_flag(),
+    names: tuple[str, ...] = arguments("[NAME[==VERSION]]..."),
+) -> None:
+    """Install packages with all that they need, each version in a folder of its own.
+
+    NAME may have constraints, 'NAME>=1.2,<2'. What it needs comes from the repositories, too, but
+    for what the Python of rtkit has. Nothing of a package is run. Managers find its types at once:
+    by name the newest version, by RTC:vendor:category:type:language:version the one with that id.
+    """
+    from rtkit.packages.installed import install, read_lock, write_lock
+    from rtkit.packages.repository import named_repositories, opened
+    from rtkit.packages.resolving import requirement
+
+    locked = read_lock(lock) if lock else {}
+    if not names and not locked:
+        raise WrongArguments("takes names of packages, or the lock that has them")
+    digests = {file: digest for wheels in locked.values() for file, digest in wheels.items()}
+    done = []
+    with opened(named_repositories(repositories)) as there:
+        for wanted in [requirement(each) for each in names or locked]:
+            found = install(wanted, there, digests)
+            locked[found.text] = found.wheels
+            if lock:
+                write_lock(lock, locked)
+            done.append(found)
+    records = [
+        record(
+            each.name,
+            each.version,
+            each.path,
+            types=each.types,
+            requires=each.requires,
+            wheels={**each.wheels},
+        )
+        for each in done
+    ]
+    if is_json or app.is_verbose:
+        show(records, is_json)

@@ -1,0 +1,45 @@
+"""``rtpkg uninstall``: remove installed packages."""
+
+from __future__ import annotations
+
+from rtkit.cli.shared.app import App, WrongArguments
+from rtkit.cli.shared.command import command
+from rtkit.cli.shared.options import arguments, flag
+from rtkit.errors import Refused
+
+
+@command(
+    "uninstall",
+    is_local=True,
+    examples=(
+        ("rtpkg uninstall rtc-scale==1.0.0", "This version; others stay."),
+        ("rtpkg uninstall rtc-scale --force", "All versions, though a manager uses one."),
+    ),
+    arguments=("installed-package",),
+)
+def main(
+    app: App,
+    is_forced: bool = flag("--force", "Also what a running manager uses."),
+    names: tuple[str, ...] = arguments("NAME[==VERSION]..."),
+) -> None:
+    """Uninstall packages, unless a running manager has loaded a module of one.
+
+    All installed versions that fit; what was installed with a package goes with it.
+    """
+    from rtkit.packages.installed import meant, remove
+    from rtkit.packages.resolving import requirement
+    from rtkit.packages.usage import users
+
+    if not names:
+        raise WrongArguments("takes names of packages")
+    found = [each for name in names for each in meant(requirement(name))]
+    for each in () if is_forced else found:
+        using = users(each, app.timeout_s)
+        if using:
+            raise Refused(
+                f"{each.text} is in use by manager {', '.join(using)}"
+                " (rtmgr -u unloads its module; --force removes it all the same)"
+            )
+    for each in found:
+        remove(each)
+        app.verbose(f"{each.text} is removed")

@@ -1,0 +1,1 @@
+"""Packages of components: wheels built, checked, published, found and installed."""

@@ -1,0 +1,212 @@
+"""Keeps the packages of the user: each version in a folder of its own, with all that it needs.
+
+A folder is made elsewhere and renamed last; it goes by the same way. So what is interrupted leaves
+nothing that counts, and the next one clears it away.
+"""
+
+from __future__ import annotations
+
+import fcntl
+import json
+import os
+import shutil
+import tempfile
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from typing import Any, NamedTuple
+
+from packaging.requirements import Requirement
+from packaging.utils import canonicalize_name
+
+from rtkit.errors import Malformed, NotFound, Refused
+from rtkit.modules.package_folders import folders, root
+from rtkit.packages.repository import Repositories
+from rtkit.packages.resolving import fetch, resolve
+from rtkit.packages.tools import pip
+from rtkit.packages.wheel import Wheel
+from rtkit.rtc.nearest import did_you_mean
+
+_RECORD = ".rtkit-package.json"
+_DRAFTS = ".drafts"
+_LOCK = "rtkit.lock/1"
+Digests = dict[str, str]
+"""SHA-256 in hexadecimal by the name of a wheel's file."""
+
+
+class Installed(NamedTuple):
+    """A version of a package that is installed; `wheels` are its own and those that it needs."""
+
+    name: str
+    version: str
+    path: str
+    types: tuple[str, ...]
+    requires: tuple[str, ...]
+    wheels: Digests
+
+    @property
+    def text(self) -> str:
+        """``NAME==VERSION``."""
+        return f"{self.name}=={self.version}"
+
+
+def installed() -> list[Installed]:
+    """Return what is installed, sorted by name, the newest version of each first."""
+    found = []
+    for each in folders():
+        try:
+            with open(os.path.join(each.path, _RECORD), encoding="utf-8") as file:
+                record = json.load(file)
+            types, requires = tuple(record["types"]), tuple(record["requires"])
+            found.append(Installed(*each, types, requires, dict(record["wheels"])))
+        except (OSError, ValueError, KeyError, TypeError):
+            continue  # no folder of ours
+    return found
+
+
+def meant(wanted: Requirement) -> list[Installed]:
+    """Return the installed versions that a requirement means.
+
+    Raises:
+        NotFound: There is none; names the nearest.
+    """
+    name = canonicalize_name(wanted.name)
+    known = installed()
+    found = [e for e in known if e.name == name and wanted.specifier.contains(e.version, True)]
+    if not found:
+        hint = did_you_mean(name, [each.name for each in known if each.name != name])
+        there = ", ".join(each.version for each in known if each.name == name)
+        raise NotFound(f"{wanted} is not installed{f'; there is {there}' if there else hint}")
+    return found
+
+
+def install(
+    wanted: Requirement, repositories: Repositories, lock: Mapping[str, str] | None = None
+) -> Installed:
+    """Install a package and all that it needs; what is installed already is left as it is.
+
+    Args:
+        wanted: The package, and which versions of it will do.
+        repositories: Where it and all that it needs are taken from, and from nowhere else.
+        lock: SHA-256 that wheels must have, by the names of files; others may have any.
+
+    Raises:
+        NotFound: No repository has it.
+        Refused: Versions exclude each other, a wheel is not safe, or its bytes have changed.
+    """
+    chosen = resolve(wanted, repositories)
+    digests = {each.file: each.sha256 for each in chosen}
+    _compare(digests, lock or {}, "the lock has")
+    name, version = chosen[0].name, chosen[0].version
+    target = os.path.join(root(), name, version)
+    if not os.path.isdir(target):
+        with _draft() as draft:
+            wheels = [fetch(each, draft) for each in chosen]
+            whole = _unpacked(wheels, draft)
+            os.makedirs(os.path.dirname(target), exist_ok=True)
+            try:
+                os.rename(whole, target)
+            except OSError:
+                if not os.path.isdir(target):  # else somebody else was as quick
+                    raise
+    found = next(each for each in installed() if each.path == target)
+    _compare({chosen[0].file: chosen[0].sha256}, found.wheels, "installed is")
+    return found
+
+
+def _compare(found: Mapping[str, str], wanted: Mapping[str, str], what: str) -> None:
+    for file, digest in found.items():
+        if wanted.get(file, digest) != digest:
+            raise Refused(
+                f"{file} is not what it was: {what} SHA-256 {wanted[file]},"
+                f" the repository has {digest}"
+            )
+
+
+def _unpacked(wheels: list[Wheel], draft: str) -> str:
+    """Return a folder with what wheels hold, that of the package first; nothing of them is run."""
+    own = wheels[0]
+    if not own.entries:
+        raise Refused(f"{own.name} {own.version} is no package of components: no entry point")
+    whole = os.path.join(draft, "whole")
+    files = [os.path.join(draft, each.file) for each in wheels]
+    usual = ("-q", "--no-deps", "--no-index", "--no-compile", "--target", whole)
+    _, error = pip("install", *usual, "--", *files)
+    if error:
+        raise Refused(f"{own.name}: {error.splitlines()[-1]}")
+    record = {
+        "types": [each.id for each in own.types],
+        "requires": own.requires,
+        "wheels": {each.file: each.sha256 for each in wheels},
+    }
+    with open(os.path.join(whole, _RECORD), "w", encoding="utf-8") as file:
+        json.dump(record, file, indent=1)
+    return whole
+
+
+def remove(package: Installed) -> None:
+    """Remove a version of a package; it is gone at once, or there as a whole."""
+    with _draft() as draft:
+        try:
+            os.rename(package.path, os.path.join(draft, "gone"))
+        except FileNotFoundError:
+            return  # somebody else was as quick
+
+
+@contextmanager
+def _draft() -> Iterator[str]:
+    """Make a folder to work in, and clear away those whose processes have died."""
+    top = os.path.join(root(), _DRAFTS)
+    os.makedirs(top, mode=0o700, exist_ok=True)
+    with _locked(top, fcntl.LOCK_EX):
+        for each in os.listdir(top):
+            path = os.path.join(top, each)
+            try:
+                with _locked(path, fcntl.LOCK_EX | fcntl.LOCK_NB):
+                    shutil.rmtree(path, ignore_errors=True)
+            except (BlockingIOError, FileNotFoundError):
+                continue  # in use, or its process has just removed it
+        draft = tempfile.mkdtemp(dir=top)
+        held = os.open(draft, os.O_RDONLY | os.O_CLOEXEC)
+        fcntl.flock(held, fcntl.LOCK_SH)
+    try:
+        yield draft
+    finally:
+        shutil.rmtree(draft, ignore_errors=True)
+        os.close(held)
+
+
+@contextmanager
+def _locked(folder: str, how: int) -> Iterator[None]:
+    descriptor = os.open(folder, os.O_RDONLY | os.O_CLOEXEC)
+    try:
+        fcntl.flock(descriptor, how)
+        yield
+    finally:
+        os.close(descriptor)
+
+
+def read_lock(path: str) -> dict[str, Digests]:
+    """Return the wheels of each ``NAME==VERSION`` of a lock; nothing if there is no such file.
+
+    Raises:
+        Malformed: It is no lock.
+    """
+    try:
+        with open(path, encoding="utf-8") as file:
+            found: Any = json.load(file)
+        if found["schema"] != _LOCK:
+            raise ValueError(found["schema"])
+        return {str(name): dict(wheels) for name, wheels in found["packages"].items()}
+    except FileNotFoundError:
+        return {}
+    except (ValueError, KeyError, TypeError, AttributeError) as error:
+        raise Malformed(f"{path} is no lock of rtpkg: {error}") from None
+
+
+def write_lock(path: str, packages: Mapping[str, Digests]) -> None:
+    """Write a lock, replaced as a whole."""
+    folder = os.path.dirname(os.path.abspath(path))
+    with tempfile.NamedTemporaryFile("w", dir=folder, delete=False, encoding="utf-8") as draft:
+        json.dump({"schema": _LOCK, "packages": dict(sorted(packages.items()))}, draft, indent=1)
+        draft.write("\n")
+    os.replace(draft.name, path)

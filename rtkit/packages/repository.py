@@ -1,0 +1,231 @@
+"""Repositories of packages: a folder of wheels, an HTTP simple index, a folder in a git repository.
+
+A git repository is ``git+URL[@REVISION][#subdirectory=FOLDER]``, as pip writes it.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+import tempfile
+import urllib.request
+from collections.abc import Iterator, Sequence
+from contextlib import ExitStack, contextmanager
+from html.parser import HTMLParser
+from typing import NamedTuple
+from urllib.parse import parse_qs, unquote, urldefrag, urljoin, urlsplit
+
+from packaging.utils import canonicalize_name
+from packaging.version import Version
+
+from rtkit.errors import Malformed, NotFound, Refused, RtkitError, Unreachable
+from rtkit.packages.tools import git, git_head
+from rtkit.packages.wheel import Wheel, named, read_wheel
+
+VARIABLE = "RTKIT_REPOSITORIES"
+_LARGEST_PAGE = 1 << 26
+_ANSWER_S = 30.0
+_WANTED = "application/vnd.pypi.simple.v1+json, text/html;q=0.5"
+
+
+class Offer(NamedTuple):
+    """A wheel that a repository has; of an HTTP index nothing more is known than its name."""
+
+    name: str
+    version: str
+    file: str
+    repository: str
+    wheel: Wheel | None = None
+
+
+class Repositories(NamedTuple):
+    """Repositories that can be read now: git ones have been cloned.
+
+    Attributes:
+        folders: Folder of wheels by the repository as it was named.
+        indexes: HTTP simple indexes.
+    """
+
+    folders: dict[str, str]
+    indexes: list[str]
+
+    def pip_options(self) -> list[str]:
+        """Return where pip is to look, and nowhere else."""
+        words = [] if self.indexes else ["--no-index"]
+        for number, each in enumerate(self.indexes):
+            words += ["--extra-index-url" if number else "--index-url", each]
+        for folder in self.folders.values():
+            words += ["--find-links", folder]
+        return words
+
+
+def named_repositories(given: Sequence[str]) -> list[str]:
+    """Return those that were given, else those of the settings.
+
+    Raises:
+        NotFound: There is none.
+    """
+    found = [*given] or [each for each in os.environ.get(VARIABLE, "").split(";") if each]
+    if not found:
+        raise NotFound(
+            "no repository: name one by --repository, or in rtkit.toml, repositories = [...]"
+        )
+    return found
+
+
+@contextmanager
+def opened(names: Sequence[str]) -> Iterator[Repositories]:
+    """Make repositories readable; clones are there until the end.
+
+    Raises:
+        NotFound: A folder is not there.
+        Refused: A git repository cannot be cloned.
+    """
+    found = Repositories({}, [])
+    with ExitStack() as stack:
+        for each in names:
+            if each.startswith("git+"):
+                found.folders[each] = stack.enter_context(_cloned(each))
+            elif each.startswith(("http://", "https://")):
+                found.indexes.append(each.rstrip("/") + "/")
+            else:
+                folder = os.path.expanduser(each.removeprefix("file://"))
+                if not os.path.isdir(folder):
+                    raise NotFound(f"no such repository: {each} (a folder, URL or git+URL)")
+                found.folders[each] = os.path.abspath(folder)
+        yield found
+
+
+@contextmanager
+def _cloned(name: str) -> Iterator[str]:
+    url, revision, below = _git_place(name)
+    with tempfile.TemporaryDirectory(prefix="rtpkg-") as folder:
+        git("init", "-q", folder=folder)
+        git("fetch", "-q", "--depth", "1", "--", url, revision or "HEAD", folder=folder)
+        git("checkout", "-q", "FETCH_HEAD", folder=folder)
+        inside = os.path.realpath(os.path.join(folder, below))
+        if not f"{inside}/".startswith(f"{os.path.realpath(folder)}/"):
+            raise Refused(f"folder leaves the git repository: {below}")
+        if not os.path.isdir(inside):
+            raise NotFound(f"no folder {below} in {name}")
+        yield inside
+
+
+def _git_place(name: str) -> tuple[str, str, str]:
+    """Return URL, revision and folder of ``git+URL[@REVISION][#subdirectory=FOLDER]``."""
+    plain, fragment = urldefrag(name.removeprefix("git+"))
+    if urlsplit(plain).scheme not in ("file", "https", "http", "ssh"):
+        raise Malformed(f"not a git repository by file, https or ssh: {name}")
+    head, at, revision = plain.rpartition("@")
+    if not at or "/" not in head.partition("://")[2]:  # it is the user of ssh://git@host
+        head, revision = plain, ""
+    return head, revision, parse_qs(fragment).get("subdirectory", [""])[0]
+
+
+def offers(found: Repositories) -> Iterator[Offer | RtkitError]:
+    """Yield all wheels of repositories, and what is wrong with some."""
+    for name, folder in found.folders.items():
+        for file in sorted(os.listdir(folder)):
+            if file.endswith(".whl"):
+                try:
+                    wheel = read_wheel(os.path.join(folder, file))
+                    yield Offer(wheel.name, wheel.version, file, name, wheel)
+                except RtkitError as error:
+                    yield error
+    for index in found.indexes:
+        try:
+            yield from _of_index(index)
+        except RtkitError as error:
+            yield error
+
+
+def _of_index(index: str) -> Iterator[Offer]:
+    for name in dict.fromkeys(map(canonicalize_name, _links(index, "projects", "name"))):
+        for file in _links(urljoin(index, f"{name}/"), "files", "filename"):
+            if file.endswith(".whl"):
+                yield Offer(*named(file), file, index)
+
+
+def _links(url: str, key: str, name: str) -> list[str]:
+    """Return the names on a page of a simple index, PEP 691 or 503."""
+    request = urllib.request.Request(url, headers={"Accept": _WANTED})
+    try:
+        with urllib.request.urlopen(request, timeout=_ANSWER_S) as answer:
+            data = answer.read(_LARGEST_PAGE)
+            is_json = "json" in (answer.headers.get("Content-Type") or "")
+        if is_json:
+            return [str(each[name]) for each in json.loads(data)[key]]
+    except OSError as error:
+        raise Unreachable(f"no answer of {url}: {error}") from None
+    except (ValueError, KeyError, TypeError) as error:
+        raise Malformed(f"{url} is no simple index: {error}") from None
+    page = _Page()
+    page.feed(data.decode("utf-8", "replace"))
+    return page.names
+
+
+class _Page(HTMLParser):
+    """Names that the links of a page lead to."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.names: list[str] = []
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        """Keep the last part of where a link leads."""
+        link = dict(attrs).get("href") or ""
+        path = urlsplit(link).path.rstrip("/")
+        if tag == "a" and path and path not in (".", ".."):
+            self.names.append(unquote(path.rpartition("/")[2]))
+
+
+def newest_first(found: list[Offer]) -> list[Offer]:
+    """Return offers sorted by name, the newest version of each first."""
+    newest = sorted(found, key=lambda each: Version(each.version), reverse=True)
+    return sorted(newest, key=lambda each: each.name)
+
+
+def publish(path: str, repository: str) -> None:
+    """Put a wheel into a repository: a folder, or a git repository, to which it is pushed.
+
+    Raises:
+        Refused: Another wheel of that name is there, or the repository takes none.
+    """
+    if repository.startswith(("http://", "https://")):
+        raise Refused(
+            f"a simple index takes no wheels: {repository}"
+            " (publish to the folder that it serves, or upload by twine)"
+        )
+    with opened([repository]) as found:
+        (folder,) = found.folders.values()
+        is_new = _put(path, folder)
+        if repository.startswith("git+") and is_new:
+            url, revision, _ = _git_place(repository)
+            file = os.path.basename(path)
+            git("add", "-f", "--", file, folder=folder)
+            git("commit", "-q", "-m", f"Publish {file}", folder=folder)
+            git("push", "-q", "--", url, f"HEAD:{revision or git_head(url)}", folder=folder)
+
+
+def _put(path: str, folder: str) -> bool:
+    """Copy a wheel into a folder, where it is whole or not at all; return whether it is new."""
+    wheel = read_wheel(path)
+    target = os.path.join(folder, wheel.file)
+    with tempfile.NamedTemporaryFile(dir=folder, prefix=".", delete=False) as draft:
+        try:
+            with open(path, "rb") as source:
+                shutil.copyfileobj(source, draft)
+            draft.flush()
+            os.fchmod(draft.fileno(), 0o644)
+            os.fsync(draft.fileno())
+            os.link(draft.name, target)  # which replaces nothing
+        except FileExistsError:
+            if read_wheel(target).sha256 != wheel.sha256:
+                raise Refused(
+                    f"another {wheel.file} is in {folder}: a changed package needs a new version"
+                ) from None
+            return False
+        finally:
+            os.unlink(draft.name)
+    return True

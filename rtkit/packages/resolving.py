@@ -1,0 +1,134 @@
+"""Chooses the wheels of a package and of all that it needs, by pip, and fetches them."""
+
+from __future__ import annotations
+
+import importlib.metadata
+import json
+import os
+import re
+import shutil
+import tempfile
+from typing import NamedTuple
+from urllib.parse import unquote, urldefrag, urlsplit
+
+from packaging.requirements import InvalidRequirement, Requirement
+from packaging.utils import canonicalize_name
+from packaging.version import Version
+
+from rtkit.errors import Malformed, NotFound, Refused, RtkitError, Unreachable
+from rtkit.packages.repository import Repositories
+from rtkit.packages.tools import pip
+from rtkit.packages.wheel import Wheel, read_wheel
+
+
+class Chosen(NamedTuple):
+    """A wheel that pip has chosen; SHA-256 in hexadecimal, as its repository has it now."""
+
+    name: str
+    version: str
+    url: str
+    sha256: str
+
+    @property
+    def file(self) -> str:
+        """The name of its file."""
+        return unquote(urlsplit(self.url).path.rpartition("/")[2])
+
+
+def requirement(text: str) -> Requirement:
+    """Return ``NAME``, with constraints on its version as ``NAME>=1.2,<2``.
+
+    Raises:
+        Malformed: It is none.
+    """
+    try:
+        found = Requirement(text)
+    except InvalidRequirement as error:
+        raise Malformed(
+            f"not NAME or NAME==VERSION: {text} ({error.args[0].splitlines()[0]})"
+        ) from None
+    if found.url:
+        raise Malformed(f"names a place, not a version: {text} (--repository names places)")
+    return found
+
+
+def resolve(wanted: Requirement, repositories: Repositories) -> list[Chosen]:
+    """Return the wheel that is wanted, and those of all it needs that this Python has not.
+
+    Raises:
+        NotFound: No repository has one that fits; says which versions there are.
+        Unreachable: A simple index does not answer.
+        Refused: Packages need versions of a third that exclude each other; names them.
+    """
+    options = ["--only-binary=:all:", "--retries", "1", *repositories.pip_options()]
+    with tempfile.NamedTemporaryFile("r", prefix="rtpkg-") as report:
+        what = ("--dry-run", "--report", report.name)
+        told, error = pip("install", *what, *options, "--", str(wanted))
+        if error:
+            raise _failure(wanted, f"{told}\n{error}")
+        items = json.load(report)["install"]
+    chosen = []
+    for each in items:
+        metadata, info = each["metadata"], each["download_info"]
+        digest = info["archive_info"]["hashes"]["sha256"]
+        name = canonicalize_name(metadata["name"])
+        chosen.append(Chosen(name, metadata["version"], urldefrag(info["url"])[0], digest))
+    own = canonicalize_name(wanted.name)
+    if own not in [each.name for each in chosen]:
+        raise Refused(f"{own} is part of this Python already (pip uninstall {own} removes it)")
+    for each in chosen:
+        _check_environment(own, each)
+    return sorted(chosen, key=lambda each: each.name != own)
+
+
+def _check_environment(own: str, chosen: Chosen) -> None:
+    """Refuse a package that this Python has in another version: that one would be imported."""
+    try:
+        there = importlib.metadata.version(chosen.name)
+    except importlib.metadata.PackageNotFoundError:
+        return
+    if Version(there) != Version(chosen.version):
+        raise Refused(
+            f"conflict: {own} needs {chosen.name} {chosen.version},"
+            f" and the Python of rtkit has {chosen.name} {there}"
+        )
+
+
+def _failure(wanted: Requirement, text: str) -> RtkitError:
+    lines = [line.strip() for line in text.splitlines()]
+    if "The conflict is caused by:" in lines:
+        rest = lines[lines.index("The conflict is caused by:") + 1 :]
+        causes = rest[: rest.index("")] if "" in rest else rest
+        return Refused(f"conflict: {'; '.join(causes)}")
+    if "connection broken by" in text:
+        return Unreachable(f"no answer of a repository, asked for {wanted}")
+    lacking = re.findall(r"satisfies the requirement (.*) \(from versions: (.*)\)", text)
+    if lacking:
+        name, versions = lacking[0]
+        there = f"; there is {versions}" if versions != "none" else ""
+        needs = re.findall(r"\(from (.*?)\)", name)
+        by = f", which {', '.join(needs)} needs" if needs else ""
+        return NotFound(f"no repository has {name.partition(' (from')[0]}{by}{there}")
+    errors = [line.removeprefix("ERROR: ") for line in lines if line.startswith("ERROR: ")]
+    return Refused(f"{wanted}: {errors[0] if errors else lines[-1]}")
+
+
+def fetch(chosen: Chosen, folder: str) -> Wheel:
+    """Fetch a wheel into a folder, and return it.
+
+    Raises:
+        Refused: It is not what pip has chosen, or is not safe; says why.
+    """
+    parts = urlsplit(chosen.url)
+    path = os.path.join(folder, chosen.file)
+    if parts.scheme == "file":
+        shutil.copyfile(unquote(parts.path), path)
+    else:
+        link = f"{chosen.url}#sha256={chosen.sha256}"
+        _, error = pip("download", "-q", "--no-deps", "--no-index", "-d", folder, "--", link)
+        if error:
+            raise Refused(f"{chosen.file}: {error.splitlines()[-1]}")
+    wheel = read_wheel(path)
+    if wheel.sha256 != chosen.sha256:
+        raise Refused(f"{chosen.file} has changed while it was fetched")
+    return wheel

@@ -1,0 +1,67 @@
+"""Runs pip and git, which ask nobody and read no configuration of the user's own."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+
+from rtkit.errors import Refused
+
+_LONGEST_S = 600.0
+
+
+def pip(*words: str, is_isolated: bool = True) -> tuple[str, str]:
+    """Run pip; return what it writes, and why it failed, or nothing.
+
+    Raises:
+        Refused: It cannot be run.
+    """
+    usual = ["--disable-pip-version-check", "--no-input", *(["--isolated"] if is_isolated else [])]
+    out, error = _run([sys.executable, "-m", "pip", words[0], *usual, *words[1:]])
+    if "No module named pip" in error:
+        raise Refused(f"{sys.executable} has no pip, which packages need (install it there)")
+    return out, error
+
+
+def git(*words: str, folder: str) -> None:
+    """Run git in a folder.
+
+    Raises:
+        Refused: It fails; says why.
+    """
+    _, error = _run(["git", "-C", folder, "-c", "protocol.ext.allow=never", *words])
+    if error:
+        lines = error.splitlines()
+        told = [each for each in lines if each.startswith(("fatal:", "error:"))]
+        raise Refused(f"git {words[0]}: {(told or lines)[0]}")
+
+
+def git_head(url: str) -> str:
+    """Return the branch of a git repository that a clone would check out.
+
+    Raises:
+        Refused: It cannot be asked.
+    """
+    out, error = _run(["git", "ls-remote", "--symref", "--", url, "HEAD"])
+    if error or not out.startswith("ref: "):
+        raise Refused(f"git ls-remote: {error or f'{url} has no branch'}")
+    return out.split()[1]
+
+
+def _run(command: list[str]) -> tuple[str, str]:
+    environment = {**os.environ, "GIT_TERMINAL_PROMPT": "0"}
+    try:
+        done = subprocess.run(
+            command,
+            capture_output=True,
+            text=True,
+            errors="replace",
+            timeout=_LONGEST_S,
+            env=environment,
+            stdin=subprocess.DEVNULL,
+        )
+    except (OSError, subprocess.TimeoutExpired) as error:
+        raise Refused(f"{command[0]} cannot be run: {error}") from error
+    failure = done.stderr.strip() or f"exit status {done.returncode}"
+    return done.stdout, failure if done.returncode else ""

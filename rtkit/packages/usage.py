@@ -1,0 +1,22 @@
+"""Tells which running managers use a package: those that have loaded a module of it."""
+
+from __future__ import annotations
+
+from rtkit.link.running import managers
+from rtkit.packages.installed import Installed
+from rtkit.tree.connect import connect
+
+
+def users(package: Installed, timeout_s: float) -> list[str]:
+    """Return the managers of the user on this host that have loaded a module of a package.
+
+    Raises:
+        Unreachable: A manager does not answer, so that it may be one.
+    """
+    found = []
+    for name in managers():
+        with connect(name, timeout_s) as tree:
+            modules = tree.snapshot().modules
+        if any(each.file.startswith(f"{package.path}/") for each in modules):
+            found.append(name)
+    return found
