@@ -63,9 +63,9 @@ def resolve(wanted: Requirement, repositories: Repositories) -> list[Chosen]:
     options = ["--only-binary=:all:", "--retries", "1", *repositories.pip_options()]
     with tempfile.NamedTemporaryFile("r", prefix="rtpkg-") as report:
         what = ("--dry-run", "--report", report.name)
-        told, error = pip("install", *what, *options, "--", str(wanted))
+        output, error = pip("install", *what, *options, "--", str(wanted))
         if error:
-            raise _failure(wanted, f"{told}\n{error}")
+            raise _failure(wanted, f"{output}\n{error}")
         items = json.load(report)["install"]
     chosen = []
     for each in items:

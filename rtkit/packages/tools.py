@@ -33,8 +33,8 @@ def git(*words: str, folder: str) -> None:
     _, error = _run(["git", "-C", folder, "-c", "protocol.ext.allow=never", *words])
     if error:
         lines = error.splitlines()
-        told = [each for each in lines if each.startswith(("fatal:", "error:"))]
-        raise Refused(f"git {words[0]}: {(told or lines)[0]}")
+        failures = [each for each in lines if each.startswith(("fatal:", "error:"))]
+        raise Refused(f"git {words[0]}: {(failures or lines)[0]}")
 
 
 def git_head(url: str) -> str:
