@@ -258,8 +258,8 @@ STATUS = {
 }
 """Examples that may end otherwise: what they look at is this machine, or was changed before."""
 
-ELSEWHERE = ("rthost", "rtmgr", "rtproxy")
-"""Commands whose examples start managers, or need other hosts: they have places of their own."""
+ELSEWHERE = ("rthost", "rtmgr", "rtpkg", "rtproxy")
+"""Commands that start managers, or need hosts or packages: they have places of their own."""
 
 
 class World:

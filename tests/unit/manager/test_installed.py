@@ -57,8 +57,14 @@ def test_entry_points_name_modules(site):
     )
     (site / "inner" / "__init__.py").write_text("import os\nos.environ['RTKIT_TEST_RAN'] = '1'\n")
     found = installed()
-    assert found["Scale"] == (str(site / "Scale.py"), "", "ScaleInit", "")
-    assert found["my comp"] == (str(site / "inner/deep/Other.py"), "", "OtherInit", "inner.deep")
+    assert found["Scale"] == (str(site / "Scale.py"), "", "ScaleInit", "", "")
+    assert found["my comp"] == (
+        str(site / "inner/deep/Other.py"),
+        "",
+        "OtherInit",
+        "inner.deep",
+        "",
+    )
     assert found["my comp"].name == "inner.deep.Other"
     assert not {"x", "bad", "none", "Scale2"} & set(found)
     assert "inner" not in sys.modules
