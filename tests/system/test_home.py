@@ -7,11 +7,11 @@ import signal
 import subprocess
 import sys
 import tempfile
-import time
 from pathlib import Path
 
 import pytest
 from pagekit import ROOT
+from waiting import until
 
 RUNS_PROCESSES = True
 DEMO = ROOT / "examples" / "home" / "demo.py"
@@ -55,9 +55,8 @@ def test_a_home_that_is_ended_leaves_nothing(tmp_path: Path, ending: signal.Sign
         demo.send_signal(ending)
         was_killed = ending == signal.SIGKILL
         assert demo.wait(20) == (-ending if was_killed else 128 + ending)
-        end = time.monotonic() + 20 * was_killed
-        while any(Path(short).iterdir()) and time.monotonic() < end:
-            time.sleep(0.05)
+        if was_killed:
+            until(lambda: not any(Path(short).iterdir()), "the folder is gone")
         assert not list(Path(short).iterdir())
         assert not [each for each in Path("/proc").glob("[0-9]*/environ") if _holds(each, folder)]
 
