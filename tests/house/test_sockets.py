@@ -10,7 +10,6 @@ CONNECTS = "link/unix.py"
 LISTENS = {
     "manager/daemon.py",
     "manager/slaves/warm_up.py",
-    "manager/slaves/zygote.py",
     "wires/line/endpoint.py",
 }
 MAKES_ENDPOINTS = "link/zenoh.py"

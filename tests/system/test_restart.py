@@ -222,12 +222,41 @@ def test_a_slow_zygote_still_tells_how_a_slave_ended(shell: Any, point: str) -> 
     assert shell.log().count("slave a ended while no manager ran: signal 11") == 1
 
 
+def test_an_end_that_the_manager_did_not_live_to_hear_is_told_the_next_one(shell: Any) -> None:
+    points = Points(shell.folder / "points")
+    shell.environment.update(points.variable)
+    shell.ok("rtmgr start --allow-faults")
+    for name in "ab":  # a zygote ends with its last child
+        shell.ok(f"rtmgr {MANAGER} -c 'ConsoleIn?instance_name={name}&manager_name={name}'")
+    slave = told_pid(shell, "a")
+    points.arm(Order("zygote.reaped", 1, "delay", "1.5"))
+    os.kill(slave, signal.SIGSEGV)
+    until(lambda: points.has_struck(1), "the end is noticed, but not reported")
+    kill_manager(shell)
+    shell.ok("rtmgr start --allow-faults")
+    assert "*a.rtc  (signal 11)" in shell.ok("rtls -l /localhost")
+
+
+def test_a_zygote_is_found_by_no_manager_of_its_own(shell: Any) -> None:
+    """It listens from its start; its path goes with it, also when it is killed."""
+    shell.ok("rtmgr start")
+    shell.ok(f"rtmgr {MANAGER} -c 'ConsoleIn?instance_name=A&manager_name=a'")
+    (path,) = (shell.folder / "run").glob("*.zygote")
+    kill_manager(shell)
+    shell.ok("rtmgr start")
+    listening = lambda: [*(shell.folder / "run").glob("*.zygote")]  # noqa: E731
+    until(lambda: len(listening()) == 2, "the next zygote")
+    assert path.exists()
+    os.kill(int(path.name.split(".")[-2]), signal.SIGKILL)
+    shell.ok("rtmgr stop")
+    assert not listening()
+
+
 def test_a_stopped_zygote_does_not_hold_up_the_next_manager(shell: Any) -> None:
     shell.ok("rtmgr start")
     shell.ok(f"rtmgr {MANAGER} -c 'ConsoleIn?instance_name=A&manager_name=a'")
     zygote = parent_of(told_pid(shell, "a"))
     kill_manager(shell)
-    until(lambda: any((shell.folder / "run").glob("*.zygote")), "a zygote that listens")
     os.kill(zygote, signal.SIGSTOP)
     try:
         shell.ok("rtmgr start")

@@ -1,7 +1,7 @@
 """Connects to zygotes of earlier managers, which are still the parents of the slaves left.
 
-Each listens at a path of its own until the next manager comes, then reports which children it has
-and what became of others. It is never asked to fork, and ends with its last child.
+Each listens at a path of its own; to the next manager it reports which children it has and what
+became of others. It is never asked to fork, and ends with its last child.
 """
 
 from __future__ import annotations
@@ -11,6 +11,7 @@ import glob
 import logging
 import os
 import signal
+from collections.abc import Collection
 
 from rtkit.container.control_channel import ControlChannel
 from rtkit.container.orphans import is_stopped
@@ -27,10 +28,17 @@ _log = logging.getLogger(__name__)
 
 
 class FormerZygotes:
-    """Connections to former zygotes; `pattern` is their path with ``%p`` for the pid."""
+    """Connections to former zygotes.
 
-    def __init__(self, pattern: str) -> None:
+    Args:
+        pattern: Their path, with ``%p`` for the pid.
+        own: Pids of this manager's own, which listen as well.
+    """
+
+    def __init__(self, pattern: str, own: Collection[int] = ()) -> None:
         self._pattern = pattern
+        self._own = own
+        self._paths: dict[ControlChannel, str] = {}
         self._children: dict[ControlChannel, set[int]] = {}
         self._pids: dict[ControlChannel, int] = {}
         self._missing: set[int] = set()
@@ -54,7 +62,8 @@ class FormerZygotes:
     def find(self) -> list[ControlChannel]:
         """Connect to those that listen now; their first message names their children."""
         found = []
-        for path in glob.glob(of_pid(glob.escape(self._pattern), "*")):
+        known = {*self._paths.values(), *(of_pid(self._pattern, pid) for pid in self._own)}
+        for path in {*glob.glob(of_pid(glob.escape(self._pattern), "*"))} - known:
             try:
                 connection = unix.connect(path)
             except OSError:
@@ -63,7 +72,7 @@ class FormerZygotes:
                 continue
             connection.setblocking(False)  # it may be stopped
             channel = ControlChannel(connection)
-            self._children[channel] = set()
+            self._children[channel], self._paths[channel] = set(), path
             found.append(channel)
         return found
 
@@ -77,6 +86,7 @@ class FormerZygotes:
         if messages is None:
             self._missing -= self._children.pop(channel, set())
             self._pids.pop(channel, None)
+            del self._paths[channel]
             channel.close()
             return None
         for message in messages:

@@ -82,7 +82,7 @@ class SlaveSupervisor:
         self._families: dict[int, dict[int, int]] = {}
         self._parents: dict[int, int] = {}
         self.sweep_at: float | None = None
-        self.former_zygotes = FormerZygotes(self._settings["zygote"])
+        self.former_zygotes = FormerZygotes(self._settings["zygote"], self._zygotes)
         self._unreported = UnreportedSlaves(self._settings["manager"], dead)
         self._server = ForkServer(self._settings)
         self._zygotes.add(self._server.pid)
@@ -313,6 +313,7 @@ class SlaveSupervisor:
     def _buried(self, zygote: int) -> None:
         """Have its forks ended that never connected: they are still in its session."""
         self._zygotes.discard(zygote)
+        self._remove_files(zygote)
         self._over.add(zygote)
         # Its pid may be given to the next one.
         orphans = {pid: _NO_ZYGOTE for pid, parent in self._parents.items() if parent == zygote}
@@ -413,7 +414,7 @@ class SlaveSupervisor:
         remove_socket(of_pid(pattern, pid))
         remove_traces(pattern, pid)
         held = checkpoint_path(pattern, pid)
-        for path in (held, f"{held}.new"):
+        for path in (held, f"{held}.new", of_pid(self._settings["zygote"], pid)):
             with suppress(FileNotFoundError):
                 os.unlink(path)
 

@@ -30,6 +30,7 @@ from rtkit.container.control_channel import ControlChannel
 from rtkit.container.orphans import become_subreaper, end_orphans
 from rtkit.container.slave import Slave
 from rtkit.deployment.message import Message
+from rtkit.link import unix
 from rtkit.link.places import of_pid
 from rtkit.logs.logs import Log, share_log
 from rtkit.manager.child_process import ENDS, STOPS, exit_reason
@@ -57,7 +58,8 @@ _log = logging.getLogger(__name__)
 class Zygote:
     """Serves one manager after the other; ends when it has neither a manager nor children.
 
-    Between two managers it keeps the reports of its children, and listens at a path of its own.
+    Between two managers it keeps the reports of its children. It listens at a path of its own from
+    the start, so that the next manager finds it however slowly it notices the end of the last one.
 
     Args:
         channel: To the first manager.
@@ -71,7 +73,7 @@ class Zygote:
         self._log = log
         self._slave = Slave(settings, log)
         self._path = of_pid(settings["zygote"], os.getpid())
-        self._listener: socket.socket | None = None
+        self._listener = unix.listen(self._path)
         self._children: dict[int, str] = {}
         self._reports: list[Message] = []
         self._filling: list[bytes] = []
@@ -104,7 +106,9 @@ class Zygote:
                 gc.freeze()
             for key, _ in ready:
                 key.data()
-        self._unlisten()
+        self._listener.close()
+        with contextlib.suppress(FileNotFoundError):  # a manager found nobody behind it
+            os.unlink(self._path)
 
     def _pack(self) -> None:
         self._filling = fill_gaps()
@@ -124,24 +128,15 @@ class Zygote:
             self._selector.unregister(channel)
             channel.close()
             self._channel = None
-            if self._children:
-                self._listen()
+            fault.point("zygote.alone")
+            self._selector.register(self._listener, selectors.EVENT_READ, self._accept)
+            fault.point("zygote.listening")
         for message in messages or ():
             self._fork(message)
 
-    def _listen(self) -> None:
-        fault.point("zygote.alone")
-        self._listener = listener = socket.socket(socket.AF_UNIX)
-        listener.bind(self._path)
-        listener.listen(1)
-        fault.point("zygote.listening")
-        self._selector.register(listener, selectors.EVENT_READ, self._accept)
-
     def _accept(self) -> None:
-        if self._listener is None:
-            return
         connection, _ = self._listener.accept()
-        self._unlisten()
+        self._selector.unregister(self._listener)
         self._channel = ControlChannel(connection)
         self._selector.register(self._channel, selectors.EVENT_READ, self._receive)
         kept, self._reports = self._reports, []
@@ -152,20 +147,17 @@ class Zygote:
         children = sorted(self._children)
         self._report({"children": children, "names": self._children, "zygote": os.getpid()})
 
-    def _unlisten(self) -> None:
-        if self._listener is not None:
-            self._selector.unregister(self._listener)
-            self._listener.close()
-            self._listener = None
-            os.unlink(self._path)
-
     def _report(self, message: Message) -> None:
-        """Report to the manager, or keep it for the next; `_receive` notices that it is gone."""
-        if self._channel is None:
+        """Report to the manager; keep an end for the next one where there is none any more.
+
+        Only ends: keys of the last manager mean others to the next.
+        """
+        if self._channel is not None:
+            with contextlib.suppress(OSError):  # `_receive` notices that it is gone
+                self._channel.send(message)
+                return
+        if "ended" in message:
             self._reports.append(message)
-            return
-        with contextlib.suppress(OSError):
-            self._channel.send(message)
 
     def _fork(self, message: Message) -> None:
         key = message["key"]
@@ -189,6 +181,7 @@ class Zygote:
             _signal.signal(signal.SIGCHLD, _signal.SIG_DFL)  # as in `rtkit.container.slave`
             if self._channel is not None:
                 self._channel.close()
+            self._listener.close()
             for descriptor in (self._selector.fileno(), self._wake, self._wake_write):
                 os.close(descriptor)
             self._slave.live(key, message["name"].replace("%p", str(os.getpid())))
