@@ -90,9 +90,25 @@ def listing_of(snapshot: Snapshot) -> Listing:
     slaves = tuple((p.name, p.state, p.reason) for p in snapshot.processes if p.is_slave)
     connected = connected_ports(snapshot)
     rows = tuple(row_of(component, connected) for component in snapshot.components)
+    rows = _with_halves(rows, snapshot)
     trouble = next((p.reason for p in snapshot.processes if p.pid == snapshot.pid), "")
     return Listing(
         snapshot.host, snapshot.manager, snapshot.pid, slaves, rows, snapshot.names, trouble
+    )
+
+
+def _with_halves(rows: tuple[ListingRow, ...], snapshot: Snapshot) -> tuple[ListingRow, ...]:
+    """Return rows with a remark where only half of a connection to another manager is there."""
+    halves = [connector for connector in snapshot.connectors if connector.trouble]
+    if not halves:
+        return rows
+    texts: dict[str, str] = {}
+    for connector in halves:
+        for end in connector.ports:
+            texts[end.instance] = f"half a connection at {end.port}: {connector.trouble}"
+    return tuple(
+        row._replace(again=", ".join(filter(None, (row.again, texts.get(row.instance, "")))))
+        for row in rows
     )
 
 

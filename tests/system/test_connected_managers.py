@@ -111,6 +111,8 @@ def test_managers_die_in_any_order_no_value_is_lost_and_they_meet_again(joined: 
         if dead == ["m1"]:
             awaited(joined, HERE, "manager m1 is not running")
             assert "half: manager m1 is not running\n" in joined.ok(f"rtcat -l {HERE}:out")
+            why = "half a connection at out: manager m1 is not running"
+            assert why in joined.ok("rtls -l /localhost")
         if dead == ["manager"]:
             awaited(joined, THERE, "manager manager is not running")
         flowing(joined)
@@ -137,6 +139,15 @@ def test_either_end_disconnects_and_who_is_away_follows(joined: Any) -> None:
     told = joined.run(f"rtdis {HERE}:out {THERE}:into")
     assert told.status == 0
     assert "manager m1 is not running; the other half of connection wire is removed" in told.err
+    joined.ok("rtmgr start m1")
+    until(lambda: half(joined, THERE) is None, "the removal of the other half")
+
+
+def test_a_component_that_is_ended_takes_the_other_half_along(joined: Any) -> None:
+    kill(joined, "m1")
+    ended = joined.run(f"rtexit {HERE}")
+    note = "rtexit: note: other halves of its connections go when m1 is back\n"
+    assert ended == (0, "", note)
     joined.ok("rtmgr start m1")
     until(lambda: half(joined, THERE) is None, "the removal of the other half")
 

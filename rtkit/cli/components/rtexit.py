@@ -47,9 +47,12 @@ def main(
         raise Malformed("No component specified.")
     check_at_most_one(paths, "component")
     action = app.node(partial(_action, is_forced), app.path(paths[0]))
-    along = app.tree.perform(action, timeout_s=app.timeout_s + _LADDER_S * is_forced)
-    if along:
-        app.fail(f"ended with its slave: {along.replace(',', ', ')}")
+    (result,) = app.tree.apply([action], timeout_s=app.timeout_s + _LADDER_S * is_forced)
+    result.raise_for_error()
+    if result.value:
+        app.fail(f"ended with its slave: {result.value.replace(',', ', ')}")
+    if result.note:
+        app.fail(f"note: {result.note}")
 
 
 def _action(is_forced: bool, root: TreeNode, path: Path, hostname: str) -> Delete | EndSlave:

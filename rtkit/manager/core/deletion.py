@@ -27,6 +27,7 @@ from rtkit.manager.core.events import OWN_PROCESS
 from rtkit.manager.core.registration import at_rest
 from rtkit.manager.core.state import ManagerState, Process, no_component
 from rtkit.manager.core.wiring import cut
+from rtkit.rtc.far_ends import peer_of
 
 FORCE_S = 1.0
 """How long a component that is ended by force has to end by itself [s]."""
@@ -55,6 +56,7 @@ def delete(state: ManagerState, action: act.Delete) -> Procedure:
         raise Unreachable(f"{process.unfit}; {remedy(state, process, instance)}")
     state.ending.add(instance)
     others: list[str] = []
+    note = _note_on_halves(state, instance)
     try:
         yield from _finalise(state, process, instance, FORCE_S * action.is_forced)
     except Unreachable as error:
@@ -66,7 +68,14 @@ def delete(state: ManagerState, action: act.Delete) -> Procedure:
     state.forget(instance)
     state.kept.forget(instance)
     yield from retire(state, process)
-    return Result(value=",".join(others))
+    return Result(value=",".join(others), note=note)
+
+
+def _note_on_halves(state: ManagerState, instance: str) -> str:
+    """Return which managers that are away still have halves of connectors of a component."""
+    peers = {peer_of(each) for each in state.connectors_of(instance)} - {"", *state.peers}
+    away = ", ".join(sorted(peers))
+    return f"other halves of its connections go when {away} is back" if away else ""
 
 
 def _finalise(

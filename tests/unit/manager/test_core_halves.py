@@ -6,6 +6,7 @@ import pytest
 from fake_peers import FakeHost
 
 from rtkit.deployment.actions import Delete, Disconnect
+from rtkit.deployment.listing import listing_of
 from rtkit.rtc.far_ends import far_name
 from rtkit.rtc.profiles import PortRef
 
@@ -119,6 +120,18 @@ def test_a_component_that_is_deleted_takes_both_halves_along(host, where):
     assert asked.result.ok
     assert troubles(host) == [GONE, GONE]
     assert host.shells["m1"].watched == host.shells["m2"].watched == ()
+
+
+def test_a_half_and_a_deletion_while_the_peer_is_away_are_shown(host):
+    wired(host)
+    host.kill("m2")
+    (row,) = listing_of(host.shells["m1"].state.snapshot()).rows
+    assert row.again == "half a connection at out: manager m2 is not running"
+    asked = host.ask("m1", Delete("A"))
+    assert asked.result.note == "other halves of its connections go when m2 is back"
+    host.start("m2")
+    host.calm(3.0)
+    assert troubles(host) == [GONE, GONE]
 
 
 @pytest.mark.parametrize("where", ["m1", "m2"])
