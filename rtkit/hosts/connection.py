@@ -6,23 +6,23 @@ refused with its fingerprint, a changed one always.
 
 from __future__ import annotations
 
-import base64
-import hashlib
 import logging
-import os
 import shlex
 import socket
+import threading
 import time
-from collections.abc import Callable, Sequence
-from contextlib import suppress
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager, suppress
 from typing import TYPE_CHECKING, NamedTuple
 
 import paramiko
 
 from rtkit.closing import Closing
-from rtkit.errors import Refused, Unreachable
+from rtkit.errors import Refused, RtkitError, Unreachable
 from rtkit.hosts.host import Host
+from rtkit.hosts.known_hosts import KnownKeys
 from rtkit.hosts.ssh_config import SshRoute, way_to
+from rtkit.hosts.ssh_login import log_in
 from rtkit.link.threads import start_thread
 
 if TYPE_CHECKING:
@@ -53,15 +53,15 @@ class HostConnection(Closing):
     """
 
     def __init__(
-        self, host: Host, client: paramiko.SSHClient, through: HostConnection | None
+        self, host: Host, transport: paramiko.Transport, through: HostConnection | None
     ) -> None:
         self.host = host
-        self._client = client
+        self._transport = transport
         self._through = through
 
     def close(self) -> None:
         """End it, with what still runs over it."""
-        self._client.close()
+        self._transport.close()
         if self._through is not None:
             self._through.close()
 
@@ -72,10 +72,9 @@ class HostConnection(Closing):
         Raises:
             Unreachable: It has ended.
         """
-        transport = self._client.get_transport()
-        if transport is None or not transport.is_active():
+        if not self._transport.is_active():
             raise Unreachable(f"the connection to {self.host.name} has ended")
-        return transport
+        return self._transport
 
     def run(
         self, command: Sequence[str] | str, data: bytes = b"", timeout_s: float = TIMEOUT_S
@@ -158,8 +157,6 @@ class HostConnection(Closing):
 
     def await_silence(self) -> str:
         """Ask again and again whether the far side is there; return why it is not any more."""
-        import threading
-
         while True:
             answered = threading.Event()
 
@@ -171,8 +168,7 @@ class HostConnection(Closing):
             start_thread(ask, "ping")
             if not answered.wait(_SILENT_S):
                 return f"no answer in {_SILENT_S:g} s"
-            transport = self._client.get_transport()
-            if transport is None or not transport.is_active():
+            if not self._transport.is_active():
                 return "the connection has ended"
             threading.Event().wait(_PING_S)
 
@@ -184,90 +180,80 @@ def connect(host: Host, timeout_s: float = TIMEOUT_S) -> HostConnection:
         Unreachable: Nobody answers there in time [s], or it is no sshd.
         Refused: The key of the host is unknown or has changed, or nobody of this user is let in.
     """
-    return _connect(host, way_to(host), timeout_s)
+    return _connect(host, way_to(host), time.monotonic() + timeout_s)
 
 
-def _connect(host: Host, way: SshRoute, timeout_s: float) -> HostConnection:
-    through = _connect(host, way.through, timeout_s) if way.through is not None else None
-    client = paramiko.SSHClient()
-    for file in way.known_hosts:
-        if os.path.exists(file):
-            client.load_host_keys(file)
-    client.set_missing_host_key_policy(_Unknown(host, way))
+def shake_hands(host: Host, way: SshRoute, timeout_s: float) -> HostConnection:
+    """Connect to a host, and verify its key; nobody is logged in there yet.
+
+    Raises:
+        UnknownKey: None of its keys is known, or none of a host in between.
+        Refused: Its key is another one, or revoked.
+        Unreachable: Nobody answers there in time [s], or it is no sshd.
+    """
+    return _shake_hands(host, way, time.monotonic() + timeout_s)
+
+
+def _connect(host: Host, way: SshRoute, deadline: float) -> HostConnection:
+    connection = _shake_hands(host, way, deadline)
+    with _explained(host, way, connection):
+        connection.transport.auth_timeout = _left_s(deadline)
+        log_in(connection.transport, way, f"{host.name} ({way.place})")
+    return connection
+
+
+def _shake_hands(host: Host, way: SshRoute, deadline: float) -> HostConnection:
+    known = KnownKeys(way)
+    through = _connect(host, way.through, deadline) if way.through is not None else None
+    with _explained(host, way, through):
+        transport = paramiko.Transport(_socket(through, way, _left_s(deadline)))
+    connection = HostConnection(host, transport, through)
+    with _explained(host, way, connection):
+        options = transport.get_security_options()
+        options.key_types = known.preferred(options.key_types)
+        agreed = threading.Event()
+        transport.start_client(event=agreed)
+        if not agreed.wait(_left_s(deadline)):
+            raise TimeoutError
+        if not transport.is_active():
+            raise transport.get_exception() or paramiko.SSHException("it ended the connection")
+        known.check(host, transport.get_remote_server_key())
+    return connection
+
+
+def _socket(
+    through: HostConnection | None, way: SshRoute, timeout_s: float
+) -> socket.socket | Channel:
+    place = (way.address, way.port)
+    if through is not None:
+        return through.transport.open_channel(
+            "direct-tcpip", place, ("localhost", 0), timeout=timeout_s
+        )
+    found = socket.create_connection(place, timeout_s)
+    found.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+    return found
+
+
+def _left_s(deadline: float) -> float:
+    return max(deadline - time.monotonic(), 0.001)
+
+
+@contextmanager
+def _explained(host: Host, way: SshRoute, opened: HostConnection | None) -> Iterator[None]:
+    """Say what a failure means to a user, and close what was opened before it."""
     try:
-        sock = _through(through, way, timeout_s) if through is not None else None
-        client.connect(
-            way.address,
-            way.port,
-            way.user,
-            key_filename=[*way.identities] or None,  # type: ignore[arg-type]
-            timeout=timeout_s,
-            banner_timeout=timeout_s,
-            auth_timeout=timeout_s,
-            channel_timeout=timeout_s,
-            allow_agent=way.uses_agent,
-            look_for_keys=not way.identities,
-            sock=sock,
-        )
+        yield
     except BaseException as error:
-        client.close()
-        if through is not None:
-            through.close()
-        raise _explained(host, way, error) from error
-    transport = client.get_transport()
-    assert transport is not None
-    if isinstance(transport.sock, socket.socket):
-        transport.sock.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
-    return HostConnection(host, client, through)
-
-
-def _through(through: HostConnection, way: SshRoute, timeout_s: float) -> Channel:
-    return through.transport.open_channel(
-        "direct-tcpip", (way.address, way.port), ("localhost", 0), timeout=timeout_s
-    )
-
-
-class _Unknown(paramiko.MissingHostKeyPolicy):
-    """Refuses hosts whose key is not known."""
-
-    def __init__(self, host: Host, way: SshRoute) -> None:
-        self._host = host
-        self._way = way
-
-    def missing_host_key(
-        self, client: paramiko.SSHClient, hostname: str, key: paramiko.PKey
-    ) -> None:
-        name, found = self._host.name, fingerprint(key)
-        raise Refused(
-            f"{name}: the key of {self._way.place} is not known: {key.get_name()} {found};"
-            f" if that is it: rthost accept {name} {found}"
-        )
-
-
-def fingerprint(key: paramiko.PKey) -> str:
-    """Return the fingerprint of a key as OpenSSH shows it."""
-    digest = hashlib.sha256(key.asbytes()).digest()
-    return "SHA256:" + base64.b64encode(digest).decode("ascii").rstrip("=")
-
-
-def _explained(host: Host, way: SshRoute, error: BaseException) -> BaseException:
-    """Return what a failure means to a user; what is none of the connection, as it is."""
-    where = f"{host.name} ({way.place})"
-    if isinstance(error, paramiko.BadHostKeyException):
-        return Refused(
-            f"{where}: its key has changed: {error.key.get_name()} {fingerprint(error.key)},"
-            f" known is {fingerprint(error.expected_key)}. Somebody may be in between; nothing"
-            " was sent"
-        )
-    if isinstance(error, paramiko.AuthenticationException):
-        return Refused(f"{where}: user {way.user} is not let in: {_text(error)}")
-    if isinstance(error, TimeoutError):
-        return Unreachable(f"{where}: no answer in time")
-    if isinstance(error, paramiko.SSHException | OSError | EOFError) and not isinstance(
-        error, Unreachable
-    ):
-        return Unreachable(f"{where}: {_text(error)}")
-    return error
+        if opened is not None:
+            opened.close()
+        where = f"{host.name} ({way.place})"
+        if isinstance(error, TimeoutError):
+            raise Unreachable(f"{where}: no answer in time") from error
+        if isinstance(error, paramiko.SSHException | OSError | EOFError) and not isinstance(
+            error, RtkitError
+        ):
+            raise Unreachable(f"{where}: {_text(error)}") from error
+        raise
 
 
 def _text(error: BaseException) -> str:

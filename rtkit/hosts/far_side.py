@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-import time
 from typing import NamedTuple
 
 from rtkit.errors import Malformed, Refused
@@ -71,11 +70,9 @@ class FarSide(Record):
 
 
 class HostLook(NamedTuple):
-    """Look at a host: what it is, how long a question takes [s], how far its clock is ahead [s]."""
+    """Look at a host: what it is."""
 
     far: FarSide
-    round_trip_s: float
-    offset_s: float
 
 
 def look(connection: HostConnection) -> HostLook:
@@ -86,20 +83,14 @@ def look(connection: HostConnection) -> HostLook:
         Unreachable: The connection ended.
     """
     host = connection.host
-    round_trip_s = connection.ping()
-    began, began_s = time.monotonic(), time.time()
     done = connection.run([host.python, "-"], program("far_probe.py"))
-    took_s = time.monotonic() - began
     if done.status:
         why = " ".join(done.err.split()) or f"exit status {done.status}"
         raise Refused(f"{host.name}: no Python there as {host.python}: {why}")
     try:
-        far = decode_text(FarSide, done.out)
+        return HostLook(decode_text(FarSide, done.out))
     except Malformed as error:
         raise Malformed(f"{host.name}: {host.python} says no sense: {error}") from error
-    # It looks at its clock last of all: half a round trip before its answer is here.
-    offset_s = far.time_s - (began_s + took_s - round_trip_s / 2)
-    return HostLook(far, round_trip_s, offset_s)
 
 
 def program(name: str) -> bytes:

@@ -6,13 +6,16 @@ folder, counts more. As what it names is trusted with code, no stranger may be a
 
 from __future__ import annotations
 
+import fcntl
 import os
 import tomllib
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import contextmanager
 from typing import Any
 
 from rtkit.errors import Malformed, NotFound, Refused
 from rtkit.hosts.host import Host, host_at
+from rtkit.link import places
 from rtkit.rtc.names import check_host_name
 from rtkit.rtc.nearest import did_you_mean
 from rtkit.settings.reading import read_private
@@ -63,9 +66,15 @@ def add(new: Host, *, is_forced: bool = False) -> None:
     """Add a host to the user's inventory; what else stands there stays as it is.
 
     Raises:
-        Refused: There is one of that name already.
+        Refused: There is one of that name already, or the name is that of this host.
     """
-    document = _document()
+    if new.name == places.host_name():
+        raise Refused(f"{new.name} is the name of this host in the tree")
+    with _edited() as document:
+        _put(document, new, is_forced=is_forced)
+
+
+def _put(document: Any, new: Host, *, is_forced: bool) -> None:
     if new.name in document and not is_forced:
         raise Refused(f"host {new.name} is there already; --force replaces it")
     table: dict[str, Any] = {"address": str(new)}
@@ -77,7 +86,6 @@ def add(new: Host, *, is_forced: bool = False) -> None:
     if new.tags:
         table["tags"] = [*new.tags]
     document[new.name] = table
-    _write(document)
 
 
 def remove(name: str) -> None:
@@ -86,13 +94,12 @@ def remove(name: str) -> None:
     Raises:
         NotFound: It is not in it.
     """
-    document = _document()
-    if name not in document:
-        elsewhere = [file for file in files() if file != user_file() and name in _names(file)]
-        where = f"; it stands in {elsewhere[0]}" if elsewhere else ""
-        raise NotFound(f"no such host in {user_file()}: {name}{where}")
-    del document[name]
-    _write(document)
+    with _edited() as document:
+        if name not in document:
+            elsewhere = [file for file in files() if file != user_file() and name in _names(file)]
+            where = f"; it stands in {elsewhere[0]}" if elsewhere else ""
+            raise NotFound(f"no such host in {user_file()}: {name}{where}")
+        del document[name]
 
 
 def _names(file: str) -> Iterable[str]:
@@ -114,14 +121,23 @@ def _document() -> Any:
         raise Malformed(f"{path}: {error}") from error
 
 
-def _write(document: Any) -> None:
+@contextmanager
+def _edited() -> Iterator[Any]:
+    """Give the user's inventory to be changed, to one at a time; write it if nothing fails."""
     import tomlkit
 
     from rtkit.link.atomic import write_output
 
     path = user_file()
     os.makedirs(os.path.dirname(path), mode=0o700, exist_ok=True)
-    write_output(tomlkit.dumps(document).encode(), path, mode=0o600)
+    folder = os.open(os.path.dirname(path), os.O_RDONLY | os.O_CLOEXEC)
+    try:
+        fcntl.flock(folder, fcntl.LOCK_EX)
+        document = _document()
+        yield document
+        write_output(tomlkit.dumps(document).encode(), path, mode=0o600)
+    finally:
+        os.close(folder)
 
 
 def _parsed(path: str, data: bytes) -> dict[str, Host]:

@@ -4,28 +4,16 @@ from __future__ import annotations
 
 import getpass
 import os
+import shlex
 from typing import NamedTuple
 
 from rtkit.errors import Malformed
 from rtkit.hosts.host import Host, host_at
 
-HONOURED = (
-    "Host",
-    "Match",
-    "HostName",
-    "Port",
-    "User",
-    "IdentityFile",
-    "IdentitiesOnly",
-    "UserKnownHostsFile",
-    "GlobalKnownHostsFile",
-    "ProxyJump",
-)
-"""Keywords of ``ssh_config`` that count."""
-
+SYSTEM_FILE = "/etc/ssh/ssh_config"
 _MOST_JUMPS = 8
-_KNOWN_HOSTS = "~/.ssh/known_hosts"
-_OF_ALL = "/etc/ssh/ssh_known_hosts"
+_KNOWN_HOSTS = "~/.ssh/known_hosts ~/.ssh/known_hosts2"
+_OF_ALL = "/etc/ssh/ssh_known_hosts /etc/ssh/ssh_known_hosts2"
 
 
 class SshRoute(NamedTuple):
@@ -34,8 +22,13 @@ class SshRoute(NamedTuple):
     Attributes:
         known_hosts: Files with the keys of hosts, the user's first.
         identities: Files of the user's keys; none for the usual ones.
-        uses_agent: Keys of the user's agent are tried.
+        certificates: Files of certificates of these keys.
+        agent: The socket of the user's agent; empty for none.
+        uses_all_keys: Other keys of the agent than those of `identities` are tried, too.
+        alias: The name in ``known_hosts`` if it is another one.
+        hashes_names: Names are hashed in ``known_hosts``.
         through: The way to the host over which it goes.
+        unused: What is set for it in OpenSSH's files and does not count.
     """
 
     address: str
@@ -43,53 +36,98 @@ class SshRoute(NamedTuple):
     user: str
     known_hosts: tuple[str, ...]
     identities: tuple[str, ...] = ()
-    uses_agent: bool = True
+    certificates: tuple[str, ...] = ()
+    agent: str = ""
+    uses_all_keys: bool = True
+    alias: str = ""
+    hashes_names: bool = False
     through: SshRoute | None = None
+    unused: tuple[str, ...] = ()
 
     @property
     def place(self) -> str:
         """The name of the place in ``known_hosts``."""
-        return self.address if self.port == 22 else f"[{self.address}]:{self.port}"
+        address = self.address.lower()
+        return self.alias or (address if self.port == 22 else f"[{address}]:{self.port}")
 
 
-def config_file() -> str:
-    """Return the user's own file: ``RTKIT_SSH_CONFIG``, else ``~/.ssh/config``."""
-    return os.environ.get("RTKIT_SSH_CONFIG") or os.path.expanduser("~/.ssh/config")
-
-
-def way_to(host: Host, _depth: int = 0) -> SshRoute:
-    """Return the way to a host.
+def way_to(host: Host, jumps: str = "", _depth: int = 0) -> SshRoute:
+    """Return the way to a host, over `jumps` if they are given.
 
     Raises:
         Malformed: A file cannot be read, or hosts in between go in a circle.
+        Refused: A stranger can have written a file.
     """
-    import paramiko
+    from rtkit.hosts.ssh_files import expanded_path
 
     if _depth > _MOST_JUMPS:
         raise Malformed(f"{host.name}: more than {_MOST_JUMPS} hosts in between (ProxyJump)")
-    config = paramiko.SSHConfig()
-    path = config_file()
-    try:
-        if os.path.exists(path):
-            with open(path, encoding="utf-8", errors="replace") as file:
-                config.parse(file)
-        found = config.lookup(host.address)
-    except (OSError, paramiko.SSHException, ValueError) as error:
-        raise Malformed(f"{path}: {error}") from error
-    user = host.user or found.get("user") or getpass.getuser()
-    known = found.get("userknownhostsfile", _KNOWN_HOSTS).split()
-    known += found.get("globalknownhostsfile", _OF_ALL).split()
-    jump = found.get("proxyjump", "none")
+    found, unused = _settings(host)
+
+    def word(key: str, usual: str) -> str:
+        return str(found.get(key, usual))
+
+    def paths(key: str, usual: str = "") -> tuple[str, ...]:
+        value = found.get(key, usual)
+        texts = value if isinstance(value, list) else shlex.split(value)
+        return tuple(expanded_path(each) for each in texts if each.lower() != "none")
+
+    port = word("port", "22")
+    if not (port.isdecimal() and 0 < int(port) < 65536):
+        raise Malformed(f"{host.name}: Port of OpenSSH's files is not a port: {port}")
+    *before, last = (jumps or word("proxyjump", "none")).split(",")
     through = None
-    if jump.lower() != "none":
-        *_, last = (each.strip() for each in jump.split(","))
-        through = way_to(host_at(host.name, last), _depth + 1)
+    if last.strip().lower() != "none":
+        jump = host_at(host.name, last.strip().removeprefix("ssh://"))
+        through = way_to(jump, ",".join(before), _depth + 1)
+        unused = (*through.unused, *unused)
     return SshRoute(
-        str(found.get("hostname", host.address)),
-        host.port or int(found.get("port", 22)),
-        user,
-        tuple(os.path.expanduser(each) for each in known),
-        tuple(os.path.expanduser(each) for each in found.get("identityfile", ())),
-        found.get("identitiesonly", "no") != "yes",
+        word("hostname", host.address),
+        int(port),
+        word("user", getpass.getuser()),
+        paths("userknownhostsfile", _KNOWN_HOSTS) + paths("globalknownhostsfile", _OF_ALL),
+        paths("identityfile"),
+        paths("certificatefile"),
+        _agent(word("identityagent", "SSH_AUTH_SOCK")),
+        word("identitiesonly", "no").lower() != "yes",
+        word("hostkeyalias", "").lower(),
+        word("hashknownhosts", "no").lower() == "yes",
         through,
+        unused,
     )
+
+
+def remarks(hosts: list[Host]) -> list[str]:
+    """Return what is set for hosts in OpenSSH's files and does not count, each once.
+
+    Raises:
+        Malformed: A file cannot be read.
+    """
+    unused = dict.fromkeys(each for host in hosts for each in way_to(host).unused)
+    return [f"of OpenSSH's files this does not count: {each}" for each in unused]
+
+
+def _settings(host: Host) -> tuple[dict[str, str | list[str]], tuple[str, ...]]:
+    """Return the values of OpenSSH's files; what the inventory says counts before them."""
+    from rtkit.hosts.ssh_files import ExpandedConfig
+
+    user = [f"User {host.user}"] if host.user else []
+    port = [f"Port {host.port}"] if host.port else []
+    config = ExpandedConfig(host.address, *user, *port)
+    own = os.path.expanduser("~/.ssh")
+    if only := os.environ.get("RTKIT_SSH_CONFIG"):  # as ssh -F: without the machine's own
+        config.add(only, own)
+    else:
+        config.add(os.path.join(own, "config"), own)
+        config.add(SYSTEM_FILE, os.path.dirname(SYSTEM_FILE))
+    return config.lookup()
+
+
+def _agent(text: str) -> str:
+    from rtkit.hosts.ssh_files import expanded_path
+
+    if text.lower() == "none":
+        return ""
+    if text == "SSH_AUTH_SOCK" or (text.startswith("$") and "{" not in text):
+        return os.environ.get(text.removeprefix("$"), "")
+    return expanded_path(text)

@@ -105,6 +105,8 @@ def check_host_name(name: str) -> str:
     check_instance_name(name)
     if name == LOCAL or name.startswith(("-", ".")):
         raise Malformed(f"not a name for a host: {name}")
+    if name.endswith((COMPONENT_SUFFIX, MANAGER_SUFFIX)):
+        raise Malformed(f"not a name for a host, but for what runs on one: {name}")
     if len(name.encode("utf-8", "replace")) > _MAX_HOST:  # as of Linux; files bear it, too
         raise Malformed(f"name of a host is longer than {_MAX_HOST} bytes: {name[:40]}…")
     return name

@@ -131,6 +131,11 @@ class FarHost:
         assert done.returncode == 0, done.stderr
         return done.stdout
 
+    def sshd(self, port: int, *options: str, key: str = "/root/.ssh/hostkey") -> None:
+        """Have one more sshd there at a port of its own, with options of its own."""
+        words = [word for option in options for word in ("-o", option)]
+        self.run(_SSHD, "-p", str(port), "-h", key, *words, *_OPTIONS.split())
+
     def close(self) -> None:
         """Have it no longer."""
         self.power_off()

@@ -89,12 +89,8 @@ def test_a_changed_key_is_refused(known: Shell, hosts: list[FarHost]) -> None:
     assert told.status == 1
     assert "its key has changed" in told.err
     assert known.run("rthost check robot2").status == 0
-    assert (
-        "another key"
-        in known.run(
-            f"rthost accept robot1 {told.err.split('changed: ssh-ed25519 ')[1].split(',')[0]}"
-        ).err
-    )
+    shown = told.err.split("changed: ssh-ed25519 ")[1].split(",")[0]
+    assert "its key has changed" in known.run(f"rthost accept robot1 {shown}").err
 
 
 def test_check_tells_what_a_host_is_and_changes_nothing_there(
@@ -103,7 +99,8 @@ def test_check_tells_what_a_host_is_and_changes_nothing_there(
     records = jsonrecords.checked(known.ok("rthost check --json"))
     assert {jsonrecords.kind_of(each) for each in records} == {"host-check"}
     assert [each["hostname"] for each in records] == ["robot1", "robot2"]
-    assert all(abs(each["clock_offset_s"]) <= 0.1 + each["round_trip_s"] for each in records)
+    assert all(abs(each["clock_offset_s"]) <= each["clock_bound_s"] + 1e-3 for each in records)
+    assert all(each["round_trip_s"] < 0.03 for each in records)
     assert not [each["obstacles"] for each in records if each["obstacles"]]
 
 

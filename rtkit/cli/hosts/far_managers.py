@@ -24,13 +24,14 @@ def run_at_hosts(app: App, word: str, names: Sequence[str], manager: str, *, rep
 
     All are tried, at the same time; those that failed are told, each with its step.
     """
-    from rtkit.hosts import inventory
+    from rtkit.hosts import inventory, ssh_config
 
     if word not in ("start", "stop"):
         raise UsageProblem(f"--host is for rtmgr start and stop, not {word}")
     hosts = [inventory.host(name) for name in dict.fromkeys(names)]
     if manager:
         hosts = [replace(host, manager=manager) for host in hosts]
+    app.warn(ssh_config.remarks(hosts))
     near = _near(app) if word == "start" else _near_if_running(app)
     failures: list[RtkitError] = []
 

@@ -7,9 +7,12 @@ from rtkit.cli.shared.group import group
 _HELP = """Keep the inventory of other hosts, and look at them over SSH.
 
 It is hosts.toml in this folder, or of the user (in XDG_CONFIG_HOME/rtkit, else ~/.config/rtkit). A
-host needs sshd and Python; rtmgr start --host NAME does the rest. Of OpenSSH's own file
-~/.ssh/config these keywords count: Host, Match, HostName, Port, User, IdentityFile,
-IdentitiesOnly, UserKnownHostsFile, GlobalKnownHostsFile, ProxyJump.
+host needs sshd and Python; rtmgr start --host NAME does the rest. Of OpenSSH's own files
+~/.ssh/config and /etc/ssh/ssh_config these keywords count: Host, Match (but exec: nothing is run),
+Include, HostName, Port, User, IdentityFile, IdentitiesOnly, IdentityAgent, CertificateFile,
+UserKnownHostsFile, GlobalKnownHostsFile, HostKeyAlias, HashKnownHosts, ProxyJump. Others that are
+set for a host and decide about the way to it are named. RTKIT_SSH_CONFIG names another file
+instead, as ssh -F does.
 """
 
 main = group(

@@ -41,9 +41,6 @@ class Answering:
     def run(self, *_command: Any, **_options: Any) -> Done:
         return Done(0, self.out, "")
 
-    def ping(self) -> float:
-        return 0.0
-
 
 @pytest.mark.parametrize(
     "machine", ["x/../../../../root/.ssh/id", "../x", "", "x" * 99, "x86_64\n", "--pre"]
@@ -66,7 +63,7 @@ def test_what_makes_no_sense_is_told_of_its_host(text: str, monkeypatch: Any) ->
     with pytest.raises(Malformed, match="robot1"):
         far_side.look(connection)
     with pytest.raises(Malformed):
-        provisioned.provision(connection, HostLook(GOOD, 0.0, 0.0), print)
+        provisioned.provision(connection, HostLook(GOOD), print)
 
 
 def test_only_wheels_of_rtkit_are_sent(monkeypatch: Any) -> None:
@@ -74,7 +71,7 @@ def test_only_wheels_of_rtkit_are_sent(monkeypatch: Any) -> None:
     monkeypatch.setattr(wheels, "wheels_for", lambda _kind: made)
     connection: Any = Answering('{"wheels": "/x", "lacking": ["/etc/shadow"], "made": false}')
     with pytest.raises(Malformed, match="no wheel of rtkit"):
-        provisioned.provision(connection, HostLook(GOOD, 0.0, 0.0), print)
+        provisioned.provision(connection, HostLook(GOOD), print)
 
 
 def test_wheels_that_others_may_change_are_sent_nowhere(tmp_path: Any, monkeypatch: Any) -> None:

@@ -21,10 +21,12 @@ def main(app: App, words: tuple[str, ...] = arguments("NAME FINGERPRINT")) -> No
     It is written to the first UserKnownHostsFile, where OpenSSH finds it, too. Compare the
     fingerprint with what the host itself shows: ssh-keygen -lf /etc/ssh/ssh_host_ed25519_key.pub
     """
-    from rtkit.hosts import host_keys, inventory
+    from rtkit.hosts import host_keys, inventory, ssh_config
 
     if len(words) != 2:
         raise WrongArguments("takes the name of a host, and the fingerprint of its key")
     name, fingerprint = words
-    file = host_keys.accept(inventory.host(name), fingerprint, app.timeout_s)
+    host = inventory.host(name)
+    app.warn(ssh_config.remarks([host]))
+    file = host_keys.accept(host, fingerprint, app.timeout_s)
     app.verbose(f"the key of {name} is in {file}")

@@ -29,9 +29,11 @@ def main(
     NAME is its name in the tree, /NAME. ADDRESS is a name, an IP address (IPv6 in brackets), or a
     Host of ~/.ssh/config. Nothing is asked of the host: rthost check does that.
     """
+    from rtkit.errors import Refused
     from rtkit.fast_dataclass import replace
     from rtkit.hosts import inventory
     from rtkit.hosts.host import host_at
+    from rtkit.link import host_links
 
     if len(words) != 2:
         raise WrongArguments("takes a name and an address")
@@ -39,5 +41,7 @@ def main(
     host = replace(
         found, python=python or found.python, manager=manager or found.manager, tags=tags
     )
+    if host_links.is_linked(host.name) and host.name not in inventory.read():
+        raise Refused(f"another host is linked as {host.name}: rtmgr stop --host ends that first")
     inventory.add(host, is_forced=is_forced)
     app.verbose(f"{host.name} is in {inventory.user_file()}")

@@ -2,17 +2,22 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 from rtkit.cli.shared import json_records, terminal
 from rtkit.cli.shared.app import App
 from rtkit.cli.shared.command import command
 from rtkit.cli.shared.options import arguments, json_flag
+from rtkit.cli.shared.progress import counting
 from rtkit.errors import Refused, RtkitError
 
 if TYPE_CHECKING:
-    from rtkit.hosts.far_side import HostLook
+    from rtkit.hosts.clock import ClockOffset
+    from rtkit.hosts.far_side import FarSide
     from rtkit.hosts.host import Host
+
+    Found = tuple[FarSide, ClockOffset]
 
 
 @command(
@@ -30,50 +35,56 @@ def main(
     """Look at hosts over SSH, all of the inventory by default.
 
     Nothing is changed there. What keeps rtkit from being made there is told, all of it, and the
-    status is 1 then. The clock is compared with the one here, as exactly as half the time that a
-    question takes allows.
+    status is 1 then. The clock is compared with the one here by several questions, as exactly as
+    half the time of the shortest allows. All are asked at once: silent hosts cost one time-out.
     """
-    from rtkit.hosts import inventory
+    from rtkit.hosts import inventory, ssh_config
 
     known = inventory.read()
     hosts = [inventory.host(name) for name in names] if names else [*known.values()]
+    app.warn(ssh_config.remarks(hosts))
     failed: list[RtkitError] = []
-    for host, found in _looks(hosts, app.timeout_s):
+    for host, found in _looks(app, hosts):
         if isinstance(found, RtkitError):
             failed.append(found)
             app.fail(str(found))
             continue
-        obstacles = found.far.obstacles()
+        obstacles = found[0].obstacles()
         if is_json:
-            terminal.write([json_records.line("host-check", _record(host, found, obstacles))])
+            terminal.write([json_records.line("host-check", _record(host, *found, obstacles))])
         else:
-            terminal.write([f"{host.name}:", *_lines(host, found)])
+            terminal.write([f"{host.name}:", *_lines(host, *found)])
         for each in obstacles:
             failed.append(Refused(each))
             app.fail(f"{host.name}: {each}")
     return app.status(failed[0]) if failed else 0
 
 
-def _looks(hosts: list[Host], timeout_s: float) -> list[tuple[Host, HostLook | RtkitError]]:
-    """Look at all at once."""
+def _looks(app: App, hosts: list[Host]) -> Iterator[tuple[Host, Found | RtkitError]]:
+    """Look at all at once; tell each as soon as it and those before it have been looked at."""
     from concurrent.futures import ThreadPoolExecutor
 
+    from rtkit.hosts.clock import compare
     from rtkit.hosts.connection import connect
     from rtkit.hosts.far_side import look
 
-    def one(host: Host) -> HostLook | RtkitError:
+    def one(host: Host) -> Found | RtkitError:
         try:
-            with connect(host, timeout_s) as connection:
-                return look(connection)
+            with connect(host, app.timeout_s) as connection:
+                return look(connection).far, compare(connection)
         except RtkitError as error:
             return error
 
-    with ThreadPoolExecutor(max_workers=max(1, len(hosts))) as pool:
-        return [*zip(hosts, pool.map(one, hosts), strict=True)]
+    with (
+        counting(app, "Looking at hosts") as count,
+        ThreadPoolExecutor(max_workers=max(1, len(hosts))) as pool,
+    ):
+        for number, (host, found) in enumerate(zip(hosts, pool.map(one, hosts), strict=True)):
+            count(number + 1, len(hosts))
+            yield host, found
 
 
-def _lines(host: Host, found: HostLook) -> list[str]:
-    far = found.far
+def _lines(host: Host, far: FarSide, clock: ClockOffset) -> list[str]:
     rows = [
         ("Address", str(host)),
         ("Host name", far.hostname),
@@ -82,14 +93,15 @@ def _lines(host: Host, found: HostLook) -> list[str]:
         ("Memory free", f"{far.memory_bytes >> 20} MiB"),
         ("Disk free", f"{far.free_bytes >> 20} MiB in {far.home}"),
         ("rtkit", far.current or "not there yet (rtmgr start --host makes it)"),
-        ("Round trip", f"{found.round_trip_s * 1e3:.1f} ms"),
-        ("Clock", f"{found.offset_s:+.3f} s (± {found.round_trip_s / 2:.3f} s)"),
+        ("Round trip", f"{clock.round_trip_s * 1e3:.1f} ms"),
+        ("Clock", f"{clock.offset_s:+.4f} s (± {clock.bound_s:.4f} s)"),
     ]
     return [*terminal.pairs(rows, "  ")]
 
 
-def _record(host: Host, found: HostLook, obstacles: list[str]) -> dict[str, object]:
-    far = found.far
+def _record(
+    host: Host, far: FarSide, clock: ClockOffset, obstacles: list[str]
+) -> dict[str, object]:
     return {
         "name": host.name,
         "address": str(host),
@@ -101,7 +113,8 @@ def _record(host: Host, found: HostLook, obstacles: list[str]) -> dict[str, obje
         "memory_bytes": far.memory_bytes,
         "free_bytes": far.free_bytes,
         "rtkit": far.current,
-        "round_trip_s": found.round_trip_s,
-        "clock_offset_s": found.offset_s,
+        "round_trip_s": clock.round_trip_s,
+        "clock_offset_s": clock.offset_s,
+        "clock_bound_s": clock.bound_s,
         "obstacles": obstacles,
     }
