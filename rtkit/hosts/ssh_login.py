@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import getpass
 import os
-import socket
 import sys
 import threading
 from collections.abc import Iterator
@@ -15,6 +14,7 @@ from paramiko.agent import AgentSSH
 
 from rtkit.errors import Refused
 from rtkit.hosts.ssh_config import SshRoute
+from rtkit.link import unix
 
 _USUAL = ("id_ed25519", "id_ecdsa", "id_rsa")
 _asking = threading.Lock()
@@ -104,10 +104,7 @@ class _Keys(AgentSSH):
             self._files = tuple(each for each in usual if os.path.exists(each))
         if way.agent:
             try:
-                end = socket.socket(socket.AF_UNIX)
-                end.settimeout(5.0)
-                end.connect(way.agent)
-                self._connect(end)  # type: ignore[attr-defined]
+                self._connect(unix.connect(way.agent, 5.0))  # type: ignore[attr-defined]
             except (OSError, paramiko.SSHException) as error:
                 self.notes.append(f"the agent at {way.agent} does not answer ({error})")
 

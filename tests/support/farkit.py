@@ -83,14 +83,15 @@ class FarHost:
 
     def power_on(self) -> None:
         """Start it: its home is empty but for the key of the user."""
+        keys = f"/dev/shm/{self._space}"
         script = f"""
             set -e
             hostname {self.name}
             mount --make-rprivate /
-            mkdir -p /dev/shm/keys; cp {self.folder}/key.pub {self.folder}/hostkey /dev/shm/keys/
+            mkdir -p {keys}; cp {self.folder}/key.pub {self.folder}/hostkey {keys}/
             mount -t tmpfs -o size={self._room},mode=700 tmpfs /root
-            mkdir -m 700 /root/.ssh; cp /dev/shm/keys/key.pub /root/.ssh/authorized_keys
-            mv /dev/shm/keys/hostkey /root/.ssh/hostkey; chmod 600 /root/.ssh/*; rm -r /dev/shm/keys
+            mkdir -m 700 /root/.ssh; cp {keys}/key.pub /root/.ssh/authorized_keys
+            mv {keys}/hostkey /root/.ssh/hostkey; chmod 600 /root/.ssh/*; rm -r {keys}
             mount -t tmpfs -o mode=1777 tmpfs /tmp; mount -t tmpfs tmpfs /run; mkdir /run/sshd
             mount -t tmpfs -o mode=1777 tmpfs /dev/shm
             exec {_SSHD} -D -e -p 22 -h /root/.ssh/hostkey {_OPTIONS}
