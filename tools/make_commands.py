@@ -35,6 +35,7 @@ _ENVIRONMENT = (
     ("RTKIT_MANAGER", "Name of the manager to ask, by default manager."),
     ("RTKIT_HOSTNAME", "Name of this host in the tree, by default that of the machine."),
     ("RTKIT_SSH_CONFIG", "File that is read as OpenSSH's, by default ~/.ssh/config."),
+    ("RTKIT_KEYS", "Folder of keys, by default rtkit/keys in the configuration folder."),
     ("RTKIT_CWD", "Working directory in the tree, from which relative paths are meant."),
     ("RTCSH_CWD", "The same, where RTKIT_CWD is not set: the variable that rtcwd sets."),
     ("RTKIT_RUNTIME_DIR", "Folder of sockets and locks, for this user alone."),

@@ -32,6 +32,16 @@ TOPICS: dict[str, dict[str, str]] = {
         "list": "List the known hosts, and how the links to them are; no host is asked.",
         "remove": "Remove a host from the inventory of the user, and end the link to it.",
     },
+    "keys": {
+        "rtkeys": "Keep a private CA, which says who may come in from other hosts.",
+    },
+    "keys.words": {
+        "init": "Make a private CA, and a certificate of this user with the role operator.",
+        "issue": "Make a key and a certificate, in a new folder that is to be handed over.",
+        "list": "List the certificates that the CA issued; warn of those that end within 30 days.",
+        "revoke": "Revoke certificates.",
+        "show": "Show the certificate that commands and services of this user show to others.",
+    },
     "managers": {
         "rtconfig": "Show settings, and the files and variables that they are from.",
         "rtdoctor": "Tell what is wrong with this set-up, and what helps.",

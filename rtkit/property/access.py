@@ -83,6 +83,17 @@ class Access:
             self._known[key] = known
         return known
 
+    def allows(self, identity: str, method: str, name: str) -> bool:
+        """Return whether a rule says so; without one that fits nothing is allowed."""
+        fitting = (rule for rule in self._rules if rule.concerns(identity, method, name))
+        rule = next(fitting, None)
+        return rule is not None and rule.allows
+
+    @property
+    def rules(self) -> tuple[AccessRule, ...]:
+        """Return the rules, in their order."""
+        return self._rules
+
     def _decided(self, identity: str, method: str, name: str) -> bool:
         for rule in self._rules:
             if rule.concerns(identity, method, name):

@@ -34,6 +34,10 @@ class Requester:
         """Return whether it may GET or SET a property, or what is asked about it."""
         return self.access.may(self.identity, method, name)
 
+    def audited(self, ask: PropertyRequest, service: str) -> PropertyRequest:
+        """Return a request to a service, so that it is on record where the endpoint keeps one."""
+        return ask
+
     def listen(self, listener: Listener) -> None:
         """Take on what is to be sent to this caller.
 

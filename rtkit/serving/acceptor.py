@@ -56,7 +56,7 @@ class Acceptor(IOHandler):
             return  # it has gone again, or there is no descriptor left: the next one may fit
         self._forget()
         most = self._quota.limits.connections
-        is_full = len(self._clients) >= most
+        is_full = len(self._clients) >= most and not self._drop_unknown()
         admitted = f"busy there are {most} connections" if is_full else self.admit(client)
         if not isinstance(admitted, str):
             self._clients.append(admitted)
@@ -74,21 +74,31 @@ class Acceptor(IOHandler):
         """See `IOHandler.check`."""
         self._forget()
 
+    def _drop_unknown(self) -> bool:
+        """Close the oldest client that has not shown who it is; return whether there was one."""
+        unknown = next((each for each in self._clients if not each.identity), None)
+        if unknown is not None:
+            unknown.close()
+            self._forget()
+        return unknown is not None
+
     def _forget(self) -> None:
         self._clients = [each for each in self._clients if each.is_open]
 
 
-def bound_to(port: int) -> socket.socket:
-    """Return a socket at a port of this host, 0 for any.
+def bound_to(port: int, address: str = LOOPBACK) -> socket.socket:
+    """Return a socket at a port of this host, 0 for any; beyond loopback only for TLS.
 
     Raises:
         Unreachable: The port is taken.
     """
-    end = socket.socket(socket.AF_INET, socket.SOCK_STREAM | socket.SOCK_CLOEXEC)
+    family = socket.AF_INET6 if ":" in address else socket.AF_INET
+    end = socket.socket(family, socket.SOCK_STREAM | socket.SOCK_CLOEXEC)
     end.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
     try:
-        end.bind((LOOPBACK, port))
+        end.bind((address, port))
     except OSError as error:
         end.close()
-        raise Unreachable(f"cannot listen on port {port}: {error.strerror}") from error
+        why = error.strerror or str(error)
+        raise Unreachable(f"cannot listen on port {port}: {why}") from error
     return end

@@ -13,6 +13,8 @@ if TYPE_CHECKING:
     from rtkit.wires.wire import ClientSide, Wire
 
 PORT = "[HOST:]PORT"
+PUBLIC = "[ADDRESS:]PORT"
+"""Place of an endpoint with mutual TLS: the only ones that other hosts can reach."""
 _WITHOUT_SCHEME = "tcp"
 
 
@@ -47,6 +49,12 @@ WIRES = {
     "tcp": WireEntry(
         "line",
         ServeOption("port", PORT, "Also open a TCP endpoint on this host, 0 for any free port."),
+    ),
+    "tcps": WireEntry(
+        "line",
+        ServeOption(
+            "tls", PUBLIC, "Also open a TCP endpoint with mutual TLS (0.0.0.0:PORT: other hosts)."
+        ),
     ),
     "zenoh": WireEntry("zenoh"),
     "serial": WireEntry(

@@ -126,6 +126,33 @@ def port_here(scheme: str, address: str) -> int:
     return port
 
 
+def public_place(address: str) -> tuple[str, int]:
+    """Return address and port to open to other hosts as well, that of loopback unless told.
+
+    Raises:
+        Malformed: It is neither PORT nor ADDRESS:PORT with a numeric address.
+    """
+    from ipaddress import ip_address
+
+    host, port = host_and_port(address)
+    bare = "127.0.0.1" if host in HERE else host.strip("[]")
+    try:
+        return str(ip_address(bare)), port
+    except ValueError:
+        raise Malformed(f"not a numeric ADDRESS:PORT (0.0.0.0 is all of IPv4): {address}") from None
+
+
+def shown_host(address: str) -> str:
+    """Return how clients may write the host of an address that is opened."""
+    from rtkit.link.places import host_name
+
+    if address in ("127.0.0.1", "::1"):
+        return "localhost"
+    if address in ("0.0.0.0", "::"):
+        return host_name()
+    return f"[{address}]" if ":" in address else address
+
+
 def split_behind(prefix: str, separator: str = "/") -> Callable[[str], tuple[str, str]]:
     """Return the function that splits an address at the first separator behind its prefix."""
 

@@ -13,17 +13,29 @@ from conformance import subject
 from mosquittokit import PASSWORD
 from serialkit import Cable
 
+from rtkit.keys import authority
 from rtkit.link.streams import Streams
 from rtkit.property.service import Service
 from rtkit.wires.serve import ServedObject, serve
 
 
+@pytest.fixture(scope="session")
+def keys(tmp_path_factory: pytest.TempPathFactory) -> str:
+    """Keys of this user, as `rtkeys init` makes them."""
+    folder = str(tmp_path_factory.mktemp("keys") / "own")
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("RTKIT_KEYS", folder)
+        authority.init("tester", ["localhost", "127.0.0.1"])
+    return folder
+
+
 @pytest.fixture
-def place(monkeypatch: pytest.MonkeyPatch) -> Iterator[str]:
+def place(monkeypatch: pytest.MonkeyPatch, keys: str) -> Iterator[str]:
     """A short folder for sockets and state; no socket may be left in it."""
     folder = tempfile.mkdtemp(prefix="rtk")
     for name in ("run", "state"):
         os.mkdir(f"{folder}/{name}", 0o700)
+    monkeypatch.setenv("RTKIT_KEYS", keys)
     monkeypatch.setenv("RTKIT_RUNTIME_DIR", f"{folder}/run")
     monkeypatch.setenv("RTKIT_STATE_DIR", f"{folder}/state")
     yield folder

@@ -12,7 +12,7 @@ from property_endpoints import BOUND_S, SERVED, Lines, WirePlaces, params
 from rtkit.proxy.bridge import bridge
 from rtkit.wires.line.client import connect_unix
 from rtkit.wires.serve import ServedObject, serve
-from rtkit.wires.table import PORT, WIRES, wire_of
+from rtkit.wires.table import PORT, PUBLIC, WIRES, wire_of
 
 
 @pytest.mark.parametrize("scheme", params("unix", "zenoh", *SERVED))
@@ -44,7 +44,7 @@ def test_who_listens_hears_the_new_owner(place: str, scheme: str) -> None:
         assert (next(counts).payload, next(modes).payload) == ("7", "idle")
         assert next(latest).payload == "0.25"
         served.close()
-        if option is not None and option.metavar == PORT:
+        if option is not None and option.metavar in (PORT, PUBLIC):
             value = re.findall(r":(\d+)", address)[0]
         again = ends.enter_context(begin(value, 8))
         while (event := next(counts)).payload != "8":

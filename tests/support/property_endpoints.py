@@ -30,7 +30,7 @@ from rtkit.serving.event_loop import PropertyEventLoop
 from rtkit.tree.property_connections import OfService
 from rtkit.wires.property_client import PropertyClient
 from rtkit.wires.serve import ServedObject
-from rtkit.wires.table import PORT, WIRES, wire_of
+from rtkit.wires.table import PORT, PUBLIC, WIRES, wire_of
 from rtkit.wires.wire import Wire, WireSettings
 
 BOUND_S = 30.0
@@ -57,7 +57,7 @@ def opening(place: str) -> dict[str, int | str]:
     """Return keywords of `rtkit.serve` that open an endpoint on each of the wires in `KNOWING`."""
     options = [WIRES[each].option for each in KNOWING if each not in _IS_ABSENT]
     return {
-        each.name: 0 if each.metavar == PORT else f"{place}/{each.name}.sock"
+        each.name: 0 if each.metavar in (PORT, PUBLIC) else f"{place}/{each.name}.sock"
         for each in options
         if each is not None
     }

@@ -10,7 +10,7 @@ from rtkit.cli.shared import terminal
 from rtkit.cli.shared.app import App
 from rtkit.cli.shared.command import command
 from rtkit.cli.shared.options import argument, option, several, together
-from rtkit.wires.table import PORT, WIRES
+from rtkit.wires.table import PORT, PUBLIC, WIRES
 
 if TYPE_CHECKING:
     from rtkit.property.access import AccessPolicy
@@ -28,8 +28,21 @@ def _port(context: click.Context, parameter: click.Parameter, value: str | None)
     if not (port.isascii() and port.isdigit() and int(port) <= 65535):
         raise click.BadParameter(f"not [HOST:]PORT: {value}")
     if name not in HERE:
-        raise click.BadParameter(f"this host only, not {name}: nothing would be encrypted")
+        hint = "nothing would be encrypted (--tls serves other hosts)"
+        raise click.BadParameter(f"this host only, not {name}: {hint}")
     return int(port)
+
+
+def _public(context: click.Context, parameter: click.Parameter, value: str | None) -> str | None:
+    if value is not None:
+        from rtkit.errors import Malformed
+        from rtkit.wires.wire import public_place
+
+        try:
+            public_place(value)
+        except Malformed as error:
+            raise click.BadParameter(str(error)) from None
+    return value
 
 
 def _kept(
@@ -56,7 +69,9 @@ def _policy(files: tuple[str, ...], lines: tuple[str, ...]) -> AccessPolicy:
 
 _ENDPOINTS = {
     each.name.replace("-", "_"): option(
-        f"--{each.name} {each.metavar}", each.help, callback=_port if each.metavar == PORT else None
+        f"--{each.name} {each.metavar}",
+        each.help,
+        callback={PORT: _port, PUBLIC: _public}.get(each.metavar),
     )
     for each in _OPTIONS
 }
@@ -74,6 +89,7 @@ _ENDPOINTS = {
             "With a serial line, over which the angles may be set.",
         ),
         ("rtserve ./arm.py:Arm robots/arm --http 8080", "For curl and browsers too."),
+        ("rtserve ./arm.py:Arm arm --tls 0.0.0.0:4711", "For other hosts, see rtkit keys."),
         ("rtserve ./arm.py:Arm arm --history 'angle=100'", "Remember values for .history."),
         ("rtserve ./arm.py:Arm arm --rule 'deny zenoh * SET *'", "Read-only over zenoh."),
     ),

@@ -11,7 +11,12 @@ if TYPE_CHECKING:
     from rtkit.cli.shared.command import Main
 
 
-GROUPS = {"profiles.words": "rtprofile", "hosts.words": "rthost", "packages.words": "rtpkg"}
+GROUPS = {
+    "profiles.words": "rtprofile",
+    "hosts.words": "rthost",
+    "keys.words": "rtkeys",
+    "packages.words": "rtpkg",
+}
 """Folders of words, and whose words they are."""
 
 TABLE: dict[str, tuple[str, str]] = {

@@ -195,7 +195,8 @@ class Connection(SocketClient):
         if asked.payload is not None and monotonic() > until:
             answer(Answer(NOT_BEGUN, "timeout"))
             return
-        service.handle(PropertyRequest(target, asked.payload, answer, self, asked.id, until))
+        ask = PropertyRequest(target, asked.payload, answer, self, asked.id, until)
+        service.handle(self.audited(ask, name))
 
     def flush(self, now: float) -> float | None:
         """See `IOHandler.flush`."""

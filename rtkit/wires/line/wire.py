@@ -13,11 +13,16 @@ from rtkit.wires.wire import (
     WireSettings,
     host_and_port,
     port_here,
+    public_place,
+    shown_host,
     split_behind,
 )
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from rtkit.serving.provider import PropertyProvider
+    from rtkit.wires.line.client import LineClient
     from rtkit.wires.property_client import PropertyClient
 
 
@@ -52,21 +57,37 @@ UNIX = Wire(
 
 def _tcp_provider(address: str, settings: WireSettings) -> ProviderAddress:
     from rtkit.wires.line.client import connect_tcp
+
+    return _provider("tcp", address, settings, connect_tcp)
+
+
+def _tcps_provider(address: str, settings: WireSettings) -> ProviderAddress:
+    from rtkit.wires.line.secure import connect_tcps
+
+    return _provider("tcps", address, settings, connect_tcps)
+
+
+def _provider(
+    scheme: str,
+    address: str,
+    settings: WireSettings,
+    connect: Callable[[str, int, float], LineClient],
+) -> ProviderAddress:
     from rtkit.wires.line.provider_connection import LineConnection
 
     place, _, service = address.partition("/")
     host, port = host_and_port(place)
 
     if not service:
-        with connect_tcp(host, port, settings.timeout_s) as client:
+        with connect(host, port, settings.timeout_s) as client:
             known = str(client.ask(SERVICES).value()).strip("()").split()
         if len(known) != 1:
             present = " ".join(known) or "none"
-            raise Refused(f"which service? tcp:{place}/NAME (there is {present})")
+            raise Refused(f"which service? {scheme}:{place}/NAME (there is {present})")
         service = known[0]
     return ProviderAddress(
         lambda: LineConnection(
-            settings.host, connect_tcp(host, port, settings.timeout_s).detach(), service
+            settings.host, connect(host, port, settings.timeout_s).detach(), service
         ),
         service,
     )
@@ -88,6 +109,34 @@ def _connect(address: str, timeout_s: float) -> PropertyClient:
 
     return connect_tcp(*_endpoint(address), timeout_s)
 
+
+def _open_tcps(address: str, provider: PropertyProvider, settings: WireSettings) -> str:
+    from rtkit.wires.line.secure import open_tcps
+
+    place, port = public_place(address)
+    port = open_tcps(settings.host, provider.name, place, port)
+    return f"tcps:{shown_host(place)}:{port}"
+
+
+def _secure_endpoint(address: str) -> tuple[str, int]:
+    return host_and_port(address.removeprefix("tcps:"))
+
+
+def _connect_tcps(address: str, timeout_s: float) -> PropertyClient:
+    from rtkit.wires.line.secure import connect_tcps
+
+    return connect_tcps(*_secure_endpoint(address), timeout_s)
+
+
+TCPS = Wire(
+    "tcps",
+    "Lines of text over TCP behind mutual TLS, for certificates of the same CA.",
+    "tcps:HOST:PORT/SERVICE",
+    "tcps:PORT",
+    _tcps_provider,
+    _open_tcps,
+    ClientSide("tcps:", split_behind("tcps:"), _connect_tcps, check=_secure_endpoint),
+)
 
 TCP_CLIENTS = ClientSide("tcp:", split_behind("tcp:"), _connect, check=_endpoint)
 

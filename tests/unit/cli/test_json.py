@@ -58,6 +58,7 @@ ASKED = {
 ELSEWHERE = {
     "activity": "system/test_observers.py",
     "call": "system/test_services.py",
+    "certificate": "unit/cli/test_rtkeys.py",
     "operation": "system/test_services.py",
     "bug-run": "unit/bug/test_records.py",
     "bug-word": "unit/bug/test_rtbug.py",
@@ -88,7 +89,7 @@ WITHOUT = {
     "rtinject", "rtproxy", "rtreset", "rtresurrect", "rtserve", "rtset", "rtstart", "rtstop",
     "rtteardown",  # change, and tell nothing
     "rtcwd",  # prints what a shell is to evaluate
-    "rthost", "rtpkg", "rtprofile",  # their words have it
+    "rthost", "rtkeys", "rtpkg", "rtprofile",  # their words have it
     "rtdoc", "rtstodot",  # write documents of other forms
     "rtgui",  # for a terminal only
 }  # fmt: skip

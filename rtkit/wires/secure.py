@@ -1,0 +1,231 @@
+"""Mutual TLS on sockets of endpoints and clients, for any wire over TCP.
+
+A client is known by its certificate: it is let in when that is good, for as long as it is, and what
+it SETs is on record.
+"""
+
+from __future__ import annotations
+
+import socket
+import ssl
+from logging import getLogger
+from time import monotonic
+from typing import Any
+
+from rtkit.errors import RtkitError, Unreachable
+from rtkit.keys import audit
+from rtkit.keys.roles import RoleAccess
+from rtkit.keys.tls import Peer, Trust, peer_of
+from rtkit.property.codes import PropertyError
+from rtkit.property.messages import Answer
+from rtkit.property.requests import PropertyRequest
+from rtkit.serving.socket_client import SocketClient
+
+PATIENCE_S = 5.0
+"""How long a client may take until it has shown its certificate [s]."""
+_RECORD = 1 << 14
+"""Bytes of the largest record: of what is read in such pieces nothing stays behind in OpenSSL."""
+_REASONS = {
+    "CERTIFICATE_REQUIRED": "it wants a certificate (rtkit keys)",
+    "HANDSHAKE_FAILURE": "it wants a certificate (rtkit keys)",
+    "CERTIFICATE_EXPIRED": "the certificate of this user has expired (rtkit keys show)",
+    "UNKNOWN_CA": "it does not know the CA of this user's certificate",
+    "BAD_CERTIFICATE": "it does not take the certificate of this user",
+}
+
+
+class SecureStream:
+    """Socket behind TLS, which behaves as a plain one.
+
+    Args:
+        tls: The socket.
+        timeout_s: How long it waits where it may [s].
+    """
+
+    def __init__(self, tls: ssl.SSLSocket, timeout_s: float = 0.0) -> None:
+        self.tls = tls
+        self._timeout_s = timeout_s
+
+    def recv(self, size: int, flags: int = 0) -> bytes:
+        """Return what has come, more than asked for if it came as one record."""
+        if flags:  # what is asked for is not to wait
+            self.tls.settimeout(0)
+        try:
+            return self.tls.recv(max(size, _RECORD))
+        except (ssl.SSLWantReadError, ssl.SSLWantWriteError, TimeoutError):
+            raise BlockingIOError from None
+        except ssl.SSLError as error:
+            raise meaning_of(error) from None
+        finally:
+            if flags:
+                self.tls.settimeout(self._timeout_s)
+
+    def send(self, data: Any) -> int:
+        """Send as much as is taken; return how much that was."""
+        try:
+            return self.tls.send(memoryview(data)[:_RECORD])
+        except (ssl.SSLWantReadError, ssl.SSLWantWriteError, TimeoutError):
+            raise BlockingIOError from None
+
+    def sendall(self, data: bytes) -> None:
+        """Send all of it."""
+        view = memoryview(data)
+        while view:
+            view = view[self.send(view) :]
+
+    def fileno(self) -> int:
+        """Return its descriptor."""
+        return self.tls.fileno()
+
+    def setblocking(self, flag: bool, /) -> None:
+        """Wait in `recv` and `send` as long as it may, or not."""
+        self.settimeout(self._timeout_s if flag else 0.0)
+
+    def settimeout(self, timeout_s: float) -> None:
+        """Wait so long in `recv` and `send` [s]."""
+        self._timeout_s = timeout_s
+        self.tls.settimeout(timeout_s)
+
+    def setsockopt(self, *args: Any) -> None:
+        """Set an option of the socket."""
+        self.tls.setsockopt(*args)
+
+    def shutdown(self, how: int) -> None:
+        """Send nothing more."""
+        self.tls.shutdown(how)
+
+    def close(self) -> None:
+        """Be open no longer."""
+        self.tls.close()
+
+
+def meaning_of(error: ssl.SSLError) -> Exception:
+    """Return what a failure of TLS means to a user."""
+    text = (error.reason or "").upper()
+    for reason, why in _REASONS.items():
+        if reason in text:
+            return PropertyError("denied", why)
+    return OSError(error.errno, f"TLS: {error.reason or error}".lower().replace("_", " "))
+
+
+def connected(host: str, port: int, timeout_s: float) -> SecureStream:
+    """Connect to an endpoint, show the certificate of this user, and look at the other one.
+
+    Raises:
+        Unreachable: Nobody listens there, or it speaks no TLS.
+        PropertyError: ``denied``: it is not who it should be.
+        NotFound: There are no keys.
+    """
+    trust = Trust(is_server=False)
+    host = host.strip("[]")
+    where = f"{host}:{port}"
+    try:
+        end = socket.create_connection((host, port), timeout_s)
+    except OSError as error:
+        raise Unreachable(f"cannot reach {where}: {error.strerror or error}") from error
+    end.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+    try:
+        tls = trust.context().wrap_socket(end, server_hostname=host)
+    except ssl.SSLCertVerificationError as error:
+        end.close()
+        raise PropertyError("denied", f"{where} is not trusted: {error.verify_message}") from None
+    except TimeoutError:
+        end.close()
+        raise Unreachable(f"no answer within {timeout_s:g} s") from None
+    except OSError as error:
+        end.close()
+        meant = meaning_of(error) if isinstance(error, ssl.SSLError) else error
+        text = getattr(meant, "strerror", "") or str(meant)
+        raise Unreachable(f"no TLS with {where}: {text}") from None
+    if why := trust.refusal(peer_of(tls)):
+        tls.close()
+        raise PropertyError("denied", f"{where} is not trusted: {why}")
+    return SecureStream(tls, timeout_s)
+
+
+class SecureClient(SocketClient):
+    """Client that shows a certificate, before a class that speaks a protocol with it.
+
+    Attributes:
+        trust: Says who may come in; given by the endpoint.
+        peer: Who it is, None until it has shown that.
+        address: Where it is.
+        wire: Of the endpoint, for the record.
+    """
+
+    trust: Trust
+    peer: Peer | None = None
+    address = ""
+    wire = ""
+    _end: SecureStream
+
+    def refusal_to_send(self, why: str) -> bytes:
+        """Return what tells a client that it is denied."""
+        raise NotImplementedError
+
+    def ready(self, mask: int) -> bool:
+        """See `IOHandler.ready`."""
+        return bool(super().ready(mask)) if self.peer is not None or self._enter() else False
+
+    def check(self, now: float) -> None:
+        """See `IOHandler.check`: who is revoked, or whose certificate ends, is cut."""
+        if self.peer is None:
+            if now - self._moved_at > PATIENCE_S:
+                self.close()
+        elif self.trust.refusal(self.peer):
+            self.close()
+        else:
+            super().check(now)
+
+    def _enter(self) -> bool:
+        """Go on with the handshake; return whether the client is in."""
+        try:
+            self._end.tls.do_handshake()
+        except (ssl.SSLWantReadError, ssl.SSLWantWriteError):
+            return False
+        except (OSError, ValueError):
+            self.close()
+            return False
+        peer = peer_of(self._end.tls)
+        why = self.trust.refusal(peer)
+        if why:
+            self._record(peer, "enter", f"denied: {why}")
+            try:
+                self._end.send(self.refusal_to_send(why))
+            except OSError:
+                self._is_closing = True  # it does not wait for the word
+            self.close()
+            return False
+        self.peer, self.identity = peer, peer.name
+        self.access = RoleAccess(self.access.rules, peer.role)
+        self._moved_at = monotonic()
+        return True
+
+    def _record(self, peer: Peer, what: str, result: str, value: object = None) -> None:
+        try:
+            audit.record(peer, self.address, self.wire, what, result, value)
+        except (OSError, RtkitError) as error:
+            getLogger("rtkit.properties").error("no record of %s: %s", what, error)
+
+    def audited(self, ask: PropertyRequest, service: str) -> PropertyRequest:
+        """See `Requester.audited`."""
+        peer, answer = self.peer, ask.answer
+        name = ask.target.partition("?")[0]
+        if peer is None or ask.payload is None or name.endswith(".listen"):
+            return ask
+
+        def answered(reply: Answer) -> None:
+            result = f"{reply.error}: {reply.payload!s}" if reply.error else "done"
+            what = f"SET {service}.{name}"
+            self._record(peer, what, result, ask.payload)
+            answer(reply)
+
+        return ask._replace(answer=answered)
+
+
+def secured(end: socket.socket, trust: Trust) -> SecureStream:
+    """Return a client's socket, behind TLS that has not begun yet."""
+    end.setblocking(False)
+    end.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+    tls = trust.context().wrap_socket(end, server_side=True, do_handshake_on_connect=False)
+    return SecureStream(tls)
