@@ -32,7 +32,7 @@ class Chosen(NamedTuple):
     @property
     def file(self) -> str:
         """The name of its file."""
-        return unquote(urlsplit(self.url).path.rpartition("/")[2])
+        return unquote(urlsplit(self.url).path).rpartition("/")[2]  # also of an escaped slash
 
 
 def requirement(text: str) -> Requirement:
