@@ -8,6 +8,7 @@ import signal
 from typing import Any
 
 import pytest
+from faultkit import Order, Points
 from waiting import until
 
 COUNTER = '''
@@ -161,3 +162,43 @@ def test_who_is_stopped_forgets_and_the_other_half_says_so(joined: Any) -> None:
     awaited(joined, HERE, "manager m1 has begun anew, and does not know it")
     joined.ok(f"rtdis {HERE}")
     assert half(joined, HERE) is None
+
+
+@pytest.mark.parametrize(
+    "order",
+    [
+        Order("manager.asking_peer", 1),  # the coordinator, before it asks
+        Order("manager.recording", 1),  # the peer, which has made its half
+        Order("manager.recording", 2),  # the coordinator, when both ends are joined
+        Order("holder.found_end", 1),  # the slave that joins
+    ],
+    ids=str,
+)
+def test_who_is_killed_in_the_making_leaves_all_nothing_or_why(shell: Any, order: Order) -> None:
+    points = Points(shell.folder / "points")
+    shell.environment.update(points.variable)
+    for name, type_, instance in (("manager", "In", "A"), ("m1", "Out", "B")):
+        shell.ok(f"rtmgr start --allow-faults {name}")
+        create = f"Console{type_}?instance_name={instance}&manager_name=s"
+        shell.ok(f"rtmgr /localhost/{name}.mgr -c '{create}'")
+    points.arm(order)
+    made = shell.run(f"rtcon -i wire {HERE}:out {THERE}:in")
+    assert points.has_struck(1)
+    points.disarm()
+    assert made.status != 0
+    for name in ("manager", "m1"):
+        if shell.run(f"rtmgr status {name}").status != 0:
+            shell.ok(f"rtmgr start --allow-faults {name}")
+
+    def shown(path: str) -> str | None:
+        found = shell.run(f"rtcat --json {path}")
+        if found.status != 0:  # its slave was killed, and it is shown as dead
+            return None
+        (each,) = json.loads(found.out)["connectors"] or [{"trouble": None}]
+        return each.get("trouble", "")
+
+    def agree() -> bool:
+        halves = [shown(f"{HERE}:out"), shown(f"{THERE}:in")]
+        return halves in ([None, None], ["", ""])
+
+    until(agree, "one of both managers is wrong")
