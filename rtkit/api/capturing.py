@@ -43,8 +43,10 @@ def capture(
 
 
 def _host(server: str, snapshot: Snapshot) -> str:
-    from rtkit.rtc.names import LOCAL, is_local_host
+    from rtkit.rtc.names import LOCAL, is_local_host, parse_path
+    from rtkit.tree.place import check_is_here
 
+    check_is_here(parse_path(server), "systems are saved")
     host = server.strip("/")
     if is_local_host(host, snapshot.host):
         return LOCAL

@@ -155,8 +155,11 @@ class HostConnection(Closing):
         assert files is not None
         return files
 
-    def await_silence(self) -> str:
-        """Ask again and again whether the far side is there; return why it is not any more."""
+    def await_silence(self, seconds_since_heard: Callable[[], float]) -> str:
+        """Ask again and again whether the far side is there; return why it is not any more.
+
+        Who was heard otherwise meanwhile is there, and may answer late.
+        """
         while True:
             answered = threading.Event()
 
@@ -166,8 +169,9 @@ class HostConnection(Closing):
                     answered.set()
 
             start_thread(ask, "ping")
-            if not answered.wait(_SILENT_S):
-                return f"no answer in {_SILENT_S:g} s"
+            while not answered.wait(_SILENT_S):
+                if seconds_since_heard() > _SILENT_S:
+                    return f"no answer in {_SILENT_S:g} s"
             if not self._transport.is_active():
                 return "the connection has ended"
             threading.Event().wait(_PING_S)

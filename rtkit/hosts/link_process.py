@@ -19,11 +19,12 @@ from collections.abc import Callable
 from contextlib import ExitStack, suppress
 from typing import TYPE_CHECKING
 
-from rtkit.errors import RtkitError, Unreachable
+from rtkit.errors import Refused, RtkitError, Unreachable
 from rtkit.hosts import provisioned
 from rtkit.hosts.connection import HostConnection, connect
 from rtkit.hosts.host import Host
 from rtkit.hosts.relay import READY, pump
+from rtkit.hosts.ssh_config import way_to
 from rtkit.link import host_links, places, unix, zenoh_keys
 from rtkit.link.host_links import HostLink
 from rtkit.link.processes import ProcessWatch
@@ -35,8 +36,12 @@ if TYPE_CHECKING:
     import zenoh
     from paramiko.channel import Channel
 
-_FIRST_S, _MOST_S = 0.05, 2.0
-"""How long until the next try after a failure, at first and at most [s]."""
+_FIRST_S, _SOON_S, _DENIED_S, _MOST_S = 0.05, 1.0, 2.0, 30.0
+"""Pause before a next try [s]: at first, for a host just lost, where nobody is let in, most."""
+_AWAY_PART = 1 / 60
+"""What part of the time that a host has been away may pass until it is looked for again."""
+_KNOCK_S = 1.0
+_CLOSE_S = 0.5
 _LEASE_MS = 1500
 _CHUNK = 1 << 16
 _EVER_S = 1e6
@@ -53,35 +58,65 @@ def main() -> None:
     manager, text = sys.argv[1:]
     host = decode_text(Host, text)
     with open("/proc/self/comm", "w", encoding="utf-8", errors="replace") as comm:
-        comm.write(f"rtkit-> {host.name}")
+        comm.write(f"{host_links.COMM}{host.name}")
+    signal.pthread_sigmask(signal.SIG_BLOCK, [signal.SIGCONT])  # `_keep` waits for it
     watch = ProcessWatch(os.getppid())
-    ended = threading.Event()
+    state = HostLink(host.name, manager, host.manager, "not linked yet", os.getpid())
+    host_links.write(state)
 
     def await_manager() -> None:
         watch.await_end(_EVER_S)
-        ended.set()
+        host_links.remove(host.name, os.getpid())
+        os._exit(0)  # whatever the link waits for now
 
     start_thread(await_manager, "manager")
-    _keep(manager, host, ended)
+    _keep(host, state)
 
 
-def _keep(manager: str, host: Host, ended: threading.Event) -> None:
-    """Hold the link, and make it again whenever it is lost, until the manager ends."""
-    state = HostLink(host.name, manager, host.manager, "not linked yet", os.getpid())
-    pause_s = _FIRST_S
-    while not ended.is_set():
-        began = time.monotonic()
+def _keep(host: Host, state: HostLink) -> None:
+    """Hold the link, and make it again whenever it is lost; a signal of the manager hastens it."""
+    linked_at, tries = time.monotonic(), 0
+    while True:
+        is_denied = False
         with ExitStack() as stack:
             try:
-                lost = _join(host, manager, stack)
+                if tries:
+                    _knock(host)
+                lost = _join(host, state.manager, stack)
                 host_links.write(state._replace(why=""))
+                began = time.monotonic()
                 why = lost()
+                linked_at = time.monotonic()
+                tries = 0 if linked_at - began > _SOON_S else tries
             except RtkitError as error:
-                why = str(error)
-        host_links.write(state._replace(why=why))
-        pause_s = _FIRST_S if time.monotonic() - began > _MOST_S else min(2 * pause_s, _MOST_S)
-        ended.wait(pause_s)
-    host_links.remove(host.name)
+                why, is_denied = str(error), isinstance(error, Refused)
+            host_links.write(state._replace(why=why))
+        pause_s = pause_until(tries, time.monotonic() - linked_at, is_denied=is_denied)
+        signal.sigtimedwait([signal.SIGCONT], pause_s)
+        tries += 1
+
+
+def pause_until(tries: int, away_s: float, *, is_denied: bool) -> float:
+    """Return how long to wait [s] until the next try, after so many that failed."""
+    first_s, most_s = (_DENIED_S, _MOST_S) if is_denied else (_FIRST_S, _SOON_S)
+    pause_s = min(first_s * (1 << min(tries, 10)), most_s)
+    return min(max(pause_s, away_s * _AWAY_PART), _MOST_S)
+
+
+def _knock(host: Host) -> None:
+    """Try whether anything listens there: who is away is seen sooner than by a whole login.
+
+    Raises:
+        Unreachable: Nothing does.
+    """
+    way = way_to(host)
+    while way.through is not None:
+        way = way.through
+    try:
+        socket.create_connection((way.address, way.port), _KNOCK_S).close()
+    except OSError as error:
+        text = error.strerror or "no answer"
+        raise Unreachable(f"{host.name} ({way.place}): {text}") from error
 
 
 def _join(host: Host, manager: str, stack: ExitStack) -> Callable[[], str]:
@@ -95,20 +130,23 @@ def _join(host: Host, manager: str, stack: ExitStack) -> Callable[[], str]:
     path = host_links.tunnel_socket(host.name)
     places.check_socket_length(path)
     listener = stack.enter_context(unix.listen(path))
+    stack.callback(_wake, listener)
     over = threading.Event()
     reasons: list[str] = []
+    heard = _Heard(channel)
 
     def note(why: str) -> None:
         reasons.append(why)
         over.set()
 
-    start_thread(lambda: splice(listener, channel, note), "tunnel")
+    start_thread(lambda: splice(listener, heard, note), "tunnel")
     session = _open(host, places.manager_socket(manager), path)
-    stack.callback(session.close)
+    # Zenoh may take 10 s where a neighbour is silent; the next link need not wait for that.
+    stack.callback(lambda: start_thread(session.close, "closing").join(_CLOSE_S))
     # Routers tell each other of what they serve some time after they were joined.
     far = zenoh_keys.property_key(zenoh_keys.service(host.name, host.manager), "manager.pid")
     await_answerer(unix_endpoint(places.manager_socket(manager)), far, _ROUTE_S)
-    start_thread(lambda: note(connection.await_silence()), "pings")
+    start_thread(lambda: note(connection.await_silence(heard.seconds_ago)), "pings")
 
     def lost() -> str:
         over.wait()
@@ -143,7 +181,32 @@ def open_relay(connection: HostConnection, host: Host) -> Channel:
     return channel
 
 
-def splice(listener: socket.socket, channel: Channel, note: Callable[[str], object]) -> None:
+def _wake(listener: socket.socket) -> None:
+    """Have who waits in `accept` wait no longer."""
+    with suppress(OSError):
+        listener.shutdown(socket.SHUT_RDWR)
+
+
+class _Heard:
+    """Tells when the far side was last heard: in a flood of data an answer comes late."""
+
+    def __init__(self, channel: Channel) -> None:
+        self._channel = channel
+        self._at = 0.0
+        self.sendall = channel.sendall
+
+    def recv(self, size: int) -> bytes:
+        data = self._channel.recv(size)
+        self._at = time.monotonic()
+        return data
+
+    def seconds_ago(self) -> float:
+        return time.monotonic() - self._at
+
+
+def splice(
+    listener: socket.socket, channel: Channel | _Heard, note: Callable[[str], object]
+) -> None:
     """Pass what the one connection to the tunnel says, and hears."""
 
     def outward(end: socket.socket) -> None:

@@ -13,6 +13,8 @@ from rtkit.errors import Unreachable
 from rtkit.link import places
 
 _SUFFIX = ".link"
+COMM = "rtkit-> "
+"""How the name of a process of a link begins."""
 
 
 class HostLink(NamedTuple):
@@ -60,7 +62,7 @@ def hosts() -> list[str]:
 
 
 def read(host: str) -> HostLink:
-    """Return the state of a link.
+    """Return the state of a link; what its process can no longer tell is looked up.
 
     Raises:
         Unreachable: There is none.
@@ -68,7 +70,8 @@ def read(host: str) -> HostLink:
     try:
         with open(link_file(host), encoding="utf-8") as file:
             fields = json.load(file)
-        return HostLink(**fields)
+        link = HostLink(**fields)
+        return link._replace(why=(link.pid and _why_at_rest(link.pid)) or link.why)
     except FileNotFoundError:
         raise Unreachable(f"no link to host {host} (rthost list names the known ones)") from None
     except (OSError, ValueError, TypeError) as error:
@@ -86,10 +89,25 @@ def write(link: HostLink) -> None:
     write_output(json.dumps(link._asdict()).encode(), link_file(link.host), mode=0o600)
 
 
-def remove(host: str) -> None:
-    """Remove what a link leaves that is no more."""
+def _why_at_rest(pid: int) -> str:
+    """Return why a process of a link does nothing, empty if it works."""
+    try:
+        with open(f"/proc/{pid}/stat", encoding="utf-8", errors="replace") as file:
+            head, _, rest = file.read().rpartition(")")
+    except OSError:
+        head, rest = "", ""
+    if f"({COMM}" not in head or rest.split()[0] in "ZX":
+        return "the process of the link has ended"
+    return "the process of the link was stopped by a signal" if rest.split()[0] in "Tt" else ""
+
+
+def remove(host: str, pid: int = 0) -> None:
+    """Remove what a link leaves that is no more; with `pid`, only if it is of that process."""
     from contextlib import suppress
 
+    with suppress(Unreachable):
+        if pid and read(host).pid != pid:
+            return
     for path in (tunnel_socket(host), link_file(host)):
         with suppress(FileNotFoundError):
             os.unlink(path)

@@ -11,7 +11,7 @@ import time
 from collections.abc import Mapping
 from contextlib import suppress
 
-from rtkit.errors import RtkitError
+from rtkit.errors import RtkitError, Unreachable
 from rtkit.link import host_links
 from rtkit.link.host_links import HostLink
 from rtkit.link.processes import ProcessWatch
@@ -45,6 +45,12 @@ class HostLinkProcesses:
         for name, text in wanted.items():
             if name not in self._links:
                 self._links[name] = _LinkProcess(self._state.name, name, text)
+            else:
+                self._links[name].hasten()
+        for name in host_links.hosts():
+            with suppress(Unreachable):  # of one whose manager and process were killed
+                if name not in wanted and host_links.read(name).manager == self._state.name:
+                    host_links.remove(name)
 
     def close(self) -> None:
         """End all."""
@@ -81,6 +87,11 @@ class _LinkProcess:
                     host_links.write(self._state._replace(why=why))
                 self._closing.wait(backoff.end(time.monotonic()))
         host_links.remove(name)
+
+    def hasten(self) -> None:
+        """Have it try at once, if it waits."""
+        if self._watch is not None:
+            self._watch.send(signal.SIGCONT)
 
     def close(self) -> None:
         """End it."""

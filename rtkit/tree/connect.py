@@ -69,6 +69,11 @@ def connect_far(
     link = host_links.read(host)
     if link.why:
         raise Unreachable(f"host {host} cannot be reached: {link.why}")
+    if manager not in ("", link.far_manager):
+        raise Unreachable(
+            f"manager {manager} of host {host} cannot be reached: the link to that host leads to"
+            f" its manager {link.far_manager}"
+        )
     near = connect(link.manager, timeout_s, kind)
     return kind(near.link, host, manager or link.far_manager, timeout_s)
 

@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from functools import partial
 from typing import TYPE_CHECKING, TypeVar
 
-from rtkit.errors import RtkitError, Unreachable
+from rtkit.errors import Refused, RtkitError, Unreachable
 from rtkit.link.host_links import hosts, is_linked
 from rtkit.link.places import DEFAULT_MANAGER, host_name, manager_socket, usual_manager
 from rtkit.rtc.manager_address import is_address
@@ -42,6 +42,17 @@ def manager_of(path: Path) -> str:
     if name in ("", usual_manager()):
         return ""
     return name if os.path.exists(manager_socket(name)) else ""
+
+
+def check_is_here(path: Path, what: str) -> None:
+    """Refuse a path to a linked host, for what is done only on this one.
+
+    Raises:
+        Refused: It leads there; says that `what` is not possible.
+    """
+    host = path.elements[0] if path.elements else ""
+    if host and not is_local_host(host, host_name()) and is_linked(host):
+        raise Refused(f"{path.typed} is on host {host}: {what} only on this host so far")
 
 
 def servers() -> list[str]:

@@ -259,6 +259,12 @@ def this_host() -> ThisHost:
 
 def no_service(name: str, known: Sequence[str], more: str = "") -> PropertyError:
     """Return the error that no service present has such a name."""
+    from rtkit.link.host_links import is_linked
+
+    host = name.strip("/").partition("/")[0]
+    if name.startswith("/") and is_linked(host):
+        asked = "the link leads to components and managers there, not to property services"
+        return PropertyError("no-service", f"{name} would be on host {host}: {asked}")
     there = f"there is {' '.join(known) or 'none'}{more}"
     first = name.partition(".")[0]
     return PropertyError("no-service", f"no service named {first} ({there})" if first else there)

@@ -55,6 +55,8 @@ def scope_of(root: TreeNode, path: Path, hostname: str) -> Scope:
         return Scope(process=node.process)
     if node.kind is NodeKind.MANAGER:
         return Scope()
+    if node is root.children.get(LOCAL) and node.name != LOCAL:
+        return Scope()  # the host of the manager that is asked, somewhere else
     if node.kind is NodeKind.DIRECTORY or (node.kind is NodeKind.HOST and node.name != LOCAL):
         return Scope(directory=node.path)
     return Scope(is_one_manager=False)

@@ -119,7 +119,7 @@ class FarHost:
 
     def link(self, state: str) -> None:
         """Cut its network link (``down``) or heal it (``up``)."""
-        _run("ip", "link", "set", self._ends[0], state)
+        _run("ip", "-n", self._space, "link", "set", self._ends[1], state)
 
     def run(self, *words: str) -> str:
         """Run a command there as its root user would at its console; return what it writes."""

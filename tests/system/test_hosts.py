@@ -4,8 +4,11 @@ from __future__ import annotations
 
 import json
 import os
+import signal
+import time
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import farkit
 import jsonrecords
@@ -13,7 +16,7 @@ import pytest
 from farkit import FarHost, far_hosts
 from forked import Commands
 from shells import ROOT, Shell, opened_shell
-from waiting import until
+from waiting import has_ended, until
 
 pytestmark = pytest.mark.skipif(bool(farkit.missing()), reason=farkit.missing())
 
@@ -170,6 +173,59 @@ def test_a_cut_link_is_told_at_once_and_heals(fleet: Shell, hosts: list[FarHost]
     hosts[1].link("up")
     until(is_linked, "the link is there again")
     fleet.ok("rtls /robot2")
+
+
+@pytest.mark.parametrize(
+    ("line", "why"),
+    [
+        ("rtprint /robot1/A0.rtc:out", "data of ports are read and written only on this host"),
+        ("rtinject /robot1/A0.rtc:in -c 1", "data of ports are read and written only on this host"),
+        ("rtlog -f x.log /robot1/A0.rtc:out", "data of ports are read and written only on this"),
+        ("rtvlog /robot1/A0.rtc", "logs are read only on this host so far"),
+        ("rtcryo /robot1", "systems are saved only on this host so far"),
+        ("rtget /robot1/robots/cart.speed", "the link leads to components and managers there"),
+        ("rtls /robot1/m2.mgr", "leads to its manager manager"),
+    ],
+)
+def test_what_is_not_yet_possible_on_another_host_is_said(
+    fleet: Shell, line: str, why: str
+) -> None:
+    told = fleet.run(line)
+    assert told.status == 1
+    assert why in told.err
+    assert "robot1" in told.err
+
+
+def test_a_host_is_shown_as_a_whole_by_what_looks_on(fleet: Shell) -> None:
+    fleet.ok("rtmgr -c ConsoleIn /robot1/manager.mgr")
+    assert "1 component" in fleet.ok("rttop /robot1 -n 1")
+    fleet.ok("rtmgr -d ConsoleIn0 /robot1/manager.mgr")
+
+
+def _link(fleet: Shell, host: str) -> dict[str, Any]:
+    return dict(json.loads(((fleet.folder / "run") / f"{host}.link").read_text()))
+
+
+def test_a_link_whose_process_stands_still_says_so_and_heals(fleet: Shell) -> None:
+    pid = _link(fleet, "robot1")["pid"]
+    os.kill(pid, signal.SIGSTOP)
+    try:
+        told = fleet.run("rtls /robot1")
+        assert "the process of the link was stopped by a signal" in told.err
+        time.sleep(2.0)  # longer than the routers keep who is silent
+    finally:
+        os.kill(pid, signal.SIGCONT)
+    until(lambda: fleet.run("rtls /robot1").status == 0, "the link is there again")
+
+
+def test_a_link_ends_with_its_manager_and_comes_back_with_it(fleet: Shell) -> None:
+    pid = _link(fleet, "robot1")["pid"]
+    os.kill(int(fleet.ok("rtget /localhost/manager.mgr/pid")), signal.SIGKILL)
+    until(lambda: has_ended(pid), "the link has ended")
+    assert not [*(fleet.folder / "run").glob("*.link"), *(fleet.folder / "run").glob("*.tunnel")]
+    fleet.ok("rtmgr start")
+    until(lambda: fleet.run("rtls /robot1").status == 0, "the link is there again")
+    until(lambda: fleet.run("rtls /robot2").status == 0, "the link is there again")
 
 
 def test_stop_ends_manager_and_link(known: Shell, fleet: Shell, hosts: list[FarHost]) -> None:

@@ -108,10 +108,13 @@ def main(
 
 def _about(app: App, typed: Sequence[str]) -> tuple[Wanted, list[LogEntry]]:
     """Return whether a record is about one of the paths, and records that are in no log yet."""
+    from rtkit.tree.place import check_is_here
+
     read = [app.path(each) for each in typed]
     for path in read:
         if path.port is not None:
             raise Malformed(f"Not a component: {path.typed}")
+        check_is_here(path, "logs are read")
     unlogged: list[LogEntry] = []
     try:
         tests = [about(app, path) for path in read]
