@@ -20,6 +20,7 @@ from rtkit.deployment.facts import Snapshot
 from rtkit.deployment.metrics import METRICS, Metrics
 from rtkit.deployment.user_events import UserEvent, user_events
 from rtkit.errors import Unreachable
+from rtkit.link.places import host_name
 from rtkit.link.wakeup import Wakeup
 from rtkit.rtc.serde import decode_text
 from rtkit.tree.client import Tree
@@ -79,8 +80,9 @@ class ManagerSubscription(Closing):
             snapshot = self._first_snapshot()
             self._run, self._number = snapshot.run, snapshot.number
             self.facts: Snapshot = snapshot.facts
-            with suppress(ProcessLookupError):
-                self._process = os.pidfd_open(self.facts.pid)
+            if tree.host == host_name():  # elsewhere its pid is that of anybody here
+                with suppress(ProcessLookupError):
+                    self._process = os.pidfd_open(self.facts.pid)
         except BaseException:
             self.close()
             raise
