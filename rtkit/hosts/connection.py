@@ -155,7 +155,7 @@ class HostConnection(Closing):
         assert files is not None
         return files
 
-    def await_silence(self, seconds_since_heard: Callable[[], float]) -> str:
+    def await_silence(self, silence_s: Callable[[], float]) -> str:
         """Ask again and again whether the far side is there; return why it is not any more.
 
         Who was heard otherwise meanwhile is there, and may answer late.
@@ -170,7 +170,7 @@ class HostConnection(Closing):
 
             start_thread(ask, "ping")
             while not answered.wait(_SILENT_S):
-                if seconds_since_heard() > _SILENT_S:
+                if silence_s() > _SILENT_S:
                     return f"no answer in {_SILENT_S:g} s"
             if not self._transport.is_active():
                 return "the connection has ended"

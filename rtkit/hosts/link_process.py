@@ -133,20 +133,20 @@ def _join(host: Host, manager: str, stack: ExitStack) -> Callable[[], str]:
     stack.callback(_wake, listener)
     over = threading.Event()
     reasons: list[str] = []
-    heard = _Heard(channel)
+    counted = _CountedChannel(channel)
 
     def note(why: str) -> None:
         reasons.append(why)
         over.set()
 
-    start_thread(lambda: splice(listener, heard, note), "tunnel")
+    start_thread(lambda: splice(listener, counted, note), "tunnel")
     session = _open(host, places.manager_socket(manager), path)
     # Zenoh may take 10 s where a neighbour is silent; the next link need not wait for that.
     stack.callback(lambda: start_thread(session.close, "closing").join(_CLOSE_S))
     # Routers tell each other of what they serve some time after they were joined.
     far = zenoh_keys.property_key(zenoh_keys.service(host.name, host.manager), "manager.pid")
     await_answerer(unix_endpoint(places.manager_socket(manager)), far, _ROUTE_S)
-    start_thread(lambda: note(connection.await_silence(heard.seconds_ago)), "pings")
+    start_thread(lambda: note(connection.await_silence(counted.seconds_ago)), "pings")
 
     def lost() -> str:
         over.wait()
@@ -187,7 +187,7 @@ def _wake(listener: socket.socket) -> None:
         listener.shutdown(socket.SHUT_RDWR)
 
 
-class _Heard:
+class _CountedChannel:
     """Tells when the far side was last heard: in a flood of data an answer comes late."""
 
     def __init__(self, channel: Channel) -> None:
@@ -205,7 +205,7 @@ class _Heard:
 
 
 def splice(
-    listener: socket.socket, channel: Channel | _Heard, note: Callable[[str], object]
+    listener: socket.socket, channel: Channel | _CountedChannel, note: Callable[[str], object]
 ) -> None:
     """Pass what the one connection to the tunnel says, and hears."""
 
