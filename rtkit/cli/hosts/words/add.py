@@ -14,7 +14,7 @@ from rtkit.cli.shared.options import arguments, flag, option, several
         ("rthost add robot1 pi@192.168.1.7", "Known as /robot1 from now on."),
         ("rthost add arm arm.local:2222 --tag gpu", "With a tag, which requirements name."),
     ),
-    arguments=("anything",),
+    arguments=("words",),
 )
 def main(
     app: App,

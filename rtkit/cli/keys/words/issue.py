@@ -17,7 +17,7 @@ _ROLES = ("operator", "viewer", "component")
         ("rtkeys issue anna --role viewer", "May look; the folder anna.keys is for her."),
         ("rtkeys issue robot1 --role component --host 10.0.0.7", "May serve at that address."),
     ),
-    arguments=("",),
+    arguments=("words",),
 )
 def main(
     app: App,

@@ -14,7 +14,7 @@ from rtkit.cli.shared.options import arguments
         ("rtkeys revoke anna", "All certificates of that name."),
         ("rtkeys revoke 2f0c61", "The one with this serial number, as rtkeys list shows it."),
     ),
-    arguments=("",),
+    arguments=("words",),
 )
 def main(app: App, words: tuple[str, ...] = arguments("NAME|SERIAL")) -> None:
     """Revoke certificates.
