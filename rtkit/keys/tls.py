@@ -63,14 +63,17 @@ class Trust:
             self._stamp = stamp
         return self._context
 
-    def refusal(self, peer: Peer) -> str:
-        """Return why a peer is not, or no longer, to be talked with; empty if it is."""
+    def refusal(self, peer: Peer, *, is_new: bool = False) -> str:
+        """Return why a peer is not, or no longer, to be talked with; empty if it is.
+
+        Of one that `is_new` what was revoked just now counts, too.
+        """
         if not peer.name or not peer.role:
             return "a certificate without name or role"
         if time() > peer.ends:
             return f"the certificate of {peer.name} has expired"
         now = monotonic()
-        if now - self._looked_at >= _LOOK_S:
+        if is_new or now - self._looked_at >= _LOOK_S:
             self._looked_at, self._why = now, self._look()
         if self._why:
             return self._why

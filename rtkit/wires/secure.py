@@ -187,7 +187,7 @@ class SecureClient(SocketClient):
             self.close()
             return False
         peer = peer_of(self._end.tls)
-        why = self.trust.refusal(peer)
+        why = self.trust.refusal(peer, is_new=True)
         if why:
             self._record(peer, "enter", f"denied: {why}")
             try:

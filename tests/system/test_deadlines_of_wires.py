@@ -42,14 +42,17 @@ def served(
 
     def serve(wire: str) -> tuple[Any, str]:
         option = WIRES[wire].option if wire else None
+        if wire == "tcps":
+            shell.ok("rtkeys init")
         value = {"DEVICE": "far --allow-set speed", "PATH": "bot.sock"}
         more = "" if option is None else f"--{option.name} {value.get(option.metavar, 0)}"
         services.append(shell.open(f"rtserve bot:Bot bot {more}"))
         *_, address = services[0].stdout.readline().split()
         if option is not None and not option.knows_clients:
             address = wire_of(wire).source.replace("DEVICE", cable.near)
-        is_of_tcp = address.startswith("localhost:")
-        return services[0], f"{wire}:{address}/bot" if is_of_tcp else address
+        port = address.removeprefix("tcps:")
+        is_of_tcp = port.startswith("localhost:")
+        return services[0], f"{wire}:{port}/bot" if is_of_tcp else address
 
     yield serve
     for each in services:

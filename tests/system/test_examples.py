@@ -258,7 +258,7 @@ STATUS = {
 }
 """Examples that may end otherwise: what they look at is this machine, or was changed before."""
 
-ELSEWHERE = ("rthost", "rtmgr", "rtpkg", "rtproxy")
+ELSEWHERE = ("rthost", "rtkeys", "rtmgr", "rtpkg", "rtproxy")
 """Commands that start managers, or need hosts or packages: they have places of their own."""
 
 
