@@ -31,14 +31,14 @@ class _Found(NamedTuple):
         """Return whether that is all there is; what a start leaves for a moment may be gone.
 
         A manager keeps the endpoint of its own components' port data, which the first connection
-        to another process opens.
+        to another process opens; its zygote may listen only after the first look.
         """
         gone, new = {*self.files} - {*later.files}, {*later.files} - {*self.files}
         own = f"manager.{self.facts.pid if self.facts else 0}.data"
         return (
             later.facts == self.facts
             and {*later.processes} <= {*self.processes}
-            and {path.name for path in new} <= {own, f"{own}.lock"}
+            and {path.name for path in new if path.suffix != ".zygote"} <= {own, f"{own}.lock"}
             and all(path.parent.name == "run" for path in gone)
         )
 
