@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import socket
 import ssl
+from abc import ABC, abstractmethod
 from logging import getLogger
 from time import monotonic
 from typing import Any
@@ -143,7 +144,7 @@ def connected(host: str, port: int, timeout_s: float) -> SecureStream:
     return SecureStream(tls, timeout_s)
 
 
-class SecureClient(SocketClient):
+class SecureClient(SocketClient, ABC):
     """Client that shows a certificate, before a class that speaks a protocol with it.
 
     Attributes:
@@ -159,9 +160,9 @@ class SecureClient(SocketClient):
     wire = ""
     _end: SecureStream
 
+    @abstractmethod
     def refusal_to_send(self, why: str) -> bytes:
         """Return what tells a client that it is denied."""
-        raise NotImplementedError
 
     def ready(self, mask: int) -> bool:
         """See `IOHandler.ready`."""

@@ -10,6 +10,7 @@ import signal
 from typing import Any
 
 import pytest
+from counting import CHECKER
 from faultkit import Order, Points
 from waiting import told_pid, until
 
@@ -34,30 +35,6 @@ class Counter(Component):
 
 def CounterInit(manager):
     manager.register_factory(Counter)
-'''
-CHECKER = '''
-import os
-from rtkit.component import Component, InPort, TimedLong
-
-
-class Checker(Component):
-    """Write the last number and the number of gaps into a file."""
-
-    rate = 100.0
-    into = InPort(TimedLong)
-    last = gaps = 0
-
-    def on_execute(self, context):
-        for value in self.into.read_all():
-            self.gaps += self.last not in (0, value.data - 1)
-            self.last = value.data
-        with open("count.new", "w") as file:
-            file.write(f"{self.last} {self.gaps}")
-        os.replace("count.new", "count")
-
-
-def CheckerInit(manager):
-    manager.register_factory(Checker)
 '''
 
 DAEMON = """

@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from rtkit.cli.shared import json_records, terminal
+
+if TYPE_CHECKING:
+    from rtkit.packages.installed import Installed
 
 
 def show(records: Sequence[dict[str, Any]], is_json: bool) -> None:
@@ -38,3 +41,15 @@ def record(
         "wheels": [{"file": file, "sha256": digest} for file, digest in wheels.items()],
         "place": place,
     }
+
+
+def installed_record(found: Installed) -> dict[str, Any]:
+    """Return the record of an installed package."""
+    return record(
+        found.name,
+        found.version,
+        found.path,
+        types=found.types,
+        requires=found.requires,
+        wheels={**found.wheels},
+    )

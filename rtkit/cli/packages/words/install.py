@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from rtkit.cli.packages.records import record, show
+from rtkit.cli.packages.records import installed_record, show
 from rtkit.cli.shared.app import App, WrongArguments
 from rtkit.cli.shared.command import command
 from rtkit.cli.shared.options import arguments, json_flag, option, several
@@ -49,16 +49,6 @@ def main(
             if lock:
                 write_lock(lock, locked)
             done.append(found)
-    records = [
-        record(
-            each.name,
-            each.version,
-            each.path,
-            types=each.types,
-            requires=each.requires,
-            wheels={**each.wheels},
-        )
-        for each in done
-    ]
+    records = [installed_record(each) for each in done]
     if is_json or app.is_verbose:
         show(records, is_json)

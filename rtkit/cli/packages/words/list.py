@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from rtkit.cli.packages.records import record, show
+from rtkit.cli.packages.records import installed_record, show
 from rtkit.cli.shared.app import App, WrongArguments
 from rtkit.cli.shared.command import command
 from rtkit.cli.shared.options import arguments, json_flag
@@ -24,15 +24,5 @@ def main(app: App, is_json: bool = json_flag(), words: tuple[str, ...] = argumen
 
     if words:
         raise WrongArguments(f"takes no arguments: {words[0]}")
-    found = [
-        record(
-            each.name,
-            each.version,
-            each.path,
-            types=each.types,
-            requires=each.requires,
-            wheels={**each.wheels},
-        )
-        for each in installed()
-    ]
+    found = [installed_record(each) for each in installed()]
     show(found, is_json)

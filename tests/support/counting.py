@@ -1,0 +1,45 @@
+"""Components that count: one sends numbers, the other tells the last one and the gaps before it."""
+
+COUNTER = '''
+from rtkit.component import Component, OutPort, Time, TimedLong
+
+
+class Counter(Component):
+    """Count."""
+
+    rate = 100.0
+    out = OutPort(TimedLong)
+    number = 0
+
+    def on_execute(self, context):
+        self.number += 1
+        self.out.write(TimedLong(Time(0, 0), self.number))
+
+
+def CounterInit(manager):
+    manager.register_factory(Counter)
+'''
+CHECKER = '''
+import os
+from rtkit.component import Component, InPort, TimedLong
+
+
+class Checker(Component):
+    """Write the last number and the number of gaps into a file."""
+
+    rate = 100.0
+    into = InPort(TimedLong)
+    last = gaps = 0
+
+    def on_execute(self, context):
+        for value in self.into.read_all():
+            self.gaps += self.last not in (0, value.data - 1)
+            self.last = value.data
+        with open("count.new", "w") as file:
+            file.write(f"{self.last} {self.gaps}")
+        os.replace("count.new", "count")
+
+
+def CheckerInit(manager):
+    manager.register_factory(Checker)
+'''
