@@ -180,6 +180,7 @@ BEFORE: dict[str, tuple[str, ...]] = {
     "rtstart robot.xml": SAVED,
     "rtstate robot.xml": (*SAVED, "tell-states robot.xml"),
     "rtstodot robot.xml > robot.dot": SAVED,
+    "rtserve ./arm.py:Arm arm --tls 0.0.0.0:4711": ("rtkeys init",),
     "rtteardown robot.xml": SAVED,
     "rtvlog -f stdout /localhost/manager.mgr/drives.mgr": (
         "rtmgr -c ConsoleIn?manager_name=drives /localhost/manager.mgr",
