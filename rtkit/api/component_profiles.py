@@ -73,7 +73,7 @@ def _candidates(
             yield path, True
     for folder in _listed(SEARCH_PATH):
         yield from ((os.path.join(folder, name), False) for name in _profiles(folder))
-    for folder in (os.curdir, *_load_path(notify), *_listed(MODULE_PATH)):
+    for folder in (os.curdir, *load_path(notify), *_listed(MODULE_PATH)):
         yield from ((file, False) for file in _beside_modules(folder))
     yield from ((file, False) for file, _ in of_packages())
     for folder in dict.fromkeys(each for system in systems for each in _around(system)):
@@ -85,7 +85,7 @@ def _candidates(
         yield from ((os.path.join(shipped, name), False) for name in _profiles(shipped))
 
 
-def _load_path(notify: Callable[[str], object]) -> list[str]:
+def load_path(notify: Callable[[str], object]) -> list[str]:
     """Return the folders of modules that the ``rtc.conf`` found here names."""
     from rtkit.settings.configuration import CommandLineSettings, read
 
@@ -131,7 +131,8 @@ def of_packages() -> Iterator[tuple[str, Mapping[str, str]]]:
     from rtkit.modules.search import installed, versions
 
     modules: dict[str, dict[str, str]] = {}
-    for key, each in {**installed(), **versions()}.items():
+    found = {**dict(reversed(versions().items())), **installed()}  # the newest is the last
+    for key, each in found.items():
         name = key.partition("==")[0]
         stem, usual = os.path.splitext(each.file)[0], os.path.dirname(each.file)
         for path in (f"{stem}.xml", os.path.join(usual, f"{_USUAL}.xml")):

@@ -152,10 +152,12 @@ def begin(
         Unreachable: No manager answers.
     """
     from rtkit.api.component_profiles import known_types
+    from rtkit.api.packaged import by_id
     from rtkit.api.preflight import check_reserved, look_ahead
     from rtkit.deployment.goal import DeploymentGoal
 
     snapshot = looking.look(session, document.profile, dry_run=is_dry, starts=starts, lock=lock)
+    document = by_id(session, document, snapshot)
     system = looking.wanted_system(
         session,
         document,

@@ -45,6 +45,7 @@ def bring_up(
     """Bring a system up, see `rtkit.Tree.bring_up`; a dry run returns the plans of that."""
     from rtkit.api import states
     from rtkit.api.component_profiles import known_types
+    from rtkit.api.packaged import by_id
     from rtkit.api.preflight import check_reserved, missing
     from rtkit.deployment.creation import bring_up_plans
 
@@ -52,6 +53,7 @@ def bring_up(
     found = looking.look(session, document.profile, dry_run=is_dry, starts=may_create, lock=lock)
     with looking.managers_started(session, found, dry_run=is_dry) as before:
         creates = may_create and not stand_in
+        document = by_id(session, document, before)
         system = looking.wanted_system(
             session,
             document,

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from rtkit.deployment import extension
 from rtkit.deployment.described import DATA_ATTRIBUTES, interfaces_to_text, lasting
 from rtkit.deployment.facts import ComponentFacts, Snapshot
-from rtkit.fast_dataclass import dataclass
+from rtkit.fast_dataclass import dataclass, replace
 from rtkit.profile import rts_model as rts
 from rtkit.profile.common import ExtensionProperty
 from rtkit.rtc.connector_properties import DEFAULT_INTERFACE, PUSH_INTERVAL, USUAL_NAMES, finite
@@ -222,6 +222,8 @@ def _create(facts: ComponentFacts, snapshot: Snapshot) -> CreateString | None:
     if facts.composite_type:  # what it was made of may be another thing by now
         present = facts.sets.get(facts.active_set, {})
         own.update({key: present.get(key, "") for key in ("members", "exported_ports")})
+    if "==" in (facts.module or _module(facts, snapshot)):  # one of several installed versions
+        made = replace(parse_create(facts.type.full_id), options=made.options)
     return made.with_options(**own, instance_name=facts.instance, manager_name=place)
 
 

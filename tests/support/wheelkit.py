@@ -4,8 +4,11 @@ from __future__ import annotations
 
 import base64
 import hashlib
+import json
 import zipfile
 from pathlib import Path
+
+from rtkit.packages.wheel import read_wheel
 
 MODULE = '''
 from rtkit import component as rt
@@ -62,3 +65,21 @@ def made(
 
 def _digest(text: str) -> str:
     return base64.urlsafe_b64encode(hashlib.sha256(text.encode()).digest()).decode().rstrip("=")
+
+
+def unpacked(data: Path, wheel: Path) -> Path:
+    """Unpack a wheel where ``rtpkg install`` would, below that data folder; nothing is checked."""
+    found = read_wheel(str(wheel))
+    place = data / "rtkit" / "packages" / found.name / found.version
+    with zipfile.ZipFile(wheel) as archive:
+        archive.extractall(place)
+    (place / ".rtkit-package.json").write_text(
+        json.dumps(
+            {
+                "types": [each.id for each in found.types],
+                "requires": found.requires,
+                "wheels": {found.file: found.sha256},
+            }
+        )
+    )
+    return place

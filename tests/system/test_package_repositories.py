@@ -70,6 +70,25 @@ def test_two_versions_of_a_type_work_at_once_by_their_ids(manager: Any, tmp_path
         create = f"RTC:me:test:Gain:Python:{version}?manager_name={slave}&instance_name={slave}"
         manager.ok(f"rtmgr {MANAGER} -c '{create}'")
         assert f"Version        {version}" in manager.ok(f"rtcat /localhost/{slave}.rtc")
+    # What rtcryo writes brings back these very versions; an id that is edited chooses another.
+    manager.ok("rtcryo --all -o saved.xml")
+    saved = (manager.folder / "saved.xml").read_text()
+    assert saved.count("RTC:me:test:Gain:Python:1.0?") == saved.count("Gain==1.0:GainInit") == 1
+    (manager.folder / "plain.xml").write_text(
+        saved.replace("Gain==1.0:", "Gain.py:").replace("RTC:me:test:Gain:Python:1.0?", "Gain?")
+    )
+    for file in ("saved.xml", "plain.xml"):
+        manager.ok("rtteardown --exit saved.xml")
+        assert manager.run(f"rtapply {file}").status == 0
+        manager.ok(f"rtcheck {file}")
+        for name, version in (("a", "1.0"), ("b", "2.0")):
+            assert f"Version        {version}" in manager.ok(f"rtcat /localhost/{name}.rtc")
+    (manager.folder / "edited.xml").write_text(saved.replace(":Gain:1.0", ":Gain:2.0"))
+    manager.ok("rtteardown --exit saved.xml")
+    manager.ok("rtresurrect edited.xml")
+    assert "Version        2.0" in manager.ok("rtcat /localhost/a.rtc")
+    manager.ok("rtteardown --exit edited.xml")
+    manager.ok("rtresurrect saved.xml")
     refused = manager.run("rtpkg uninstall gain==1.0")
     assert (refused.status, "in use by manager manager" in refused.err) == (1, True)
     manager.ok("rtpkg uninstall gain --force")
