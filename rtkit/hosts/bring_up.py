@@ -7,12 +7,13 @@ import time
 from contextlib import closing
 from typing import NamedTuple
 
+from rtkit import fault
 from rtkit.errors import Malformed, Refused, Unreachable
 from rtkit.fast_dataclass import Record
-from rtkit.hosts import far_side, provisioned
+from rtkit.hosts import far_program, far_side, provisioned
 from rtkit.hosts.connection import HostConnection, connect
 from rtkit.hosts.host import Host
-from rtkit.hosts.provisioned import Notify, Provisioned
+from rtkit.hosts.provisioned import Notify, Progress, Provisioned, unshown
 from rtkit.link import host_links, places
 from rtkit.link.folder_watch import FolderWatch
 from rtkit.rtc.names import is_local_host
@@ -39,10 +40,19 @@ class BroughtUp(NamedTuple):
     was_running: bool
 
 
-def start(host: Host, near: Tree, notify: Notify, *, replaces: bool, timeout_s: float) -> BroughtUp:
+def start(
+    host: Host,
+    near: Tree,
+    notify: Notify,
+    *,
+    replaces: bool,
+    timeout_s: float,
+    show: Progress = unshown,
+) -> BroughtUp:
     """Have the manager of a host run, of this version of rtkit, and linked to `near`.
 
     Each step finds what an earlier run has done: it can be run again wherever it was interrupted.
+    It may run in several threads, for a host each.
 
     Raises:
         RtkitError: A step failed; names host and step. What was done before stays.
@@ -50,8 +60,12 @@ def start(host: Host, near: Tree, notify: Notify, *, replaces: bool, timeout_s: 
     if is_local_host(host.name, near.host):
         raise Refused(f"{host.name} is the name of this host")
     with connect(host, timeout_s) as connection:
-        done = provisioned.provision(connection, far_side.look(connection), notify)
+        look = far_side.look(connection)
+        fault.point("provision.looked")
+        done = provisioned.provision(connection, look, notify, show)
+        fault.point("provision.used")
         found = _ask(connection, "start")
+        fault.point("provision.started")
         if found.version != found.here or found.host != host.name:
             found = _replace(connection, found, replaces=replaces)
     link(host, near, timeout_s)
@@ -111,12 +125,10 @@ def _replace(connection: HostConnection, found: _Found, *, replaces: bool) -> _F
 def _ask(connection: HostConnection, word: str) -> _Found:
     host = connection.host
     command = [*provisioned.python(connection), "-m", "rtkit.hosts.far_manager", word, host.manager]
-    done = connection.run(command, timeout_s=_FAR_S)
     try:
-        found = decode_text(_Found, done.out)
-    except Malformed:
-        text = " ".join((done.err or done.out).split())[-300:] or f"exit status {done.status}"
-        raise Malformed(f"{host.name}: {word}: {text}") from None
+        found = decode_text(_Found, far_program.ask(connection, command, timeout_s=_FAR_S))
+    except (Malformed, Refused) as error:
+        raise type(error)(f"{host.name}: {word}: {error}") from None
     if found.error:
         raise Refused(f"{host.name}: {found.error}")
     return found

@@ -8,12 +8,13 @@ from typing import NamedTuple
 
 from rtkit.errors import Refused, Unreachable
 from rtkit.hosts.connection import HostConnection
+from rtkit.hosts.far_program import MARK, answer_in
 
-_QUESTIONS, _LONGEST = 9, 100
+_QUESTIONS, _LONGEST = 9, 1 << 16
 _PROGRAM = (
     "import sys, time\n"
     "while sys.stdin.buffer.read(1):\n"
-    " sys.stdout.write(repr(time.time()) + chr(10)); sys.stdout.flush()\n"
+    " sys.stdout.write(sys.argv[1] + repr(time.time()) + chr(10)); sys.stdout.flush()\n"
 )
 
 
@@ -42,24 +43,24 @@ def compare(connection: HostConnection, timeout_s: float = 5.0) -> ClockOffset:
         Unreachable: The connection ended, or nothing came in time.
     """
     host = connection.host
-    channel = connection.open([host.python, "-u", "-c", _PROGRAM])
+    channel = connection.open([host.python, "-u", "-c", _PROGRAM, MARK])
     until = time.monotonic() + timeout_s
     found = []
     try:
         for _ in range(_QUESTIONS):
             began_s, began = time.time(), time.monotonic()
             channel.sendall(b"?")
-            line = b""
-            while not line.endswith(b"\n"):
+            text = b""
+            while (answer := answer_in(text)) is None:
                 channel.settimeout(max(0.001, until - time.monotonic()))
-                data = channel.recv(100)
-                if not data or len(line) > _LONGEST:
+                data = channel.recv(1 << 12)
+                if not data or len(text) > _LONGEST:
                     raise Refused(f"{host.name}: {host.python} does not tell the time")
-                line += data
+                text += data
             took_s = time.monotonic() - began
-            if not math.isfinite(float(line)):
-                raise ValueError(line)
-            found.append(ClockOffset(float(line) - began_s - took_s / 2, took_s / 2, took_s))
+            if not math.isfinite(float(answer)):
+                raise ValueError(answer)
+            found.append(ClockOffset(float(answer) - began_s - took_s / 2, took_s / 2, took_s))
     except ValueError as error:
         raise Refused(f"{host.name}: {host.python} does not tell the time: {error}") from error
     except OSError as error:

@@ -13,12 +13,12 @@ import threading
 import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, suppress
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 import paramiko
 
 from rtkit.closing import Closing
-from rtkit.errors import Refused, RtkitError, Unreachable
+from rtkit.errors import RtkitError, Unreachable
 from rtkit.hosts.host import Host
 from rtkit.hosts.known_hosts import KnownKeys
 from rtkit.hosts.ssh_config import SshRoute, way_to
@@ -30,19 +30,9 @@ if TYPE_CHECKING:
 
 logging.getLogger("paramiko").setLevel(logging.CRITICAL)  # its errors are raised here, too
 TIMEOUT_S = 10.0
-_MOST = 16 << 20
-"""How much a command on another host may write [bytes]."""
 _PING_S = 0.5
 _SILENT_S = 1.5
 """How often the far side is asked whether it is there, and how long it may be silent [s]."""
-
-
-class Done(NamedTuple):
-    """Outcome of a command on another host."""
-
-    status: int
-    out: str
-    err: str
 
 
 class HostConnection(Closing):
@@ -76,45 +66,6 @@ class HostConnection(Closing):
             raise Unreachable(f"the connection to {self.host.name} has ended")
         return self._transport
 
-    def run(
-        self, command: Sequence[str] | str, data: bytes = b"", timeout_s: float = TIMEOUT_S
-    ) -> Done:
-        """Run a command there, words or a line for the shell; return its status and texts.
-
-        Raises:
-            Unreachable: The connection ended, or it took longer than `timeout_s` [s].
-            Refused: It writes too much.
-        """
-        channel = self.open(command)
-        try:
-            until = time.monotonic() + timeout_s
-            if data:
-                start_thread(lambda: _feed(channel, data), "ssh input")
-            else:
-                channel.shutdown_write()
-            errors: list[bytes] = []
-
-            def read_errors() -> None:
-                with suppress(OSError, Refused):  # its status tells more
-                    errors.append(read_all(channel, channel.recv_stderr, until))
-
-            reading = start_thread(read_errors, "ssh errors")
-            out = read_all(channel, channel.recv, until)
-            reading.join(max(0.0, until - time.monotonic()))
-            if not channel.status_event.wait(max(0.0, until - time.monotonic())):
-                raise TimeoutError
-            texts = [each.decode("utf-8", "replace") for each in (out, b"".join(errors))]
-            return Done(channel.recv_exit_status(), *texts)
-        except (TimeoutError, paramiko.SSHException, OSError) as error:
-            what = command if isinstance(command, str) else shlex.join(command)
-            raise Unreachable(
-                f"{self.host.name}: no end of {what.split()[0]} in {timeout_s:g} s"
-                if isinstance(error, TimeoutError)
-                else f"{self.host.name}: {error}"
-            ) from error
-        finally:
-            channel.close()
-
     def open(self, command: Sequence[str] | str) -> Channel:
         """Start a command there, and return its input and output.
 
@@ -125,8 +76,8 @@ class HostConnection(Closing):
         try:
             channel = self.transport.open_session(timeout=TIMEOUT_S)
             channel.exec_command(line)
-        except (paramiko.SSHException, OSError) as error:
-            raise Unreachable(f"{self.host.name}: {error}") from error
+        except (paramiko.SSHException, EOFError, OSError) as error:
+            raise Unreachable(f"{self.host.name}: {_text(error)}") from error
         return channel
 
     def ping(self) -> float:
@@ -141,19 +92,6 @@ class HostConnection(Closing):
         if not transport.is_active():
             raise Unreachable(f"the connection to {self.host.name} has ended")
         return time.monotonic() - began
-
-    def sftp(self) -> paramiko.SFTPClient:
-        """Open a channel for files.
-
-        Raises:
-            Unreachable: The connection ended, or its sshd has no SFTP.
-        """
-        try:
-            files = paramiko.SFTPClient.from_transport(self.transport)
-        except (paramiko.SSHException, OSError) as error:
-            raise Unreachable(f"{self.host.name}: no SFTP: {error}") from error
-        assert files is not None
-        return files
 
     def await_silence(self, silence_s: Callable[[], float]) -> str:
         """Ask again and again whether the far side is there; return why it is not any more.
@@ -263,27 +201,3 @@ def _explained(host: Host, way: SshRoute, opened: HostConnection | None) -> Iter
 def _text(error: BaseException) -> str:
     text = getattr(error, "strerror", None) or str(error) or type(error).__name__
     return " ".join(str(text).split()).rstrip(".")
-
-
-def _feed(channel: Channel, data: bytes) -> None:
-    with suppress(OSError):  # then its status tells why it wanted no more
-        channel.sendall(data)
-        channel.shutdown_write()
-
-
-def read_all(channel: Channel, receive: Callable[[int], bytes], until: float) -> bytes:
-    """Return what comes to its end; who sends it can neither go on for ever nor fill the memory.
-
-    Raises:
-        TimeoutError: It has not ended in time, by the monotonic clock [s].
-        Refused: It is more than `_MOST`.
-    """
-    found = bytearray()
-    while True:
-        channel.settimeout(max(0.001, until - time.monotonic()))
-        data = receive(1 << 16)
-        if not data:
-            return bytes(found)
-        found += data
-        if len(found) > _MOST:
-            raise Refused(f"a host writes more than {_MOST >> 20} MiB")

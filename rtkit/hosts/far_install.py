@@ -1,10 +1,14 @@
 """Program that makes a version of rtkit on a host, or tells which wheels it lacks for that.
 
 It is sent as text to the interpreter there, under any Python 3. Its argument is JSON: ``id`` of the
-version, ``wheels`` by name with their SHA-256, ``installs`` names what is installed. A version is a
-virtual environment; the link ``current`` is put in its place by one rename, when all is there.
+version, ``wheels`` by name with their SHA-256, ``mark`` that begins its answer. A version is a
+virtual environment, in which wheels are unpacked as the format of wheels says; the link ``current``
+is put in its place by one rename, when all is there. Versions that nothing uses are removed then,
+but for the last one. Lines before its answer tell what it does.
 """
 
+import configparser
+import contextlib
 import fcntl
 import glob
 import hashlib
@@ -13,8 +17,12 @@ import os
 import shutil
 import subprocess
 import sys
+import time
+import zipfile
 
 _COMPLETE = "rtkit-complete"
+_LOCK_S = 120.0
+_SCRIPT = "#!%s -P\nimport sys\nfrom %s import %s\nsys.exit(%s())\n"
 
 
 def _digest(path: str) -> str:
@@ -25,49 +33,149 @@ def _digest(path: str) -> str:
         return ""
 
 
-def _run(*words: str) -> None:
-    done = subprocess.run(words, stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
-    if done.returncode:
-        lines = done.stdout.decode("utf-8", "replace").strip().splitlines()
-        raise SystemExit("cannot run " + os.path.basename(words[0]) + ": " + " ".join(lines[-3:]))
+def _size(path: str) -> int:
+    try:
+        return os.stat(path).st_size
+    except OSError:
+        return 0
+
+
+def _report(text: str) -> None:
+    sys.stdout.write(text + "\n")
+    sys.stdout.flush()
+
+
+def _take(lock: int) -> None:
+    """Wait until nobody else makes a version; who lost his connection may still be at it."""
+    until = time.monotonic() + _LOCK_S
+    while True:
+        try:
+            fcntl.lockf(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            return
+        except OSError:
+            if time.monotonic() > until:
+                raise SystemExit("another command makes a version there") from None
+            _report("waiting for another command")
+            time.sleep(0.5)
+
+
+def _program(path: str, text: str) -> None:
+    with open(path, "w") as file:
+        file.write(text)
+    os.chmod(path, 0o755)
+
+
+def _unpack(wheel: str, folder: str, site: str) -> None:
+    """Put the files of a wheel where they belong; with the programs that it names."""
+    python = os.path.join(folder, "bin", "python")
+    with zipfile.ZipFile(wheel) as archive:
+        archive.extractall(site)
+        top = {name.split("/")[0] for name in archive.namelist()}
+    places = {"data": folder, "purelib": site, "platlib": site, "headers": folder}
+    for data in (name for name in top if name.endswith(".data")):
+        for part, place in places.items():
+            source = os.path.join(site, data, part)
+            if os.path.isdir(source):
+                shutil.copytree(source, place, dirs_exist_ok=True)
+        for path in glob.glob(os.path.join(site, data, "scripts", "*")):
+            with open(path, encoding="utf-8", errors="surrogateescape") as file:
+                text = file.read()
+            if text.startswith("#!python"):
+                text = "#!" + python + text[text.index("\n") :]
+            _program(os.path.join(folder, "bin", os.path.basename(path)), text)
+        shutil.rmtree(os.path.join(site, data))
+    for info in (name for name in top if name.endswith(".dist-info")):
+        points = configparser.ConfigParser(delimiters=("=",), interpolation=None)
+        points.optionxform = str  # type: ignore[assignment,method-assign]
+        points.read(os.path.join(site, info, "entry_points.txt"), encoding="utf-8")
+        if points.has_section("console_scripts"):
+            for name, target in points.items("console_scripts"):
+                module, _, function = target.split("[")[0].strip().partition(":")
+                words = (python, module, function.split(".")[0], function)
+                _program(os.path.join(folder, "bin", name), _SCRIPT % words)
 
 
 def _install(wanted: dict, folder: str, wheels: str) -> None:  # type: ignore[type-arg]
     """Make the environment in its place; it counts only with the mark of completeness."""
     shutil.rmtree(folder, ignore_errors=True)
-    _run(sys.executable, "-m", "venv", "--without-pip", folder)
-    pip = glob.glob(os.path.join(wheels, "pip-*.whl"))[0]
-    python = os.path.join(folder, "bin", "python")
-    named = [os.path.join(wheels, name) for name in wanted["wheels"] if not name.startswith("pip-")]
-    _run(python, pip + "/pip", "install", "-q", "--no-index", "--no-deps", "--no-compile", *named)
+    words = [sys.executable, "-m", "venv", "--without-pip", folder]
+    done = subprocess.run(words, stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
+    if done.returncode:
+        lines = done.stdout.decode("utf-8", "replace").strip().splitlines()
+        raise SystemExit("cannot run python -m venv: " + " ".join(lines[-3:]))
+    (site,) = glob.glob(os.path.join(folder, "lib", "python3*", "site-packages"))
+    for number, name in enumerate(sorted(wanted["wheels"])):
+        _report(
+            " ".join(["installing", str(number), str(len(wanted["wheels"])), name.split("-")[0]])
+        )
+        _unpack(os.path.join(wheels, name), folder, site)
+    os.sync()  # the mark is not to outlive a power failure that the files do not
     with open(os.path.join(folder, _COMPLETE), "w") as file:
         file.write(wanted["id"])
+
+
+def _used(folder: str) -> bool:
+    """Return whether a process has files of a version mapped; those of others do not tell."""
+    for path in glob.glob("/proc/[0-9]*/maps"):
+        with contextlib.suppress(OSError), open(path, errors="replace") as file:
+            if folder + "/" in file.read():
+                return True
+    return False
+
+
+def _use(base: str, wanted: str) -> list:  # type: ignore[type-arg]
+    """Have a version in use; return those that are removed."""
+    link = os.path.join(base, "current")
+    former = os.path.basename(os.readlink(link)) if os.path.islink(link) else ""
+    if former != wanted:
+        draft = link + ".draft"
+        with contextlib.suppress(FileNotFoundError):
+            os.unlink(draft)
+        os.symlink(os.path.join("versions", wanted), draft)
+        os.replace(draft, link)
+    versions = os.path.realpath(os.path.join(base, "versions"))
+    removed = [
+        each
+        for each in os.listdir(versions)
+        if each not in (wanted, former) and not _used(os.path.join(versions, each))
+    ]
+    for each in removed:
+        shutil.rmtree(os.path.join(versions, each), ignore_errors=True)
+    return removed
+
+
+def _make(wanted: dict, base: str) -> dict:  # type: ignore[type-arg]
+    wheels = os.path.join(base, "wheels")
+    for folder in (wheels, os.path.join(base, "versions")):
+        os.makedirs(folder, mode=0o700, exist_ok=True)
+    folder = os.path.join(base, "versions", wanted["id"])
+    with open(os.path.join(base, "lock"), "w") as lock:
+        _take(lock.fileno())
+        is_complete = os.path.exists(os.path.join(folder, _COMPLETE))
+        lacking = {
+            name: _size(os.path.join(wheels, name + ".part"))
+            for name, digest in wanted["wheels"].items()
+            if not is_complete and _digest(os.path.join(wheels, name)) != digest
+        }
+        removed: list = []  # type: ignore[type-arg]
+        if not lacking:
+            if not is_complete:
+                _install(wanted, folder, wheels)
+            removed = _use(base, wanted["id"])
+            shutil.rmtree(wheels, ignore_errors=True)
+    made = not is_complete
+    return {"wheels": wheels, "lacking": lacking, "made": made, "removed": removed}
 
 
 def main() -> None:
     """Be the program."""
     wanted = json.loads(sys.argv[1])
-    base = os.path.join(os.path.expanduser("~"), ".local", "share", "rtkit")
-    wheels = os.path.join(base, "wheels")
-    os.makedirs(os.path.join(base, "versions"), mode=0o700, exist_ok=True)
-    os.makedirs(wheels, mode=0o700, exist_ok=True)
-    folder = os.path.join(base, "versions", wanted["id"])
-    with open(os.path.join(base, "lock"), "w") as lock:
-        fcntl.lockf(lock, fcntl.LOCK_EX)
-        is_complete = os.path.exists(os.path.join(folder, _COMPLETE))
-        lacking = [
-            name
-            for name, digest in wanted["wheels"].items()
-            if not is_complete and _digest(os.path.join(wheels, name)) != digest
-        ]
-        if not lacking and not is_complete:
-            _install(wanted, folder, wheels)
-        if not lacking:
-            draft = os.path.join(base, "current." + str(os.getpid()))
-            os.symlink(os.path.join("versions", wanted["id"]), draft)
-            os.replace(draft, os.path.join(base, "current"))
-            shutil.rmtree(wheels, ignore_errors=True)
-    sys.stdout.write(json.dumps({"wheels": wheels, "lacking": lacking, "made": not is_complete}))
+    try:
+        found = _make(wanted, os.path.join(os.path.expanduser("~"), ".local", "share", "rtkit"))
+    except OSError as error:
+        where = ": " + str(error.filename) if error.filename else ""
+        raise SystemExit((error.strerror or str(error)) + where) from None
+    _report(wanted["mark"] + json.dumps(found))
 
 
 if __name__ == "__main__":

@@ -1,14 +1,16 @@
 """Starts or stops a manager of its own host; run there over SSH, by the provisioned rtkit.
 
-Its arguments are ``start|stop|look NAME``; it writes what it found as JSON.
+Its arguments are ``start|stop|look NAME``; it writes what it found as JSON behind a mark.
 """
 
 from __future__ import annotations
 
 import json
+import os
 import sys
 
 from rtkit.errors import RtkitError
+from rtkit.hosts.far_program import MARK
 from rtkit.link import places
 from rtkit.tree import managers
 from rtkit.tree.connect import connect
@@ -21,6 +23,8 @@ def main() -> int:
     """Be the program."""
     word, name = sys.argv[1:3]
     places.keep_runtime_folder()
+    # A manager keeps its version when the link to the one in use leads to another.
+    sys.executable = os.path.join(os.path.realpath(sys.prefix), "bin", "python")
     try:
         is_running = places.owner(name) is not None
         if word == "start" and not is_running:
@@ -35,9 +39,9 @@ def main() -> int:
             with connect(name, _START_S) as tree:
                 found |= {"version": tree.get("rtkit.version"), "host": tree.host}
     except RtkitError as error:
-        print(json.dumps({"error": str(error)}))
+        print(MARK + json.dumps({"error": str(error)}))
         return 1
-    print(json.dumps(found))
+    print(MARK + json.dumps(found))
     return 0
 
 

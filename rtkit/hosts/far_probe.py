@@ -1,4 +1,4 @@
-"""Program that looks at a host, under any Python 3 there, and writes what it finds as JSON.
+"""Program that looks at a host, under any Python 3 there, and writes a mark and JSON.
 
 It is sent as text to the interpreter there, so it uses the standard library only, and none of the
 syntax of later versions.
@@ -57,4 +57,4 @@ def found() -> dict:  # type: ignore[type-arg]
 
 
 if __name__ == "__main__":
-    sys.stdout.write(json.dumps(found()))
+    sys.stdout.write(sys.argv[1] + json.dumps(found()) + "\n")

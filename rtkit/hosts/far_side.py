@@ -3,18 +3,22 @@
 from __future__ import annotations
 
 import re
-from typing import NamedTuple
+from typing import TYPE_CHECKING
 
 from rtkit.errors import Malformed, Refused
 from rtkit.fast_dataclass import Record
-from rtkit.hosts.connection import HostConnection
+from rtkit.hosts import far_program
 from rtkit.hosts.wheels import Kind
 from rtkit.rtc.serde import decode_text
+
+if TYPE_CHECKING:
+    from rtkit.hosts.connection import HostConnection
 
 OLDEST = (3, 11)
 _KIND = re.compile(r"[A-Za-z0-9_]{1,32} [0-9]{1,3}\.[0-9]{1,3}")
 _ROOM = 300 << 20
 """How much room a version of rtkit takes at most [bytes]."""
+_LOOK_S = 10.0
 
 
 class FarSide(Record):
@@ -48,7 +52,7 @@ class FarSide(Record):
         """Kind of its wheels."""
         return Kind(self.version, self.machine, self.libc[1] if len(self.libc) > 1 else "")
 
-    def obstacles(self) -> list[str]:
+    def obstacles(self, *, needs_room: bool = True) -> list[str]:
         """Return why rtkit cannot be made there, a line each."""
         found = []
         if self.python[:2] < OLDEST:
@@ -63,49 +67,38 @@ class FarSide(Record):
             found.append("its Python has no module venv (Debian: apt install python3-venv)")
         if not self.is_writable:
             found.append(f"nothing can be written in {self.home}")
-        if self.free_bytes < _ROOM:
+        if needs_room and self.free_bytes < _ROOM:
             free, needed = self.free_bytes >> 20, _ROOM >> 20
             found.append(f"{free} MiB are free in {self.home}, {needed} are needed")
         return found
 
 
-class HostLook(NamedTuple):
-    """Look at a host: what it is."""
-
-    far: FarSide
-
-
-def look(connection: HostConnection) -> HostLook:
+def look(connection: HostConnection) -> FarSide:
     """Look at a host.
 
     Raises:
         Refused: There is no Python.
+        Malformed: What it answers makes no sense.
         Unreachable: The connection ended.
     """
     host = connection.host
-    done = connection.run([host.python, "-"], program("far_probe.py"))
-    if done.status:
-        why = " ".join(done.err.split()) or f"exit status {done.status}"
-        raise Refused(f"{host.name}: no Python there as {host.python}: {why}")
+    program = far_program.text_of("far_probe.py")
+    command = [host.python, "-", far_program.MARK]
     try:
-        return HostLook(decode_text(FarSide, done.out))
+        return decode_text(
+            FarSide, far_program.ask(connection, command, program, timeout_s=_LOOK_S)
+        )
+    except Refused as error:
+        raise Refused(f"{host.name}: no Python there as {host.python}: {error}") from None
     except Malformed as error:
         raise Malformed(f"{host.name}: {host.python} says no sense: {error}") from error
 
 
-def program(name: str) -> bytes:
-    """Return the text of a program that runs at the far side."""
-    from importlib.resources import files
-
-    return files("rtkit.hosts").joinpath(name).read_bytes()
-
-
-def check(found: FarSide, name: str) -> None:
+def check(obstacles: list[str], name: str) -> None:
     """Refuse a host that does not do.
 
     Raises:
         Refused: Tells why, all of it.
     """
-    obstacles = found.obstacles()
     if obstacles:
         raise Refused(f"{name}: {'; '.join(obstacles)}")

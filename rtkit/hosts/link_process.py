@@ -45,8 +45,9 @@ _CLOSE_S = 0.5
 _LEASE_MS = 1500
 _CHUNK = 1 << 16
 _EVER_S = 1e6
-_READY_S, _LINE = 10.0, 2000
-"""How long the relay may take for its first line [s], and how long that is at most [bytes]."""
+_READY_S, _MOST = 10.0, 1 << 16
+"""How long the relay may take until it is ready [s], and how much may come before [bytes]."""
+_SHOWN = 500
 _ROUTE_S = 5.0
 """How long the far manager may take to be heard of once the routers are joined [s]."""
 
@@ -164,19 +165,20 @@ def open_relay(connection: HostConnection, host: Host) -> Channel:
     python = provisioned.python(connection)
     channel = connection.open([*python, "-m", "rtkit.hosts.relay", host.manager])
     until = time.monotonic() + _READY_S
-    line = b""
+    text, ready = bytearray(), f"{READY}\n".encode()
     with suppress(OSError):
-        while not line.endswith(b"\n") and len(line) < _LINE:
+        # The shell of the user may write lines of its own before; what follows is not to be read.
+        while not text.endswith(ready) and len(text) < _MOST:
             channel.settimeout(max(0.001, until - time.monotonic()))
             data = channel.recv(1)
             if not data:
                 break
-            line += data
-    if line.decode("utf-8", "replace").strip() != READY:
+            text += data
+    if not text.endswith(ready):
         with suppress(OSError):
-            line += channel.recv_stderr(2000)
-        text = " ".join(line.decode("utf-8", "replace").split()) or "nothing answers"
-        raise Unreachable(f"{host.name}: {text}")
+            text += channel.recv_stderr(2000)
+        why = " ".join(text[-_SHOWN:].decode("utf-8", "replace").split()) or "nothing answers"
+        raise Unreachable(f"{host.name}: {why}")
     channel.settimeout(None)
     return channel
 

@@ -9,20 +9,28 @@ from __future__ import annotations
 import json
 import os
 import posixpath
-from collections.abc import Callable, Iterable
+import time
+from collections.abc import Callable
 from typing import NamedTuple
 
+from rtkit import fault
 from rtkit.errors import Malformed, Refused, Unreachable
 from rtkit.fast_dataclass import Record
-from rtkit.hosts import far_side, wheels
+from rtkit.hosts import far_program, far_side, quiet_sftp, wheels
 from rtkit.hosts.connection import HostConnection
-from rtkit.hosts.far_side import HostLook
+from rtkit.hosts.far_side import FarSide
 from rtkit.hosts.wheels import WheelSet
 from rtkit.rtc.serde import decode_text
 
 _CURRENT = ".local/share/rtkit/current"
-_INSTALL_S = 300.0
+_SILENT_S = 60.0
+"""For how long nothing may come from a host while rtkit is made there [s]."""
+_CHUNK = 1 << 15
+_TIMES = 2
+"""How often what is lacking is sent: it may stand behind the beginning of another file."""
 Notify = Callable[[str], object]
+Progress = Callable[[str, int, int, str], object]
+"""Is told the host, how much is done, of how much, and a few words."""
 
 
 class Provisioned(NamedTuple):
@@ -34,11 +42,19 @@ class Provisioned(NamedTuple):
 
 
 class _Installed(Record):
-    """Answer of `rtkit.hosts.far_install`: its folder of wheels, and which are lacking there."""
+    """Answer of `rtkit.hosts.far_install`.
+
+    Attributes:
+        wheels: Folder there that wheels are sent to.
+        lacking: How much of each that lacks has been sent [bytes].
+        made: Whether the version is new there.
+        removed: Versions that nothing used any more.
+    """
 
     wheels: str
-    lacking: tuple[str, ...]
+    lacking: dict[str, int]
     made: bool
+    removed: tuple[str, ...]
 
 
 def python(connection: HostConnection) -> list[str]:
@@ -48,57 +64,84 @@ def python(connection: HostConnection) -> list[str]:
     return ["env", f"RTKIT_HOSTNAME={host.name}", f"{_CURRENT}/bin/python", "-P"]
 
 
-def provision(connection: HostConnection, look: HostLook, notify: Notify) -> Provisioned:
+def unshown(_host: str, _done: int, _total: int, _text: str) -> None:
+    """Show no progress."""
+
+
+def provision(
+    connection: HostConnection, far: FarSide, notify: Notify, show: Progress = unshown
+) -> Provisioned:
     """Have this rtkit on a host; what is there already is used.
 
-    Interrupted anywhere it can be done again: a version counts when it is complete.
+    Interrupted anywhere it can be done again: a version counts when it is complete, and of what was
+    sent nothing is sent twice.
 
     Raises:
         Refused: The host does not do; tells all that is wrong.
         NotFound: There is no wheel of something for it.
+        Malformed: What it answers makes no sense.
         Unreachable: The connection ended.
     """
-    name = connection.host.name
-    far_side.check(look.far, name)
-    chosen = wheels.wheels_for(look.far.kind)
-    if look.far.current == chosen.id:
+    name, began, sent = connection.host.name, time.monotonic(), 0
+    # What has a version needs no room for another, if that is the one.
+    far_side.check(far.obstacles(needs_room=not far.current), name)
+    chosen = wheels.wheels_for(far.kind)
+    if far.current == chosen.id:
         return Provisioned(chosen.id, False, 0)
-    answer = _install(connection, chosen)
-    sent = 0
+    far_side.check(far.obstacles(), name)
+    answer = _install(connection, chosen, show)
+    for _ in range(_TIMES):
+        if not answer.lacking:
+            break
+        fault.point("provision.asked")
+        sizes = {each: os.path.getsize(chosen.files[each]) for each in answer.lacking}
+        there = {each: min(size, max(answer.lacking[each], 0)) for each, size in sizes.items()}
+        size = sum(sizes.values()) - sum(there.values())
+        sent += size
+        notify(f"{name}: {len(sizes)} wheels are sent, {size / 1e6:.1f} MB")
+        _send(connection, chosen, there, answer.wheels, show)
+        fault.point("provision.sent")
+        answer = _install(connection, chosen, show)
     if answer.lacking:
-        sent = sum(os.path.getsize(chosen.files[each]) for each in answer.lacking)
-        notify(f"{name}: {len(answer.lacking)} wheels are sent, {sent / 1e6:.1f} MB")
-        _send(connection, chosen, answer.lacking, answer.wheels)
-        answer = _install(connection, chosen)
-        if answer.lacking:
-            raise Refused(f"{name}: damaged on the way: {', '.join(answer.lacking)}")
-    notify(f"{name}: rtkit {chosen.id} is in use")
+        raise Refused(f"{name}: damaged on the way: {', '.join(answer.lacking)}")
+    for each in answer.removed:
+        notify(f"{name}: rtkit {each} is removed, nothing uses it")
+    notify(f"{name}: rtkit {chosen.id} is in use (in {time.monotonic() - began:.1f} s)")
     return Provisioned(chosen.id, answer.made, sent)
 
 
-def _install(connection: HostConnection, chosen: WheelSet) -> _Installed:
-    """Make the version there if all wheels are, else return which are lacking.
-
-    Raises:
-        Refused: It cannot be made.
-        Malformed: What that host answers makes no sense.
-    """
+def _install(connection: HostConnection, chosen: WheelSet, show: Progress) -> _Installed:
+    """Make the version there if all wheels are, else return which are lacking."""
     host = connection.host
-    wanted = json.dumps({"id": chosen.id, "wheels": chosen.digests})
-    done = connection.run(
-        [host.python, "-", wanted], far_side.program("far_install.py"), timeout_s=_INSTALL_S
-    )
-    if done.status:
-        lines = done.err.strip().splitlines() or [f"exit status {done.status}"]
-        raise Refused(f"{host.name}: rtkit cannot be made there: {lines[-1]}")
-    found = decode_text(_Installed, done.out)
-    if not chosen.files.keys() >= {*found.lacking}:
+    wanted = json.dumps({"id": chosen.id, "wheels": chosen.digests, "mark": far_program.MARK})
+
+    def show_step(line: str) -> None:
+        word, *rest = line.split()[:4] or [""]
+        if word == "installing" and len(rest) == 3 and rest[0].isdigit() and rest[1].isdigit():
+            show(host.name, int(rest[0]), int(rest[1]), f"installs {rest[2]}")
+
+    command = [host.python, "-", wanted]
+    program = far_program.text_of("far_install.py")
+    try:
+        answer = far_program.ask(
+            connection, command, program, timeout_s=_SILENT_S, on_line=show_step
+        )
+        found = decode_text(_Installed, answer)
+    except (Malformed, Refused) as error:
+        raise type(error)(f"{host.name}: rtkit cannot be made there: {error}") from None
+    if not chosen.files.keys() >= found.lacking.keys():
         raise Malformed(f"{host.name}: it lacks what is no wheel of rtkit")
     return found
 
 
-def _send(connection: HostConnection, chosen: WheelSet, names: Iterable[str], folder: str) -> None:
-    """Send files; each is in its place when it is whole.
+def _send(
+    connection: HostConnection,
+    chosen: WheelSet,
+    there: dict[str, int],
+    folder: str,
+    show: Progress,
+) -> None:
+    """Send files behind what is `there` of each [bytes]; each is in its place when it is whole.
 
     Raises:
         Unreachable: It was broken off.
@@ -106,14 +149,27 @@ def _send(connection: HostConnection, chosen: WheelSet, names: Iterable[str], fo
     """
     import paramiko
 
-    with connection.sftp() as files:
-        for name in names:
-            draft = posixpath.join(folder, f"{name}.part")
-            try:
-                files.put(chosen.files[name], draft, confirm=True)
-                files.posix_rename(draft, posixpath.join(folder, name))
-            except (paramiko.SSHException, EOFError, ConnectionError) as error:
-                raise Unreachable(f"{connection.host.name}: broken off at {name}") from error
-            except OSError as error:
-                why = error.strerror or str(error)
-                raise Refused(f"{connection.host.name}: cannot write {draft}: {why}") from error
+    name, at = connection.host.name, 0
+    total = sum(os.path.getsize(chosen.files[each]) for each in there)
+    draft = folder
+    try:
+        with quiet_sftp.open_sftp(connection, _SILENT_S) as files:
+            for each, begin in there.items():
+                draft = posixpath.join(folder, f"{each}.part")
+                with open(chosen.files[each], "rb") as near, files.open(draft, "ab") as far:
+                    far.set_pipelined(True)
+                    near.seek(begin)
+                    at += begin
+                    while data := near.read(_CHUNK):
+                        far.write(data)
+                        at += len(data)
+                        show(name, at, total, f"sends {each.split('-')[0]}")
+                files.posix_rename(draft, posixpath.join(folder, each))
+                fault.point("provision.wheel")
+    except (paramiko.SSHException, EOFError, ConnectionError, TimeoutError) as error:
+        raise Unreachable(f"{name}: broken off at {posixpath.basename(draft)}") from error
+    except OSError as error:
+        if "closed" in str(error):
+            raise Unreachable(f"{name}: broken off at {posixpath.basename(draft)}") from error
+        why = error.strerror or str(error)
+        raise Refused(f"{name}: cannot write {draft}: {why}") from error

@@ -6,6 +6,7 @@ They are kept in the cache folder, a folder for each kind of host, and fetched t
 from __future__ import annotations
 
 import base64
+import fcntl
 import hashlib
 import importlib.metadata
 import json
@@ -16,6 +17,7 @@ import subprocess
 import sys
 import tempfile
 import zipfile
+from functools import lru_cache
 from typing import NamedTuple
 
 from rtkit.errors import NotFound, Refused
@@ -24,6 +26,7 @@ from rtkit.version import __version__
 
 _NEWEST_GLIBC, _OLDEST_GLIBC = 45, 17
 _FETCH_S = 600.0
+_SUMS = "digests.json"
 
 
 class Kind(NamedTuple):
@@ -60,46 +63,67 @@ class WheelSet(NamedTuple):
 
 
 def wheels_for(kind: Kind) -> WheelSet:
-    """Return the wheels for a kind of host; they are fetched unless they are there.
+    """Return the wheels for a kind of host; they are fetched unless they are there, undamaged.
+
+    Who asks at the same time, in this command or in another, waits for those that are fetched.
 
     Raises:
         NotFound: There is no wheel of a package for that kind, and its name.
         Refused: pip cannot be run here, or others may write in the cache folder.
     """
-    os.makedirs(cache_folder(), mode=0o700, exist_ok=True)
-    check_trusted(cache_folder())
+    cache = cache_folder()
+    os.makedirs(cache, mode=0o700, exist_ok=True)
+    check_trusted(cache)
+    with open(os.path.join(cache, "lock"), "w", encoding="ascii") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)  # not lockf: threads exclude each other, too
+        return _wheels_in(cache, kind)
+
+
+@lru_cache
+def _wheels_in(cache: str, kind: Kind) -> WheelSet:
     own = own_wheel()
     key = hashlib.sha256("\n".join(sorted(requirements())).encode()).hexdigest()[:8]
-    folder = os.path.join(cache_folder(), f"{kind.name}-{key}")
-    if not os.path.isdir(folder):
-        _fetch(kind, folder)
-    files = {name: os.path.join(folder, name) for name in sorted(os.listdir(folder))}
+    folder = os.path.join(cache, f"{kind.name}-{key}")
+    digests = _digests(folder)
+    if digests is None:
+        shutil.rmtree(folder, ignore_errors=True)
+        digests = _fetch(kind, folder)
+    files = {name: os.path.join(folder, name) for name in digests}
     files[os.path.basename(own)] = own
-    digests = {name: _digest(path) for name, path in files.items()}
+    digests |= {os.path.basename(own): _digest(own)}
     whole = hashlib.sha256(json.dumps(digests, sort_keys=True).encode()).hexdigest()
     return WheelSet(f"{__version__}-{whole[:12]}", files, digests)
 
 
 def requirements() -> list[str]:
-    """Return what rtkit needs, without extras, and pip to install it."""
+    """Return what rtkit needs, without extras."""
     needs = importlib.metadata.requires("rtkit") or []
-    return ["pip", *(each for each in needs if "extra ==" not in each)]
+    return [each for each in needs if "extra ==" not in each]
 
 
-def _fetch(kind: Kind, folder: str) -> None:
-    """Fetch the wheels into a new folder, which is there when all are."""
-    os.makedirs(os.path.dirname(folder), mode=0o700, exist_ok=True)
+def _digests(folder: str) -> dict[str, str] | None:
+    """Return the SHA-256 of the wheels that were fetched, None if they are not all as they were."""
+    try:
+        known = dict(json.loads(_content(os.path.join(folder, _SUMS)) or "null"))
+        found = {name: _digest(os.path.join(folder, name)) for name in known}
+    except (OSError, ValueError, TypeError):
+        return None
+    return known if found == known else None
+
+
+def _fetch(kind: Kind, folder: str) -> dict[str, str]:
+    """Fetch the wheels into a new folder, which is there when all are; return their SHA-256."""
     with tempfile.TemporaryDirectory(dir=os.path.dirname(folder)) as draft:
         target = os.path.join(draft, "wheels")
         os.mkdir(target)
         text = _pip("download", "-q", "-d", target, *_choice(kind), *requirements())
         if text:
             raise NotFound(f"no wheels for {kind.name}: {_reason(text)}")
-        try:
-            os.rename(target, folder)
-        except OSError:
-            if not os.path.isdir(folder):  # else somebody else was as quick
-                raise
+        digests = {name: _digest(os.path.join(target, name)) for name in sorted(os.listdir(target))}
+        with open(os.path.join(target, _SUMS), "w", encoding="utf-8") as file:
+            json.dump(digests, file)
+        os.rename(target, folder)
+    return digests
 
 
 def _choice(kind: Kind) -> list[str]:

@@ -12,7 +12,9 @@ from rtkit.errors import RtkitError, Unreachable, UsageProblem
 from rtkit.fast_dataclass import replace
 
 if TYPE_CHECKING:
+    from rtkit.cli.shared.progress import Show
     from rtkit.hosts.host import Host
+    from rtkit.hosts.provisioned import Progress
     from rtkit.tree.client import Tree
 
 _LEAST_S = 60.0
@@ -24,6 +26,7 @@ def run_at_hosts(app: App, word: str, names: Sequence[str], manager: str, *, rep
 
     All are tried, at the same time; those that failed are told, each with its step.
     """
+    from rtkit.cli.shared.progress import metered
     from rtkit.hosts import inventory, ssh_config
 
     if word not in ("start", "stop"):
@@ -37,13 +40,14 @@ def run_at_hosts(app: App, word: str, names: Sequence[str], manager: str, *, rep
 
     def one(host: Host) -> None:
         try:
-            _do(app, word, host, near, replaces=replaces)
+            _do(app, word, host, near, show, replaces=replaces)
         except RtkitError as error:
             failures.append(error)
             app.fail(str(error))
 
     try:
-        with ThreadPoolExecutor(max_workers=len(hosts)) as pool:
+        with metered(app, word) as meter, ThreadPoolExecutor(max_workers=len(hosts)) as pool:
+            show = _summed(meter)
             list(pool.map(one, hosts))
     finally:
         if near is not None:
@@ -51,7 +55,21 @@ def run_at_hosts(app: App, word: str, names: Sequence[str], manager: str, *, rep
     return app.status(failures[0]) if failures else 0
 
 
-def _do(app: App, word: str, host: Host, near: Tree | None, *, replaces: bool) -> None:
+def _summed(meter: Show) -> Progress:
+    """Return what shows the progress of several hosts as one."""
+    counts: dict[str, tuple[int, int]] = {}
+
+    def show(name: str, done: int, total: int, text: str) -> None:
+        counts[name] = done, total
+        dones, totals = zip(*list(counts.values()), strict=True)
+        meter(sum(dones), sum(totals), f"{name} {text}")
+
+    return show
+
+
+def _do(
+    app: App, word: str, host: Host, near: Tree | None, show: Progress, *, replaces: bool
+) -> None:
     from rtkit.hosts import bring_up
 
     timeout_s = max(app.timeout_s, _LEAST_S)
@@ -60,7 +78,9 @@ def _do(app: App, word: str, host: Host, near: Tree | None, *, replaces: bool) -
         app.verbose(f"{host.name}: {'ended' if was_running else 'did not run'}")
         return
     assert near is not None
-    done = bring_up.start(host, near, app.verbose, replaces=replaces, timeout_s=timeout_s)
+    done = bring_up.start(
+        host, near, app.verbose, replaces=replaces, timeout_s=timeout_s, show=show
+    )
     app.verbose(f"{host.name}: linked, {'ran already' if done.was_running else 'started'}")
 
 

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
+import itertools
 import os
 import socket
 import threading
-import time
 from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
@@ -13,10 +13,11 @@ from typing import Any
 import pytest
 
 from rtkit.errors import Malformed, Refused, Unreachable
-from rtkit.hosts import bring_up, far_side, link_process, provisioned, wheels
-from rtkit.hosts.connection import Done, read_all
-from rtkit.hosts.far_side import FarSide, HostLook
+from rtkit.hosts import bring_up, far_program, far_side, link_process, provisioned, wheels
+from rtkit.hosts.far_program import MARK
+from rtkit.hosts.far_side import FarSide
 from rtkit.hosts.host import Host
+from rtkit.hosts.relay import READY
 from rtkit.hosts.wheels import WheelSet
 from rtkit.link import unix
 from rtkit.rtc.serde import encode_text
@@ -31,15 +32,22 @@ GOOD = FarSide(
 
 
 class Answering:
-    """Connection to a host that says the same to every command."""
+    """Connection to a host that says the same to every command, and then nothing, or the same."""
 
     host = HOST
 
-    def __init__(self, out: str) -> None:
-        self.out = out
+    def __init__(self, out: str, *, is_endless: bool = False) -> None:
+        self.out, self.is_endless = out.encode(), is_endless
 
-    def run(self, *_command: Any, **_options: Any) -> Done:
-        return Done(0, self.out, "")
+    def open(self, _command: object) -> Any:
+        texts = itertools.repeat(self.out) if self.is_endless else iter([self.out, b""])
+        ended = threading.Event()
+        ended.set()
+        names = ("settimeout", "set_combine_stderr", "sendall", "shutdown_write", "close")
+        ignored: dict[str, Any] = {name: lambda *_words: None for name in names}
+        return SimpleNamespace(
+            recv=lambda _most: next(texts), status_event=ended, exit_status=0, **ignored
+        )
 
 
 @pytest.mark.parametrize(
@@ -59,19 +67,28 @@ def test_a_c_library_has_a_number_or_is_refused(version: str) -> None:
 def test_what_makes_no_sense_is_told_of_its_host(text: str, monkeypatch: Any) -> None:
     made = WheelSet("1", {"a.whl": "/a.whl"}, {"a.whl": "00"})
     monkeypatch.setattr(wheels, "wheels_for", lambda _kind: made)
-    connection: Any = Answering(text)
+    connection: Any = Answering(f"{MARK}{text}\n")
     with pytest.raises(Malformed, match="robot1"):
         far_side.look(connection)
-    with pytest.raises(Malformed):
-        provisioned.provision(connection, HostLook(GOOD), print)
+    with pytest.raises(Malformed, match="robot1"):
+        provisioned.provision(connection, GOOD, print)
 
 
 def test_only_wheels_of_rtkit_are_sent(monkeypatch: Any) -> None:
     made = WheelSet("1", {"a.whl": "/a.whl"}, {"a.whl": "00"})
     monkeypatch.setattr(wheels, "wheels_for", lambda _kind: made)
-    connection: Any = Answering('{"wheels": "/x", "lacking": ["/etc/shadow"], "made": false}')
+    lacking = '{"wheels": "/x", "lacking": {"/etc/shadow": 0}, "made": false, "removed": []}'
+    connection: Any = Answering(f"{MARK}{lacking}\n")
     with pytest.raises(Malformed, match="no wheel of rtkit"):
-        provisioned.provision(connection, HostLook(GOOD), print)
+        provisioned.provision(connection, GOOD, print)
+
+
+def test_a_machine_that_is_no_name_is_refused_also_where_a_version_is(monkeypatch: Any) -> None:
+    monkeypatch.setattr(wheels, "wheels_for", lambda _kind: pytest.fail("looked for wheels"))
+    connection: Any = Answering("")
+    far = replace(GOOD, machine="../x", current="1", free_bytes=0)
+    with pytest.raises(Refused, match="no machine with wheels"):
+        provisioned.provision(connection, far, print)
 
 
 def test_wheels_that_others_may_change_are_sent_nowhere(tmp_path: Any, monkeypatch: Any) -> None:
@@ -90,13 +107,12 @@ def test_a_host_that_bears_the_name_of_this_one_is_not_even_asked() -> None:
 
 
 def test_what_a_host_writes_without_end_is_broken_off() -> None:
-    near, far = socket.socketpair()
-    with near, far:
-        channel: Any = near
-        with pytest.raises(TimeoutError):
-            read_all(channel, near.recv, time.monotonic() + 0.01)
-        with pytest.raises(Refused, match="more than 16 MiB"):
-            read_all(channel, lambda most: b"x" * most, time.monotonic() + 60.0)
+    connection: Any = Answering("x" * (1 << 16), is_endless=True)
+    with pytest.raises(Refused, match="it writes without end: xxx"):
+        far_program.ask(connection, ["python3"], timeout_s=60.0)
+    connection = Answering("x", is_endless=True)
+    with pytest.raises(Refused, match="it writes without end: xxx"):
+        far_program.ask(connection, ["python3"], timeout_s=0.001)
 
 
 def test_the_first_line_of_a_relay_is_not_awaited_for_ever() -> None:
@@ -121,5 +137,17 @@ def test_a_tunnel_from_which_the_router_here_hangs_up_is_over(tmp_path: Any) -> 
     splicing.join(10.0)
 
 
-def test_a_host_is_as_it_was_given() -> None:
-    assert far_side.look(Answering(encode_text(GOOD))).far == GOOD  # type: ignore[arg-type]
+@pytest.mark.parametrize("noise", ["", "Welcome\n", "\x1b[1mWelcome, {you}", f"{MARK}no\n"])
+def test_a_host_is_as_it_says_whatever_its_shell_says(noise: str) -> None:
+    connection: Any = Answering(f"{noise}{MARK}{encode_text(GOOD)}\nBye\n")
+    assert far_side.look(connection) == GOOD
+
+
+def test_a_relay_is_heard_behind_what_the_shell_says() -> None:
+    said = iter(b"Welcome\nhow do you do? " + f"{READY}\n\0binary".encode())
+    channel = SimpleNamespace(
+        settimeout=lambda _s: None, recv=lambda most: bytes(itertools.islice(said, most))
+    )
+    connection: Any = SimpleNamespace(host=HOST, open=lambda _command: channel)
+    opened: Any = link_process.open_relay(connection, HOST)
+    assert opened.recv(99) == b"\0binary"

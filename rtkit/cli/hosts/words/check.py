@@ -71,7 +71,7 @@ def _looks(app: App, hosts: list[Host]) -> Iterator[tuple[Host, Found | RtkitErr
     def one(host: Host) -> Found | RtkitError:
         try:
             with connect(host, app.timeout_s) as connection:
-                return look(connection).far, compare(connection)
+                return look(connection), compare(connection)
         except RtkitError as error:
             return error
 

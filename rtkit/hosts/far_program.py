@@ -1,0 +1,87 @@
+"""Runs programs on another host, whose answers are a line behind a mark."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Sequence
+from contextlib import suppress
+from typing import TYPE_CHECKING
+
+from rtkit.errors import Refused, Unreachable
+
+if TYPE_CHECKING:
+    from rtkit.hosts.connection import HostConnection
+
+MARK = "rtkit-answer: "
+"""Begins the answer of a program there: the shell of the user may write lines of its own."""
+_MOST = 1 << 20
+"""How much a program there may write [bytes]."""
+_TIMES = 10
+"""How many times the time for one piece all of it may take."""
+LineReader = Callable[[str], object]
+"""Takes a line that a program there writes before its answer."""
+
+
+def ask(
+    connection: HostConnection,
+    command: Sequence[str],
+    data: bytes = b"",
+    *,
+    timeout_s: float,
+    on_line: LineReader = len,
+) -> str:
+    """Run a program there; return its answer, which a mark sets apart from what the shell writes.
+
+    Raises:
+        Refused: There is none; the text is the end of what it writes, without the host's name.
+        Unreachable: The connection ended, or nothing came for `timeout_s` [s].
+    """
+    name, deadline = connection.host.name, time.monotonic() + _TIMES * timeout_s
+    channel = connection.open(command)
+    try:
+        channel.settimeout(timeout_s)
+        channel.set_combine_stderr(True)
+        with suppress(OSError):  # then what it writes tells why it wanted no more
+            channel.sendall(data)
+            channel.shutdown_write()
+        text, seen = b"", 0
+        while (found := answer_in(text)) is None and (chunk := channel.recv(1 << 16)):
+            text += chunk
+            *lines, _ = text[seen:].split(b"\n")
+            for line in lines:
+                seen += len(line) + 1
+                on_line(line.decode("utf-8", "replace").strip())
+            if len(text) > _MOST or time.monotonic() > deadline:
+                raise Refused(f"it writes without end: {_shown(text[:200])}")
+        if found is None:
+            channel.status_event.wait(timeout_s)
+            # A link that breaks ends the text, too: only a program that ended has a status.
+            if channel.exit_status < 0:
+                connection.ping()
+            raise Refused(_shown(text) or f"exit status {channel.exit_status}")
+        return found
+    except TimeoutError as error:
+        raise Unreachable(f"{name}: nothing from {command[0]} in {timeout_s:g} s") from error
+    finally:
+        channel.close()
+
+
+def answer_in(text: bytes) -> str | None:
+    """Return the answer behind the last mark, None while its line has not ended."""
+    _, mark, answer = text.rpartition(MARK.encode())
+    line, end, _ = answer.partition(b"\n")
+    return line.decode("utf-8", "replace") if mark and end else None
+
+
+def _shown(text: bytes) -> str:
+    """Return the end of what a program writes, on one line."""
+    lines = [each for each in text.decode("utf-8", "replace").splitlines() if each.strip()]
+    own = [each for each in lines if not each.startswith(("installing ", "waiting "))]
+    return " ".join(" ".join(own[-3:]).split())[-300:]
+
+
+def text_of(name: str) -> bytes:
+    """Return the text of a program that runs at the far side."""
+    from importlib.resources import files
+
+    return files("rtkit.hosts").joinpath(name).read_bytes()

@@ -1,0 +1,207 @@
+"""rtkit made on another host: broken off anywhere, with little room, with strangers for Python."""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+import signal
+import socket
+import threading
+from collections.abc import Iterator
+from contextlib import suppress
+from pathlib import Path
+
+import farkit
+import pytest
+from farkit import FarHost, far_hosts
+from forked import Commands
+from shells import ROOT, Shell, opened_shell
+
+from rtkit.errors import RtkitError, Unreachable
+from rtkit.hosts import clock, far_program, far_side, link_process, provisioned
+from rtkit.hosts.connection import HostConnection, connect
+from rtkit.hosts.host import Host
+from rtkit.hosts.provisioned import Provisioned
+
+pytestmark = pytest.mark.skipif(bool(farkit.missing()), reason=farkit.missing())
+_BASE = "/root/.local/share/rtkit"
+
+
+class _Cut:
+    """A port here that leads to a host's sshd; it ends each connection after so many bytes."""
+
+    def __init__(self, host: FarHost) -> None:
+        self._to = (host.address, 22)
+        self.after = 0
+        self._opened: list[socket.socket] = []
+        self._socket = socket.create_server(("127.0.0.1", 0))
+        self.port = self._socket.getsockname()[1]
+        threading.Thread(target=self._serve, daemon=True).start()
+
+    def _serve(self) -> None:
+        with suppress(OSError):
+            while True:
+                near, _ = self._socket.accept()
+                far = socket.create_connection(self._to)
+                self._opened += [near, far]
+                for source, sink, most in ((near, far, self.after), (far, near, 1 << 40)):
+                    words = (source, sink, most)
+                    threading.Thread(target=self._pass, args=words, daemon=True).start()
+
+    @staticmethod
+    def _pass(source: socket.socket, sink: socket.socket, left: int) -> None:
+        with suppress(OSError):
+            while left > 0 and (data := source.recv(min(left, 1 << 16))):
+                sink.sendall(data)
+                left -= len(data)
+        for each in (source, sink):
+            with suppress(OSError):
+                each.shutdown(socket.SHUT_RDWR)
+
+    def close(self) -> None:
+        self._socket.shutdown(socket.SHUT_RDWR)
+        for each in (self._socket, *self._opened):
+            each.close()
+
+
+@pytest.fixture
+def far(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[FarHost]:
+    with far_hosts(tmp_path, "bare") as (host,):
+        home = tmp_path / "home"
+        _log_in(home, host)
+        monkeypatch.setenv("HOME", str(home))
+        monkeypatch.setenv("XDG_CACHE_HOME", str(ROOT / ".venv" / "cache"))
+        monkeypatch.delenv("SSH_AUTH_SOCK", raising=False)
+        yield host
+
+
+def _log_in(home: Path, host: FarHost) -> None:
+    (home / ".ssh").mkdir(parents=True, mode=0o700)
+    shutil.copy(host.key, home / ".ssh" / "id_ed25519")
+    key = " ".join((host.folder / "hostkey.pub").read_text().split()[:2])
+    places = (host.address, "[127.0.0.1]:*")
+    (home / ".ssh" / "known_hosts").write_text("".join(f"{each} {key}\n" for each in places))
+
+
+def _make(connection: HostConnection) -> Provisioned:
+    look = far_side.look(connection)
+    return provisioned.provision(connection, look, lambda _: None)
+
+
+def _versions(far: FarHost) -> tuple[str, list[str]]:
+    """Return the version in use, and those that are complete."""
+    current = far.run("sh", "-c", f"readlink {_BASE}/current || true").strip()
+    marks = far.run("sh", "-c", f"ls {_BASE}/versions/*/rtkit-complete 2>/dev/null || true")
+    return os.path.basename(current), [each.split("/")[-2] for each in marks.split()]
+
+
+def test_a_cut_connection_leaves_no_half_version_and_nothing_is_sent_twice(far: FarHost) -> None:
+    cut = _Cut(far)
+    known = Path(os.environ["HOME"], ".ssh", "known_hosts")
+    known.write_text(known.read_text().replace("*", str(cut.port)))
+    host = Host("bare", "127.0.0.1", "root", cut.port)
+    passed, steps = 0, [1_000, 4_000, 9_000, 200_000, *[15_000_000] * 5]
+    for after in steps:
+        cut.after = after
+        passed += after
+        try:
+            with connect(host, 10.0) as connection:
+                done = _make(connection)
+            break
+        except Unreachable:
+            assert _versions(far) == ("", [])
+    cut.close()
+    assert _versions(far) == (done.id, [done.id])
+    assert after == 15_000_000
+    assert passed <= 15_300_000 * 3
+    assert "rtls" in far.run(f"{_BASE}/current/bin/rtls", "--help")
+    with connect(Host("bare", far.address, "root"), 10.0) as connection:
+        assert _make(connection) == (done.id, False, 0)
+
+
+def test_a_shell_that_writes_lines_of_its_own_is_no_obstacle(far: FarHost) -> None:
+    far.run("sh", "-c", "echo 'printf \"\\033[1mWelcome, {you}\"; echo mind >&2' > /root/.bashrc")
+    with connect(Host("bare", far.address, "root"), 10.0) as connection:
+        made = _make(connection)
+        command = [*provisioned.python(connection), "-m", "rtkit.hosts.far_manager"]
+        text = far_program.ask(connection, [*command, "start", "manager"], timeout_s=20.0)
+        found = json.loads(text)
+        assert (found["host"], found["was_running"]) == ("bare", False)
+        link_process.open_relay(connection, connection.host).close()
+        assert abs(clock.compare(connection).offset_s) < 1.0
+        maps = far.run("sh", "-c", "cat /proc/[0-9]*/maps")
+        assert f"{_BASE}/versions/{made.id}/" in maps
+        assert far_program.ask(connection, [*command, "stop", "manager"], timeout_s=20.0)
+
+
+def test_old_versions_go_when_nothing_uses_them_but_for_the_last(far: FarHost) -> None:
+    far.run("mkdir", "-p", *(f"{_BASE}/versions/{each}/bin" for each in ("1", "2", "3")))
+    far.run("ln", "-s", "versions/2", f"{_BASE}/current")
+    far.run("cp", "/bin/sleep", f"{_BASE}/versions/3/bin/python")
+    far.run("sh", "-c", f"{_BASE}/versions/3/bin/python 60 > /dev/null 2>&1 &")
+    with connect(Host("bare", far.address, "root"), 10.0) as connection:
+        made = _make(connection)
+    assert set(far.run("ls", f"{_BASE}/versions").split()) == {"2", "3", made.id}
+
+
+def test_a_stranger_for_python_and_a_full_disk_are_told(
+    far: FarHost, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def refusal(python: str = "python3") -> str:
+        host = Host("bare", far.address, "root", python=python)
+        with connect(host, 10.0) as connection, pytest.raises(RtkitError) as told:
+            _make(connection)
+        return str(told.value)
+
+    for name, text in {
+        "endless": "exec yes",
+        "liar": 'echo "$2{\\"python\\": [4]}"',
+        "broken": "printf '\\033[31mno such thing\\n' >&2; exit 3",
+    }.items():
+        far.run("sh", "-c", f"printf '%s\\n' '#!/bin/sh' \"$1\" > /root/{name}", "-", text)
+        far.run("chmod", "+x", f"/root/{name}")
+    assert "it writes without end" in refusal("/root/endless")
+    assert "says no sense" in refusal("/root/liar")
+    assert "no such thing" in refusal("/root/broken")
+    assert "No such file" in refusal("/root/none")
+    monkeypatch.setattr(far_side, "_ROOM", 0)
+    far.run("mount", "-o", "remount,size=20m", "/root")
+    assert "cannot write /root/.local" in refusal()
+    far.run("mount", "-o", "remount,size=60m", "/root")
+    assert "rtkit cannot be made there: No space left on device" in refusal()
+    assert _versions(far) == ("", [])
+    far.run("mount", "-o", "remount,size=600m", "/root")
+    far.run("mount", "-o", "remount,ro", "/root")
+    assert "nothing can be written" in refusal()
+
+
+def test_a_command_that_is_killed_at_any_step_is_typed_again(
+    commands: Commands, far: FarHost
+) -> None:
+    with opened_shell(commands) as shell:
+        _log_in(shell.folder / "home", far)
+        shell.environment |= {key: os.environ[key] for key in ("XDG_CACHE_HOME",)}
+        shell.environment["HOME"] = str(shell.folder / "home")
+        shell.environment.pop("SSH_AUTH_SOCK", None)
+        shell.ok(f"rthost add bare root@{far.address}")
+        shell.ok("rtmgr start")
+        _kill_at_each_step(shell, far)
+        shell.ok("rtmgr start --host bare")
+        assert shell.ok("rtls /bare").split() == ["manager.mgr/"]
+        shell.ok("rtmgr stop --host bare")
+        shell.ok("rtmgr stop")
+
+
+def _kill_at_each_step(shell: Shell, far: FarHost) -> None:
+    folder = shell.folder / "faults"
+    folder.mkdir(mode=0o700)
+    shell.environment["RTKIT_FAULT"] = str(folder)
+    for step in ("looked", "asked", "wheel", "sent", "used", "started"):
+        (folder / "orders").write_text(f"provision.{step} 1 kill\n")
+        (folder / "passed").unlink(missing_ok=True)
+        killed = shell.open("rtmgr start --host bare")
+        assert killed.wait(60.0) == -signal.SIGKILL, step
+        current, complete = _versions(far)
+        assert complete == ([current] if step in ("used", "started") else [])
+    del shell.environment["RTKIT_FAULT"]
