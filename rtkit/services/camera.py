@@ -8,16 +8,18 @@ from __future__ import annotations
 
 import os
 import threading
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Generator
+from contextlib import closing
+from queue import Empty, SimpleQueue
 from time import monotonic
 from typing import TYPE_CHECKING, Annotated, Any, Final, Self
 
 import rtkit
 from rtkit import init_of
-from rtkit.services.device import LOOK_S
+from rtkit.services.device import LOOK_S, SilenceLimit
 from rtkit.services.frames import ORIGIN, Frames
 from rtkit.services.images import decode, encode, opencv
-from rtkit.services.sensor import MIDDLE, Pose6, Sensor
+from rtkit.services.sensor import MIDDLE, Pose6, Sensor, limit_of_silence
 
 if TYPE_CHECKING:
     from rtkit.services.images import Picture
@@ -35,6 +37,8 @@ class Camera(Sensor):
         field: Angle from the left to the right of the picture [rad].
         location, base, frames: See `Sensor`.
         look: Returns a picture, an array of rows of red, green and blue, in place of a source.
+        silence: How long no picture may come from a source that is open before `status` calls it
+            silent [s]; 0: for ever.
     """
 
     type: Final[tuple[str, ...]] = ("camera", "sensor")  # type: ignore[misc]
@@ -48,6 +52,7 @@ class Camera(Sensor):
         base: str = "",
         frames: Frames | None = None,
         look: Callable[[], Any] | None = None,
+        silence: Annotated[float, rtkit.Unit("s")] = 3.0,
     ) -> None:
         super().__init__(location, base, frames)
         if not rate > 0:
@@ -56,6 +61,7 @@ class Camera(Sensor):
         self.source: Final[str] = str(source)
         self.field: Final[Annotated[float, rtkit.Unit("rad")]] = field
         self._look = look
+        self._silence_s = limit_of_silence(silence)
         self._lock = threading.Lock()
         self._picture: Picture | None = None
         self._encoded: dict[tuple[str, int], bytes] = {}
@@ -76,7 +82,7 @@ class Camera(Sensor):
                 self._looked_at = monotonic()
                 self._show(self._look()[:, :, ::-1])
             if self._picture is None:
-                raise rtkit.PropertyError("no-service", f"no picture yet: {self.status}")
+                raise rtkit.PropertyError("no-service", f"no picture: {self.status}")
             known = self._encoded.get((format, width))
             if known is None:
                 known = encode(self._picture, format, width)
@@ -98,22 +104,86 @@ class Camera(Sensor):
     def _run(self) -> None:
         while not self._ended.is_set():
             try:
-                for picture in _pictures(self.source):
-                    with self._lock:
-                        self._show(picture)
-                    if self.status != "ready":
-                        self._publish("status", "ready")
-                    if self._ended.wait(1 / self.rate):
-                        return
-                why = "no more pictures"
-            except (OSError, rtkit.PropertyError) as error:
-                why = getattr(error, "strerror", None) or str(error)
-            if self.status != (status := f"waiting: {self.source}: {why}"):
-                self._publish("status", status)
+                with closing(_Reader(self.source)) as reader:
+                    while not self._ended.is_set():
+                        self._show_next(reader)
+                        self._ended.wait(1 / self.rate)
+                return
+            except OSError as error:
+                why = error.strerror or str(error)
+                self._forget()
+            except rtkit.PropertyError as error:
+                why = str(error)
+            self._report(f"waiting: {self.source}: {why}")
             self._ended.wait(LOOK_S)
 
+    def _show_next(self, reader: _Reader) -> None:
+        """Show the next picture, however long it takes to come; none when the service ends."""
+        silence = SilenceLimit(self._silence_s)
+        reader.ask()
+        while not self._ended.is_set():
+            try:
+                picture = reader.answer(LOOK_S)
+            except Empty:
+                if (state := silence.state()) != "ready":
+                    self._forget()
+                    self._report(state)
+                continue
+            with self._lock:
+                self._show(picture)
+            self._report("ready")
+            return
 
-def _pictures(source: str) -> Iterator[Picture]:
+    def _forget(self) -> None:
+        """Have no picture: nobody sees by what is not there any more."""
+        with self._lock:
+            self._picture, self._encoded = None, {}
+
+    def _report(self, status: str) -> None:
+        if self.status != status:
+            self._publish("status", status)
+
+
+class _Reader:
+    """Reads pictures of a source one by one, on a thread that a silent one may hold for ever."""
+
+    def __init__(self, source: str) -> None:
+        self._asks: SimpleQueue[bool] = SimpleQueue()
+        self._answers: SimpleQueue[Picture | Exception] = SimpleQueue()
+        threading.Thread(target=self._run, args=(source,), daemon=True).start()
+
+    def ask(self) -> None:
+        """Have the next picture read."""
+        self._asks.put(True)
+
+    def answer(self, timeout_s: float) -> Picture:
+        """Return what was asked for; queue.Empty: it is not there yet.
+
+        Raises:
+            OSError: The source cannot be opened, or read.
+            PropertyError: It holds no picture, or no more of them.
+        """
+        answer = self._answers.get(timeout=timeout_s)
+        if isinstance(answer, Exception):
+            raise answer
+        return answer
+
+    def close(self) -> None:
+        """Read no more, as soon as what is being read has come."""
+        self._asks.put(False)
+
+    def _run(self, source: str) -> None:
+        with closing(_pictures(source)) as pictures:
+            while self._asks.get():
+                try:
+                    self._answers.put(next(pictures))
+                except StopIteration:
+                    self._answers.put(rtkit.PropertyError("no-service", "no more pictures"))
+                except Exception as error:  # whoever asked is told
+                    self._answers.put(error)
+
+
+def _pictures(source: str) -> Generator[Picture]:
     """Yield the pictures of a source; OSError, PropertyError: it cannot be opened, or read."""
     os.stat(source)
     is_folder = os.path.isdir(source)

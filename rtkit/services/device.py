@@ -9,10 +9,38 @@ import termios
 import threading
 import tty
 from collections.abc import Callable
+from time import gmtime, monotonic, strftime, time
 
 LOOK_S = 0.2
 """How often a device that is not there is looked for [s]."""
 _PIECE = 1 << 16
+
+
+class SilenceLimit:
+    """Limit of the silence of what should send without being asked.
+
+    Args:
+        limit_s: How long it may be silent [s]; 0: for ever.
+    """
+
+    def __init__(self, limit_s: float) -> None:
+        self._limit_s = limit_s
+        self.end()
+
+    def end(self) -> None:
+        """Take note that something was received now."""
+        self._received, self._since = monotonic(), time()
+
+    def left_s(self) -> float | None:
+        """Return how long it may still be silent [s]; None: for ever, or it is too long already."""
+        left_s = self._received + self._limit_s - monotonic()
+        return left_s if left_s > 0 else None
+
+    def state(self) -> str:
+        """Return ``ready``, or ``silent since TIME`` (UTC) where that is too long."""
+        if not self._limit_s or self.left_s():
+            return "ready"
+        return f"silent since {strftime('%Y-%m-%dT%H:%M:%SZ', gmtime(self._since))}"
 
 
 class Device:
@@ -20,12 +48,14 @@ class Device:
 
     Args:
         path: Of the device; a pipe or an ordinary file will do.
-        take: Is given the bytes that came; a ValueError that it raises tells that they make no
-            sense: the device is closed, and opened anew.
-        report: Is given the state: ``ready``, ``ended`` at the end of an ordinary file, or
-            ``waiting: why``; only when it is another one.
+        take: Is given the bytes that came; returns False where they are nothing that ends a
+            silence. A ValueError that it raises tells that they make no sense: the device is
+            closed, and opened anew.
+        report: Is given the state: ``ready``, ``ended`` at the end of an ordinary file,
+            ``waiting: why`` or ``silent since TIME``; only when it is another one.
         baud: Of a serial line; 0 leaves it as it is.
         opened: Is given the descriptor of the open device, before anything is read.
+        silence_s: How long the device may send nothing before it is called silent [s]; 0: for ever.
     """
 
     def __init__(
@@ -35,9 +65,11 @@ class Device:
         report: Callable[[str], object],
         baud: int = 0,
         opened: Callable[[int], object] = lambda descriptor: None,
+        silence_s: float = 0.0,
     ) -> None:
         self._path, self._take, self._report = path, take, report
         self._baud, self._opened = baud, opened
+        self._silence = SilenceLimit(silence_s)
         self._state = ""
         self._wake, self._stop = os.pipe()
         self._thread = threading.Thread(target=self._run, name=f"device {path}", daemon=True)
@@ -68,18 +100,22 @@ class Device:
             if os.isatty(descriptor):
                 _make_raw(descriptor, self._baud)
             self._opened(descriptor)
+            self._silence.end()
             while True:
                 try:
                     data = os.read(descriptor, _PIECE)
                 except BlockingIOError:
-                    self._report_once("ready")
-                    if self._wake in select.select([descriptor, self._wake], [], [])[0]:
+                    left_s = self._silence.left_s()  # before the state: then none is left out
+                    self._report_once(self._silence.state())
+                    if self._wake in select.select([descriptor, self._wake], [], [], left_s)[0]:
                         return 0.0
                     continue
                 if not data:
                     break
-                self._report_once("ready")
-                self._take(data)
+                self._report_once(self._silence.state())
+                if self._take(data) is not False:
+                    self._silence.end()
+                    self._report_once("ready")
             if stat.S_ISREG(os.fstat(descriptor).st_mode):
                 self._report_once("ended")
                 return None

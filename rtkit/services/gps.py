@@ -104,9 +104,11 @@ class Gps(DeviceSensor):
             first fix where it is empty.
         accuracy: Standard deviation at a dilution of precision of 1 [m].
         baud, location, base, frames: See `DeviceSensor`.
+        silence: How long no whole sentence may come before `status` calls it silent, and there is
+            no position any more [s]; 0: for ever.
 
     Attributes:
-        status: ``ready``, ``no fix``, or ``waiting: why``.
+        status: ``ready``, ``no fix``, ``silent since TIME``, or ``waiting: why``.
         data: The last sentence.
         position: Latitude, longitude, altitude [degrees, degrees, m]; empty without a fix.
         fix: ``none``, ``gps``, ``dgps``, ``rtk`` …
@@ -137,8 +139,9 @@ class Gps(DeviceSensor):
         location: Pose6 = MIDDLE,
         base: str = "",
         frames: Frames | None = None,
+        silence: Annotated[float, rtkit.Unit("s")] = 5.0,
     ) -> None:
-        super().__init__(device, baud, location, base, frames)
+        super().__init__(device, baud, location, base, frames, silence)
         self.origin: tuple[float, ...] = numbers("origin", origin, 0, 3)
         self.accuracy = accuracy
         self._nmea = NmeaReader()
@@ -146,14 +149,16 @@ class Gps(DeviceSensor):
     def _opened(self, descriptor: int) -> None:
         self._nmea = NmeaReader(self.refused)
 
-    def _take(self, data: bytes) -> None:
-        for sentence in self._nmea.feed(data):
+    def _take(self, data: bytes) -> bool:
+        sentences = self._nmea.feed(data)
+        for sentence in sentences:
             try:
                 self._read(sentence)
             except (ValueError, TypeError, AttributeError):
                 self._nmea.refused += 1  # its check sum is right, its numbers are none
         if self._nmea.refused != self.refused:
             self._publish("refused", self._nmea.refused)
+        return bool(sentences)
 
     def _read(self, sentence: Sentence) -> None:
         fields = sentence.fields

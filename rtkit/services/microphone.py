@@ -28,9 +28,11 @@ class Microphone(DeviceSensor):
         channels: Samples at a time; a WAV file tells its own.
         block: Length of a block [s].
         location, base, frames: See `Sensor`.
+        silence: How long no sample may come before `status` calls it silent [s]; 0: for ever.
+            What is quiet sends samples, too.
 
     Attributes:
-        data: The latest block.
+        data: The latest block; empty while there is none.
         channels: Samples at a time.
         format: Of a sample.
     """
@@ -50,8 +52,9 @@ class Microphone(DeviceSensor):
         location: Pose6 = MIDDLE,
         base: str = "",
         frames: Frames | None = None,
+        silence: Annotated[float, rtkit.Unit("s")] = 2.0,
     ) -> None:
-        super().__init__(device, 0, location, base, frames)
+        super().__init__(device, 0, location, base, frames, silence)
         if rate < 1 or channels < 1 or not 0.005 <= block <= 5:
             raise ValueError("a rate and channels are 1 or more, a block is 0.005 to 5 s")
         self.block: Final[Annotated[float, rtkit.Unit("s")]] = block

@@ -6,6 +6,7 @@ in the base that carries it. Other frames are those of `rtkit.services.frames`.
 
 from __future__ import annotations
 
+import math
 import threading
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable
@@ -58,7 +59,8 @@ class Sensor(Asking):
         frames: The frames of who has them at hand, in place of `base`.
 
     Attributes:
-        status: ``ready``, or ``waiting: why`` while a device or another service is away.
+        status: ``ready``, ``waiting: why`` while a device or another service is away, or ``silent
+            since TIME`` of one that is there and should send, but does not.
         unit: Of the numbers in `data`.
         rate: Readings in a second, 0 where they come when something happens [Hz].
         range: Least and greatest value of a reading.
@@ -144,6 +146,17 @@ def numbers(name: str, given: object, *counts: int) -> tuple[float, ...]:
     raise ValueError(f"{name} is {' or '.join(map(str, counts))} numbers in brackets, not {given}")
 
 
+def limit_of_silence(given: float) -> float:
+    """Return how long something may be silent [s], as it was configured.
+
+    Raises:
+        ValueError: It is no such time.
+    """
+    if not 0 <= given < math.inf:
+        raise ValueError(f"silence is 0 s (for ever) or more, not {given}")
+    return given
+
+
 class DeviceSensor(Sensor, ABC):
     """Base of sensors behind a device file, which comes and goes.
 
@@ -151,6 +164,7 @@ class DeviceSensor(Sensor, ABC):
         device: Path of the device; a pipe or an ordinary file will do.
         baud: Speed of a serial line [baud]; 0 leaves it as it is.
         location, base, frames: See `Sensor`.
+        silence: How long it may send nothing before `status` calls it silent [s]; 0: for ever.
     """
 
     def __init__(
@@ -160,15 +174,19 @@ class DeviceSensor(Sensor, ABC):
         location: Pose6 = MIDDLE,
         base: str = "",
         frames: Frames | None = None,
+        silence: float = 0.0,
     ) -> None:
         super().__init__(location, base, frames)
+        self._silence_s = limit_of_silence(silence)
         self.device: Final[str] = str(device)
         self._publish("status", f"waiting: {device}: not opened")
         self._baud = baud
         self._reader: Device | None = None
 
     def __enter__(self) -> Self:
-        self._reader = Device(self.device, self._take, self._changed, self._baud, self._opened)
+        self._reader = Device(
+            self.device, self._take, self._changed, self._baud, self._opened, self._silence_s
+        )
         return self
 
     def __exit__(self, *raised: object) -> None:
@@ -178,7 +196,7 @@ class DeviceSensor(Sensor, ABC):
         super().__exit__(*raised)
 
     def _changed(self, state: str) -> None:
-        if state.startswith("waiting"):
+        if state.startswith(("waiting", "silent")):
             self._rest()
         self._publish("status", state)
 
@@ -186,11 +204,11 @@ class DeviceSensor(Sensor, ABC):
         """Look at the device that was opened."""
 
     @abstractmethod
-    def _take(self, data: bytes) -> None:
-        """Take what came; ValueError: it makes no sense."""
+    def _take(self, data: bytes) -> bool | None:
+        """Take what came; ValueError: it makes no sense; False: it is nothing worth the name."""
 
     def _rest(self) -> None:
-        """Put what is read to rest: the device has gone, and nobody holds it any more."""
+        """Put what is read to rest: the device has gone or is silent, nobody holds it any more."""
 
 
 class PropertySensor(Sensor):

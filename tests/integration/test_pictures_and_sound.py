@@ -10,6 +10,7 @@ import threading
 import wave
 from collections.abc import Iterator
 from pathlib import Path
+from queue import SimpleQueue
 
 import numpy as np
 import pictures
@@ -54,7 +55,7 @@ def test_a_camera_shows_a_folder_and_waits_while_it_is_away(
     camera = Camera(f"{place}/shots", rate=50)
     with serve(camera, "camera", is_on_zenoh=False):
         until(lambda: "No such file" in client.get("camera.status"), "it waits")
-        with pytest.raises(rtkit.PropertyError, match="no picture yet") as refused:
+        with pytest.raises(rtkit.PropertyError, match="no picture: waiting") as refused:
             client.get("camera.image")
         assert refused.value.code == "no-service"
         os.mkdir(f"{place}/new")
@@ -91,6 +92,33 @@ def test_a_video_is_shown(client: rtkit.Client, place: str) -> None:
         assert size_of(client.get("camera.image")) == (640, 480)
 
 
+def test_a_camera_that_falls_silent_has_no_picture_until_one_comes(
+    client: rtkit.Client, place: str
+) -> None:
+    import cv2
+
+    film = cv2.VideoWriter(f"{place}/film.avi", cv2.VideoWriter.fourcc(*"MJPG"), 25, (64, 48))
+    for each in range(200):
+        film.write(np.full((48, 64, 3), each, np.uint8))
+    film.release()
+    recorded = Path(f"{place}/film.avi").read_bytes()
+    half = len(recorded) // 2
+    os.mkfifo(f"{place}/live.avi")
+    camera = Camera(f"{place}/live.avi", rate=1000, silence=0.25)
+    served = serve(camera, "camera", is_on_zenoh=False)
+    with open(f"{place}/live.avi", "wb", buffering=0) as pipe, served:  # which ends first
+        pipe.write(recorded[:half])
+        until(lambda: client.get("camera.status").startswith("silent since 2"), "it says so")
+        with pytest.raises(rtkit.PropertyError, match="no picture: silent since") as refused:
+            client.get("camera.image")
+        assert refused.value.code == "no-service"
+        with client.listen("camera.status", (heard := SimpleQueue()).put):
+            assert heard.get(timeout=BOUND_S).value.startswith("silent")
+            pipe.write(recorded[half : half + 2000])
+            assert heard.get(timeout=BOUND_S).value == "ready"
+            assert heard.get(timeout=BOUND_S).value.startswith("silent")
+
+
 def test_a_simulated_camera_looks_when_it_is_asked(client: rtkit.Client) -> None:
     looks = []
 
@@ -120,6 +148,7 @@ def test_vision_processes_the_pictures_of_another_service(client: rtkit.Client) 
             client.get("vision.markers")
         assert refused.value.code == "no-service"
         with serve(eye, "robots/r1/eye", is_on_zenoh=False):
+            until(lambda: _code(client, "vision.markers") == "", "the failure is old enough")
             assert at(client) == pytest.approx(100, abs=1)
             eye.image = picture(400)
             until(lambda: abs(at(client) - 400) < 1, "it follows")

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import math
 import os
 import pty
+import re
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack
 from pathlib import Path
@@ -12,9 +14,12 @@ import pytest
 from waiting import until
 
 from rtkit.property.messages import PropertyEvent
+from rtkit.services.camera import Camera
+from rtkit.services.device import SilenceLimit
 from rtkit.services.gps import Gps
 from rtkit.services.input_events import EVENT
 from rtkit.services.joystick import Joystick, Pointer
+from rtkit.services.microphone import Microphone
 from rtkit.services.sensor import PropertySensor, Sensor
 from rtkit.wires.line.client import LineClient, connect_unix
 from rtkit.wires.serve import serve
@@ -131,6 +136,75 @@ def test_a_sensor_is_closed_while_its_device_says_nothing(serving: Serve, place:
     with sensor:  # and may be opened again
         until(lambda: sensor.status == "ready", "it is open")
     os.close(keeps)
+
+
+SILENCE_S = 0.25
+
+
+def test_a_gps_that_falls_silent_says_since_when_and_has_no_position(
+    serving: Serve, place: str
+) -> None:
+    """What is no sentence ends no silence; a sentence without a place ends it, too."""
+    master, slave = pty.openpty()
+    client = serving(Gps(os.ttyname(slave), silence=SILENCE_S))
+    until(lambda: status(client) == "no fix", "it is open")
+    os.write(master, GGA)
+    until(lambda: status(client) == "ready", "it has a place")
+    client.listen("status")
+    assert str(heard(client).payload) == '"ready"'
+    for ends, then in ((GGA, ["ready"]), (b"$GPGSV,0,0,00*79\r\n", ["no fix"]), (b"", [])):
+        since = str(heard(client).payload).strip('"')
+        assert re.fullmatch(r"silent since \d{4}-\d\d-\d\dT\d\d:\d\d:\d\dZ", since)
+        assert client.ask("position").value() == "()"
+        assert text(client, "fix") == "none"
+        refused = int(str(client.ask("refused").value()))
+        os.write(master, b"rubbish\r\n")
+        until(lambda: client.ask("refused").value() == f"{refused + 1}", "it is read")  # noqa: B023
+        assert status(client) == since
+        os.write(master, ends)
+        while then and then[-1:] != [(event := str(heard(client).payload).strip('"'))]:
+            assert event == "no fix", "it is there again, and its place not yet known"
+    os.close(master)
+    os.close(slave)
+
+
+def test_rubbish_for_ever_is_a_silence_too(serving: Serve, place: str) -> None:
+    os.mkfifo(f"{place}/gps")
+    client = serving(Gps(f"{place}/gps", silence=SILENCE_S))
+    with open(f"{place}/gps", "wb", buffering=0) as pipe:
+        pipe.write(GGA)
+        until(lambda: status(client) == "ready", "it has a place")
+        until(lambda: pipe.write(b"x\n" * 50) and "silent" in status(client), "it says so")
+
+
+def test_a_microphone_that_falls_silent_says_so_until_it_is_heard(
+    serving: Serve, place: str
+) -> None:
+    os.mkfifo(f"{place}/sound")
+    client = serving(Microphone(f"{place}/sound", rate=100, block=0.1, silence=SILENCE_S))
+    with open(f"{place}/sound", "wb", buffering=0) as pipe:
+        for _ in range(2):
+            pipe.write(b"ab" * 10)
+            until(lambda: client.ask("data").value() == "ab" * 10, "it is heard")
+            assert status(client) == "ready"
+            until(lambda: status(client).startswith("silent since 2"), "it says so")
+            assert client.ask("data").value() == ""
+            assert client.ask("level").value() == "0.0"
+
+
+def test_a_joystick_that_nobody_moves_is_ready(serving: Serve, place: str) -> None:
+    silence = SilenceLimit(0)
+    assert (silence.left_s(), silence.state()) == (None, "ready")
+    os.mkfifo(f"{place}/event7")
+    assert Joystick(f"{place}/event7")._silence_s == 0
+    assert Pointer(f"{place}/event7")._silence_s == 0
+
+
+@pytest.mark.parametrize("wrong", [-1, math.inf, math.nan])
+def test_a_silence_is_a_time(wrong: float) -> None:
+    for kind in (Gps, Microphone, Camera):
+        with pytest.raises(ValueError, match="silence is 0 s"):
+            kind("/nowhere", silence=wrong)
 
 
 def test_a_wrong_speed_of_a_line_is_told(serving: Serve, place: str) -> None:
