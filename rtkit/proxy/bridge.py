@@ -63,6 +63,7 @@ def bridge(
     timeout_s: float = 5.0,
     on_status: Callable[[str], None] = lambda why: None,
     on_refusal: Callable[[str, str, str], object] | None = None,
+    is_insecure: bool = False,
 ) -> Bridge:
     """Open an endpoint for the properties of another service.
 
@@ -75,6 +76,7 @@ def bridge(
         timeout_s: Bound on each attempt to connect [s].
         on_status: Called, on the loop, with why when the owner goes, with nothing when it is back.
         on_refusal: Hears of each request that was denied: who, method, target.
+        is_insecure: Other hosts may be talked with without TLS, which ``rtls -l`` then shows.
 
     Raises:
         RtkitError: An address is none; the owner cannot be reached, or is this proxy itself; the
@@ -82,7 +84,7 @@ def bridge(
     """
     host = PropertyEventLoop()
     # What may be set has been decided here: endpoints let anybody set what passes.
-    settings = WireSettings(host, timeout_s, settable=("*",))
+    settings = WireSettings(host, timeout_s, settable=("*",), is_insecure=is_insecure)
     status = _OwnerStatus(on_status)
     try:
         names = _names(prefix)

@@ -87,7 +87,7 @@ class Acceptor(IOHandler):
 
 
 def bound_to(port: int, address: str = LOOPBACK) -> socket.socket:
-    """Return a socket at a port of this host, 0 for any; beyond loopback only for TLS.
+    """Return a socket at a port, 0 for any; `rtkit.keys.reach` says at which addresses.
 
     Raises:
         Unreachable: The port is taken.

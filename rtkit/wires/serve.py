@@ -89,6 +89,7 @@ def serve(
     rules: str | AccessPolicy = "",
     notify: Iterable[str] = (),
     is_on_zenoh: bool = True,
+    is_insecure: bool = False,
     **endpoints: int | str | None,
 ) -> ServedObject:
     """Serve an object: its attributes are properties, its methods actions; its class stays as is.
@@ -116,12 +117,13 @@ def serve(
             (``tcp:HOST:PORT/SERVICE/NAME``), to which events may be SET
             (``SET P.listen SERVICE/NAME``); none may, unless told.
         is_on_zenoh: Also answer zenoh queries, through the manager where one runs.
+        is_insecure: Other hosts may reach endpoints without TLS, too, which ``rtls -l`` then shows.
         endpoints: Further endpoints to open, None for none. ``port=`` is a TCP port of the host, 0
             for any, to clients that know the user's secret; ``http=`` and ``ice=`` likewise;
             ``serial=`` is a device, ``DEVICE[?baud=N&check=auto|1|0]``, opened when it is there.
 
     Raises:
-        Refused: A service of that name runs.
+        Refused: A service of that name runs; a port would be open to others without TLS.
         Malformed: It is no name, no port or no serial line; a rule cannot be read.
         Unreachable: A port is taken.
         TypeError: There is no endpoint of that name.
@@ -141,7 +143,7 @@ def serve(
     entered = ExitStack()
     try:
         socket = open_unix(host, service.name)
-        settings = WireSettings(host, settable=tuple(settable))
+        settings = WireSettings(host, settable=tuple(settable), is_insecure=is_insecure)
         addresses = {wire.scheme: wire.open(value, service, settings) for wire, value in asked}
         if is_on_zenoh:
             from rtkit.wires.zenoh.endpoint import open_zenoh

@@ -11,7 +11,7 @@ from collections.abc import Callable, Sequence
 from importlib import import_module
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from rtkit.errors import Malformed, Refused
+from rtkit.errors import Malformed
 
 if TYPE_CHECKING:
     from rtkit.serving.event_loop import PropertyEventLoop
@@ -19,9 +19,9 @@ if TYPE_CHECKING:
     from rtkit.wires.property_client import PropertyClient
     from rtkit.wires.provider_connection import ConnectionMaker
 
+LOOPBACK = "127.0.0.1"
 SERVICES = "door/services"
 """Target that lists the services behind an endpoint."""
-HERE = ("", "localhost", "127.0.0.1")
 
 
 class WireSettings(NamedTuple):
@@ -31,11 +31,13 @@ class WireSettings(NamedTuple):
         host: Event loop of the process.
         timeout_s: Bound on each attempt to connect [s].
         settable: Patterns of names that clients may set over wires that do not tell who they are.
+        is_insecure: Whether endpoints without TLS may be reached from other hosts.
     """
 
     host: PropertyEventLoop
     timeout_s: float = 5.0
     settable: Sequence[str] = ()
+    is_insecure: bool = False
 
 
 class ProviderAddress(NamedTuple):
@@ -113,33 +115,35 @@ def host_and_port(address: str) -> tuple[str, int]:
     return host or "localhost", int(port)
 
 
-def port_here(scheme: str, address: str) -> int:
-    """Return the port to open on this host.
-
-    Raises:
-        Malformed: It is no port.
-        Refused: It is one of another host.
-    """
-    host, port = host_and_port(address)
-    if host not in HERE:
-        raise Refused(f"endpoints are opened on this host only: {scheme}:{address}")
-    return port
-
-
-def public_place(address: str) -> tuple[str, int]:
-    """Return address and port to open to other hosts as well, that of loopback unless told.
+def place_to_open(scheme: str, address: str, settings: WireSettings) -> tuple[str, int]:
+    """Return address and port to open, that of loopback unless told.
 
     Raises:
         Malformed: It is neither PORT nor ADDRESS:PORT with a numeric address.
+        Refused: Other hosts would reach it, and it is not for them.
     """
     from ipaddress import ip_address
 
+    from rtkit.keys import reach
+
     host, port = host_and_port(address)
-    bare = "127.0.0.1" if host in HERE else host.strip("[]")
+    reach.check(scheme, host, is_insecure=settings.is_insecure)
+    bare = LOOPBACK if host in reach.HERE else host.strip("[]")
     try:
         return str(ip_address(bare)), port
     except ValueError:
         raise Malformed(f"not a numeric ADDRESS:PORT (0.0.0.0 is all of IPv4): {address}") from None
+
+
+def opened(address: str, scheme: str, place: str, settings: WireSettings) -> str:
+    """Return the address of an endpoint that was opened at a place, noted if it is insecure."""
+    from rtkit.keys import reach
+
+    if scheme not in reach.BEHIND_TLS and not reach.is_here(place):
+        from rtkit.link import insecure
+
+        settings.host.at_end(insecure.note(address))
+    return address
 
 
 def shown_host(address: str) -> str:

@@ -439,7 +439,7 @@ def test_a_proxy_has_its_own_rights(place: str, served: ServedObject) -> None:
     ) as endpoint:  # fmt: skip
         assert endpoint.ask("count", "3").error == ""
         assert endpoint.ask("speed", "0").error == "denied"
-    with pytest.raises(Refused, match="on this host only: ice:0"):
+    with pytest.raises(Refused, match="on this host only, not"):
         bridge(source, "ice:0.0.0.0:0")
     with pytest.raises(Unreachable, match=f"listen on port {served.ice}: Address already in use"):
         bridge(source, f"ice:{served.ice}")

@@ -5,7 +5,7 @@ from __future__ import annotations
 from rtkit.cli.shared import terminal
 from rtkit.cli.shared.app import App, working_directory
 from rtkit.cli.shared.command import command
-from rtkit.cli.shared.options import argument, option, several
+from rtkit.cli.shared.options import argument, insecure_flag, option, several
 
 
 @command(
@@ -32,6 +32,7 @@ def main(
     allow_set: tuple[str, ...] = several(
         "--allow-set GLOB", "Names that may be set, actions that may be started (repeatable)."
     ),
+    is_insecure: bool = insecure_flag(),
     source: str = argument("FROM"),
     target: str = argument("TO"),
 ) -> None:
@@ -66,6 +67,7 @@ def main(
             timeout_s=app.timeout_s,
             on_status=report,
             on_refusal=Refusals(),
+            is_insecure=is_insecure,
         ) as opened,
     ):
         terminal.write_now([opened.address])

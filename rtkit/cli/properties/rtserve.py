@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 import click
@@ -9,7 +10,8 @@ import click
 from rtkit.cli.shared import terminal
 from rtkit.cli.shared.app import App
 from rtkit.cli.shared.command import command
-from rtkit.cli.shared.options import argument, option, several, together
+from rtkit.cli.shared.options import argument, insecure_flag, option, several, together
+from rtkit.errors import Refused
 from rtkit.wires.table import PORT, PUBLIC, WIRES
 
 if TYPE_CHECKING:
@@ -19,30 +21,25 @@ _MOST_KEPT = 100_000
 _OPTIONS = [wire.option for wire in WIRES.values() if wire.option]
 
 
-def _port(context: click.Context, parameter: click.Parameter, value: str | None) -> int | None:
-    if value is None:
-        return None
-    from rtkit.wires.wire import HERE
-
-    name, _, port = value.rpartition(":")
+def _place(context: click.Context, parameter: click.Parameter, value: str | None) -> str | None:
+    _, _, port = (value or "0").rpartition(":")
     if not (port.isascii() and port.isdigit() and int(port) <= 65535):
-        raise click.BadParameter(f"not [HOST:]PORT: {value}")
-    if name not in HERE:
-        hint = "nothing would be encrypted (--tls serves other hosts)"
-        raise click.BadParameter(f"this host only, not {name}: {hint}")
-    return int(port)
-
-
-def _public(context: click.Context, parameter: click.Parameter, value: str | None) -> str | None:
-    if value is not None:
-        from rtkit.errors import Malformed
-        from rtkit.wires.wire import public_place
-
-        try:
-            public_place(value)
-        except Malformed as error:
-            raise click.BadParameter(str(error)) from None
+        raise click.BadParameter(f"not {parameter.metavar}: {value}")
     return value
+
+
+def _check_reach(endpoints: Mapping[str, str | None], *, is_insecure: bool) -> None:
+    """Refuse what other hosts would reach and are not to."""
+    from rtkit.keys import reach
+
+    for scheme, wire in WIRES.items():
+        value = endpoints.get(wire.option.name) if wire.option else None
+        if wire.option is None or value is None or wire.option.metavar not in (PORT, PUBLIC):
+            continue
+        try:
+            reach.check(scheme, value.rpartition(":")[0], is_insecure=is_insecure)
+        except Refused as error:
+            raise click.BadParameter(str(error), param_hint=f"'--{wire.option.name}'") from None
 
 
 def _kept(
@@ -71,7 +68,7 @@ _ENDPOINTS = {
     each.name.replace("-", "_"): option(
         f"--{each.name} {each.metavar}",
         each.help,
-        callback={PORT: _port, PUBLIC: _public}.get(each.metavar),
+        callback=_place if each.metavar in (PORT, PUBLIC) else None,
     )
     for each in _OPTIONS
 }
@@ -106,7 +103,8 @@ def main(
         "Keep the last N values of these for .history (repeatable).",
         callback=_kept,
     ),
-    endpoints: dict[str, int | str | None] = together(dict, _ENDPOINTS),
+    endpoints: dict[str, str | None] = together(dict, _ENDPOINTS),
+    is_insecure: bool = insecure_flag(),
     settable: tuple[str, ...] = several(
         "--allow-set GLOB", "Names that may be set over the serial line (repeatable)."
     ),
@@ -141,11 +139,12 @@ def main(
     unknowing = [each.name for each in _OPTIONS if not each.knows_clients]
     if settable and all(endpoints[each] is None for each in unknowing):
         raise click.UsageError(f"--allow-set goes with --{' or --'.join(unknowing)}")
+    _check_reach(endpoints, is_insecure=is_insecure)
     policy = _policy(files, lines)
     thing_made = made(thing, arguments)
     with ended_by_sigterm() as ended, serve(
         thing_made, name, settable=settable, hide=hide, history=history, rules=policy,
-        notify=notify, is_on_zenoh=True, **endpoints,
+        notify=notify, is_on_zenoh=True, is_insecure=is_insecure, **endpoints,
     ) as served:  # fmt: skip
         # What --at takes without a scheme is printed without one.
         opened = [each.removeprefix(TCP_CLIENTS.prefix) for each in served.addresses.values()]

@@ -168,6 +168,11 @@ POSITIVE = NumberChoice(min=0.0, min_open=True)
 COUNT = click.IntRange(min=1)
 
 
+def insecure_flag() -> Any:
+    """Return ``--insecure``."""
+    return flag("--insecure", "Talk with other hosts without TLS, too; every rtls -l shows it.")
+
+
 def lasting(text: str = "Stop after this time.", long: str = "--timeout") -> Any:
     """Return ``-t``: a time above zero [s], None if it was not given."""
     return option(f"-t {long} SECONDS", text, POSITIVE)

@@ -59,6 +59,7 @@ def main(
     has a * before its name. With -l each line tells the state, then ports and how many of them
     are connected (all, in, out, service), then the name and in brackets what else to know.
     Of a served object (rtserve): its properties; with -l type, access, unit, quality, name, value.
+    What talks with other hosts without TLS (--insecure) is told on standard error by each -l.
     Managers that do not answer, whose entries are missing, are told, and the status is 1 then.
     Watched, it is written again only when it has changed, on a terminal in place of what was.
     """
@@ -69,6 +70,8 @@ def main(
     gap = "" if is_json else "\n"
     service = service_at(paths[0] if paths else ".")
     if service is not None:
+        if is_long:
+            _show_insecure(app)
         listing = ServiceListing(app, service, is_long, recurse, is_json, is_single)
         if period_s is None:
             terminal.write(listing.look())
@@ -91,12 +94,22 @@ def main(
         kept = once(below) if unique else below
         return _blocks(node, ".", set(kept), show) if recurse and not is_json else show(kept)
 
+    if is_long:
+        _show_insecure(app)
     if period_s is None:
         root, node = look()
         terminal.write(lines(node))
         return app.report_silent(root, node.walk() if recurse else (), "listed")
     _watch(app, path, lambda: lines(look()[1]), WatchedScreen(period_s, gap))
     return 0
+
+
+def _show_insecure(app: App) -> None:
+    """Tell what of this user other hosts reach without TLS."""
+    from rtkit.link import insecure
+
+    for address in insecure.noted():
+        app.fail(f"insecure: {address} (rtserve and rtproxy --insecure: without TLS)")
 
 
 def _watch(app: App, path: Path, look: Callable[[], Iterable[str]], sight: WatchedScreen) -> None:

@@ -5,13 +5,15 @@ from __future__ import annotations
 import socket
 
 from rtkit.errors import Refused
+from rtkit.keys import reach
 from rtkit.link import secret
+from rtkit.link.places import host_name
 from rtkit.property.access import EndpointLimits
 from rtkit.serving.acceptor import Acceptor, bound_to
 from rtkit.serving.event_loop import PropertyEventLoop
 from rtkit.serving.provider import PropertyProvider
 from rtkit.serving.socket_client import SocketClient
-from rtkit.wires.wire import WireSettings, port_here
+from rtkit.wires.wire import WireSettings, opened, place_to_open, shown_host
 
 # A browser opens several connections a page, and polls: fewer and slower than other clients.
 _LIMITS = EndpointLimits(connections=128, door_listeners=4096, rate=2000)
@@ -26,12 +28,18 @@ class HttpEndpoint(Acceptor):
 
         self._connection = HttpConnection
         self._guard = Guard(secret.read())
+        self._is_public = not reach.is_here(str(end.getsockname()[0]))
         super().__init__(host, end, "http", _LIMITS)
 
     def admit(self, client: socket.socket) -> SocketClient:
         """See `Acceptor.enter`."""
         client.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
-        return self._connection(self._host, client, self._guard, self._quota)
+        from rtkit.wires.http.guard import HERE
+
+        names = HERE
+        if self._is_public:
+            names |= {host_name().lower(), str(client.getsockname()[0])}
+        return self._connection(self._host, client, self._guard, self._quota, names)
 
     def reject(self, why: str) -> bytes:
         """See `Acceptor.reject`."""
@@ -47,12 +55,13 @@ def open_http(address: str, provider: PropertyProvider, settings: WireSettings) 
         Refused: The package h11 is not there, or the secret cannot be made.
         Unreachable: The port is taken.
     """
-    port = port_here("http", address)
+    place, port = place_to_open("http", address, settings)
     try:
         import h11  # noqa: F401
     except ImportError:
         raise Refused("HTTP needs the package h11: pip install 'rtkit[http]'") from None
     secret.make()
-    end = bound_to(port)
+    end = bound_to(port, place)
     HttpEndpoint(settings.host, end)
-    return f"http://localhost:{end.getsockname()[1]}/ps/{provider.name}"
+    where = f"http://{shown_host(place)}:{end.getsockname()[1]}/ps/{provider.name}"
+    return opened(where, "http", place, settings)

@@ -10,7 +10,7 @@ from __future__ import annotations
 import hmac
 import os
 import re
-from collections.abc import Mapping
+from collections.abc import Container, Mapping
 from typing import NamedTuple
 
 from rtkit.link.secret import Secret
@@ -21,7 +21,9 @@ _NONCE_S = 300.0
 _MOST_USES = 1 << 16
 _MOST_NONCES = 1 << 16
 _COUNT = re.compile(r"[0-9a-f]{8}")
-_HOST = re.compile(r"(localhost|127\.0\.0\.1)(:\d{1,5})?", re.IGNORECASE)
+_HOST = re.compile(r"(\[[0-9a-f:.]+\]|[a-z0-9.-]+)(:\d{1,5})?", re.IGNORECASE)
+HERE = frozenset({"localhost", "127.0.0.1"})
+"""Names of this host."""
 _OWN_SITES = frozenset({"same-origin", "none"})
 
 
@@ -37,13 +39,21 @@ class Verdict(NamedTuple):
     challenge: str = ""
 
 
-def stranger(headers: Mapping[str, str]) -> str:
-    """Return why a request is one of another site's page, empty if it is none."""
+def stranger(headers: Mapping[str, str], names: Container[str], scheme: str = "http") -> str:
+    """Return why a request is one of another site's page, empty if it is none.
+
+    Args:
+        headers: Of the request.
+        scheme: Of the endpoint.
+        names: Of this host, in lower case; of the scheme ``https``, whose browsers compare what
+            they asked with a certificate, any name does.
+    """
     host = headers.get("host", "")
-    if not _HOST.fullmatch(host):
+    named = _HOST.fullmatch(host)
+    if named is None or (scheme == "http" and named[1].strip("[]").lower() not in names):
         return f"this is not the host {host[:80]!r}"
     origin = headers.get("origin")
-    if origin is not None and origin.lower() != f"http://{host}".lower():
+    if origin is not None and origin.lower() != f"{scheme}://{host}".lower():
         return f"from another site: {origin[:80]!r}"
     if headers.get("sec-fetch-site", "none") not in _OWN_SITES:
         return "from a page of another site"

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import select
 import socket
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Container, Iterable
 from functools import partial
 from http import HTTPStatus
 from time import monotonic
@@ -28,7 +28,7 @@ from rtkit.serving.socket_client import SocketClient
 from rtkit.wires.http import request as http_request
 from rtkit.wires.http.client import DEADLINE
 from rtkit.wires.http.events import SseProgress, write_refused, write_sse
-from rtkit.wires.http.guard import Guard, stranger
+from rtkit.wires.http.guard import HERE, Guard, Verdict, stranger
 from rtkit.wires.http.pages import POLICY, framed, page
 from rtkit.wires.http.parts import PARTS, PartWriter, as_parts
 from rtkit.wires.http.request import EVENTS, METHODS, HttpRequest, Response, failure
@@ -67,13 +67,21 @@ class HttpConnection(SocketClient):
         is_stream: It gets events, and asks nothing any more.
     """
 
+    _scheme = "http"
+
     def __init__(
-        self, host: PropertyEventLoop, end: socket.socket, guard: Guard, quota: EndpointQuota
+        self,
+        host: PropertyEventLoop,
+        end: socket.socket,
+        guard: Guard,
+        quota: EndpointQuota,
+        names: Container[str] = HERE,
     ) -> None:
         super().__init__(host, end, quota)
         self.is_stream = False
         self._socket = end
         self._guard = guard
+        self._names = names
         self._http = h11.Connection(h11.SERVER, _LONGEST_HEAD)
         self._request: h11.Request | None = None
         self._refused: Response | None = None
@@ -217,11 +225,11 @@ class HttpConnection(SocketClient):
             return failure("syntax", "HTTP: a header that is there twice", HTTPStatus.BAD_REQUEST)
         if not request.target.startswith(b"/"):
             return failure("syntax", "HTTP: expected a path", HTTPStatus.BAD_REQUEST)
-        foreign = stranger(headers)
+        foreign = stranger(headers, self._names, self._scheme)
         if foreign:
             return failure("denied", foreign)
         uri = request.target.decode("ascii")
-        verdict = self._guard.check(method, uri, headers.get("authorization"), monotonic())
+        verdict = self._verdict(method, uri)
         self.identity = verdict.identity
         if not verdict.identity:
             text = "user and password are those of door.secret (Digest; rtkit help security)"
@@ -233,6 +241,10 @@ class HttpConnection(SocketClient):
         if method not in METHODS:
             return failure("read-only", f"no method {method[:20]}", HTTPStatus.METHOD_NOT_ALLOWED)
         return None
+
+    def _verdict(self, method: str, uri: str) -> Verdict:
+        """Return who sends the request that has begun."""
+        return self._guard.check(method, uri, self._headers.get("authorization"), monotonic())
 
     def _ask(self) -> None:
         """Put a request that is whole to its service."""

@@ -25,7 +25,7 @@ from rtkit.wires.ice import protocol
 from rtkit.wires.ice.served_client import IceRequest, ServedIceClient
 from rtkit.wires.ice.subscriber import STUCK_S
 from rtkit.wires.line.login import PATIENCE_S, Login
-from rtkit.wires.wire import WireSettings, port_here
+from rtkit.wires.wire import WireSettings, place_to_open
 
 _CHECK_S = 0.25
 _SETTINGS = {
@@ -202,7 +202,7 @@ def open_ice(address: str, provider: PropertyProvider, settings: WireSettings) -
         Refused: Ice is not there, or the secret cannot be made.
         Unreachable: The port is taken.
     """
-    port = port_here("ice", address)
+    _, port = place_to_open("ice", address, settings)
     protocol.runtime()
     secret.make()
     return f"ice://localhost:{IceEndpoint(settings.host, port).port}/{provider.name}"

@@ -10,7 +10,7 @@ import time
 
 from rtkit.errors import Refused
 from rtkit.link import places, secret, unix
-from rtkit.serving.acceptor import Acceptor, bound_to
+from rtkit.serving.acceptor import LOOPBACK, Acceptor, bound_to
 from rtkit.serving.event_loop import PropertyEventLoop
 from rtkit.wires.line.login import Login
 from rtkit.wires.line.server_connection import Connection, peer
@@ -93,15 +93,15 @@ def open_unix_at(host: PropertyEventLoop, service: str, path: str) -> str:
     return path
 
 
-def open_tcp(host: PropertyEventLoop, service: str, port: int) -> int:
-    """Open a port of this host, 0 for any, to those who know the user's secret; return it.
+def open_tcp(host: PropertyEventLoop, service: str, port: int, address: str = LOOPBACK) -> int:
+    """Open a port, 0 for any, to those who know the user's secret; return it.
 
     Raises:
         Unreachable: The port is taken.
         Refused: The secret cannot be made.
     """
     secret.make()
-    end = bound_to(port)
+    end = bound_to(port, address)
     LineEndpoint(host, end, service, "tcp", is_open_to_all=True)
     return int(end.getsockname()[1])
 

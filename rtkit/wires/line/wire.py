@@ -12,8 +12,8 @@ from rtkit.wires.wire import (
     Wire,
     WireSettings,
     host_and_port,
-    port_here,
-    public_place,
+    opened,
+    place_to_open,
     shown_host,
     split_behind,
 )
@@ -96,8 +96,9 @@ def _provider(
 def _open_tcp(address: str, provider: PropertyProvider, settings: WireSettings) -> str:
     from rtkit.wires.line.endpoint import open_tcp
 
-    port = open_tcp(settings.host, provider.name, port_here("tcp", address))
-    return f"tcp:localhost:{port}"
+    place, port = place_to_open("tcp", address, settings)
+    port = open_tcp(settings.host, provider.name, port, place)
+    return opened(f"tcp:{shown_host(place)}:{port}", "tcp", place, settings)
 
 
 def _endpoint(address: str) -> tuple[str, int]:
@@ -113,7 +114,7 @@ def _connect(address: str, timeout_s: float) -> PropertyClient:
 def _open_tcps(address: str, provider: PropertyProvider, settings: WireSettings) -> str:
     from rtkit.wires.line.secure import open_tcps
 
-    place, port = public_place(address)
+    place, port = place_to_open("tcps", address, settings)
     port = open_tcps(settings.host, provider.name, place, port)
     return f"tcps:{shown_host(place)}:{port}"
 

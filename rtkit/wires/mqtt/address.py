@@ -4,10 +4,9 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from rtkit.errors import Malformed, Refused
+from rtkit.errors import Malformed
 
 _PORT = 1883
-_HERE = ("localhost", "127.0.0.1")
 
 
 class MqttAddress(NamedTuple):
@@ -26,7 +25,7 @@ class MqttAddress(NamedTuple):
         return f"mqtt:{self.user}@{self.host}:{self.port}/{self.path}"
 
 
-def read_address(text: str) -> MqttAddress:
+def read_address(text: str, *, is_insecure: bool = False) -> MqttAddress:
     """Read ``USER@HOST[:PORT]/TOPIC``.
 
     Raises:
@@ -40,6 +39,7 @@ def read_address(text: str) -> MqttAddress:
     is_path = bool(path) and not any(c in "#+\0 " for c in path) and "//" not in f"/{path}/"
     if not (user and mark and host and is_port and is_path):
         raise Malformed(f"not mqtt:USER@HOST[:PORT]/TOPIC: mqtt:{text}")
-    if host not in _HERE:
-        raise Refused(f"brokers are asked on this host only: mqtt:{text}")
+    from rtkit.keys import reach
+
+    reach.check("mqtt", host, is_insecure=is_insecure)
     return MqttAddress(user, host, int(port or _PORT), path)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from rtkit.wires.wire import ProviderAddress, Wire, WireSettings
+from rtkit.wires.wire import ProviderAddress, Wire, WireSettings, opened
 
 if TYPE_CHECKING:
     from rtkit.serving.provider import PropertyProvider
@@ -15,7 +15,7 @@ def _provider(address: str, settings: WireSettings) -> ProviderAddress:
     from rtkit.wires.mqtt.address import read_address
     from rtkit.wires.mqtt.provider_connection import MqttConnection
 
-    place = read_address(address)
+    place = read_address(address, is_insecure=settings.is_insecure)
     return ProviderAddress(
         lambda: MqttConnection(settings.host, place, settings.timeout_s),
         segment_of(place.path.rpartition("/")[2]),
@@ -26,9 +26,9 @@ def _open(address: str, provider: PropertyProvider, settings: WireSettings) -> s
     from rtkit.wires.mqtt.address import read_address
     from rtkit.wires.mqtt.endpoint import MqttEndpoint
 
-    place = read_address(address)
+    place = read_address(address, is_insecure=settings.is_insecure)
     MqttEndpoint(settings.host, provider, place, settings.timeout_s)
-    return f"{place}/{provider.name}"
+    return opened(f"{place}/{provider.name}", "mqtt", place.host, settings)
 
 
 MQTT = Wire(

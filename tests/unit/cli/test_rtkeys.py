@@ -92,3 +92,22 @@ def test_a_key_of_the_ca_that_others_can_read_is_refused(run: Run, folder: Path)
     done = run("rtkeys issue b --role viewer")
     assert "others can read it (mode 644)" in done.err
     assert "PRIVATE" not in done.err
+
+
+def test_each_long_listing_tells_what_is_insecure(
+    run: Run, folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from rtkit.link import insecure
+
+    monkeypatch.setenv("RTKIT_RUNTIME_DIR", str(folder / "run"))
+    assert "insecure" not in run("rtls -l").err
+    forget = insecure.note("tcp:desk:4711")
+    try:
+        for line in ("rtls -l", "rtls -l /", "rtls -lR"):
+            assert "rtls: insecure: tcp:desk:4711" in run(line).err
+        assert "insecure" not in run("rtls").err
+    finally:
+        forget()
+    (folder / "run" / "x-1.insecure").write_text("tcp:gone:1")
+    assert "insecure" not in run("rtls -l").err
+    assert list((folder / "run").iterdir()) == []
