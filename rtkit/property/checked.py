@@ -27,6 +27,7 @@ QUIET_S = 0.5
 
 CHECK = re.compile(rb"(.*) ~([0-9A-Fa-f]{4})", re.DOTALL)
 """What looks as a line with a check does."""
+_CHECK_SIZE = len(" ~XXXX")
 _SPECIAL = re.compile(rb"[\n\r\x10\x11\x13]")
 _STUFFED = re.compile(rb"\x10(.)", re.DOTALL)
 NOTHING = LineRequest("", "", None)
@@ -52,7 +53,7 @@ def one_request(message: bytes, longest: int = LONGEST_LINE) -> LineRequest:
     inner = Requests(longest)
     inner.feed(message + b"\n")
     asked = inner.next()
-    if asked is None or inner.waits:
+    if asked is None or (inner.waits and asked.error is None):
         refused = PropertyError("syntax", f"{len(message)} expected one request")
         return LineRequest("" if asked is None else asked.id, "", "", refused)
     return asked._replace(is_last=False)
@@ -96,6 +97,7 @@ class CheckedRequests(Requests):
         super().__init__(longest)
         self.has_checks = wanted is True
         self._wanted = wanted
+        self._splitter = self._new_splitter()
         self._clock = clock
         self._fed_at = 0.0
         self._is_lost = False
@@ -115,22 +117,33 @@ class CheckedRequests(Requests):
         if asked is None or not asked.is_last:
             return asked
         # What follows may be the bytes of a value: they are not to be taken for requests.
-        self._splitter, self._block = Splitter(self._longest), None
+        self._splitter, self._block = self._new_splitter(), None
         self._is_lost = True
         return asked._replace(is_last=False)
+
+    def _new_splitter(self) -> Splitter:
+        """Return what takes a line with a check whose every byte is stuffed."""
+        return Splitter(self._longest if self._wanted is False else 2 * self._longest + _CHECK_SIZE)
+
+    def _plain(self, raw: bytes) -> LineRequest | None:
+        """Return the request that a line without a check is."""
+        if len(raw) > self._longest:
+            why = f"line is longer than {self._longest} bytes"
+            return LineRequest("", "", "", PropertyError("too-large", why))
+        return super()._request(raw)
 
     def _request(self, raw: bytes) -> LineRequest | None:
         if not raw.strip():
             return NOTHING
         if self._wanted is False:
-            return super()._request(raw)
+            return self._plain(raw)
         message = unframe(raw)
         if message is None:
             is_hello = raw == HELLO and not self._wanted
             if CHECK.fullmatch(raw) or (self.has_checks and not is_hello):
                 return LineRequest("", "", "", PropertyError("checksum", "the line is damaged"))
             self.has_checks = False
-            return super()._request(raw)
+            return self._plain(raw)
         self.has_checks = True
         return one_request(message, self._longest)
 

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import binascii
 
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from rtkit.property.checked import QUIET_S, CheckedReplies, CheckedRequests, frame, unframe
-from rtkit.property.line import LineRequest, write_answer, write_request
+from rtkit.property.limits import LIMITS
+from rtkit.property.line import LONGEST_LINE, LineRequest, write_answer, write_request
 from rtkit.property.messages import Answer
 
 PAYLOADS = st.text() | st.binary()
@@ -71,6 +73,32 @@ def test_what_is_in_a_value_is_never_a_request(inside: bytes) -> None:
     assert refused.error is not None
     assert refused.error.code == "checksum"
     assert requests.next() is None
+
+
+@pytest.mark.parametrize("size", [LIMITS.text, LIMITS.text + 2000])
+def test_bytes_of_any_kind_fit_up_to_the_limit(size: int) -> None:
+    """Those that are stuffed are twice as long on the line."""
+    requests = CheckedRequests()
+    requests.feed(frame(write_request("any", b"\n" * size, "x1")))
+    asked = requests.next()
+    assert asked is not None
+    if size == LIMITS.text:
+        assert (asked.id, asked.target, asked.payload) == ("x1", "any", b"\n" * size)
+    else:
+        assert asked.error is not None
+        assert asked.error.code == "too-large"
+    assert not asked.is_last
+
+
+@pytest.mark.parametrize("wanted", [None, False])
+def test_a_line_without_a_check_has_the_limit_of_lines(wanted: bool | None) -> None:
+    requests = CheckedRequests(wanted)
+    requests.feed(b"SET any " + b"x" * LONGEST_LINE + b"\nGET any\n")
+    refused = requests.next()
+    assert refused is not None
+    assert refused.error is not None
+    assert (refused.error.code, refused.is_last) == ("too-large", False)
+    assert requests.next() == LineRequest("", "any", None)
 
 
 def test_a_conversation_begins_anew_without_checks() -> None:

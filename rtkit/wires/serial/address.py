@@ -110,7 +110,9 @@ class SerialEnd:
             if f"({errno.ENOTTY}," in str(error):
                 raise Refused(f"not a serial line: {device}") from error
             if "exclusively" in str(error):
-                raise Unreachable(f"cannot open {device}: it is in use") from error
+                raise Unreachable(
+                    f"cannot open {device}: it is in use (rtproxy shares it)"
+                ) from error
             why = os.strerror(error.errno) if error.errno else str(error)
             raise Unreachable(f"cannot open {device}: {why}") from error
         except (OSError, termios.error, ValueError) as error:

@@ -34,7 +34,8 @@ def _open(name: str, provider: PropertyProvider, settings: WireSettings) -> str:
     from rtkit.wires.zenoh.endpoint import open_zenoh
 
     provider.name = service_name(name)
-    settings.host.add(provider)
+    if settings.host.services.get(provider.name) is not provider:  # as its owner is called, too
+        settings.host.add(provider)
     open_unix(settings.host, provider.name)
     open_zenoh(settings.host, provider)
     return f"/localhost/{provider.name}"
