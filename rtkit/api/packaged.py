@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 from typing import TYPE_CHECKING
 
+from rtkit.api.system_profiles import BUNDLE
 from rtkit.fast_dataclass import replace
 from rtkit.modules.package_folders import folders
 
@@ -14,12 +15,22 @@ if TYPE_CHECKING:
     from rtkit.deployment.facts import Snapshot
 
 
-def by_id(session: Session, document: SystemProfile, snapshot: Snapshot) -> SystemProfile:
+def by_id(
+    session: Session, document: SystemProfile, snapshot: Snapshot, *, installs: bool = False
+) -> SystemProfile:
     """Return a profile whose components name the versions that their ids choose.
+
+    Of a bundle what is missing is installed before, where that is allowed.
 
     Raises:
         Unreachable: The manager does not answer.
+        Refused: The bundle has changed.
     """
+    if installs and document.source.endswith(BUNDLE):
+        from rtkit.packages.installed import install_bundle
+
+        for each in install_bundle(document.source):
+            session.verbose(f"{each.text} is installed")
     if next(folders(), None) is None:
         return document
     from rtkit.deployment.described import type_of

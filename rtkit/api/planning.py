@@ -157,7 +157,7 @@ def begin(
     from rtkit.deployment.goal import DeploymentGoal
 
     snapshot = looking.look(session, document.profile, dry_run=is_dry, starts=starts, lock=lock)
-    document = by_id(session, document, snapshot)
+    document = by_id(session, document, snapshot, installs=not is_dry)
     system = looking.wanted_system(
         session,
         document,

@@ -53,7 +53,7 @@ def bring_up(
     found = looking.look(session, document.profile, dry_run=is_dry, starts=may_create, lock=lock)
     with looking.managers_started(session, found, dry_run=is_dry) as before:
         creates = may_create and not stand_in
-        document = by_id(session, document, before)
+        document = by_id(session, document, before, installs=not is_dry)
         system = looking.wanted_system(
             session,
             document,

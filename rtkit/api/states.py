@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from rtkit.deployment.extension import FOLLOW
 from rtkit.errors import InvalidDocument, Malformed, NotFound, Refused
-from rtkit.fast_dataclass import dataclass
+from rtkit.fast_dataclass import dataclass, replace
 
 if TYPE_CHECKING:
     from rtkit.api.planning import DeploymentInputs, WayOptions
@@ -74,6 +74,30 @@ def _chart(text: str, source: str) -> Table:
         return read_scxml(read_bytes(path), path).states
     except NotFound as error:
         raise InvalidDocument(f"{source}: the state chart: {error}") from error
+
+
+def with_chart(document: SystemProfile) -> SystemProfile:
+    """Return a profile that holds the text of its state chart, where it names a file of it.
+
+    Raises:
+        InvalidDocument: The file cannot be read.
+    """
+    from rtkit.deployment.extension import STATE_CHART
+    from rtkit.profile.common import ExtensionProperty
+    from rtkit.profile.read import STDIN, read_bytes
+    from rtkit.profile.tree_read import decoded
+
+    folder = os.path.dirname(document.source) if document.source != STDIN else ""
+
+    def whole(item: ExtensionProperty) -> ExtensionProperty:
+        text = item.value or ""
+        if item.name != STATE_CHART or text.lstrip().startswith("<"):
+            return item
+        path = os.path.join(folder, text.strip())
+        return ExtensionProperty(item.name, decoded(read_bytes(path), path))
+
+    read = tuple(whole(item) for item in document.profile.properties)
+    return replace(document, profile=replace(document.profile, properties=read))
 
 
 @dataclass(frozen=True, slots=True)

@@ -132,6 +132,8 @@ class SystemProfile:
         return f"{self.source}:{element.sourceline or 1}"
 
 
+BUNDLE = ".rtbundle"
+"""Ending of the names of bundles, which hold a system profile and its packages."""
 Source = SystemProfile | str | os.PathLike[str]
 """A system profile, or the path of its file: XML, YAML or JSON."""
 
@@ -224,6 +226,8 @@ def load(
     from rtkit.profile.read import read_bytes
 
     name = os.fspath(source)
+    if name.endswith(BUNDLE):
+        from rtkit.packages.bundle import read_system as read_bytes
     return parse_document(reader, name, read_bytes(name), form, given)
 
 

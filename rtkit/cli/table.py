@@ -59,6 +59,7 @@ TOPICS: dict[str, dict[str, str]] = {
     },
     "packages.words": {
         "build": "Build a package of a folder with pyproject.toml, as rtnew and rtbuild make one.",
+        "bundle": "Bundle a system: its profile, the packages of its components, their SHA-256.",
         "install": "Install packages with all that they need, each version in a folder of its own.",
         "list": "List the installed packages, the newest version of each first.",
         "publish": "Publish a package in a folder, or in a git repository, to which it is pushed.",

@@ -20,14 +20,16 @@ from packaging.utils import canonicalize_name
 
 from rtkit.errors import Malformed, NotFound, Refused
 from rtkit.modules.package_folders import folders, root
+from rtkit.packages.bundle import unpacked
 from rtkit.packages.repository import Repositories
 from rtkit.packages.resolving import fetch, resolve
 from rtkit.packages.tools import pip
-from rtkit.packages.wheel import Wheel
+from rtkit.packages.wheel import Wheel, read_wheel
 from rtkit.rtc.nearest import did_you_mean
 
 _RECORD = ".rtkit-package.json"
 _DRAFTS = ".drafts"
+_WHEELS = ".wheels"
 _LOCK = "rtkit.lock/1"
 Digests = dict[str, str]
 """SHA-256 in hexadecimal by the name of a wheel's file."""
@@ -113,6 +115,17 @@ def install(
     return found
 
 
+def install_bundle(path: str, lock: Mapping[str, str] | None = None) -> list[Installed]:
+    """Install all packages of a bundle, from nowhere else; see `install`.
+
+    Raises:
+        RtkitError: See `rtkit.packages.bundle.unpacked`.
+    """
+    with unpacked(path) as found:
+        there = Repositories({path: found.wheels}, [])
+        return [install(Requirement(each), there, lock) for each in found.packages]
+
+
 def _compare(found: Mapping[str, str], wanted: Mapping[str, str], what: str) -> None:
     for file, digest in found.items():
         if wanted.get(file, digest) != digest:
@@ -133,6 +146,10 @@ def _unpacked(wheels: list[Wheel], draft: str) -> str:
     _, error = pip("install", *usual, "--", *files)
     if error:
         raise Refused(f"{own.name}: {error.splitlines()[-1]}")
+    kept = os.path.join(whole, _WHEELS)
+    os.mkdir(kept)  # bundles are made of them, and what is sent to other hosts
+    for each in files:
+        os.rename(each, os.path.join(kept, os.path.basename(each)))
     record = {
         "types": [each.id for each in own.types],
         "requires": own.requires,
@@ -141,6 +158,23 @@ def _unpacked(wheels: list[Wheel], draft: str) -> str:
     with open(os.path.join(whole, _RECORD), "w", encoding="utf-8") as file:
         json.dump(record, file, indent=1)
     return whole
+
+
+def kept_wheels(package: Installed) -> list[str]:
+    """Return the wheels that a package was installed from, its own and those that it needs.
+
+    Raises:
+        NotFound: They are not there.
+        Refused: One has changed since.
+    """
+    paths = [os.path.join(package.path, _WHEELS, each) for each in package.wheels]
+    for path, digest in zip(paths, package.wheels.values(), strict=True):
+        if not os.path.isfile(path):
+            again = f"rtpkg uninstall {package.text}, then rtpkg install {package.text}"
+            raise NotFound(f"{package.text} was installed without its wheels ({again})")
+        if read_wheel(path).sha256 != digest:
+            raise Refused(f"{path} has changed since it was installed")
+    return paths
 
 
 def remove(package: Installed) -> None:

@@ -1,4 +1,4 @@
-"""Repositories of packages: a folder of wheels, an HTTP simple index, a folder in a git repository.
+"""Repositories of packages: folders of wheels, HTTP simple indexes, folders in git, bundles.
 
 A git repository is ``git+URL[@REVISION][#subdirectory=FOLDER]``, as pip writes it.
 """
@@ -20,6 +20,7 @@ from packaging.utils import canonicalize_name
 from packaging.version import Version
 
 from rtkit.errors import Malformed, NotFound, Refused, RtkitError, Unreachable
+from rtkit.packages.bundle import is_bundle, unpacked
 from rtkit.packages.tools import git, git_head
 from rtkit.packages.wheel import Wheel, named, read_wheel
 
@@ -60,13 +61,18 @@ class Repositories(NamedTuple):
         return words
 
 
+def known_repositories(given: Sequence[str] = ()) -> list[str]:
+    """Return those that were given, else those of the settings; there may be none."""
+    return [*given] or [each for each in os.environ.get(VARIABLE, "").split(";") if each]
+
+
 def named_repositories(given: Sequence[str]) -> list[str]:
     """Return those that were given, else those of the settings.
 
     Raises:
         NotFound: There is none.
     """
-    found = [*given] or [each for each in os.environ.get(VARIABLE, "").split(";") if each]
+    found = known_repositories(given)
     if not found:
         raise NotFound(
             "no repository: name one by --repository, or in rtkit.toml, repositories = [...]"
@@ -89,6 +95,8 @@ def opened(names: Sequence[str]) -> Iterator[Repositories]:
                 found.folders[each] = stack.enter_context(_cloned(each))
             elif each.startswith(("http://", "https://")):
                 found.indexes.append(each.rstrip("/") + "/")
+            elif is_bundle(each):
+                found.folders[each] = stack.enter_context(unpacked(each)).wheels
             else:
                 folder = os.path.expanduser(each.removeprefix("file://"))
                 if not os.path.isdir(folder):
@@ -197,6 +205,8 @@ def publish(path: str, repository: str) -> None:
             f"a simple index takes no wheels: {repository}"
             " (publish to the folder that it serves, or upload by twine)"
         )
+    if is_bundle(repository):
+        raise Refused(f"a bundle takes no wheels: {repository} (rtpkg bundle makes another)")
     with opened([repository]) as found:
         (folder,) = found.folders.values()
         is_new = _put(path, folder)

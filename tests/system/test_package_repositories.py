@@ -91,8 +91,20 @@ def test_two_versions_of_a_type_work_at_once_by_their_ids(manager: Any, tmp_path
     manager.ok("rtresurrect saved.xml")
     refused = manager.run("rtpkg uninstall gain==1.0")
     assert (refused.status, "in use by manager manager" in refused.err) == (1, True)
+    (bundled,) = jsonrecords.checked(manager.ok("rtpkg bundle edited.xml --json"))
+    assert (bundled["version"], bundled["place"]) == ("2.0", "edited.rtbundle")
+    manager.ok("rtpkg bundle saved.xml")
+    manager.ok("rtteardown --exit saved.rtbundle")
     manager.ok("rtpkg uninstall gain --force")
     assert manager.ok("rtpkg list") == ""
+    # One file brings it back where nothing is installed, and no repository is named.
+    assert manager.run("rtapply saved.rtbundle").status == 0
+    manager.ok("rtcheck saved.rtbundle")
+    assert manager.ok("rtpkg list").count("gain") > 1
+    whole = (manager.folder / "saved.rtbundle").read_bytes()
+    (manager.folder / "saved.rtbundle").write_bytes(whole.replace(b"GainInit", b"LossInit"))
+    refused = manager.run("rtapply saved.rtbundle")
+    assert (refused.status, "is not what was bundled: " in refused.err) == (1, True)
 
 
 def test_a_lock_refuses_changed_bytes_of_an_index(shell: Any, index: tuple[str, Path]) -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from rtkit.api.system_profiles import SystemProfile, parse_document
+from rtkit.api.system_profiles import BUNDLE, SystemProfile, parse_document
 from rtkit.cli.shared.app import App, check_at_most_one
 from rtkit.cli.shared.profile_files import read_input
 from rtkit.cli.shared.system_values import parameters
@@ -25,4 +25,8 @@ def read_data(files: tuple[str, ...]) -> tuple[str, bytes]:
         NotFound: The file cannot be read.
     """
     check_at_most_one(files, "file")
+    if files and files[0].endswith(BUNDLE):
+        from rtkit.packages.bundle import read_system
+
+        return files[0], read_system(files[0])
     return read_input(files[0] if files else None)

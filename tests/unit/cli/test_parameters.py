@@ -19,6 +19,7 @@ READERS = {
     "rtapply",
     "rtcheck",
     "rtdev",
+    "rtpkg bundle",
     "rtplan",
     "rtprofile check",
     "rtprofile doc",

@@ -14,6 +14,7 @@ from rtkit.cli.shared.options import arguments, json_flag, option, several
     examples=(
         ("rtpkg install rtc-scale==1.0.0 --repository wheels", "This version, beside others."),
         ("rtpkg install --lock robot.lock", "What the lock says, with these very bytes."),
+        ("rtpkg install robot.rtbundle", "All packages of a bundle, from nowhere else."),
     ),
     json=("package",),
     arguments=("anything",),
@@ -25,15 +26,17 @@ def main(
         "--lock FILE", "Refuse wheels whose bytes differ; add those it lacks.", default=""
     ),
     is_json: bool = json_flag(),
-    names: tuple[str, ...] = arguments("[NAME[==VERSION]]..."),
+    names: tuple[str, ...] = arguments("[NAME[==VERSION]|BUNDLE]..."),
 ) -> None:
     """Install packages with all that they need, each version in a folder of its own.
 
     NAME may have constraints, 'NAME>=1.2,<2'. What it needs comes from the repositories, too, but
-    for what the Python of rtkit has. Nothing of a package is run. Managers find its types at once:
+    for what the Python of rtkit has. BUNDLE is a file that rtpkg bundle made; it is all that is
+    needed then. Nothing of a package is run. Managers find its types at once:
     by name the newest version, by RTC:vendor:category:type:language:version the one with that id.
     """
-    from rtkit.packages.installed import install, read_lock, write_lock
+    from rtkit.packages.bundle import is_bundle
+    from rtkit.packages.installed import install, install_bundle, read_lock, write_lock
     from rtkit.packages.repository import named_repositories, opened
     from rtkit.packages.resolving import requirement
 
@@ -41,14 +44,14 @@ def main(
     if not names and not locked:
         raise WrongArguments("takes names of packages, or the lock that has them")
     digests = {file: digest for wheels in locked.values() for file, digest in wheels.items()}
-    done = []
-    with opened(named_repositories(repositories)) as there:
-        for wanted in [requirement(each) for each in names or locked]:
-            found = install(wanted, there, digests)
-            locked[found.text] = found.wheels
-            if lock:
-                write_lock(lock, locked)
-            done.append(found)
+    bundles = [each for each in names if is_bundle(each)]
+    plain = [each for each in names or locked if each not in bundles]
+    done = [package for each in bundles for package in install_bundle(each, digests)]
+    with opened(named_repositories(repositories) if plain else ()) as there:
+        for wanted in map(requirement, plain):
+            done.append(install(wanted, there, digests))
+    if lock:
+        write_lock(lock, locked | {each.text: each.wheels for each in done})
     records = [installed_record(each) for each in done]
     if is_json or app.is_verbose:
         show(records, is_json)

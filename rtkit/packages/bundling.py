@@ -1,0 +1,133 @@
+"""Finds the packages that a system profile needs, with their wheels."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Iterable, Mapping, Sequence
+from importlib import metadata
+
+from packaging.requirements import Requirement
+from packaging.utils import canonicalize_name
+
+from rtkit.component.composite import TYPES as COMPOSITES
+from rtkit.deployment.described import properties_of, type_of
+from rtkit.deployment.extension import CREATE, MODULE, STAND_IN
+from rtkit.errors import NotFound, Refused, RtkitError
+from rtkit.modules.creatable import lacking
+from rtkit.modules.search import Search, file_of
+from rtkit.packages.installed import kept_wheels
+from rtkit.packages.offering import offerings
+from rtkit.packages.repository import Repositories, newest_first, offers
+from rtkit.packages.resolving import fetch, resolve
+from rtkit.packages.wheel import read_wheel
+from rtkit.profile.rts_model import ComponentInstance, RtsProfile
+from rtkit.rtc.create import readable_create
+from rtkit.rtc.profiles import split_module
+
+
+def gather(profile: RtsProfile, repositories: Repositories, folder: str) -> dict[str, list[str]]:
+    """Return the wheels of all packages that a system needs, by ``NAME==VERSION``.
+
+    Args:
+        profile: The system profile.
+        repositories: Where packages are found that are not installed.
+        folder: Gets wheels that are fetched.
+
+    Raises:
+        NotFound: A component is of no package; names it.
+        Refused: A package has changed since it was installed.
+    """
+    needing = {type_of(each.id).id: each for each in profile.components if not _is_built_in(each)}
+    found = offerings(needing)
+    packages = {all[0].package.text: kept_wheels(all[0].package) for all in found.values()}
+    for id in needing.keys() - found.keys():
+        name = _offered(id, needing[id], repositories)
+        if name not in packages:
+            there = os.path.join(folder, name)
+            os.mkdir(there)
+            wheels = [fetch(each, there) for each in resolve(Requirement(name), repositories)]
+            packages[name] = [os.path.join(there, each.file) for each in wheels]
+    _check_alike(packages)
+    _check_whole(packages)
+    return packages
+
+
+def _is_built_in(component: ComponentInstance) -> bool:
+    """Return whether rtkit alone makes a component."""
+    own = properties_of(component.properties)
+    create = readable_create(own.get(CREATE, ""))
+    type = type_of(component.id)
+    if STAND_IN in own or create.implementation_id in COMPOSITES or type.type_name in COMPOSITES:
+        return True
+    path, init = split_module(own.get(MODULE, ""))
+    search = Search([], is_absolute_allowed=False)
+    try:
+        real = search.read(path or f"{type.type_name}.py").real
+        question = json.dumps([(f"{path}:{init}" if path else "", type.full_id)])
+        why = json.loads(lacking(question, (), search, is_search_allowed=True))[0]
+    except RtkitError:
+        return False
+    inside = os.path.dirname(os.path.realpath(file_of("rtkit")))
+    return not why and real.startswith(f"{inside}/")
+
+
+def _offered(id: str, component: ComponentInstance, repositories: Repositories) -> str:
+    """Return the newest package of repositories that offers a type, as ``NAME==VERSION``."""
+    there = [each for each in offers(repositories) if not isinstance(each, RtkitError)]
+    for each in newest_first(there):
+        if each.wheel is not None and id in [type.id for type in each.wheel.types]:
+            return f"{each.name}=={each.version}"
+    raise NotFound(
+        f"component {component.instance_name}: no installed package has {id}, and no repository"
+        " that was looked in (rtpkg build makes a package of a folder, rtpkg install installs it)"
+    )
+
+
+def _check_alike(packages: Mapping[str, Sequence[str]]) -> None:
+    """Refuse wheels of one name and other bytes."""
+    known: dict[str, str] = {}
+    for path in (path for paths in packages.values() for path in paths):
+        file = os.path.basename(path)
+        with open(path, "rb") as stream, open(known.setdefault(file, path), "rb") as other:
+            if stream.read() != other.read():
+                raise Refused(f"two packages have other bytes of {file}")
+
+
+def _check_whole(packages: Mapping[str, Sequence[str]]) -> None:
+    """Refuse packages that need what neither the bundle nor rtkit alone has."""
+    clean = _with_rtkit()
+    for name, paths in packages.items():
+        wheels = [read_wheel(each) for each in paths]
+        there = {*clean, *(each.name for each in wheels)}
+        for wheel in wheels:
+            for needed in _needs(wheel.requires):
+                if needed not in there:
+                    raise NotFound(
+                        f"{name} needs {needed}, which this Python has, and a clean rtkit has not"
+                        f" (where it has not, rtpkg install {name} takes it in)"
+                    )
+
+
+def _with_rtkit() -> set[str]:
+    """Return the names of rtkit and of all that it needs."""
+    found: set[str] = set()
+    left = ["rtkit"]
+    while left:
+        name = left.pop()
+        if name not in found:
+            found.add(name)
+            try:
+                left += _needs(metadata.requires(name) or ())
+            except metadata.PackageNotFoundError:
+                continue
+    return found
+
+
+def _needs(requires: Iterable[str]) -> list[str]:
+    wanted = (Requirement(each) for each in requires)
+    return [
+        canonicalize_name(each.name)
+        for each in wanted
+        if each.marker is None or each.marker.evaluate({"extra": ""})
+    ]
