@@ -9,6 +9,7 @@ from __future__ import annotations
 import socket
 import ssl
 from abc import ABC, abstractmethod
+from collections.abc import Callable
 from logging import getLogger
 from time import monotonic
 from typing import Any
@@ -17,9 +18,13 @@ from rtkit.errors import RtkitError, Unreachable
 from rtkit.keys import audit
 from rtkit.keys.roles import RoleAccess
 from rtkit.keys.tls import Peer, Trust, peer_of
+from rtkit.property.access import DEFAULT_LIMITS, EndpointLimits
 from rtkit.property.codes import PropertyError
 from rtkit.property.messages import Answer
 from rtkit.property.requests import PropertyRequest
+from rtkit.serving.acceptor import Acceptor
+from rtkit.serving.event_loop import PropertyEventLoop
+from rtkit.serving.quota import EndpointQuota
 from rtkit.serving.socket_client import SocketClient
 
 PATIENCE_S = 5.0
@@ -109,8 +114,16 @@ def meaning_of(error: ssl.SSLError) -> Exception:
     return OSError(error.errno, f"TLS: {error.reason or error}".lower().replace("_", " "))
 
 
-def connected(host: str, port: int, timeout_s: float) -> SecureStream:
+def connected(
+    host: str, port: int, timeout_s: float, kind: type[ssl.SSLSocket] = ssl.SSLSocket
+) -> SecureStream:
     """Connect to an endpoint, show the certificate of this user, and look at the other one.
+
+    Args:
+        host: Its name or address, which has to be in its certificate.
+        port: Where it listens.
+        timeout_s: Bound on all of it [s].
+        kind: Class of the socket that is made.
 
     Raises:
         Unreachable: Nobody listens there, or it speaks no TLS.
@@ -126,13 +139,15 @@ def connected(host: str, port: int, timeout_s: float) -> SecureStream:
         raise Unreachable(f"cannot reach {where}: {error.strerror or error}") from error
     end.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
     try:
-        tls = trust.context().wrap_socket(end, server_hostname=host)
+        context = trust.context()
+        context.sslsocket_class = kind
+        tls = context.wrap_socket(end, server_hostname=host)
     except ssl.SSLCertVerificationError as error:
         end.close()
         raise PropertyError("denied", f"{where} is not trusted: {error.verify_message}") from None
     except TimeoutError:
         end.close()
-        raise Unreachable(f"no answer within {timeout_s:g} s") from None
+        raise Unreachable(f"no answer within {timeout_s:.3g} s") from None
     except OSError as error:
         end.close()
         meant = meaning_of(error) if isinstance(error, ssl.SSLError) else error
@@ -224,9 +239,41 @@ class SecureClient(SocketClient, ABC):
         return ask._replace(answer=answered)
 
 
-def secured(end: socket.socket, trust: Trust) -> SecureStream:
-    """Return a client's socket, behind TLS that has not begun yet."""
-    end.setblocking(False)
-    end.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
-    tls = trust.context().wrap_socket(end, server_side=True, do_handshake_on_connect=False)
-    return SecureStream(tls)
+class SecureAcceptor(Acceptor):
+    """Port for clients that show a certificate of the CA.
+
+    Args:
+        wire: What it is called in rules.
+        client: Makes what serves a client behind a stream.
+    """
+
+    def __init__(
+        self,
+        host: PropertyEventLoop,
+        end: socket.socket,
+        trust: Trust,
+        wire: str,
+        client: Callable[[SecureStream, EndpointQuota], SecureClient],
+        limits: EndpointLimits = DEFAULT_LIMITS,
+    ) -> None:
+        self._trust, self._wire, self._client = trust, wire, client
+        super().__init__(host, end, wire, limits)
+
+    def admit(self, client: socket.socket) -> SecureClient | str:
+        """See `Acceptor.enter`."""
+        try:
+            address = str(client.getpeername()[0])
+            client.setblocking(False)
+            client.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+            tls = self._trust.context().wrap_socket(
+                client, server_side=True, do_handshake_on_connect=False
+            )
+        except (OSError, RtkitError) as error:
+            return f"denied {error}"
+        made = self._client(SecureStream(tls), self._quota)
+        made.trust, made.address, made.wire = self._trust, address, self._wire
+        return made
+
+    def reject(self, why: str) -> bytes:
+        """See `Acceptor.reject`: before TLS there are no words."""
+        return b""

@@ -70,7 +70,14 @@ WIRES = {
         "http",
         ServeOption("http", PORT, "Also open an HTTP endpoint on this host, 0 for any free port."),
     ),
+    "https": WireEntry(
+        "http",
+        ServeOption(
+            "https", PUBLIC, "Also open an HTTP endpoint with mutual TLS, for other hosts, too."
+        ),
+    ),
     "mqtt": WireEntry("mqtt"),
+    "mqtts": WireEntry("mqtt"),
     "ice": WireEntry(
         "ice",
         ServeOption("ice", PORT, "Also open an Ice endpoint on this host, 0 for any free port."),

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+import shutil
 from collections.abc import Iterator
 from contextlib import ExitStack
 from pathlib import Path
@@ -13,6 +15,7 @@ from mosquittokit import MOSQUITTO, PASSWORD, Mosquitto, Stranger
 from property_endpoints import BOUND_S, Lines
 
 from rtkit.errors import Malformed, Refused, RtkitError, Unreachable
+from rtkit.keys import authority, folder
 from rtkit.property.service import Service
 from rtkit.proxy.bridge import bridge
 from rtkit.wires.line.client import connect_unix
@@ -200,3 +203,32 @@ def test_what_is_refused(
     broker.stop()
     with pytest.raises(Unreachable, match="cannot reach localhost"):
         bridge("robot", broker.address("lab"), on_status=said.put)
+
+
+def test_behind_tls_certificates_say_who_it_is(
+    place: str, served: ServedObject, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    """The broker asks for one of the CA; one of another CA, or none, is not let in."""
+    broker = Mosquitto(Path(place), os.environ["RTKIT_KEYS"])
+    try:
+        address = broker.address("lab")
+        authority.issue("helper", "component", [], 9, f"{tmp_path}/helper")
+        with monkeypatch.context() as patch:
+            patch.setenv("RTKIT_KEYS", f"{tmp_path}/helper")
+            far = f"unix:{place}/far.sock"
+            with bridge("robot", address) as near, bridge(near.address, far, timeout_s=BOUND_S), \
+                    connect_unix(f"{place}/far.sock", BOUND_S) as client:  # fmt: skip
+                assert client.ask("count").payload == "7"
+        with monkeypatch.context() as patch:
+            patch.setenv("RTKIT_KEYS", f"{tmp_path}/stranger")
+            authority.init("stranger", ["localhost"])
+            with pytest.raises(Refused, match="not trusted"):
+                bridge("robot", address, timeout_s=BOUND_S)
+            for name in (folder.CA_CERTIFICATE, folder.REVOKED):
+                shutil.copy(f"{tmp_path}/helper/{name}", f"{tmp_path}/stranger")
+            with pytest.raises(Refused, match="may not do"):
+                bridge("robot", address, timeout_s=BOUND_S)
+        with pytest.raises(Refused, match="no password"):
+            bridge("robot", address.replace("mqtts", "mqtt"), timeout_s=BOUND_S)
+    finally:
+        broker.stop()

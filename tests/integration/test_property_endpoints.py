@@ -30,6 +30,7 @@ from property_endpoints import (
 from unruly import Unruly, check_only_its_own_request_suffers
 
 from rtkit.errors import Refused, RtkitError, Unreachable
+from rtkit.keys.reach import BEHIND_TLS
 from rtkit.link import places, secret
 from rtkit.property.codes import PropertyError
 from rtkit.property.service import Service
@@ -447,7 +448,9 @@ def test_who_asks_too_often_is_told(place: str, name: str) -> None:
 
 
 # Before TLS there are no words: there a connection too many is hung up on.
-@pytest.mark.parametrize("wire", params("unix", *(each for each in KNOWING if each != "tcps")))
+@pytest.mark.parametrize(
+    "wire", params("unix", *(each for each in KNOWING if each not in BEHIND_TLS))
+)
 def test_one_connection_too_many_is_told(place: str, wire: str) -> None:
     with _ruled(place, "limit * connections 1") as served:
         first = ENDPOINTS[wire](served)

@@ -26,12 +26,15 @@ from rtkit.errors import NotFound, Refused, RtkitError, Unreachable
 from rtkit.keys import audit, authority, folder
 from rtkit.property.codes import PropertyError
 from rtkit.wires import secure
+from rtkit.wires.http.client import HttpClient
+from rtkit.wires.http.secure import connect_https
 from rtkit.wires.line.client import LineClient
 from rtkit.wires.line.secure import connect_tcps
 from rtkit.wires.serve import ServedObject, serve
 
 BOUND_S = 20.0
-RULES = "allow tcps helper SET count\ndeny tcps anna GET name"
+RULES = "allow * helper SET count\ndeny * anna GET name"
+WIRES = {"tcps": "tls", "https": "https"}
 
 
 @pytest.fixture
@@ -42,14 +45,33 @@ def own(place: str, monkeypatch: pytest.MonkeyPatch) -> str:
     return f"{place}/keys"
 
 
-@pytest.fixture
-def served(own: str) -> Iterator[ServedObject]:
-    with serve(subject(), "robot", is_on_zenoh=False, tls="127.0.0.1:0", rules=RULES) as served:
+@pytest.fixture(params=WIRES)
+def served(own: str, request: pytest.FixtureRequest) -> Iterator[ServedObject]:
+    """Each wire behind TLS."""
+    more = {WIRES[request.param]: "127.0.0.1:0"}
+    with serve(subject(), "robot", is_on_zenoh=False, rules=RULES, **more) as served:
         yield served
 
 
+def _is_https(served: ServedObject) -> bool:
+    return "https" in served.addresses
+
+
 def _port(served: ServedObject) -> int:
-    return int(served.addresses["tcps"].rpartition(":")[2])
+    (address,) = served.addresses.values()
+    return int(address.partition("localhost:")[2].partition("/")[0])
+
+
+def _connected(served: ServedObject, host: str = "localhost") -> LineClient | HttpClient:
+    if _is_https(served):
+        client = connect_https(f"https://{host}:{_port(served)}", BOUND_S)
+        try:
+            client.ask("robot/speed").value()
+        except BaseException:
+            client.close()
+            raise
+        return client
+    return connect_tcps(host, _port(served), BOUND_S)
 
 
 def _handed(own: str, name: str, role: str, days: int = 30) -> str:
@@ -58,10 +80,10 @@ def _handed(own: str, name: str, role: str, days: int = 30) -> str:
 
 
 @contextlib.contextmanager
-def _as(keys: str, served: ServedObject) -> Iterator[LineClient]:
+def _as(keys: str, served: ServedObject) -> Iterator[LineClient | HttpClient]:
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("RTKIT_KEYS", keys)
-        client = connect_tcps("localhost", _port(served), BOUND_S)
+        client = _connected(served)
     with client:
         yield client
 
@@ -79,7 +101,8 @@ def test_roles_and_rules_say_what_a_certificate_may(own: str, served: ServedObje
     answers = {}
     for name, keys in who.items():
         with _as(keys, served) as client:
-            assert client.ask("door/identity").payload == name
+            if not _is_https(served):
+                assert client.ask("door/identity").payload == name
             answers[name] = [client.ask("robot/count").error, client.ask("robot/name").error,
                              client.ask("robot/count", "8").error]  # fmt: skip
     assert answers == {
@@ -134,11 +157,13 @@ def test_the_record_is_bounded(
 def test_who_is_revoked_is_cut_and_comes_in_no_more(own: str, served: ServedObject) -> None:
     keys = _handed(own, "bert", "operator")
     with _as(keys, served) as client:
-        assert not client.ask("robot/count").error
+        with pytest.MonkeyPatch.context() as patch:  # for a stream has a connection of its own
+            patch.setenv("RTKIT_KEYS", keys)
+            client.listen("robot/count")
         authority.revoke("bert")
         begin = time.monotonic()
         with pytest.raises(Unreachable, match="ended"):
-            client.event(BOUND_S)
+            list(iter(lambda: client.event(BOUND_S), None))
         took_s = time.monotonic() - begin
     with pytest.raises(PropertyError, match="revoked") as raised, _as(keys, served):
         pass
@@ -228,9 +253,9 @@ def test_a_server_of_another_ca_or_name_is_not_trusted(own: str, served: ServedO
         patch.setenv("RTKIT_KEYS", f"{own}.2")
         authority.init("mallory", ["localhost"])
         with pytest.raises(PropertyError, match="not trusted"):
-            connect_tcps("localhost", _port(served), BOUND_S)
+            _connected(served)
     with pytest.raises(PropertyError, match="not valid for"):
-        connect_tcps("127.0.0.2", _port(served), BOUND_S) if False else _at_other_name(served)
+        _at_other_name(served)
 
 
 def _at_other_name(served: ServedObject) -> None:
@@ -239,7 +264,7 @@ def _at_other_name(served: ServedObject) -> None:
         patch.setattr(
             socket, "create_connection", lambda at, *more: real(("127.0.0.1", at[1]), *more)
         )
-        connect_tcps("robot9", _port(served), BOUND_S)
+        _connected(served, "robot9")
 
 
 def _raw(served: ServedObject) -> socket.socket:
@@ -324,19 +349,23 @@ def test_what_openssl_tries(
         more += ["-cert_chain", str(big)]
     line = ["openssl", "s_client", "-connect", f"127.0.0.1:{_port(served)}", "-quiet",
             "-key", f"{keys}/{folder.KEY}", "-cert", f"{keys}/{folder.CERTIFICATE}"]  # fmt: skip
-    assert _answered(line) == b"= 7\n"
-    assert _answered([*line, *more]) == b""
+    asked = ASKED[_is_https(served)]
+    assert _answered(line, asked).split()[:2] in ([b"=", b"7"], [b"HTTP/1.1", b"200"])
+    assert _answered([*line, *more], asked) == b""
     assert _is_alive(own, served)
 
 
-def _answered(line: list[str]) -> bytes:
+ASKED = (b"GET count\n", b"GET /ps/robot/count HTTP/1.1\r\nHost: localhost\r\n\r\n")
+
+
+def _answered(line: list[str], asked: bytes) -> bytes:
     """Return what the endpoint answers before it, or openssl, hangs up."""
     pipe = subprocess.PIPE
     with subprocess.Popen(line, stdin=pipe, stdout=pipe, stderr=subprocess.DEVNULL) as client:
         assert client.stdin is not None
         assert client.stdout is not None
         with contextlib.suppress(BrokenPipeError):
-            client.stdin.write(b"GET count\n")
+            client.stdin.write(asked)
             client.stdin.flush()
         answer = client.stdout.readline()
         client.kill()

@@ -19,10 +19,25 @@ MOSQUITTO = shutil.which("mosquitto", path="/usr/sbin:/usr/local/sbin:/usr/bin:/
 PASSWD = shutil.which("mosquitto_passwd", path="/usr/bin:/usr/local/bin:/usr/sbin")
 
 
-class Mosquitto:
-    """A broker; it can be ended and begun again, and forgets everything by that."""
+_TLS = """\
+cafile {0}/ca.crt
+certfile {0}/own.crt
+keyfile {0}/own.key
+crlfile {0}/revoked.crl
+require_certificate true
+use_identity_as_username true
+"""
 
-    def __init__(self, folder: Path) -> None:
+
+class Mosquitto:
+    """A broker; it can be ended and begun again, and forgets everything by that.
+
+    Args:
+        keys: Folder of keys, for mutual TLS; names of certificates are those of users.
+    """
+
+    def __init__(self, folder: Path, keys: str = "") -> None:
+        self._scheme = "mqtts" if keys else "mqtt"
         with socket.socket() as probe:
             probe.bind(("127.0.0.1", 0))
             self.port = int(probe.getsockname()[1])
@@ -37,7 +52,7 @@ class Mosquitto:
             f"password_file {passwords}\n"
             "user root\n"
             "max_queued_messages 0\n"
-            "set_tcp_nodelay true\n"
+            "set_tcp_nodelay true\n" + (_TLS.format(keys) if keys else "")
         )
         self._process: subprocess.Popen[str] | None = None
         self.start()
@@ -66,7 +81,7 @@ class Mosquitto:
 
     def address(self, topic: str) -> str:
         """Return the address of a topic."""
-        return f"mqtt:{USER}@localhost:{self.port}/{topic}"
+        return f"{self._scheme}:{USER}@localhost:{self.port}/{topic}"
 
 
 class Stranger:

@@ -19,6 +19,7 @@ from oneline import OneLine
 from serialkit import Cable
 from zenoh_client import ZenohClient
 
+from rtkit.keys.reach import BEHIND_TLS
 from rtkit.link import places, zenoh_keys
 from rtkit.link.zenoh import open_client, unix_endpoint
 from rtkit.property.access import read_policy
@@ -163,7 +164,8 @@ class WirePlaces:
         if "USER@HOST" in form:
             if MOSQUITTO is None:
                 pytest.skip("there is no mosquitto")
-            broker = Mosquitto(Path(self._folder))
+            keys = os.environ["RTKIT_KEYS"] if wire.scheme in BEHIND_TLS else ""
+            broker = Mosquitto(Path(self._folder), keys)
             self._ends.callback(broker.stop)
             return broker.address("lab"), ""
         known = {"PORT": "0", "PATH": f"{self._folder}/{number}.sock", "SERVICE": f"p{number}"}

@@ -15,6 +15,7 @@ from mosquittokit import MOSQUITTO, PASSWORD, Mosquitto
 from property_endpoints import SERVED, params
 from serialkit import Cable
 
+from rtkit.keys.reach import BEHIND_TLS
 from rtkit.wires.table import WIRES, wire_of
 
 PATIENCE_S = 1.0
@@ -42,7 +43,7 @@ def served(
 
     def serve(wire: str) -> tuple[Any, str]:
         option = WIRES[wire].option if wire else None
-        if wire == "tcps":
+        if wire in BEHIND_TLS:
             shell.ok("rtkeys init")
         value = {"DEVICE": "far --allow-set speed", "PATH": "bot.sock"}
         more = "" if option is None else f"--{option.name} {value.get(option.metavar, 0)}"

@@ -7,8 +7,10 @@ import os
 import re
 import select
 import socket
+import ssl
 from base64 import b64decode
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from errno import EAGAIN
 from http import HTTPStatus
 from http.client import HTTPConnection, HTTPException, HTTPResponse
 from time import monotonic
@@ -32,7 +34,8 @@ DEADLINE = "rtkit-deadline"
 """Header of a SET: when it is given up, as `rtkit.link.deadline` writes it."""
 SILENT_S = 35.0
 """How long a stream may be silent, heartbeats and all, until its endpoint counts as gone [s]."""
-_ADDRESS = re.compile(r"http://([^/:@\s]+)(?::(\d{1,5}))?(?:/ps)?/?")
+_ADDRESS = re.compile(r"(https?)://([^/:@\s]+)(?::(\d{1,5}))?(?:/ps)?/?")
+_PORTS = {"http": 80, "https": 443}
 _FREE = "/?&=()!*'$,;:@~%+"
 _ROOT = "/ps"
 _PIECE = 1 << 16
@@ -40,7 +43,7 @@ _MOST_PIECES = 64
 """Pieces of a stream that are taken at once, before an event is returned."""
 
 
-class _BoundedSocket(socket.socket):
+class BoundedReads(socket.socket):
     """Socket whose reads end at one moment, all together; another one bounds each by itself."""
 
     until = math.inf
@@ -52,7 +55,16 @@ class _BoundedSocket(socket.socket):
             if left_s <= 0:
                 raise TimeoutError
             self.settimeout(left_s)
-        return super().recv_into(*args)
+        try:
+            return super().recv_into(*args)
+        except ssl.SSLWantReadError:
+            raise BlockingIOError(EAGAIN, "nothing has come") from None
+
+
+def _connected(host: str, port: int, left_s: float) -> BoundedReads:
+    end = socket.create_connection((host, port), left_s)
+    end.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+    return BoundedReads(end.family, end.type, end.proto, end.detach())
 
 
 class _BoundedConnection(HTTPConnection):
@@ -60,10 +72,12 @@ class _BoundedConnection(HTTPConnection):
 
     Attributes:
         end: The socket, which a response that is a stream of events keeps open.
+        connected: Makes it, in so long at most [s].
     """
 
-    sock: _BoundedSocket | None
-    end: _BoundedSocket
+    sock: BoundedReads | None
+    end: BoundedReads
+    connected: Callable[[str, int, float], BoundedReads] = staticmethod(_connected)
     bound_s = math.inf
     _until = math.inf
 
@@ -76,9 +90,7 @@ class _BoundedConnection(HTTPConnection):
         left_s = self._until - monotonic()
         if left_s <= 0:
             raise TimeoutError
-        end = socket.create_connection((self.host, self.port), left_s)
-        end.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
-        self.sock = self.end = _BoundedSocket(end.family, end.type, end.proto, end.detach())
+        self.sock = self.end = self.connected(self.host, self.port, left_s)
 
     def send(self, data: Any) -> None:
         """Send, and connect before if there is no connection."""
@@ -102,16 +114,18 @@ class HttpClient(Closing):
 
     Args:
         service: The one that is asked; empty if targets name theirs.
+        secret: None where it is not asked for.
         timeout_s: Bound on each request [s].
     """
 
     def __init__(
-        self, host: str, port: int, secret: Secret, timeout_s: float, service: str = ""
+        self, host: str, port: int, secret: Secret | None, timeout_s: float, service: str = ""
     ) -> None:
         self._secret = secret
         self._service = service
         self._timeout_s = timeout_s
         self._where = (host, port)
+        self._connected: Callable[[str, int, float], BoundedReads] = _connected
         self._http = _BoundedConnection(host, port)
         self._nonce = ""
         self._times = 0
@@ -119,6 +133,10 @@ class HttpClient(Closing):
         self._streams: list[_Stream] = []
         self._inbox = Inbox()
         self._why: Unreachable | None = None
+
+    def use(self, connected: Callable[[str, int, float], BoundedReads]) -> None:
+        """Connect in another way, behind TLS."""
+        self._connected = self._http.connected = connected
 
     def ask(self, target: str, payload: Payload | None = None, until: float = math.inf) -> Answer:
         """GET, or SET, and wait for the reply: to `until`, by the monotonic clock here [s].
@@ -155,7 +173,7 @@ class HttpClient(Closing):
             PropertyError: ``denied``.
             Unreachable: No response in time, or nobody listens there.
         """
-        if body is not None and not self._nonce:
+        if body is not None and self._secret is not None and not self._nonce:
             self._exchange(http, _ROOT, None, {})  # only to be told what to prove
         for _ in range(3):
             answered = self._exchange(http, uri, body, headers)
@@ -180,9 +198,13 @@ class HttpClient(Closing):
         except TimeoutError:
             http.close()
             raise Unreachable(f"no answer within {http.bound_s:.3g} s") from None
+        except (Unreachable, PropertyError):
+            http.close()
+            raise
         except (OSError, HTTPException) as error:
             http.close()
-            raise Unreachable(self._gone(error)) from error
+            meant = _meaning_of(error)
+            raise meant or Unreachable(self._gone(error)) from error
         if response.status != HTTPStatus.UNAUTHORIZED:
             return response, received
         given = digest.fields(response.getheader("WWW-Authenticate", ""))
@@ -192,10 +214,11 @@ class HttpClient(Closing):
     def _gone(self, error: Exception) -> str:
         host, port = self._where
         what = error.strerror if isinstance(error, OSError) and error.strerror else str(error)
-        return f"cannot reach http://{host}:{port}: {what}"
+        scheme = "https" if self._secret is None else "http"
+        return f"cannot reach {scheme}://{host}:{port}: {what}"
 
     def _proof(self, method: str, uri: str) -> dict[str, str]:
-        if not self._nonce:
+        if self._secret is None or not self._nonce:
             return {}
         self._times += 1
         return {"Authorization": digest.authorization(
@@ -219,6 +242,7 @@ class HttpClient(Closing):
         name, _, tail = target.partition("?")
         self._inbox.expect(name, tail)
         http = _StreamConnection(*self._where)
+        http.connected = self._connected
         http.bound(monotonic() + self._timeout_s)
         headers = {"Host": "{}:{}".format(*self._where), "Accept": "text/event-stream"}
         response, received = self._answered(http, uri, None, headers)
@@ -288,7 +312,7 @@ class _Stream:
         was_last: Because the property has gone.
     """
 
-    def __init__(self, end: _BoundedSocket, response: HTTPResponse) -> None:
+    def __init__(self, end: BoundedReads, response: HTTPResponse) -> None:
         self.end = end
         self.received_at = monotonic()
         self.has_ended = False
@@ -357,6 +381,16 @@ def _close_if_hung_up(http: _BoundedConnection) -> None:
         http.close()
 
 
+def _meaning_of(error: Exception) -> PropertyError | None:
+    """Return what an endpoint says by ending TLS, None if that is not what it did."""
+    if not isinstance(error, ssl.SSLError):
+        return None
+    from rtkit.wires.secure import meaning_of
+
+    meant = meaning_of(error)
+    return meant if isinstance(meant, PropertyError) else None
+
+
 def _encoded(text: str) -> bytes:
     return text.encode("utf-8", "surrogateescape")
 
@@ -374,10 +408,11 @@ def _read_error(body: bytes) -> Answer:
     return Answer(text, code or "internal")
 
 
-def parse_address(text: str) -> tuple[str, int] | None:
+def parse_address(text: str, scheme: str = "http") -> tuple[str, int] | None:
     """Return host and port of ``http://HOST:PORT``, None if it is no such thing."""
     found = _ADDRESS.fullmatch(text)
-    return None if found is None else (found[1], int(found[2] or 80))
+    is_one = found is not None and found[1] == scheme
+    return (found[2], int(found[3] or _PORTS[scheme])) if found is not None and is_one else None
 
 
 def connect_http(address: str, timeout_s: float, service: str = "") -> HttpClient:

@@ -16,7 +16,7 @@ from rtkit.serving.socket_client import SocketClient
 from rtkit.wires.wire import WireSettings, opened, place_to_open, shown_host
 
 # A browser opens several connections a page, and polls: fewer and slower than other clients.
-_LIMITS = EndpointLimits(connections=128, door_listeners=4096, rate=2000)
+LIMITS = EndpointLimits(connections=128, door_listeners=4096, rate=2000)
 
 
 class HttpEndpoint(Acceptor):
@@ -29,7 +29,7 @@ class HttpEndpoint(Acceptor):
         self._connection = HttpConnection
         self._guard = Guard(secret.read())
         self._is_public = not reach.is_here(str(end.getsockname()[0]))
-        super().__init__(host, end, "http", _LIMITS)
+        super().__init__(host, end, "http", LIMITS)
 
     def admit(self, client: socket.socket) -> SocketClient:
         """See `Acceptor.enter`."""
@@ -48,6 +48,18 @@ class HttpEndpoint(Acceptor):
         return f"{head}Content-Length: {len(text)}\r\n\r\n{text}".encode()
 
 
+def check_h11() -> None:
+    """Check that HTTP can be spoken.
+
+    Raises:
+        Refused: The package h11 is not there.
+    """
+    try:
+        import h11  # noqa: F401
+    except ImportError:
+        raise Refused("HTTP needs the package h11: pip install 'rtkit[http]'") from None
+
+
 def open_http(address: str, provider: PropertyProvider, settings: WireSettings) -> str:
     """Open a port of this host, 0 for any, to those who know the user's secret.
 
@@ -56,10 +68,7 @@ def open_http(address: str, provider: PropertyProvider, settings: WireSettings) 
         Unreachable: The port is taken.
     """
     place, port = place_to_open("http", address, settings)
-    try:
-        import h11  # noqa: F401
-    except ImportError:
-        raise Refused("HTTP needs the package h11: pip install 'rtkit[http]'") from None
+    check_h11()
     secret.make()
     end = bound_to(port, place)
     HttpEndpoint(settings.host, end)

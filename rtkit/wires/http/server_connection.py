@@ -13,7 +13,7 @@ from collections.abc import Callable, Container, Iterable
 from functools import partial
 from http import HTTPStatus
 from time import monotonic
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import h11
 
@@ -23,6 +23,7 @@ from rtkit.property.exchange import NOT_BEGUN
 from rtkit.property.messages import Answer, PropertyEvent
 from rtkit.property.requests import PropertyRequest
 from rtkit.property.subscription import Listener, listen_target
+from rtkit.serving.event_loop import ByteStream
 from rtkit.serving.quota import too_fast
 from rtkit.serving.socket_client import SocketClient
 from rtkit.wires.http import request as http_request
@@ -72,14 +73,14 @@ class HttpConnection(SocketClient):
     def __init__(
         self,
         host: PropertyEventLoop,
-        end: socket.socket,
-        guard: Guard,
+        end: ByteStream,
+        guard: Guard | None,
         quota: EndpointQuota,
         names: Container[str] = HERE,
     ) -> None:
         super().__init__(host, end, quota)
         self.is_stream = False
-        self._socket = end
+        self._socket: Any = end
         self._guard = guard
         self._names = names
         self._http = h11.Connection(h11.SERVER, _LONGEST_HEAD)
@@ -244,6 +245,7 @@ class HttpConnection(SocketClient):
 
     def _verdict(self, method: str, uri: str) -> Verdict:
         """Return who sends the request that has begun."""
+        assert self._guard is not None
         return self._guard.check(method, uri, self._headers.get("authorization"), monotonic())
 
     def _ask(self) -> None:
@@ -299,7 +301,8 @@ class HttpConnection(SocketClient):
 
         until = deadline_from_text(self._headers.get(DEADLINE, ""))
         if is_get or monotonic() <= until:
-            service.handle(PropertyRequest(target, payload, answer, self, until=until))
+            ask = PropertyRequest(target, payload, answer, self, until=until)
+            service.handle(self.audited(ask, asked.service))
         else:
             answer(Answer(NOT_BEGUN, "timeout"))
 

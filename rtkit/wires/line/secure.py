@@ -2,20 +2,19 @@
 
 from __future__ import annotations
 
-import socket
 from collections.abc import Iterable
 
-from rtkit.errors import RtkitError
 from rtkit.keys.tls import Trust
 from rtkit.link.secret import Secret
 from rtkit.property.messages import Answer, Payload
 from rtkit.property.requests import Requester
-from rtkit.serving.acceptor import Acceptor, bound_to
+from rtkit.serving.acceptor import bound_to
 from rtkit.serving.event_loop import PropertyEventLoop
+from rtkit.serving.quota import EndpointQuota
 from rtkit.wires.line.client import LineClient
 from rtkit.wires.line.login import Login
 from rtkit.wires.line.server_connection import Connection
-from rtkit.wires.secure import SecureClient, connected, secured
+from rtkit.wires.secure import SecureAcceptor, SecureClient, SecureStream, connected
 
 _IDENTITY = "door/identity"
 
@@ -47,37 +46,6 @@ class SecureConnection(SecureClient, Connection):
         return None if data[:4] == b"SET " else super()._reply_at_once(data)
 
 
-class SecureLineEndpoint(Acceptor):
-    """Port for clients that show a certificate of the CA.
-
-    Args:
-        service: The one that clients mean where they name none.
-    """
-
-    def __init__(
-        self, host: PropertyEventLoop, end: socket.socket, service: str, trust: Trust
-    ) -> None:
-        self._service = service
-        self._trust = trust
-        super().__init__(host, end, "tcps")
-
-    def admit(self, client: socket.socket) -> Connection | str:
-        """See `Acceptor.enter`."""
-        try:
-            address = str(client.getpeername()[0])
-            stream = secured(client, self._trust)
-        except (OSError, RtkitError) as error:
-            return f"denied {error}"
-        login = _Entered(self._host.services)
-        made = SecureConnection(self._host, stream, self._service, "", login, self._quota)
-        made.trust, made.address, made.wire = self._trust, address, "tcps"
-        return made
-
-    def reject(self, why: str) -> bytes:
-        """See `Acceptor.reject`: before TLS there are no words."""
-        return b""
-
-
 def open_tcps(host: PropertyEventLoop, service: str, address: str, port: int) -> int:
     """Open a port, 0 for any, to those who show a certificate; return it.
 
@@ -88,7 +56,11 @@ def open_tcps(host: PropertyEventLoop, service: str, address: str, port: int) ->
     """
     trust = Trust(is_server=True)
     end = bound_to(port, address)
-    SecureLineEndpoint(host, end, service, trust)
+
+    def client(stream: SecureStream, quota: EndpointQuota) -> SecureConnection:
+        return SecureConnection(host, stream, service, "", _Entered(host.services), quota)
+
+    SecureAcceptor(host, end, trust, "tcps", client)
     return int(end.getsockname()[1])
 
 

@@ -1,4 +1,4 @@
-"""Addresses of topics at a broker, ``mqtt:USER@HOST/TOPIC``."""
+"""Addresses of topics at a broker, ``mqtt:USER@HOST/TOPIC``, ``mqtts:`` behind TLS."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 from rtkit.errors import Malformed
 
-_PORT = 1883
+_PORTS = {"mqtt": 1883, "mqtts": 8883}
 
 
 class MqttAddress(NamedTuple):
@@ -14,18 +14,20 @@ class MqttAddress(NamedTuple):
 
     Attributes:
         path: The topic below which everything is.
+        scheme: ``mqtts`` where the broker is asked for a certificate, and shown one.
     """
 
     user: str
     host: str
     port: int
     path: str
+    scheme: str = "mqtt"
 
     def __str__(self) -> str:
-        return f"mqtt:{self.user}@{self.host}:{self.port}/{self.path}"
+        return f"{self.scheme}:{self.user}@{self.host}:{self.port}/{self.path}"
 
 
-def read_address(text: str, *, is_insecure: bool = False) -> MqttAddress:
+def read_address(text: str, scheme: str = "mqtt", *, is_insecure: bool = False) -> MqttAddress:
     """Read ``USER@HOST[:PORT]/TOPIC``.
 
     Raises:
@@ -38,8 +40,8 @@ def read_address(text: str, *, is_insecure: bool = False) -> MqttAddress:
     is_port = not port or (port.isdecimal() and int(port) < 65536)
     is_path = bool(path) and not any(c in "#+\0 " for c in path) and "//" not in f"/{path}/"
     if not (user and mark and host and is_port and is_path):
-        raise Malformed(f"not mqtt:USER@HOST[:PORT]/TOPIC: mqtt:{text}")
+        raise Malformed(f"not {scheme}:USER@HOST[:PORT]/TOPIC: {scheme}:{text}")
     from rtkit.keys import reach
 
-    reach.check("mqtt", host, is_insecure=is_insecure)
-    return MqttAddress(user, host, int(port or _PORT), path)
+    reach.check(scheme, host, is_insecure=is_insecure)
+    return MqttAddress(user, host, int(port or _PORTS[scheme]), path, scheme)

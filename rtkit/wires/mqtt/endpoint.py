@@ -49,7 +49,7 @@ class MqttEndpoint:
         self._on_the_way = 0
         self._waiting = 0
         self._count = itertools.count()
-        self._query_server = QueryServer(host, service, "mqtt", _IDENTITY)
+        self._query_server = QueryServer(host, service, address.scheme, _IDENTITY)
         self._query_server.send = self._send
         self._query_server.has_room = self._has_room
         state = f"{self._root}/{STATE}"

@@ -9,11 +9,13 @@ from __future__ import annotations
 
 import os
 import socket
+import ssl
 import threading
 from collections.abc import Callable
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from rtkit.errors import Refused, Unreachable
+from rtkit.keys.tls import Trust, peer_of
 from rtkit.property.messages import Payload
 from rtkit.wires.mqtt.address import MqttAddress
 
@@ -63,6 +65,18 @@ class Message(NamedTuple):
         return dict(self.more).get(key)
 
 
+class _ClosingTls(ssl.SSLSocket):
+    """Socket that is closed by a handshake that fails: paho forgets to."""
+
+    def do_handshake(self, block: bool = False) -> None:
+        """See `ssl.SSLSocket.do_handshake`."""
+        try:
+            super().do_handshake(block)
+        except OSError:
+            self.close()
+            raise
+
+
 class MqttSession:
     """Session with a broker; it reconnects whenever it ends until it is closed.
 
@@ -74,7 +88,8 @@ class MqttSession:
         has_room: Called when what was published has arrived at the broker.
 
     Raises:
-        Refused: There is no password, or no paho-mqtt.
+        Refused: There is no password, or no paho-mqtt; the keys cannot be used.
+        NotFound: There are no keys.
     """
 
     def __init__(
@@ -93,7 +108,8 @@ class MqttSession:
         except ImportError as error:
             raise Refused("MQTT needs paho-mqtt: pip install 'rtkit[mqtt]'") from error
         password = os.environ.get(PASSWORD)
-        if not password:
+        self._trust = Trust(is_server=False) if address.scheme == "mqtts" else None
+        if not password and self._trust is None:
             raise Refused(f"no password for {address.user} at the broker: set {PASSWORD}")
         self.address = address
         self._on_message, self._came, self._went, self._has_room = on_message, came, went, has_room
@@ -101,6 +117,10 @@ class MqttSession:
         self._refusal = ""
         self._client: Client = Client(CallbackAPIVersion.VERSION2, protocol=MQTTv5)
         self._client.username_pw_set(address.user, password)
+        if self._trust is not None:
+            context = self._trust.context()
+            context.sslsocket_class = _ClosingTls
+            self._client.tls_set_context(context)
         self._client.reconnect_delay_set(1, 5)
         self._client.on_socket_open = _hurry
         self._client.on_connect = lambda client, data, flags, code, more: self._connected(code)
@@ -121,6 +141,9 @@ class MqttSession:
         self._client.connect_timeout = timeout_s
         try:
             self._client.connect(self.address.host, self.address.port, _KEEPALIVE_S)
+        except ssl.SSLCertVerificationError as error:
+            why = f"the broker at {where} is not trusted: {error.verify_message}"
+            raise Refused(why) from None
         except OSError as error:
             raise Unreachable(f"cannot reach {where}: {error.strerror or error}") from error
         self._client.loop_start()
@@ -176,16 +199,30 @@ class MqttSession:
 
     def _connected(self, code: ReasonCode) -> None:
         is_first = not self._first.is_set()
-        if code.is_failure:
-            self._refusal = str(code)
-            self._went(f"the broker refuses: {code}")
+        why = f"the broker refuses: {code}" if code.is_failure else self._distrust()
+        if why:
+            self._refusal = str(code) if code.is_failure else why
+            self._went(why)
         else:
             self._refusal = ""
             self._came()
         if is_first:
             self._first.set()
 
+    def _distrust(self) -> str:
+        """Return why the broker's certificate does not do, and leave; empty if it does."""
+        end: Any = self._client.socket()
+        if self._trust is None or end is None:
+            return ""
+        why = self._trust.refusal(peer_of(end), is_new=True)
+        if why:
+            self._client.disconnect()
+        return why
+
     def _left(self, code: ReasonCode) -> None:
+        if self._trust is not None and not self._first.is_set():
+            self._refusal = "it hangs up: the certificate of this user (rtkit keys show) may not do"
+            self._first.set()
         if code.is_failure:  # else we asked for it
             self._went(f"the broker has gone: {code}")
 
