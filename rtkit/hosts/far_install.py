@@ -162,7 +162,8 @@ def _make(wanted: dict, base: str) -> dict:  # type: ignore[type-arg]
             if not is_complete:
                 _install(wanted, folder, wheels)
             removed = _use(base, wanted["id"])
-            shutil.rmtree(wheels, ignore_errors=True)
+            for name in set(os.listdir(wheels)) - set(wanted["wheels"]):
+                os.unlink(os.path.join(wheels, name))  # the others are not sent for the next one
     made = not is_complete
     return {"wheels": wheels, "lacking": lacking, "made": made, "removed": removed}
 

@@ -18,8 +18,8 @@ from rtkit.link import unix
 
 _USUAL = ("id_ed25519", "id_ecdsa", "id_rsa")
 _asking = threading.Lock()
-_unlocked: dict[str, paramiko.PKey | None] = {}
-"""Keys whose passphrase was asked for: once a command, however many hosts are looked at."""
+_unlocked: dict[str, paramiko.PKey | str] = {}
+"""Keys whose passphrase was asked for, or why there is none: asked once, for all hosts."""
 
 
 def log_in(transport: paramiko.Transport, way: SshRoute, where: str) -> None:
@@ -158,18 +158,20 @@ class _Keys(AgentSSH):
         with _asking:
             if file not in _unlocked:
                 _unlocked[file] = self._unlock(file)
-            return _unlocked[file]
+            found = _unlocked[file]
+        if isinstance(found, paramiko.PKey):
+            return found
+        self.notes.append(found)
+        return None
 
-    def _unlock(self, file: str) -> paramiko.PKey | None:
+    def _unlock(self, file: str) -> paramiko.PKey | str:
         if not (sys.stdin and sys.stdin.isatty() and sys.stderr.isatty()):
-            self.notes.append(f"{file} has a passphrase and no agent holds it: ssh-add {file}")
-            return None
-        text = getpass.getpass(f"Passphrase of {file}: ")
+            return f"{file} has a passphrase and no agent holds it: ssh-add {file}"
         try:
+            text = getpass.getpass(f"Passphrase of {file}: ")
             return self._certified(file, paramiko.PKey.from_path(file, text.encode()))  # type: ignore[arg-type]
-        except (ValueError, paramiko.SSHException):
-            self.notes.append(f"that is not the passphrase of {file}")
-            return None
+        except (EOFError, ValueError, paramiko.SSHException):
+            return f"that is not the passphrase of {file}"
 
 
 def _public(file: str) -> bytes:

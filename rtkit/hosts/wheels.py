@@ -13,8 +13,6 @@ import json
 import os
 import re
 import shutil
-import subprocess
-import sys
 import tempfile
 import zipfile
 from functools import lru_cache
@@ -22,10 +20,10 @@ from typing import NamedTuple
 
 from rtkit.errors import NotFound, Refused
 from rtkit.link.places import check_trusted
+from rtkit.packages.tools import pip
 from rtkit.version import __version__
 
 _NEWEST_GLIBC, _OLDEST_GLIBC = 45, 17
-_FETCH_S = 600.0
 _SUMS = "digests.json"
 
 
@@ -116,7 +114,8 @@ def _fetch(kind: Kind, folder: str) -> dict[str, str]:
     with tempfile.TemporaryDirectory(dir=os.path.dirname(folder)) as draft:
         target = os.path.join(draft, "wheels")
         os.mkdir(target)
-        text = _pip("download", "-q", "-d", target, *_choice(kind), *requirements())
+        words = ("-q", "-d", target, *_choice(kind), *requirements())
+        _, text = pip("download", *words, is_isolated=False)  # the index is the user's own
         if text:
             raise NotFound(f"no wheels for {kind.name}: {_reason(text)}")
         digests = {name: _digest(os.path.join(target, name)) for name in sorted(os.listdir(target))}
@@ -141,18 +140,6 @@ def _choice(kind: Kind) -> list[str]:
 def _reason(text: str) -> str:
     found = re.findall(r"No matching distribution found for (.*)", text)
     return f"none of {', '.join(dict.fromkeys(found))}" if found else text.splitlines()[-1]
-
-
-def _pip(*words: str) -> str:
-    """Run pip; return what it says of its failure, or nothing."""
-    command = [sys.executable, "-m", "pip", "--disable-pip-version-check", *words]
-    try:
-        done = subprocess.run(command, capture_output=True, text=True, timeout=_FETCH_S)
-    except (OSError, subprocess.TimeoutExpired) as error:
-        raise Refused(f"pip cannot be run: {error}") from error
-    if done.returncode and "No module named pip" in done.stderr:
-        raise Refused(f"{sys.executable} has no pip, which fetches wheels (install it there)")
-    return (done.stderr.strip() or f"exit status {done.returncode}") if done.returncode else ""
 
 
 def own_wheel() -> str:
@@ -202,7 +189,7 @@ def _built(source: str, folder: str) -> str:
     if known and _content(mark) == state:
         return os.path.join(folder, known[0])
     with tempfile.TemporaryDirectory(dir=folder) as draft:
-        text = _pip("wheel", "-q", "--no-deps", "-w", draft, source)
+        _, text = pip("wheel", "-q", "--no-deps", "-w", draft, source, is_isolated=False)
         if text:
             raise Refused(f"no wheel of {source}: {text.splitlines()[-1]}")
         (made,) = os.listdir(draft)

@@ -1,4 +1,4 @@
-"""Runs pip and git, which ask nobody and read no configuration of the user's own."""
+"""Runs pip and git, which ask nobody; pip reads no configuration of the user unless told to."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ def pip(*words: str, is_isolated: bool = True) -> tuple[str, str]:
     usual = ["--disable-pip-version-check", "--no-input", *(["--isolated"] if is_isolated else [])]
     out, error = _run([sys.executable, "-m", "pip", words[0], *usual, *words[1:]])
     if "No module named pip" in error:
-        raise Refused(f"{sys.executable} has no pip, which packages need (install it there)")
+        raise Refused(f"{sys.executable} has no pip, which fetches packages (install it there)")
     return out, error
 
 

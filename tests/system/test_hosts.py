@@ -135,6 +135,7 @@ def test_a_bare_host_is_made_ready_linked_and_used_from_here(fleet: Shell) -> No
     assert fleet.ok("rtls /robot2").split() == ["manager.mgr/"]
     paths = [json.loads(line)["path"] for line in fleet.ok("rtls --json /robot1").splitlines()]
     assert "/robot1/ConsoleIn0.rtc" in paths
+    assert "  robot1/ConsoleIn0.rtc  " in fleet.ok("rtmgr -r /robot1/manager.mgr")
     fleet.ok("rtmgr -d ConsoleIn0 -d ConsoleOut0 /robot1/manager.mgr")
 
 

@@ -8,6 +8,7 @@ import shutil
 import signal
 import socket
 import threading
+import zipfile
 from collections.abc import Iterator
 from contextlib import suppress
 from pathlib import Path
@@ -19,7 +20,7 @@ from forked import Commands
 from shells import ROOT, Shell, opened_shell
 
 from rtkit.errors import RtkitError, Unreachable
-from rtkit.hosts import clock, far_program, far_side, link_process, provisioned
+from rtkit.hosts import clock, far_program, far_side, link_process, provisioned, wheels
 from rtkit.hosts.connection import HostConnection, connect
 from rtkit.hosts.host import Host
 from rtkit.hosts.provisioned import Provisioned
@@ -133,6 +134,21 @@ def test_a_shell_that_writes_lines_of_its_own_is_no_obstacle(far: FarHost) -> No
         maps = far.run("sh", "-c", "cat /proc/[0-9]*/maps")
         assert f"{_BASE}/versions/{made.id}/" in maps
         assert far_program.ask(connection, [*command, "stop", "manager"], timeout_s=20.0)
+
+
+def test_a_next_version_sends_only_what_is_new(far: FarHost, tmp_path: Path) -> None:
+    with connect(Host("bare", far.address, "root"), 10.0) as connection:
+        made = _make(connection)
+        shutil.copytree(wheels.cache_folder(), tmp_path / "rtkit" / "wheels")
+        (own,) = (tmp_path / "rtkit" / "wheels" / "rtkit").glob("*.whl")
+        with zipfile.ZipFile(own, "a") as wheel:
+            wheel.writestr("rtkit/next", "")
+        with pytest.MonkeyPatch.context() as patch:
+            patch.setenv("XDG_CACHE_HOME", str(tmp_path))
+            then = _make(connection)
+    assert then.is_new
+    assert then.sent_bytes == own.stat().st_size
+    assert set(_versions(far)[1]) == {made.id, then.id}
 
 
 def test_old_versions_go_when_nothing_uses_them_but_for_the_last(far: FarHost) -> None:

@@ -15,6 +15,10 @@ import jsonrecords
 import pytest
 from farkit import FarHost, far_hosts
 from shells import Shell
+from terminal import opened
+
+from rtkit.hosts.connection import connect
+from rtkit.hosts.host import Host
 
 pytestmark = pytest.mark.skipif(bool(farkit.missing()), reason=farkit.missing())
 
@@ -138,6 +142,35 @@ def test_a_key_with_a_passphrase_is_taken_from_the_agent_only(me: Shell, tmp_pat
         process.wait()
 
 
+def test_a_passphrase_is_asked_for_once_and_its_refusal_told_for_each_host(
+    me: Shell, far: FarHost
+) -> None:
+    key = me.folder / "home" / ".ssh" / "id_ed25519"
+    subprocess.run(["ssh-keygen", "-q", "-p", "-N", "secret", "-f", str(key)], check=True)
+    me.ok(f"rthost add robot2 root@{far.address}")
+    for typed in ("wrong\n", "\x04", "secret\n"):
+        with opened(me.command("rthost check"), me.environment, me.folder) as terminal:
+            terminal.until(f"Passphrase of {key}: ")
+            terminal.type(typed)
+            told = terminal.rest()
+        assert "Passphrase" not in told
+        assert "\x1b" not in told
+        assert told.count(f"that is not the passphrase of {key}") == 2 * (typed != "secret\n")
+        assert told.count("Host name    robot1") == 2 * (typed == "secret\n")
+
+
+def test_the_first_question_on_a_connection_waits_for_no_late_acknowledgement(
+    me: Shell, far: FarHost, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("HOME", me.environment["HOME"])
+    host = Host("robot1", far.address, "root")
+    pings = []
+    for _ in range(5):
+        with connect(host) as connection:
+            pings.append(connection.ping())
+    assert min(pings) < 0.03
+
+
 def test_the_clock_of_a_host_is_told_within_its_bound(me: Shell, far: FarHost) -> None:
     far.run("mkdir", "-p", "/root/skew")
     program = "import time; real = time.time; time.time = lambda: real() + 30"
@@ -149,6 +182,7 @@ def test_the_clock_of_a_host_is_told_within_its_bound(me: Shell, far: FarHost) -
     assert abs(record["clock_offset_s"] - 30) <= record["clock_bound_s"] + 1e-4
     assert 0 < record["clock_bound_s"] < 0.015
     assert "+30.0" in me.ok("rthost check ahead")
+    assert "Clock        -0.0000 s" not in me.ok("rthost check robot1")
 
 
 def test_silent_hosts_cost_one_time_out_together(me: Shell, far: FarHost) -> None:

@@ -46,7 +46,10 @@ def run_at_hosts(app: App, word: str, names: Sequence[str], manager: str, *, rep
             app.fail(str(error))
 
     try:
-        with metered(app, word) as meter, ThreadPoolExecutor(max_workers=len(hosts)) as pool:
+        with (
+            metered(app, word, is_asking=True) as meter,
+            ThreadPoolExecutor(max_workers=len(hosts)) as pool,
+        ):
             show = _summed(meter)
             list(pool.map(one, hosts))
     finally:

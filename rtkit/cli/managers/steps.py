@@ -217,10 +217,15 @@ class StepRunner:
             yield {
                 "instance": facts.instance,
                 "type": facts.type.full_id,
-                "name": facts.names[0] if facts.names else "",
+                "name": self._seen_here(facts.names, snapshot.host),
                 "host": snapshot.host,
                 "manager": facts.process,
             }
+
+    def _seen_here(self, names: Sequence[str], host: str) -> str:
+        """Return the first name as the tree here has it: another `host` calls itself localhost."""
+        path = self._app.shown(names)
+        return path[1:] if path.startswith(f"/{host}/") else next(iter(names), "")
 
     def _show(self, rows: Iterator[dict[str, str]]) -> None:
         table = list(rows)

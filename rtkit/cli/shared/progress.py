@@ -23,10 +23,13 @@ Show = Callable[[float, float | None, str], None]
 
 
 @contextmanager
-def metered(app: Errors, title: str, *, is_writing: bool = False) -> Iterator[Show]:
+def metered(
+    app: Errors, title: str, *, is_writing: bool = False, is_asking: bool = False
+) -> Iterator[Show]:
     """Show progress on stderr while inside, if that is a terminal; lines go above it.
 
-    A command that `is_writing` its results on a terminal shows its progress by them.
+    A command that `is_writing` its results on a terminal shows its progress by them. One that
+    `is_asking` the user something at first has its question alone there until there is progress.
     """
     if not _is_terminal() or (is_writing and sys.stdout.isatty()):
         yield _nothing
@@ -43,16 +46,22 @@ def metered(app: Errors, title: str, *, is_writing: bool = False) -> Iterator[Sh
         TextColumn("{task.fields[text]}"),
         TimeElapsedColumn(),
     )
-    with Progress(*columns, console=console, transient=True) as bar:
-        task = bar.add_task(title, total=None, text="")
-        former = app.write_error
-        app.write_error = lambda line: console.print(Text(line), soft_wrap=True)
-        try:
-            yield _paced(
-                lambda done, total, text: bar.update(task, completed=done, total=total, text=text)
-            )
-        finally:
-            app.write_error = former
+    bar = Progress(*columns, console=console, transient=True)
+    task = bar.add_task(title, total=None, text="")
+    former = app.write_error
+    app.write_error = lambda line: console.print(Text(line), soft_wrap=True)
+
+    def show(done: float, total: float | None, text: str) -> None:
+        bar.start()
+        bar.update(task, completed=done, total=total, text=text)
+
+    try:
+        if not is_asking:
+            bar.start()
+        yield _paced(show)
+    finally:
+        bar.stop()
+        app.write_error = former
 
 
 def counted(show: Show) -> Callable[[int, int], None]:

@@ -9,7 +9,7 @@ from rtkit.cli.shared import json_records, terminal
 from rtkit.cli.shared.app import App
 from rtkit.cli.shared.command import command
 from rtkit.cli.shared.options import arguments, json_flag
-from rtkit.cli.shared.progress import counting
+from rtkit.cli.shared.progress import counted, metered
 from rtkit.errors import Refused, RtkitError
 
 if TYPE_CHECKING:
@@ -76,11 +76,11 @@ def _looks(app: App, hosts: list[Host]) -> Iterator[tuple[Host, Found | RtkitErr
             return error
 
     with (
-        counting(app, "Looking at hosts") as count,
+        metered(app, "Looking at hosts", is_writing=True, is_asking=True) as meter,
         ThreadPoolExecutor(max_workers=max(1, len(hosts))) as pool,
     ):
         for number, (host, found) in enumerate(zip(hosts, pool.map(one, hosts), strict=True)):
-            count(number + 1, len(hosts))
+            counted(meter)(number + 1, len(hosts))
             yield host, found
 
 
@@ -94,7 +94,7 @@ def _lines(host: Host, far: FarSide, clock: ClockOffset) -> list[str]:
         ("Disk free", f"{far.free_bytes >> 20} MiB in {far.home}"),
         ("rtkit", far.current or "not there yet (rtmgr start --host makes it)"),
         ("Round trip", f"{clock.round_trip_s * 1e3:.1f} ms"),
-        ("Clock", f"{clock.offset_s:+.4f} s (± {clock.bound_s:.4f} s)"),
+        ("Clock", f"{round(clock.offset_s, 4) + 0.0:+.4f} s (± {clock.bound_s:.4f} s)"),
     ]
     return [*terminal.pairs(rows, "  ")]
 
