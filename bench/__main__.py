@@ -23,6 +23,7 @@ GROUPS = (
     "launch",
     "many",
     "slaves",
+    "managers",
     "ports",
     "rates",
     "data",

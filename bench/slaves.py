@@ -36,7 +36,7 @@ COUNT = 100
 _SETTLE_S = 1.0
 _WINDOW_S = 10.0
 _WINDOWS = 3
-_LEAST_SHARE = 0.0001
+LEAST_SHARE = 0.0001
 """Of a core [%]: one wake-up in a window, so that a floor that had none still is a floor."""
 _FORKS_ARE = "resting forks of a Python process that has the same modules"
 _STOPPED_ARE = "TERM to as many resting forks of a Python process, until they are waited for"
@@ -77,7 +77,7 @@ def _memory_row(what: str, mib: float, bare: float, target: float | None) -> Row
 
 
 def _idle() -> Lines:
-    with manager(has_door=True) as tree, _idle_sessions() as sessions:
+    with manager(has_door=True) as tree, idle_sessions() as sessions:
         create(tree, [_source(index) for index in range(COUNT)])
         until_listed(tree, COUNT)
         slaves = list(_slaves(tree).values())
@@ -90,14 +90,15 @@ def _idle() -> Lines:
             time.sleep(_WINDOW_S)
             after = processor_s(ours), processor_s([sessions])
             shares = [(b - a) / _WINDOW_S * 100 for a, b in zip(before, after, strict=True)]
-            pairs.append((shares[0], max(shares[1], _LEAST_SHARE)))
+            pairs.append((shares[0], max(shares[1], LEAST_SHARE)))
         what = f"{COUNT} idle slaves, their manager and its zygote: processor"
         yield Row(what, "% of a core", *medians(pairs), 2.0, False, _IDLE_IS)
 
 
 @contextmanager
-def _idle_sessions() -> Iterator[int]:
-    socket = os.path.join(os.environ["RTKIT_RUNTIME_DIR"], "bare.sock")
+def idle_sessions(socket_name: str = "bare.sock") -> Iterator[int]:
+    """Run a bare process with the two zenoh sessions of a manager; yield its pid."""
+    socket = os.path.join(os.environ["RTKIT_RUNTIME_DIR"], socket_name)
     bare = subprocess.Popen(
         [sys.executable, "-c", _SESSIONS, socket],
         stdin=subprocess.PIPE,
