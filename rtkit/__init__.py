@@ -14,7 +14,8 @@ if TYPE_CHECKING:
     from typing import Any
 
     from rtkit import aio as aio
-    from rtkit.api.client import Ask, Client
+    from rtkit.api.asked import Ask
+    from rtkit.api.client import Client
     from rtkit.api.connect import connect
     from rtkit.api.hosting import component_of, init_of
     from rtkit.api.plan import SystemPlan
@@ -34,7 +35,7 @@ if TYPE_CHECKING:
     from rtkit.wires.serve import serve
 
 _HOMES = {
-    "Ask": "rtkit.api.client",
+    "Ask": "rtkit.api.asked",
     "Client": "rtkit.api.client",
     "aio": "rtkit.aio",
     "Choices": "rtkit.property.presenting",

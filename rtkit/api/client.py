@@ -7,9 +7,9 @@ from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from math import inf
 from time import monotonic
-from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
+from rtkit.api.asked import UNSET, Ask, Asked, Rounds
 from rtkit.closing import Closing
 from rtkit.errors import RtkitError
 from rtkit.property.blocks import as_bytes, blocks_of, joined_blocks
@@ -31,42 +31,8 @@ if TYPE_CHECKING:
     from rtkit.api.owners import Owner
     from rtkit.api.property_change import PropertyChange
 
-UNSET: Any = object()
-"""Stands for no value: the request is a GET."""
-
-
-class Ask(NamedTuple):
-    """One of several requests that are made at once.
-
-    Attributes:
-        target: The property, as `Client.get` takes it.
-        value: To set it to; a GET without.
-        parameters: Of the request.
-        in_turn: The owner may ask back what asks it here, as a group does that is in a group. What
-            comes back to a property that waits for it is then refused at once; a member of
-            another make may take that for a parameter that it does not know.
-    """
-
-    target: str
-    value: Any = UNSET
-    parameters: Mapping[str, Any] = MappingProxyType({})
-    in_turn: bool = False
-
-
-class _Asked:
-    """Answers to requests that were made at once; those who ask wait for them."""
-
-    def __init__(self, count: int) -> None:
-        self.answers: list[Answer | None] = [None] * count
-        self._left = count
-        self.is_complete = threading.Event()
-
-    def take(self, index: int, answer: Answer) -> None:
-        """Take the answer to a request; under the lock of the host."""
-        self.answers[index] = answer
-        self._left -= 1
-        if not self._left:
-            self.is_complete.set()
+_LOOK_S = 0.5
+"""How long the loop may take for a look at all connections, once answers are late."""
 
 
 class Client(Closing):
@@ -95,6 +61,7 @@ class Client(Closing):
         self._host = PropertyEventLoop()
         self._owners = Owners(self._host, timeout_s)
         self._start_lock = threading.Lock()
+        self._rounds = Rounds(self._make)
         self._changes: Changes | None = None
         self._is_started = self._is_closed = False
 
@@ -169,29 +136,36 @@ class Client(Closing):
         result = parts.get("result")
         return None if result is None else _content(result)
 
-    def ask_all(self, asks: Sequence[Ask], deadline_s: float) -> list[Any]:
+    def ask_all(
+        self, asks: Sequence[Ask], deadline_s: float, *, is_shared: bool = False
+    ) -> list[Any]:
         """Make requests of any number of owners at once; none waits for another owner.
 
         Args:
             asks: What is got or set.
             deadline_s: When to wait no longer, from now on [s]. In code that answers a request
                 it is at most what that has left, but for a tenth of a second to answer in.
+            is_shared: They are GETs without parameters, and what others ask so at once is asked
+                for all of them, at most 0.1 s later than else; from then on the answers are
+                waited for. None is older than this call.
 
         Returns:
             For each request the value (empty for what was set) or its `PropertyError`: ``timeout``
             of an owner that has not answered by then.
         """
         via, until = UNDER_WAY.get()
+        latest = inf
         # What was begun for a request, as a task of asyncio, may go on when that is long answered.
-        if 0.0 < (left_s := until - monotonic()) < inf:
-            deadline_s = max(0.0, min(deadline_s, round(left_s - min(0.1, left_s * 0.2), 3)))
+        if 0.0 < (left_s := until - (now := monotonic())) < inf:
+            bound_s = max(0.0, round(left_s - min(0.1, left_s * 0.2), 3))
+            latest, deadline_s = now + bound_s, min(deadline_s, bound_s)
         if via and any(each.in_turn for each in asks):
             more = {VIA: ".".join(via)}
             asks = [each._replace(parameters={**each.parameters, **more}) if each.in_turn else each
                     for each in asks]  # fmt: skip
         return [
             answer if isinstance(answer, PropertyError) else _object(answer)
-            for answer in self._answers(asks, deadline_s)
+            for answer in self._answers(asks, deadline_s, latest if is_shared else 0.0)
         ]
 
     def listen(
@@ -263,16 +237,41 @@ class Client(Closing):
 
     # Requests
 
-    def _answers(self, asks: Sequence[Ask], bound_s: float) -> list[Payload | PropertyError]:
+    def _answers(
+        self, asks: Sequence[Ask], bound_s: float, latest: float = 0.0
+    ) -> list[Payload | PropertyError]:
+        """Return the answers that come in time; with a latest one, in a round that is shared."""
         if not asks:
             return []
         self._start()
         until = monotonic() + bound_s
-        asked = _Asked(len(asks))
+        asked: Asked
+        if latest:
+            asked, places = shared = self._rounds.join(asks)
+            until = min(shared[0].sent_at + bound_s, latest)
+        else:
+            asked, places = Asked(asks), list(range(len(asks)))
+            self._make(asked, until)
+        if not asked.is_complete.wait(None if bound_s == inf else max(0.0, until - monotonic())):
+            self._take_in()
+        with self._host.lock:
+            answers = [asked.answers.get(each) for each in places]
+        late = Answer(f"no answer within {bound_s:g} s", "timeout")
+        return [self._outcome(ask, each or late) for ask, each in zip(asks, answers, strict=True)]
+
+    def _take_in(self) -> None:
+        """Take in the answers that are here: nobody is late because this process is."""
+        for _ in range(2):  # the first time the loop may have looked at its sockets already
+            has_looked = threading.Event()
+            self._host.post(has_looked.set)
+            has_looked.wait(_LOOK_S)
+
+    def _make(self, asked: Asked, until: float = inf) -> None:
+        """Make requests; what cannot be sent is answered."""
         ready: list[tuple[Owner, str, Payload | None, Callable[[Answer], None]]] = []
         written: tuple[Any, Payload | None] = (UNSET, None)
-        for index, ask in enumerate(asks):
-            take: Callable[[Answer], None] = partial(asked.take, index)
+        for place, ask in asked.asks.items():
+            take: Callable[[Answer], None] = partial(asked.take, place)
             path = ask.target.partition("?")[0]
             if self._owners.is_far(path):
                 # Whoever is behind an address is asked for the services there: nobody waits.
@@ -289,11 +288,6 @@ class Client(Closing):
         with self._host.lock:
             for owner, target, payload, answer in ready:
                 owner.ask(target, payload, answer, until)
-        asked.is_complete.wait(None if bound_s == inf else until - monotonic())
-        with self._host.lock:
-            answers = list(asked.answers)
-        late = Answer(f"no answer within {bound_s:g} s", "timeout")
-        return [self._outcome(ask, each or late) for ask, each in zip(asks, answers, strict=True)]
 
     def _start(self) -> None:
         if self._is_started and not self._is_closed:

@@ -35,7 +35,7 @@ class Properties:
         Raises:
             PropertyError: It cannot be got; its code tells how.
         """
-        from rtkit.api.client import Ask
+        from rtkit.api.asked import Ask
 
         return _plain(self._client.payload(Ask(target), self._tree.timeout_s))
 
@@ -45,7 +45,7 @@ class Properties:
         Raises:
             PropertyError: It cannot be set; its code tells how.
         """
-        from rtkit.api.client import Ask
+        from rtkit.api.asked import Ask
         from rtkit.property.plain import from_plain
 
         content = value if isinstance(value, str | bytes) else from_plain(value)

@@ -9,7 +9,8 @@ from contextlib import suppress
 from functools import partial
 from typing import Any
 
-from rtkit.api.client import Ask, Client
+from rtkit.api.asked import Ask
+from rtkit.api.client import Client
 from rtkit.api.property_change import PropertyChange
 from rtkit.closing import Closing
 from rtkit.panel.description import Panel, dressed, read_panel

@@ -274,7 +274,7 @@ class Resource(Names):
         if not conditions:
             return [each.service for each in entries], []
         asks = [Ask(entry.at(each.name)) for entry in entries for each in conditions]
-        answers = iter(self._client.ask_all(asks, within))
+        answers = iter(self._client.ask_all(asks, within, is_shared=True))
         found, unanswered = [], []
         for entry in entries:
             values = [next(answers) for _ in conditions]

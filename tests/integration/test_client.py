@@ -175,6 +175,36 @@ def test_all_are_asked_at_once_and_the_dead_and_the_slow_are_named(place: str) -
         each.close()
 
 
+def test_an_answer_that_has_come_counts_however_late_the_client_itself_is(place: str) -> None:
+    """Its loop is held up as the answer comes, until the answer would be late."""
+    with rtkit.Client() as client:
+        is_held, release = threading.Event(), threading.Event()
+
+        class Holding:
+            def get_level(self) -> float:
+                client._host.post(lambda: is_held.set() or release.wait(_BOUND_S))
+                assert is_held.wait(_BOUND_S)
+                threading.Timer(0.3, release.set).start()
+                return 0.5
+
+        for is_shared in (False, True):
+            is_held.clear(), release.clear()
+            with serve(Holding(), "l", is_on_zenoh=False):
+                asks = [rtkit.Ask("l.level")]
+                assert client.ask_all(asks, 0.1, is_shared=is_shared) == [0.5]
+
+
+def test_a_shared_request_ends_in_time_for_the_request_that_makes_it(place: str) -> None:
+    found: list[object] = []
+    with serve(Light(), "l"), rtkit.Client() as client:
+        ask = lambda: client.ask_all([rtkit.Ask("l.slow")], _BOUND_S, is_shared=True)  # noqa: E731
+        began = monotonic()
+        UnderWay(until=began + 0.5).call(lambda: found.extend(ask()))
+        assert monotonic() - began < _BOUND_S / 2
+        client.call("l.go")
+    assert [each.code for each in found if isinstance(each, PropertyError)] == ["timeout"]
+
+
 def test_what_a_request_began_may_ask_after_its_time(place: str) -> None:
     found: list[object] = []
     long_over = UnderWay(until=monotonic() - 1.0)

@@ -30,7 +30,9 @@ class Light:
         self.location = (float(x), 0.0, 0.0, 0.0, 0.0, 0.0)
         self.level = x / 10
         self._slow_s = 0.0
+        self.asked = 0
     def get_heat(self):
+        self.asked += 1
         time.sleep(self._slow_s)
         return 20.0 + self.level
     def slow(self, seconds: float):
@@ -268,6 +270,7 @@ def test_searches_at_once_of_what_is_slow_are_each_answered_in_a_second(
         }
         assert all(str(found[4].leaf) == "lights/l2" for found, _ in outcomes)
         assert max(took for _, took in outcomes) < 1.0 + 0.5
+        assert client.get("lights/l1.asked") <= 5, "they share what they ask"
     lights.close()
 
 
