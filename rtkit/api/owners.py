@@ -80,11 +80,15 @@ class Owner:
                 answer = partial(self._answered, connection, waiting)
             connection.ask(target, payload, "", answer, inf if payload is None else until)
             return
+        if self._is_closed:
+            answer(failure(_closed()))  # nobody would wait for a thread that is begun now
+            return
         self._waiting.append(_Waiting(target, payload, answer, until, is_again))
         if not self._is_connecting:
             self._is_connecting = True
-            self._dialling = threading.Thread(target=self._dial, name="connecting", daemon=True)
-            self._dialling.start()
+            dialling = threading.Thread(target=self._dial, name="connecting", daemon=True)
+            dialling.start()
+            self._dialling = dialling  # not before: who closes waits for it without the lock
 
     def _answered(self, connection: ProviderConnection, asked: _Waiting, reply: Answer) -> None:
         """Answer who asked over a wire that does not tell when the far side is gone."""
@@ -99,7 +103,7 @@ class Owner:
     def close(self) -> None:
         """End the connection; under the lock of the host."""
         self._is_closed = True
-        self._connected(PropertyError("no-service", "the client has been closed"))
+        self._connected(_closed())
         self._ended = self._connection
         if self._connection is not None:
             self._connection.close()
@@ -158,6 +162,7 @@ class Owners:
         self._settings = WireSettings(host, timeout_s)
         self._known: dict[str, tuple[PropertyTarget, Owner]] = {}
         self._owners: dict[str, Owner] = {}
+        self._is_closed = False
 
     def is_far(self, typed: str) -> bool:
         """Return whether it takes time to find a property: what is behind an address is asked."""
@@ -167,7 +172,7 @@ class Owners:
         """Return what a property is called there, and its owner.
 
         Raises:
-            RtkitError: There is no such owner.
+            RtkitError: There is no such owner, or the client has been closed.
         """
         known = self._known.get(typed)
         if known is None:
@@ -175,6 +180,8 @@ class Owners:
             if len(self._known) > _MOST_KNOWN:
                 self._known.clear()
             self._known[typed] = known
+        if self._is_closed:  # meanwhile: an owner that was found since then is nobody's to end
+            raise _closed()
         return known
 
     def forget(self, typed: str) -> None:
@@ -183,7 +190,8 @@ class Owners:
 
     def close(self) -> None:
         """End all connections; under the lock of the host."""
-        for owner in self._owners.values():
+        self._is_closed = True
+        for owner in list(self._owners.values()):
             owner.close()
 
     def join(self, until: float) -> None:
@@ -242,3 +250,7 @@ class Owners:
         from rtkit.wires.blocking_connection import blocking_calls
 
         return blocking_calls(self._host, another)
+
+
+def _closed() -> PropertyError:
+    return PropertyError("no-service", "the client has been closed")

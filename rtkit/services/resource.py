@@ -143,7 +143,8 @@ class Resource(Names):
     def __enter__(self) -> Self:
         self._is_over.clear()
         self._client = rtkit.Client()
-        threading.Thread(target=self._watching, name="probing", daemon=True).start()
+        self._probing = threading.Thread(target=self._watching, name="probing", daemon=True)
+        self._probing.start()
         return self
 
     def __exit__(self, *_: object) -> None:
@@ -153,6 +154,7 @@ class Resource(Names):
         for process in self._processes:
             self._end(process)
         self._client.close()
+        self._probing.join(self._period)
 
     @property
     def status(self) -> str:

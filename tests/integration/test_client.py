@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import math
 import os
 import signal
 import subprocess
@@ -17,6 +18,7 @@ import pytest
 import rtkit
 from rtkit.api.properties import PropertyChange
 from rtkit.property.codes import PropertyError
+from rtkit.property.messages import Answer
 from rtkit.property.requests import UNDER_WAY, UnderWay
 from rtkit.wires.serve import ServedObject, serve
 
@@ -359,3 +361,16 @@ def test_values_above_a_mebibyte_come_as_what_they_are(wire: str, place: str) ->
         with pytest.raises(PropertyError) as refused:
             client.set(f"{at}.items", items)
         assert refused.value.code == "too-large"
+
+
+def test_an_owner_that_is_asked_after_its_end_begins_no_thread(place: str) -> None:
+    """As by a thread that had found it before the client was closed."""
+    client = rtkit.Client()
+    _, owner = client._owners.find("localhost.services")
+    client.close()
+    before, answers = threading.enumerate(), list[Answer]()
+    with client._host.lock:
+        owner.ask("services", None, answers.append, math.inf)
+    assert set(threading.enumerate()) <= set(before)
+    assert [each.error for each in answers] == ["no-service"]
+    assert _error(lambda: client._owners.find("localhost.services")) == "no-service"
