@@ -13,7 +13,7 @@ from rtkit.property.messages import Answer
 
 UNSET: Any = object()
 """Stands for no value: the request is a GET."""
-_MOMENT_S = 0.1
+_MOMENT_S = 0.05
 """How long a round of shared requests may hold up the next one."""
 
 
@@ -35,7 +35,7 @@ class Ask(NamedTuple):
     in_turn: bool = False
 
 
-class Asked:
+class RequestsAtOnce:
     """Requests that are made at once; those who ask wait for the answers."""
 
     def __init__(self, asks: Sequence[Ask] = ()) -> None:
@@ -50,7 +50,7 @@ class Asked:
             self.is_complete.set()
 
 
-class SharedRequests(Asked):
+class SharedRequests(RequestsAtOnce):
     """Requests that several callers share.
 
     Attributes:

@@ -9,7 +9,7 @@ from math import inf
 from time import monotonic
 from typing import TYPE_CHECKING, Any
 
-from rtkit.api.asked import UNSET, Ask, Asked, Rounds
+from rtkit.api.asked import UNSET, Ask, RequestsAtOnce, Rounds
 from rtkit.closing import Closing
 from rtkit.errors import RtkitError
 from rtkit.property.blocks import as_bytes, blocks_of, joined_blocks
@@ -245,12 +245,12 @@ class Client(Closing):
             return []
         self._start()
         until = monotonic() + bound_s
-        asked: Asked
+        asked: RequestsAtOnce
         if latest:
             asked, places = shared = self._rounds.join(asks)
             until = min(shared[0].sent_at + bound_s, latest)
         else:
-            asked, places = Asked(asks), list(range(len(asks)))
+            asked, places = RequestsAtOnce(asks), list(range(len(asks)))
             self._make(asked, until)
         if not asked.is_complete.wait(None if bound_s == inf else max(0.0, until - monotonic())):
             self._take_in()
@@ -266,7 +266,7 @@ class Client(Closing):
             self._host.post(has_looked.set)
             has_looked.wait(_LOOK_S)
 
-    def _make(self, asked: Asked, until: float = inf) -> None:
+    def _make(self, asked: RequestsAtOnce, until: float = inf) -> None:
         """Make requests; what cannot be sent is answered."""
         ready: list[tuple[Owner, str, Payload | None, Callable[[Answer], None]]] = []
         written: tuple[Any, Payload | None] = (UNSET, None)
