@@ -12,7 +12,7 @@ from rtkit.errors import Malformed
 from rtkit.services.behaviors import MoveTo, behaviors_of, loaded
 from rtkit.services.chassis import Chassis, Wheels
 from rtkit.services.frames import ORIGIN, Frames, plain, pose_of, service_lookup, transform
-from rtkit.services.mounted import Camera, Eye, Laser
+from rtkit.services.mounted import Eye, Laser, SimulatedCamera
 from rtkit.services.sensor import Pose6
 
 _NUMBERS = itertools.count()
@@ -67,7 +67,7 @@ class MobileRobot:
         self.sensors: dict[str, Any] = {
             "laser": Laser(chassis, frames, ORIGIN, noise, seed),
             "eye": Eye(chassis, frames, head, noise, seed),
-            "camera": Camera(chassis, frames, head),
+            "camera": SimulatedCamera(chassis, frames, head),
         }
         kinds = {"moveto": MoveTo, **loaded(behaviors)}
         self.behaviors: Final = behaviors_of(chassis, frames, kinds)

@@ -18,7 +18,7 @@ Metres = rtkit.Unit("m")
 class _Mounted:
     """Sensor at a place of the base."""
 
-    type: Final = ("sensor",)
+    type: Final[tuple[rtkit.Word, ...]] = (rtkit.Word("sensor"),)
 
     def __init__(
         self, chassis: Chassis, frames: Frames, at: Pose, noise: float = 0.0, seed: int = 0
@@ -83,7 +83,7 @@ class Eye(_Mounted):
     get_data = get_markers
 
 
-class Camera(_Mounted):
+class SimulatedCamera(_Mounted):
     """Pictures of the world as it stands when they are asked for."""
 
     def get_image(

@@ -12,7 +12,6 @@ import pytest
 
 ROOT = Path(__file__).parents[2]
 TWICE = {
-    "Camera": "the sensor, on a robot of the simulated world, and of devices, films and folders",
     "CameraImage": "two OMG modules, Img and RTC, each define a structure of that name",
     "Wire": "a protocol for properties, and in a drawing a line between two ports",
     "Tree": "a connection to a manager; that of scripts is derived from it",
