@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import ssl
 from http import HTTPStatus
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from rtkit.errors import Malformed
 from rtkit.keys.tls import Trust
@@ -23,6 +23,14 @@ if TYPE_CHECKING:
 
 class _BoundedTls(BoundedReads, ssl.SSLSocket):
     """Socket behind TLS whose reads end at one moment, or that says as others that nothing came."""
+
+    def sendall(self, *args: Any) -> None:
+        """Send all of it; who has been denied meanwhile is told so, not that nobody listens."""
+        try:
+            super().sendall(*args)
+        except OSError:
+            self.recv(1)  # raises what the other side said last, if that was anything
+            raise
 
     def recv(self, *args: int) -> bytes:
         """Receive what is there, or comes in time."""
