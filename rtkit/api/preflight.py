@@ -74,7 +74,7 @@ def missing(session: Session, system: WantedSystem, snapshot: Snapshot) -> dict[
 def _lacking(session: Session, asked: Mapping[str, Making], live: LiveIndex) -> dict[str, str]:
     found: dict[str, str] = {}
     for manager, known in live.managers.items():
-        mine = {name: making for name, making in asked.items() if live.home(name) == manager}
+        mine = {name: making for name, making in asked.items() if live.destination(name) == manager}
         if mine and known.pid:
             found.update(_lacking_at(session, manager, mine))
     return found

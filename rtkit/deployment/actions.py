@@ -54,12 +54,14 @@ class Create:
 
     Attributes:
         is_strict: Refuse where there would be a note, and leave nothing.
+        manager: Which of several managers is to do it; never sent.
     """
 
     create: str
     names: tuple[str, ...] = ()
     pattern: ComponentPattern | None = None
     is_strict: bool = False
+    manager: str = ""
 
 
 @dataclass(frozen=True, slots=True)

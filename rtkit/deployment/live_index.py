@@ -34,6 +34,7 @@ class LiveIndex:
         self._managers = {each.manager: each for each in (snapshot, *snapshot.others)}
         self._lives: dict[str, str] = {}
         self._belongs: dict[str, str] = {}
+        self._moving = {c.instance for c in system.components if c.may_move}
         if snapshot.others:
             from rtkit.deployment.multi_manager import homes_in
 
@@ -70,6 +71,12 @@ class LiveIndex:
         """Return the manager that a component lives in, or belongs to."""
         belongs = self._belongs.get(instance, self.snapshot.manager)
         return self._lives.get(instance, belongs)
+
+    def destination(self, instance: str) -> str:
+        """Return the manager that a component is to be in: its home, unless it is to move."""
+        if instance in self._moving:
+            return self._belongs.get(instance, self.snapshot.manager)
+        return self.home(instance)
 
     def is_guest(self, facts: ComponentFacts) -> bool:
         """Return whether a component came by itself, as data tools do, and ends by itself."""
@@ -110,7 +117,8 @@ class LiveIndex:
         facts = self._instances.get(wanted.instance) if self._takes_namesakes else None
         if facts is None or facts.zombie or wanted.unknown_host:
             return None
-        return facts if self._lives.get(facts.instance, "") == belongs else None
+        is_home = self._lives.get(facts.instance, "") == belongs
+        return facts if is_home or wanted.may_move else None
 
     def _by_manager(self, wanted: WantedComponent, belongs: str) -> ComponentFacts | None:
         """Return a component that its path names below its manager, or its slave."""

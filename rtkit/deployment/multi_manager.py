@@ -174,7 +174,7 @@ def manager_for(
         case act.Load() | act.Unload():
             return action.manager or usual
         case act.Create():
-            return homes.get(parse_create(action.create).instance_name, usual)
+            return action.manager or homes.get(parse_create(action.create).instance_name, usual)
         case act.Connect():
             return homes.get(action.connector.ports[0].instance, usual)
         case act.Disconnect():
@@ -198,7 +198,8 @@ def sent(action: Action, manager: str, homes: Homes = NOWHERE) -> Action:
     if isinstance(action, (act.Load, act.Unload)):
         return replace(action, manager="")
     if isinstance(action, act.Create):
-        return replace(action, names=tuple(inward(name, manager) for name in action.names))
+        names = tuple(inward(name, manager) for name in action.names)
+        return replace(action, names=names, manager="")
     if isinstance(action, (act.Register, act.Unregister)):
         return replace(action, name=inward(action.name, manager))
     return action

@@ -60,6 +60,8 @@ class WantedComponent:
         policy: All that is done about its end and its health; None where nothing is stated of it.
         is_create_stated: The profile itself states the create string.
         kept: Set and name of parameters that are only set in a component just made.
+        more_names: Further names under which it is registered when it is made.
+        may_move: It is to leave the manager that it lives in if that is another one.
     """
 
     id: str
@@ -83,6 +85,8 @@ class WantedComponent:
     policy: Mapping[str, str] | None = None
     is_create_stated: bool = False
     kept: frozenset[tuple[str, str]] = frozenset()
+    more_names: tuple[str, ...] = ()
+    may_move: bool = False
 
     @property
     def members(self) -> tuple[str, ...]:

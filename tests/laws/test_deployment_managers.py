@@ -6,7 +6,7 @@ from dataclasses import replace
 
 from fake_manager import meet
 from fake_tree import fake_tree
-from hypothesis import given, settings
+from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from systems import ACTIVE, INACTIVE, INSTANCES, disturb, disturbances, make_world, profiles
 
@@ -17,6 +17,7 @@ from rtkit.deployment.capture import SystemHeading, capture
 from rtkit.deployment.deviations import deviations
 from rtkit.deployment.goal import DeploymentGoal
 from rtkit.deployment.live_index import LiveIndex
+from rtkit.deployment.moving import MoveRecord, before, ends_elsewhere, move_goal, record_of
 from rtkit.deployment.multi_manager import homes_in
 from rtkit.deployment.planning.operators import judge
 from rtkit.deployment.runner import PlanRunner
@@ -26,6 +27,7 @@ from rtkit.errors import RtkitError, Unreachable
 from rtkit.profile import rts_model as rts
 from rtkit.profile.common import ExtensionProperty
 from rtkit.rtc.enums import ReturnCode
+from rtkit.rtc.serde import decode_text, encode_text
 from rtkit.tree.manager_set import ManagerSet
 from rtkit.tree.resurrect import resurrect
 from rtkit.tree.start import Starter
@@ -286,3 +288,131 @@ def test_activations_keep_their_order_across_managers(order, where):
         world.fault = lambda action: log.append(action)
     managers.reach(managers.goal(plain_profile(homes), ranks={n: r for r, n in enumerate(order)}))
     assert [a.instance for a in log if isinstance(a, act.ChangeState)] == list(order)
+
+
+# moves
+
+PLACES = st.tuples(st.sampled_from(NAMES), st.sampled_from(["", "s", "arm"]))
+HEADING = SystemHeading("2025-01-01T00:00:00")
+
+
+def begun(managers, instance, place):
+    """Return the record of a move, as it is read again from its file."""
+    source = homes_in(managers.snapshot())[instance]
+    homes = ends_elsewhere(managers.fleet().at(source).snapshot(), instance)
+    record = record_of(managers.snapshot(), instance, source, place, homes)
+    return decode_text(MoveRecord, encode_text(record))
+
+
+def carry_out(managers, record):
+    """Move by what lives now."""
+    fleet = managers.fleet()
+    fleet.homes = dict(record.homes)
+    now, goal = fleet.snapshot(), move_goal(record)
+    was = before(now, record)
+    plan = goal.plan(now, was)
+    assert judge(plan.model, plan.moves) == ""
+    Applier(fleet, goal, silent, silent).run(plan, was, rolls_back=True)
+
+
+def described(managers, moved=""):
+    """Return all that is saved of what lives; of who has moved all but the place."""
+    whole = ManagerSet(NAMES, managers.fleet().trees, {}).snapshot()
+    profile = capture(whole, HEADING, takes_all=True)
+
+    def placeless(component):
+        kept = [p for p in component.properties if p.name != "rtkit.create"]
+        return replace(component, path_uri="", properties=tuple(kept))
+
+    def anywhere(connector):
+        ends = (
+            replace(end, properties=()) if end.instance_name == moved else end
+            for end in (connector.source, connector.target)
+        )
+        return replace(connector, source=next(ends), target=next(ends))
+
+    components = [placeless(c) if c.instance_name == moved else c for c in profile.components]
+    states = {c.instance: c.state for c in whole.components}
+    return (
+        components,
+        sorted(map(anywhere, profile.data_port_connectors), key=lambda c: c.connector_id),
+        sorted(map(anywhere, profile.service_port_connectors), key=lambda c: c.connector_id),
+        states,
+    )
+
+
+def bearers(managers, instance):
+    return [name for name, world in managers.worlds.items() if instance in world.components]
+
+
+def system(data, drawn):
+    profile, homes = drawn
+    managers = Managers(homes)
+    managers.reach(managers.goal(profile, data.draw(st.sampled_from([ACTIVE, INACTIVE]))))
+    instance = data.draw(st.sampled_from(sorted(homes)))
+    place = data.draw(PLACES)
+    found = []
+    why = attempt(lambda: found.append(begun(managers, instance, place)))
+    assert found or "cannot be moved" in why
+    assume(found)
+    return managers, instance, place, found[0]
+
+
+@given(st.data(), spread())
+@few
+def test_it_is_there_what_it_was_here_and_a_second_move_does_nothing(data, drawn):
+    managers, instance, (manager, slave), record = system(data, drawn)
+    was = described(managers, instance)
+    carry_out(managers, record)
+    assert described(managers, instance) == was
+    assert bearers(managers, instance) == [manager]
+    assert managers.snapshot().component(instance).process == (slave or manager)
+    again = begun(managers, instance, (manager, slave))
+    now = managers.snapshot()
+    assert not move_goal(again).plan(now, before(now, again)).moves
+
+
+@given(st.data(), spread(), st.integers(0, 12))
+@few
+def test_killed_anywhere_it_goes_on_by_its_record(data, drawn, when):
+    managers, instance, (manager, _), record = system(data, drawn)
+    was = described(managers, instance)
+    count = 0
+
+    def killed(_action):
+        nonlocal count
+        count += 1
+        assert len(bearers(managers, instance)) <= 1
+        if count > when:
+            raise Unreachable("killed")
+
+    for world in managers.worlds.values():
+        world.fault = killed
+    attempt(lambda: carry_out(managers, record))
+    for world in managers.worlds.values():
+        world.fault = lambda _: None
+    carry_out(managers, record)
+    assert described(managers, instance) == was
+    assert bearers(managers, instance) == [manager]
+
+
+@given(st.data(), spread(), st.integers(0, 12))
+@few
+def test_what_fails_leaves_it_as_and_where_it_was(data, drawn, when):
+    managers, instance, _, record = system(data, drawn)
+    was, count = described(managers), 0
+
+    def fault(_action):
+        nonlocal count
+        count += 1
+        return Result(ReturnCode.ERROR, "refused", "no luck") if count - 1 == when else None
+
+    for world in managers.worlds.values():
+        world.fault = fault
+    why = attempt(lambda: carry_out(managers, record))
+    for world in managers.worlds.values():
+        world.fault = lambda _: None
+    if why:
+        assert "everything is as it was before" in why
+        assert described(managers) == was
+        assert bearers(managers, instance) == [record.source.manager]

@@ -167,6 +167,7 @@ BEFORE: dict[str, tuple[str, ...]] = {
     "rtlog -a -f run.mcap": ("rm run.mcap",),
     "rtlog -f run.mcap 'Robot*:pose'": ("rm run.mcap",),
     "rttype show -f run.mcap RTC::TimedPose2D": RECORDED,
+    "rtmove -n /localhost/Motor0.rtc /localhost/m2.mgr": ("rtmgr start m2",),
     "rtprint Robot0.rtc:pose": ("rtact Robot0.rtc",),
     "rtprint -n 1 -f data.position.x Robot0.rtc:pose": ("rtact Robot0.rtc",),
     "rtprint -t 2 --json A0.rtc:out B0.rtc:out": ("rtact A0.rtc B0.rtc",),

@@ -429,6 +429,7 @@ _MAKERS: dict[str, Maker] = {
     "loaded-module": lambda asked, live: those(
         (each["path"] for each in live.part()["modules"]), asked.typed
     ),
+    "manager|slave": _all(WantedPath(lambda node: _is_manager(node) or node.is_slave)),
     "manager": _all(WantedPath(_is_manager)),
     "manager-name": _manager_names,
     "manager|component": _all(WantedPath(lambda node: living(node) or _is_manager(node))),

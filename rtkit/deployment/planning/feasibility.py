@@ -58,11 +58,12 @@ def makings(system: WantedSystem, live: LiveIndex) -> dict[str, Making]:
         if component.pattern is not None or not text:
             continue
         create = parse_create(text)
-        facts = live.at(component.instance)
-        manager = live.home(component.instance)
+        name = component.instance
+        facts = live.at(name)
         is_there = facts is not None and (
             create.is_place_open
-            or place_name(manager, facts.process) == place_name(manager, create.place)
+            or place_name(live.home(name), facts.process)
+            == place_name(live.destination(name), create.place)
         )
         if not is_there:
             bare = str(create).partition("?")[0]

@@ -8,6 +8,7 @@ from rtkit.component.port_matching import refusal
 from rtkit.deployment.creation import is_loaded
 from rtkit.deployment.facts import ComponentFacts, Snapshot
 from rtkit.deployment.live_index import LiveIndex, absence, mismatch, states_of
+from rtkit.deployment.multi_manager import homes_in
 from rtkit.deployment.planning import component_settings
 from rtkit.deployment.planning import model as var
 from rtkit.deployment.planning.component_settings import ComponentSetting
@@ -27,7 +28,7 @@ from rtkit.deployment.planning.step_costs import USUAL, Costs
 from rtkit.deployment.system import WantedComponent, WantedConnector, WantedSystem, address
 from rtkit.deployment.wiring import is_same_connector, missing_end
 from rtkit.errors import Impossible
-from rtkit.fast_dataclass import dataclass, field
+from rtkit.fast_dataclass import dataclass, field, replace
 from rtkit.rtc.create import CreateString, parse_create
 from rtkit.rtc.enums import LifeCycleState
 from rtkit.rtc.profiles import ConnectorProfile, PortProfile, PortRef, split_module
@@ -106,6 +107,12 @@ class ModelBuilder:
         self.replaces = wanted.replaces or is_back
         self._joined = {connector.connector_id: connector for connector in self._began.connectors}
         self._before = {facts.instance: facts for facts in self._began.components}
+        for name in (c.instance for c in self.system.components if c.may_move):
+            was, manager = self._before.get(name), homes_in(self._began).get(name, "")
+            if was is not None and manager != live.home(name):
+                # A slave of that name is another one there.
+                process = place_name(manager, was.process)
+                self._before[name] = replace(was, process=process)
         self._units: dict[str, ComponentVariable] = {}
         self._connectors: dict[str, ConnectionVariable] = {}
         self._keys: dict[str, ParameterVariable] = {}
@@ -179,7 +186,7 @@ class ModelBuilder:
         name = component.instance
         create = self.live.create_of(component)
         made = parse_create(create) if create else CreateString("")
-        place = self._place(name, made.place)
+        place = place_name(self.live.destination(name), made.place)
         lack = why_not or self._lack(component)
         places = () if lack or not create else (place,)
         why = lack or ("" if create else f"nothing tells how to make {component.path}")
@@ -306,11 +313,12 @@ class ModelBuilder:
         """Return the module that a component needs, and note whether it is loaded."""
         if not component.module or component.pattern is not None:
             return ""
-        manager = self.live.home(component.instance)
         path, init = split_module(component.module)
-        loaded = self.live.managers[manager].modules
-        if any(is_loaded(known, path, init) for known in loaded):
-            self._live[f"mod:{manager}/{component.module}"] = var.LOADED
+        name = component.instance
+        for manager in {self.live.home(name), self.live.destination(name)}:
+            loaded = self.live.managers[manager].modules
+            if any(is_loaded(known, path, init) for known in loaded):
+                self._live[f"mod:{manager}/{component.module}"] = var.LOADED
         return component.module
 
     def _parameters(self, component: WantedComponent, facts: ComponentFacts | None) -> None:

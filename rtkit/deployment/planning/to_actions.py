@@ -13,7 +13,7 @@ from rtkit.deployment.facts import ComponentFacts
 from rtkit.deployment.layered_plan import Layer, PlannedAction
 from rtkit.deployment.live_index import LiveIndex, context_of
 from rtkit.deployment.planning.component_settings import ACTIVE_SET, NAME, NAMELESS, POLICY, RATE
-from rtkit.deployment.planning.model import Model, is_inproc, owner_of
+from rtkit.deployment.planning.model import Model, is_inproc, manager_of, owner_of
 from rtkit.deployment.planning.operators import Operator
 from rtkit.deployment.system import WantedSystem
 from rtkit.errors import Refused
@@ -88,7 +88,7 @@ class ActionBuilder:
         was = self._before.namesake(name)
         if wanted is not None and self._before.create_of(wanted):
             text, pattern = self._before.create_of(wanted), wanted.pattern
-            names: tuple[str, ...] = (wanted.name,)
+            names: tuple[str, ...] = (wanted.name, *wanted.more_names)
         else:
             assert was is not None
             text, names = was.create, was.names
@@ -99,7 +99,8 @@ class ActionBuilder:
             create = create.with_options(manager_name=slave)
         elif is_inproc(place):
             create = create.with_options(manager_name="")
-        return act.Create(str(create), names, pattern)
+        manager = manager_of(place) if self._before.snapshot.others else ""
+        return act.Create(str(create), names, pattern, manager=manager)
 
     def _connection(self, move: Operator) -> Action:
         parts = move.subject.split("\n")

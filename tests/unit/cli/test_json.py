@@ -86,8 +86,8 @@ ELSEWHERE = {
 
 WITHOUT = {
     "rtact", "rtapply", "rtcomp", "rtcon", "rtdeact", "rtdel", "rtdis", "rtexit",
-    "rtinject", "rtproxy", "rtreset", "rtresurrect", "rtserve", "rtset", "rtstart", "rtstop",
-    "rtteardown",  # change, and tell nothing
+    "rtinject", "rtmove", "rtproxy", "rtreset", "rtresurrect", "rtserve", "rtset",
+    "rtstart", "rtstop", "rtteardown",  # change, and tell nothing
     "rtcwd",  # prints what a shell is to evaluate
     "rthost", "rtkeys", "rtpkg", "rtprofile",  # their words have it
     "rtdoc", "rtstodot",  # write documents of other forms

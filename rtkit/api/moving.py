@@ -1,0 +1,272 @@
+"""Moves one component to another slave or manager, by the cheapest plan; killed, it can go on.
+
+What the component was like is in a file, `MoveRecord`, from before the first step until all is
+done: so the same command goes on where it was killed.
+"""
+
+from __future__ import annotations
+
+import os
+from contextlib import suppress
+from typing import TYPE_CHECKING, NamedTuple
+
+from rtkit.errors import InvalidDocument, Malformed, NotFound, Refused, RtkitError
+from rtkit.rtc.names import MANAGER_SUFFIX, Path, check_instance_name, is_local_host
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Mapping
+
+    from rtkit.api.session import Session
+    from rtkit.deployment.facts import Snapshot
+    from rtkit.deployment.goal import DeploymentGoal
+    from rtkit.deployment.moving import MoveRecord
+    from rtkit.deployment.planning.deployment_plan import DeploymentPlan
+    from rtkit.deployment.planning.model_builder import BuiltModel
+    from rtkit.tree.plan_locks import PlanLocks
+
+_SUFFIX = ".move"
+
+
+class Move(NamedTuple):
+    """A move that is planned: where from and where to, and the way from what lives now."""
+
+    record: MoveRecord
+    goal: DeploymentGoal
+    before: Snapshot
+    plan: DeploymentPlan
+    survey: BuiltModel
+
+
+def prepare(session: Session, path: Path, target: Path, *, lock: PlanLocks | None = None) -> Move:
+    """Look at what lives and plan the move of the component at a path; nothing is changed.
+
+    A `lock` keeps others off from before the look.
+
+    Raises:
+        NotFound: There is no such component, or target.
+        Unreachable: A manager that has to do with it does not run, or does not answer.
+        Refused: The component cannot be moved, or its name is taken there.
+        Impossible: Its module is not found there.
+    """
+    from rtkit.deployment.moving import before, move_goal
+    from rtkit.fast_dataclass import replace
+
+    place = _place(target)
+    record = _unfinished(path, place)
+    if record is None:
+        record = _begun(session, path, place, lock)
+    else:
+        _join(session, record.managers, record.homes, lock)
+    from rtkit.api.looking import snapshot
+    from rtkit.api.planning import settled_costs
+    from rtkit.api.preflight import look_ahead
+
+    now = snapshot(session)
+    goal = move_goal(record)
+    goal = replace(
+        goal,
+        costs=settled_costs(session, (), goal.system, now, is_measured=True),
+        feasibility=look_ahead(session, goal.system, now),
+        is_strict=session.is_strict,
+    )
+    was = before(now, record)
+    survey = goal.survey(now, was)
+    session.warn(survey.notes, mark="")
+    return Move(record, goal, was, goal.plan(now, was), survey)
+
+
+def carry_out(session: Session, move: Move) -> None:
+    """Carry a move out; when a step fails, lead back to what was before.
+
+    Raises:
+        Refused: A step failed; the message says what became of it.
+        Unreachable: A manager does not answer.
+        KeyboardInterrupt: Interrupted; its text states what is left.
+    """
+    from rtkit.api import step_times
+    from rtkit.deployment.applying import Applier
+    from rtkit.tree.grace import uninterrupted
+
+    record, goal, was, plan, survey = move
+    _keep(record)
+    report = session.report
+    try:
+        with step_times.noting(session, goal.system, was) as taken:
+            applier = Applier(session.tree, goal, report, report, taken, survey, uninterrupted)
+            applier.run(plan, was, rolls_back=True)
+    except (RtkitError, KeyboardInterrupt):
+        with suppress(RtkitError):
+            if _is_back(session.tree.remains(), record):
+                _forget(record)
+        raise
+    _forget(record)
+
+
+def finish(move: Move) -> None:
+    """Forget a move of which nothing is left to be done."""
+    _forget(move.record)
+
+
+def _place(target: Path) -> tuple[str, str]:
+    """Return the manager and the slave that a path names.
+
+    Raises:
+        NotFound: Its host is not known.
+        Refused: It is on another host, or no path of a manager or slave.
+    """
+    from rtkit.link.places import host_name
+    from rtkit.tree.place import check_is_here
+
+    check_is_here(target, "components are moved")
+    host, *names = target.elements or ("",)
+    if host and not is_local_host(host, host_name()):
+        raise NotFound(f"No such object: {target.typed}")
+    is_place = len(names) in (1, 2) and all(each.endswith(MANAGER_SUFFIX) for each in names)
+    if not is_place or target.port is not None:
+        raise Refused(f"Not a manager, and not a slave: {target.typed}")
+    manager, slave, *_ = (*(each.removesuffix(MANAGER_SUFFIX) for each in names), "")
+    for name in filter(None, (manager, slave)):
+        check_instance_name(name)
+    return manager, "" if slave == manager else slave
+
+
+def _begun(
+    session: Session, path: Path, place: tuple[str, str], lock: PlanLocks | None
+) -> MoveRecord:
+    from rtkit.api.looking import snapshot
+    from rtkit.deployment.moving import ends_elsewhere, record_of
+    from rtkit.tree.place import check_is_here
+    from rtkit.tree.resolve import component
+
+    check_is_here(path, "components are moved")
+    root, hostname = session.root(path, is_deep=False)
+    instance, source = component(root, path, hostname).instance, session.tree.manager
+    homes = ends_elsewhere(session.tree.snapshot(), instance)
+    _join(session, (source, *homes.values(), place[0]), homes, lock)
+    there = f"/localhost/{place[0]}{MANAGER_SUFFIX}"
+    if source != place[0] and session.tree.at(place[0]).snapshot().component(instance) is not None:
+        raise Refused(f"{instance} cannot be moved: its name is taken at {there}")
+    whole = snapshot(session)
+    record = record_of(whole, instance, source, place, homes)
+    own = session.tree.at(source).snapshot()
+    joined = {each.connector_id for each in record.connectors}
+    lost = [
+        each
+        for each in own.connectors
+        if any(end.instance == instance for end in each.ports) and each.connector_id not in joined
+    ]
+    if lost:
+        raise Refused(f"{instance} cannot be moved: only half of {lost[0].connector_id} is there")
+    return record
+
+
+def _join(
+    session: Session, names: Iterable[str], homes: Mapping[str, str], lock: PlanLocks | None
+) -> None:
+    """Have a session ask several managers as one, the usual one first, and take their locks.
+
+    Raises:
+        Unreachable: One does not run.
+    """
+    from rtkit.api.looking import take
+    from rtkit.tree.connect import connect
+    from rtkit.tree.manager_set import ManagerSet
+
+    usual = session.usual_manager
+    found = list(dict.fromkeys(names))
+    found.sort(key=lambda name: name != usual)
+    if session.finds_managers:
+        trees = {}
+        try:
+            for name in found:
+                trees[name] = connect(name, session.timeout_s)
+        except BaseException:
+            for tree in trees.values():
+                tree.close()
+            raise
+        session.ask(ManagerSet(found, trees, dict(homes)) if len(found) > 1 else trees[found[0]])
+    elif found != [session.tree.manager]:
+        raise Refused(f"managers {', '.join(found)} have to do with it: only one is connected")
+    take(session, lock)
+
+
+def _is_back(now: Snapshot, record: MoveRecord) -> bool:
+    """Return whether all that a move took apart is as it was, so that nothing is to be kept."""
+    from rtkit.deployment.multi_manager import homes_in
+
+    name, there = record.facts.instance, {each.connector_id for each in now.connectors}
+    facts = now.component(name)
+    return (
+        facts is not None
+        and not facts.zombie
+        and facts.process == record.facts.process
+        and homes_in(now)[name] == record.source.manager
+        and facts.state == record.facts.state
+        and facts.sets == record.facts.sets
+        and {each.connector_id for each in record.connectors} <= there
+    )
+
+
+# the record
+
+
+def _file(record: MoveRecord) -> str:
+    from rtkit.link.places import state_dir
+
+    name = f"{record.source.manager}.{record.facts.instance}{_SUFFIX}"
+    return os.path.join(state_dir(), name)
+
+
+def _keep(record: MoveRecord) -> None:
+    from rtkit.link.atomic import write_output
+    from rtkit.link.places import make_private, state_dir
+    from rtkit.rtc.serde import encode_text
+
+    make_private(state_dir())
+    write_output(encode_text(record).encode(), _file(record))
+
+
+def _forget(record: MoveRecord) -> None:
+    with suppress(FileNotFoundError):
+        os.unlink(_file(record))
+
+
+def _unfinished(path: Path, place: tuple[str, str]) -> MoveRecord | None:
+    """Return the record of the same move, if one was begun and not finished.
+
+    Raises:
+        InvalidDocument: It is damaged.
+    """
+    from rtkit.deployment.moving import MoveRecord
+    from rtkit.link.places import host_name, state_dir
+    from rtkit.rtc.serde import decode_text
+
+    try:
+        files = sorted(name for name in os.listdir(state_dir()) if name.endswith(_SUFFIX))
+    except FileNotFoundError:
+        return None
+    for name in files:
+        file = os.path.join(state_dir(), name)
+        try:
+            with open(file, encoding="utf-8") as stream:
+                record = decode_text(MoveRecord, stream.read())
+        except (OSError, ValueError, Malformed) as error:
+            raise InvalidDocument(f"{file}: the record of a move is damaged: {error}") from error
+        if (record.manager, record.slave) == place and _means(path, record, host_name()):
+            return record
+    return None
+
+
+def _means(path: Path, record: MoveRecord, hostname: str) -> bool:
+    """Return whether a path names the component of a move, where it was or where it goes."""
+    host, *rest = path.elements or ("",)
+    local = "localhost" if is_local_host(host, hostname) else host
+    typed = "/".join((local, *rest))
+    source, facts = record.source.manager, record.facts
+    names = {*record.shown_at(source), *record.shown_at(record.manager)}
+    leaf = f"{facts.instance}.rtc"
+    for manager, process in ((source, facts.process), (record.manager, record.slave)):
+        names.add(f"localhost/{manager}.mgr/{leaf}")
+        if process not in ("", manager):
+            names.add(f"localhost/{manager}.mgr/{process}.mgr/{leaf}")
+    return typed in names

@@ -1,0 +1,120 @@
+"""A component moves between slaves and managers; command and managers are killed on the way."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+from pathlib import Path
+from typing import Any
+
+ROOT = Path(__file__).parents[2]
+MOVE = "rtmove /localhost/Sample.rtc /localhost/m2.mgr/arm.mgr"
+WHERE = "/localhost/m2.mgr/Sample.rtc"
+PATHS = (WHERE, "/localhost/Sample.rtc")
+
+
+def pid_of(shell: Any, manager: str) -> int:
+    return int(json.loads(shell.ok(f"rtmgr status --json {manager}"))["pid"])
+
+
+def set_up(shell: Any) -> None:
+    """Have an Active component with a connection and a value of its own, and a second manager."""
+    shell.ok("rtmgr start m2")
+    shell.ok("rtmgr -c ConfigSample?instance_name=Other /localhost/manager.mgr")
+    shell.ok("rtmgr -c SeqOut?instance_name=Sample&manager_name=s1 /localhost/manager.mgr")
+    shell.ok("rtmgr -c SeqIn?instance_name=Sink /localhost/manager.mgr")
+    shell.ok("rtcon /localhost/Sample.rtc:Long /localhost/Sink.rtc:Long")
+    shell.ok("rtconf /localhost/Sample.rtc set length 3")
+    shell.ok("rtact /localhost/Sample.rtc")
+
+
+def done(shell: Any, line: str) -> None:
+    """Have a command do its steps, which it tells."""
+    outcome = shell.run(line)
+    assert outcome.status == 0, outcome.err
+
+
+def is_whole(shell: Any, path: str) -> bool:
+    """Return whether the component is at a path and nowhere else, as it was set up."""
+    listed = shell.ok("rtfind -n Sample.rtc /").splitlines()
+    assert [each for each in listed if each in PATHS] == [path]
+    assert "Active" in shell.ok(f"rtcat {path}")
+    assert "+Connected to  /localhost/" in shell.ok(f"rtcat -l {path}:Long")
+    return shell.ok(f"rtconf {path} get length") == "3\n"
+
+
+def killed_behind(shell: Any, line: str, pid: int | None = None) -> None:
+    """Kill the move, or another process, once a step is told to be done."""
+    running = shell.open(MOVE)
+    told = ""
+    while line not in told:
+        told = running.stderr.readline()
+        assert told
+    os.kill(running.pid if pid is None else pid, signal.SIGKILL)
+    shell.end_of(running)
+
+
+def test_a_component_moves_with_all_that_it_has(manager: Any) -> None:
+    shell = manager
+    set_up(shell)
+    planned = shell.ok(f"{MOVE} -n")
+    assert "create Sample on m2 in slave arm" in planned
+    assert is_whole(shell, "/localhost/Sample.rtc")
+
+    done(shell, MOVE)
+    assert is_whole(shell, WHERE)
+    assert "/localhost/m2.mgr/arm.mgr/Sample.rtc" in shell.ok("rtfind -n Sample.rtc /")
+    done(shell, f"rtmove {WHERE} /localhost/manager.mgr")
+    assert is_whole(shell, "/localhost/Sample.rtc")
+    assert shell.run("rtmove -n /localhost/Sample.rtc /localhost/manager.mgr").out.startswith(
+        "nothing to do"
+    )
+
+    # What cannot be is refused before anything is changed.
+    shell.ok("rtmgr -c SeqOut?instance_name=Sample /localhost/m2.mgr")
+    taken = "rtmove: Sample cannot be moved: its name is taken at /localhost/m2.mgr\n"
+    assert shell.run(MOVE) == (1, "", taken)
+    shell.ok("rtexit /localhost/m2.mgr/Sample.rtc")
+    unknown = shell.run("rtmove /localhost/Sample.rtc /localhost/m3.mgr")
+    assert unknown.status == 1
+    assert "manager 'm3' is not running" in unknown.err
+    other = shell.run("rtmove /localhost/Sample.rtc /localhost/Sink.rtc")
+    assert other.err == "rtmove: Not a manager, and not a slave: /localhost/Sink.rtc\n"
+    assert is_whole(shell, "/localhost/Sample.rtc")
+
+
+def test_where_the_module_is_not_found_nothing_ends(manager: Any) -> None:
+    shell = manager
+    shell.ok("rtmgr start m2")
+    file = shell.folder / "mine.py"
+    file.write_text((ROOT / "examples/basic/SeqOut.py").read_text())
+    shell.ok(f"rtmgr -l {file}:SeqOutInit /localhost/manager.mgr")
+    shell.ok("rtmgr -c SeqOut?instance_name=Sample /localhost/manager.mgr")
+    file.unlink()
+    refused = shell.run(MOVE)
+    assert refused.status == 1
+    assert refused.err.startswith("rtmove: impossible: Sample")
+    assert "mine.py" in refused.err
+    assert shell.ok("rtfind -un Sample.rtc /") == "/localhost/Sample.rtc\n"
+
+
+def test_killed_on_the_way_the_same_command_goes_on(manager: Any) -> None:
+    shell = manager
+    set_up(shell)
+    killed_behind(shell, "delete Sample")
+    done(shell, MOVE)
+    assert is_whole(shell, WHERE)
+    assert shell.run(MOVE).err.startswith("rtmove: No such object: /localhost/Sample.rtc")
+    done(shell, f"rtmove {WHERE} /localhost/manager.mgr/s1.mgr")
+
+    killed_behind(shell, "delete Sample", pid_of(shell, "m2"))
+    shell.ok("rtmgr start m2")
+    done(shell, MOVE)
+    assert is_whole(shell, WHERE)
+    done(shell, f"rtmove {WHERE} /localhost/manager.mgr/s1.mgr")
+
+    killed_behind(shell, "create Sample", pid_of(shell, "manager"))
+    shell.ok("rtmgr start")
+    done(shell, MOVE)
+    assert is_whole(shell, WHERE)
