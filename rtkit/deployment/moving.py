@@ -1,6 +1,6 @@
 """Moves a component to another slave or manager: what is wanted then, and what it was before.
 
-See decision 72.
+See decision 73.
 """
 
 from __future__ import annotations
