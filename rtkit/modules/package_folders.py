@@ -1,6 +1,7 @@
 """Finds the folders of installed packages: NAME/VERSION, several versions side by side.
 
-They are made by ``rtpkg install``, renamed last: what is there is whole.
+They are made by ``rtpkg install``, renamed last: what is there is whole. A folder without the
+record of an installation, or a link to another folder, is none of them.
 """
 
 from __future__ import annotations
@@ -8,6 +9,9 @@ from __future__ import annotations
 import os
 from collections.abc import Iterator
 from typing import NamedTuple
+
+RECORD = ".rtkit-package.json"
+"""File of a version's folder: what was installed."""
 
 
 class PackageFolder(NamedTuple):
@@ -37,11 +41,19 @@ def folders() -> Iterator[PackageFolder]:
             except InvalidVersion:
                 versions.sort(reverse=True)
         for version in versions:
-            yield PackageFolder(name, version, os.path.join(top, name, version))
+            path = os.path.join(top, name, version)
+            if os.path.isfile(os.path.join(path, RECORD)):
+                yield PackageFolder(name, version, path)
 
 
 def _entries(folder: str) -> list[str]:
+    """Return the names of the folders in a folder, without links and what is hidden."""
     try:
-        return sorted(each for each in os.listdir(folder) if not each.startswith("."))
+        with os.scandir(folder) as entries:
+            return sorted(
+                each.name
+                for each in entries
+                if not each.name.startswith(".") and each.is_dir(follow_symlinks=False)
+            )
     except OSError:
         return []

@@ -19,7 +19,7 @@ from packaging.requirements import Requirement
 from packaging.utils import canonicalize_name
 
 from rtkit.errors import Malformed, NotFound, Refused
-from rtkit.modules.package_folders import folders, root
+from rtkit.modules.package_folders import RECORD, folders, root
 from rtkit.packages.bundle import unpacked
 from rtkit.packages.repository import Repositories
 from rtkit.packages.resolving import fetch, resolve
@@ -27,7 +27,6 @@ from rtkit.packages.tools import pip
 from rtkit.packages.wheel import Wheel, read_wheel
 from rtkit.rtc.nearest import did_you_mean
 
-_RECORD = ".rtkit-package.json"
 _DRAFTS = ".drafts"
 _WHEELS = ".wheels"
 _LOCK = "rtkit.lock/1"
@@ -56,7 +55,7 @@ def installed() -> list[Installed]:
     found = []
     for each in folders():
         try:
-            with open(os.path.join(each.path, _RECORD), encoding="utf-8") as file:
+            with open(os.path.join(each.path, RECORD), encoding="utf-8") as file:
                 record = json.load(file)
             types, requires = tuple(record["types"]), tuple(record["requires"])
             found.append(Installed(*each, types, requires, dict(record["wheels"])))
@@ -155,7 +154,7 @@ def _unpacked(wheels: list[Wheel], draft: str) -> str:
         "requires": own.requires,
         "wheels": {each.file: each.sha256 for each in wheels},
     }
-    with open(os.path.join(whole, _RECORD), "w", encoding="utf-8") as file:
+    with open(os.path.join(whole, RECORD), "w", encoding="utf-8") as file:
         json.dump(record, file, indent=1)
     return whole
 

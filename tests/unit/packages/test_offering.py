@@ -8,6 +8,7 @@ import pytest
 from wheelkit import made, unpacked
 
 from rtkit.deployment.described import properties_of
+from rtkit.modules.package_folders import folders
 from rtkit.packages.offering import chosen, offerings
 from rtkit.profile.common import ExtensionProperty
 from rtkit.profile.rts_model import ComponentInstance, RtsProfile
@@ -72,3 +73,11 @@ def test_a_module_that_offers_the_very_type_stays() -> None:
 )
 def test_what_no_package_makes_is_left_as_it_is(id: str, told: dict[str, str]) -> None:
     assert of(id, **told) == told
+
+
+def test_a_link_or_a_folder_without_a_record_is_no_version(tmp_path: Path) -> None:
+    packages = tmp_path / "rtkit" / "packages"
+    (packages / "gain" / "3.0").symlink_to(packages / "gain" / "1.0")
+    (packages / "more").symlink_to(packages / "gain")
+    (packages / "gain" / "4.0").mkdir()
+    assert [(each.name, each.version) for each in folders()] == [("gain", "2.0"), ("gain", "1.0")]
