@@ -259,16 +259,25 @@ class FakeManager:
 
     def serve(self, most: int = sys.maxsize) -> None:
         """Do what is asked of zygote and containers until nothing is, or so much of it."""
+        self._find_peers()
         while most > 0 and (
             self.shell.calls or self.shell.spawned or self.shell.signals or self.shell.questions
         ):
             most -= 1
             self._ask_peers()
+            self._find_peers()
             for name in list(self.shell.spawned):
                 self.shell.fork(name, next(self._pids))
             if self.shell.calls:
                 self._serve(self.shell.calls.pop(0))
             self._end_the_retired()
+
+    def _find_peers(self) -> None:
+        """Tell of the managers that are watched for and run, as the runtime folder does."""
+        for name in self.shell.watched:
+            peer = self.peers.get(name)
+            if peer is not None and not peer.gone and name not in self.shell.state.peers:
+                self.shell.feed(ev.PeerFound(name))
 
     def _ask_peers(self) -> None:
         """Bring questions to other managers, and their answers back."""
