@@ -189,7 +189,7 @@ def test_a_record_is_whole(scheme: str) -> None:
 
 
 def test_an_endpoint_that_there_is_none_of_is_refused(place: str) -> None:
-    with pytest.raises(TypeError, match="there is port tls serial http ice"):
+    with pytest.raises(TypeError, match="there is port tls serial http https ice"):
         serve(subject(), "robot", ftp=1)
 
 
