@@ -6,8 +6,9 @@ user is, ``PANEL.input`` what the user has asked for last. SET of a widget does 
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from contextlib import suppress
+from functools import partial
 from typing import Any
 
 from rtkit.closing import Closing
@@ -28,38 +29,45 @@ class ServedPanel(Closing):
 
     Args:
         name: Of the service.
-        panel: The widgets.
-        wishes: Called with the name of a widget and a value that somebody sets it to.
+        set: Called with the name of a widget and a value that somebody sets it to, on a thread
+            of its own; what it raises refuses the SET.
 
     Raises:
         Refused: A service of that name runs.
     """
 
-    def __init__(self, name: str, panel: Panel, wishes: Callable[[str, Any], object]) -> None:
+    def __init__(self, name: str, set: Callable[[str, Any], object]) -> None:
         from rtkit.wires.serve import serve
 
         self.name = name
-        self._wishes = wishes
+        self._set = set
         self._service = Service()
         self._service.add("type", (Word("gui"), Word("sensor")), PropertySpec(access="r"))
         self._service.add("focus", "", PropertySpec(parse_type("string"), "r"))
         self._service.add("input", (), PropertySpec(parse_type("list"), "r"))
-        self._panels = {each.name: each for each in panel.all() if each.kind not in _NO_VALUES}
+        self._added: dict[str, Panel] = {}
         self._served = serve(self._service, name)
 
-    def show(self, name: str, value: Any) -> None:
+    def show(self, panel: Panel, value: Any) -> None:
         """Take what a widget shows now."""
-        panel = self._panels.pop(name, None)
-        if name in _OWN or value is None or isinstance(value, bytes):
+        if panel.name in _OWN or value is None or isinstance(value, bytes):
             return
-        if panel is not None:
+        if panel.name in self._added:
+            self._put(panel.name, to_value(value))
+        elif panel.kind not in _NO_VALUES:
+            self._added[panel.name] = panel
             self._served.owned(lambda: self._add(panel, to_value(value)))
-        else:
-            self._put(name, to_value(value))
+
+    def keep(self, shown: Mapping[str, Panel]) -> None:
+        """Serve only those widgets that are shown still, and as they are declared now."""
+        for name, panel in list(self._added.items()):
+            if name not in shown or shown[name].spec != panel.spec:
+                del self._added[name]
+                self._served.owned(partial(self._service.remove, name, only=True))
 
     def _add(self, panel: Panel, value: Content) -> None:
         def changed(value: Content, given: dict[str, Value]) -> None:
-            self._wishes(panel.name, value)
+            self._set(panel.name, value)
 
         write = None if panel.is_read_only else changed
         try:

@@ -142,8 +142,8 @@ class PanelRow(Widget, can_focus=True):
         """Show what is wished, and have it set."""
         self._wished, self._wished_until = value, monotonic() + _SETTLED_S
         self.shown.take(value, self.shown.quality)
-        self.refresh(layout=True)
         self._panel_app.ask(self.panel.name, value, partial(self._live.set, self.panel.name, value))
+        self._panel_app.show(self)
 
     def _edit(self) -> None:
         as_text = drawing.text_of if self.panel.kind in ("text", "label") else _text
@@ -281,8 +281,7 @@ class PanelApp(App[None]):
         self._is_asking = self._was_silent = False
         self._state = Static(id="state", markup=False)
         self._box = _Box(id="panel")
-        wishes = lambda name, value: live.wish(name, partial(live.set, name, value))  # noqa: E731
-        self._served = ServedPanel(name, live.panel, wishes) if name else None
+        self._served = ServedPanel(name, live.set) if name else None
 
     def compose(self) -> ComposeResult:
         """Make the widgets."""
@@ -314,9 +313,7 @@ class PanelApp(App[None]):
         for name in self.live.take():
             field = self._rows.get(name)
             if field is not None:
-                field.refresh(layout=True)
-                if self._served is not None:
-                    self._served.show(name, field.shown.value)
+                self.show(field)
         lost = [each for each in self._rows.values() if each.shown.quality == "gone"]
         is_lost = bool(lost) and len(lost) == len(self._rows)
         is_silent = self.live.is_silent
@@ -359,9 +356,20 @@ class PanelApp(App[None]):
         where = self.focused.panel.name if isinstance(self.focused, PanelRow) else ""
         await self._box.remove_children()
         self._rows.clear()
-        await self._box.mount_all(self._widgets(self.live.panel))
+        widgets = list(self._widgets(self.live.panel))
+        if self._served is not None:
+            self._served.keep({name: field.panel for name, field in self._rows.items()})
+        for field in self._rows.values():
+            self.show(field)
+        await self._box.mount_all(widgets)
         if where in self._rows:
             self._rows[where].focus()
+
+    def show(self, field: PanelRow) -> None:
+        """Serve what a widget shows, then draw it: what is on the screen can be asked for."""
+        if self._served is not None:
+            self._served.show(field.panel, field.shown.value)
+        field.refresh(layout=True)
 
     def ask(self, name: str, value: Any, work: Callable[[], object]) -> None:
         """Have something done that the user has asked for."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import threading
 import time
 from collections.abc import Awaitable, Callable
 from typing import Annotated, Final, Literal
@@ -162,15 +163,63 @@ def test_the_panel_is_a_service(place: str) -> None:
             press(app, "right")
             await until(lambda: heard[-1:] == [("speed", 0.5)])
             assert client.get("panel.focus") == "speed"
-            await until(lambda: client.get("panel.speed") == 0.5)
             assert client.get("panel.type") == ("gui", "sensor")
             client.set("panel.speed", -0.5)
-            await until(lambda: robot.speed == -0.5)
+            assert robot.speed == -0.5
             with pytest.raises(PropertyError, match="above"):
                 client.set("panel.speed", 5)
             listening.close()
 
     with rtkit.serve(robot, "robots/r1", is_on_zenoh=False):
+        run(work, "panel")
+
+
+def test_what_is_on_the_screen_is_served(place: str) -> None:
+    is_let = threading.Event()
+
+    class Slow:
+        def get_level(self) -> Annotated[float, rtkit.Range(0, 1, 0.25)]:
+            return 0.25
+
+        def set_level(self, level: float) -> None:
+            assert is_let.wait(10)
+
+    async def work(app: PanelApp) -> None:
+        with rtkit.Client() as client:
+            await until(lambda: "0.25" in row(app, "level"))
+            assert client.get("panel.level") == 0.25
+            app._rows["level"].focus()
+            press(app, "right")
+            await until(lambda: " 0.5" in row(app, "level"))
+            assert client.get("panel.level") == 0.5
+            is_let.set()
+            served.owned(lambda: served.service.add("later", 3, "number"))
+            await until(lambda: "later" in app._rows and "3" in row(app, "later"))
+            assert client.get("panel.later") == 3
+            served.owned(lambda: served.service.remove("later"))
+            await until(lambda: "later" not in app._rows)
+            assert "later" not in client.get("panel.properties")
+
+    with rtkit.serve(Slow(), "robots/r1", is_on_zenoh=False) as served:
+        run(work, "panel")
+
+
+def test_what_a_service_refuses_its_panel_refuses(place: str) -> None:
+    class Lock:
+        def get_code(self) -> int:
+            return 5
+
+        def set_code(self, code: int) -> None:
+            raise ValueError(f"not {code}")
+
+    async def work(app: PanelApp) -> None:
+        with rtkit.Client() as client:
+            await until(lambda: "5" in row(app, "code"))
+            with pytest.raises(PropertyError, match="not 7"):
+                client.set("panel.code", 7)
+            assert client.get("panel.code") == 5
+
+    with rtkit.serve(Lock(), "robots/r1", is_on_zenoh=False):
         run(work, "panel")
 
 
