@@ -177,9 +177,8 @@ class FunctionalProperty:
             value = check(parameter.type, bound[parameter.key])
         except PropertyError as error:
             raise PropertyError("bad-value", f"{parameter.key}: {error}") from None
-        if parameter.choices and value not in parameter.choices:
-            raise PropertyError("bad-value", f"{parameter.key}: not one of its choices")
         try:
+            parameter.choose(value)  # type: ignore[arg-type]
             if parameter.spec is not None:
                 parameter.spec.within(value)
             self._fit(parameter.key, value)  # type: ignore[arg-type]

@@ -49,6 +49,7 @@ def meta(
         "alarm": spec.alarm,
         "doc": spec.doc or None,
         "functional": True if node.function is not None else None,
+        "arguments": _arguments(node),
         "time": float(node.time),
         "quality": Word(node.quality),
         "severity": Word(spec.severity(node.value)) if spec.warn or spec.alarm else None,
@@ -61,6 +62,12 @@ def meta(
         fields |= {key: each for key, each in about.items() if not isinstance(each, bytes)}
     children = [Element(key, {}, (), each) for key, each in fields.items() if each is not None]
     return Element("meta", {}, tuple(children))
+
+
+def _arguments(node: PropertyNode) -> Value | None:
+    """Return what an action takes, each as ``.parameters`` shows it."""
+    given = node.function.parameters if node.function is not None else ()
+    return tuple(each.described() for each in given) or None
 
 
 def _access(node: PropertyNode, caller: Requester) -> str:

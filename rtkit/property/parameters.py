@@ -8,7 +8,6 @@ from rtkit.property.property_spec import RequestParameter
 from rtkit.property.reading import read
 from rtkit.property.types import check, parse_type
 from rtkit.property.values import Element, Value, Word, is_number
-from rtkit.property.writing import write
 
 COMMON = {
     "echo": RequestParameter(
@@ -44,13 +43,10 @@ def checked_parameters(
             checked = check(parameter.type, value)
             if parameter.spec is not None and not parameter.choices:
                 parameter.spec.within(checked)
+            assert not isinstance(checked, bytes)
+            parameter.choose(checked)
         except PropertyError as error:
             raise PropertyError("bad-parameter", f"{key}: {error}") from None
-        assert not isinstance(checked, bytes)
-        if parameter.choices and checked not in parameter.choices:
-            there = " ".join(write(each) for each in parameter.choices)
-            message = f"{key}: {write(checked)} is no choice (there is {there})"
-            raise PropertyError("bad-parameter", message)
         values[key] = checked
     return values
 

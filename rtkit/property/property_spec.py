@@ -31,6 +31,12 @@ class RequestParameter(NamedTuple):
         default: Value = () if self.default is None else self.default
         return (Word(self.key), Word(self.type.name), default, self.choices, self.doc)
 
+    def choose(self, value: Value) -> None:
+        """Raise `PropertyError` unless it has no choices, or the value is one of them."""
+        if self.choices and value not in self.choices:
+            there = " ".join(map(write, self.choices))
+            raise PropertyError("bad-value", f"{write(value)} is no choice (there is {there})")
+
 
 Bounds = tuple[float, float]
 _ANY = parse_type("any")

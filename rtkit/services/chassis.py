@@ -31,7 +31,7 @@ class Chassis:
     Attributes:
         dimensions: Length, width and height [m].
         pose: Where it is: x, y [m] and heading [rad].
-        velocity: How it moves [m/s, rad/s].
+        velocity: How it moves, as its places tell [m/s, rad/s].
         running: The behaviour that was started last.
         trouble: Why the world does not move it; empty while it does.
         world: Where it is, while it is entered.
@@ -54,7 +54,7 @@ class Chassis:
         self.world: Any = None
         self._in = world
         self._size = max(self.dimensions[:2]) / 2, self.dimensions[2]
-        self._driven = STANDS
+        self._driven = self._led = STANDS
         self.trouble = ""
         self._entered = 0
         self._wake: Callable[[], None] = lambda: None
@@ -103,16 +103,25 @@ class Chassis:
             return f"waiting: {self.trouble}"
         return "ready" if self.velocity == STANDS else "moving"
 
+    @property
+    def driven(self) -> Twist:
+        """Return how it is to move: as it was told, or as what leads it asks."""
+        return self._led if self._is_led else self._driven
+
+    @property
+    def _is_led(self) -> bool:
+        return self.running is not None and self.running.state == "running"
+
     def drive(self, twist: Twist) -> None:
         """Move like that from now on; what leads it is stopped, unless it is to stand."""
         if twist != STANDS and self.running is not None:
             self.running.stop()
-        self._driven = twist
+        self._driven = self.limited(twist)
         self._wake()
 
     def follow(self, running: Running) -> None:
         """Be led from now on."""
-        self._driven = STANDS
+        self._driven = self._led = STANDS
         before, self.running = self.running, running
         if before is not None:
             before.stop()
@@ -132,11 +141,10 @@ class Chassis:
 
     def wanted(self, seconds: float) -> Twist | None:
         """Return how it is to move next, None where it stands."""
-        running, twist = self.running, self._driven
-        is_led = running is not None and running.state == "running"
+        running, is_led = self.running, self._is_led
         if running is not None and is_led:
-            twist = running.step(seconds) or STANDS
-        possible = self.possible(twist, seconds)
+            self._led = self.limited(running.step(seconds) or STANDS)
+        possible = self.possible(self.driven, seconds)
         if possible == STANDS and self.is_settled and not self.trouble and not is_led:
             self.velocity = STANDS
             return None
@@ -168,12 +176,16 @@ class Chassis:
     is_settled = True
     """Whether it may stand as it is."""
 
-    def possible(self, twist: Twist, seconds: float) -> Twist:
-        """Return what it can do of a motion: no faster than it may be."""
+    def limited(self, twist: Twist) -> Twist:
+        """Return what it may be asked of a motion: no faster than it may be."""
         vx, vy, omega = twist
         speed, turning = self.tops
         share = min(1.0, speed / max(math.hypot(vx, vy), 1e-9), turning / max(abs(omega), 1e-9))
         return vx * share, vy * share, omega * share
+
+    def possible(self, twist: Twist, seconds: float) -> Twist:
+        """Return what it can do just now of a motion that it may be asked."""
+        return self.limited(twist)
 
     def carried(self, seconds: float) -> None:
         """Have what moves it follow where it went."""
@@ -209,9 +221,9 @@ class Wheels(Chassis):
         super().__init__(*args, **named)
         self.angles = self.speeds = (0.0, 0.0)
 
-    def possible(self, twist: Twist, seconds: float) -> Twist:
-        """Return what wheels can do: nothing to the side."""
-        return super().possible((twist[0], 0.0, twist[2]), seconds)
+    def limited(self, twist: Twist) -> Twist:
+        """Return what wheels may be asked: nothing to the side."""
+        return super().limited((twist[0], 0.0, twist[2]))
 
     def carried(self, seconds: float) -> None:
         """Turn the wheels as it went."""

@@ -105,11 +105,16 @@ class Legs(Chassis):
         self._next = 0
         self.feet = tuple(Foot(self._of(leg.rest)) for leg in LEGS)
 
-    def possible(self, twist: Twist, seconds: float) -> Twist:
-        """Return how far the feet on the ground let the body go."""
-        vx, vy, omega = super().possible(twist, seconds)
+    def limited(self, twist: Twist) -> Twist:
+        """Return what legs may be asked: no foot goes faster against the body than it may."""
+        vx, vy, omega = super().limited(twist)
         foot_speed = math.hypot(vx, vy) + abs(omega) * math.hypot(*LEGS[0].rest[:2])
         share = min(1.0, _FASTEST / max(foot_speed, 1e-9))
+        return vx * share, vy * share, omega * share
+
+    def possible(self, twist: Twist, seconds: float) -> Twist:
+        """Return how far the feet on the ground let the body go."""
+        (vx, vy, omega), share = self.limited(twist), 1.0
         for _ in range(8):
             self._twist = (vx * share, vy * share, omega * share)
             there = moved(Pose(*self.pose), *self._twist, seconds)

@@ -95,8 +95,8 @@ class MobileRobot:
     def get_velocity(
         self, frame: str = "base"
     ) -> Annotated[Pose6, rtkit.Unit("m/s"), rtkit.Returns(after=0.5, to=ORIGIN)]:
-        """Motion: a SET of it drives the robot, instead of a behaviour, and ends by itself."""
-        return self._turned(self._chassis.velocity, "base", frame)
+        """Motion asked of it, by a SET or a behaviour; a SET ends behaviours, and soon itself."""
+        return self._turned(self._chassis.driven, "base", frame)
 
     def set_velocity(self, velocity: Pose6, frame: str = "base") -> None:
         """Drive."""
@@ -105,6 +105,10 @@ class MobileRobot:
             raise rtkit.PropertyError("bad-value", f"a velocity has finite numbers, not {velocity}")
         ahead, left, *_ = self._turned((vx, vy, omega), frame, "base")
         self._chassis.drive((ahead, left, omega))
+
+    def get_motion(self, frame: str = "base") -> Annotated[Pose6, rtkit.Unit("m/s")]:
+        """Motion as it is: x y z a b c, each a second."""
+        return self._turned(self._chassis.velocity, "base", frame)
 
     def _turned(self, twist: tuple[float, float, float], frame: str, to: str) -> Pose6:
         between = self._frames.between(frame, to) if frame != to else pose_of((0.0, 0.0))

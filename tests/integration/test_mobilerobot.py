@@ -93,8 +93,12 @@ def test_velocity_ends_by_itself_after_its_time_out(
     assert client.get("robots/r1.velocity.timeout") == 0.5
     client.set("robots/r1.velocity.timeout", 0.2)
     client.set("robots/r1.velocity", (0.3, 0, 0, 0, 0, 0))
+    assert client.get("robots/r1.velocity")[0] == 0.3  # at once, and so each part
+    client.set("robots/r1.velocity.c", 0.1)
+    assert client.get("robots/r1.velocity") == (0.3, 0, 0, 0, 0, 0.1)
     until(lambda: any(each[0] > 0.2 for each in seen))
     until(lambda: client.get("robots/r1.velocity") == (0,) * 6)
+    until(lambda: client.get("robots/r1.motion") == (0,) * 6)
     assert client.get("robots/r1.status") == "ready"
     assert 0.1 < math.dist(client.get("robots/r1.location")[:2], START["r1"][:2]) < 4.0
 
@@ -148,6 +152,8 @@ def test_what_is_plugged_in_appears_with_an_event(
     assert "arm" in client.get("robots/r2.actuators")
     client.set("robots/r2.actuators.arm.angle", 0.75)
     assert client.get("arms/left.angle") == 0.75
+    with pytest.raises(rtkit.PropertyError, match='"arms" is no choice'):
+        client.call("robots/r2.plug", "arms", "arm", "arms/left")
     with pytest.raises(rtkit.PropertyError, match="one already"):
         client.call("robots/r2.plug", "actuators", "arm", "arms/left")
     client.call("robots/r2.unplug", "actuators", "arm")

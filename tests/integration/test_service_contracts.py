@@ -105,6 +105,7 @@ def _robot(make: Callable[[], object], joint: str) -> Contract:
             "location": "vector[6]",
             "velocity": "vector[6]",
             "velocity.timeout": "number",
+            "motion": "vector[6]",
             "dimensions": "vector[3]",
             "behaviors.moveto": "any",
             "behaviors.stop": "action",

@@ -32,10 +32,17 @@ NAMES = (
 ODD = 'My "odd" $1 robot\'s'
 HOST = "/localhost/"
 ARM = """
+from typing import Literal
+
+
 class Arm:
     def __init__(self):
         self.angle = 0.5
         self.name = "left"
+        self.mode: Literal["slow", "fast"] = "slow"
+
+    def hold(self, what: Literal["tool", "cup"], force: float):
+        pass
 """
 
 LINES: tuple[tuple[str, tuple[str, ...]], ...] = (
@@ -58,6 +65,8 @@ LINES: tuple[tuple[str, tuple[str, ...]], ...] = (
     (f"rtget localhost.l\t {HOST}ar\tna\t", ("localhost.load", f"{HOST}arm.name")),
     (f"rtset {HOST}In.rtc.state I\t", (f"{HOST}In.rtc.state", "Inactive")),
     ("rtset arm.name \t", ("arm.name", "left")),
+    ("rtset arm.mode f\t", ("arm.mode", "fast")),
+    ("rtset arm.hold '(c\t", ("arm.hold", "(cup force)")),
     ("rtserve ./arm.py\t --po\t", ("./arm.py:Arm", "--port")),
     ("rtplan --det\t sys\t", ("--detailed-exitcode", "system.xml")),
     ("rtapply -s I\t", ("-s", "Inactive")),
@@ -84,7 +93,7 @@ def begun(shell: str, environment: dict[str, str], folder: Path) -> Iterator[Ter
         yield terminal
 
 
-@pytest.mark.timeout(180)  # 72 lines in three shells, a process for each TAB
+@pytest.mark.timeout(180)  # 78 lines in three shells, a process for each TAB
 @pytest.mark.skipif(not all(map(shutil.which, SHELLS)), reason="a shell is absent")
 def test_tab_in_real_shells(manager: Any) -> None:
     made = "-c ConsoleIn?instance_name=In -c ConsoleOut?instance_name=Out"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
+from typing import Any
 
 from rtkit.cli.completion.candidates import Candidate
 from rtkit.cli.completion.live import CompletionSource, WantedPath, living, paths
@@ -34,23 +35,44 @@ def targets(typed: str, live: CompletionSource) -> list[Candidate]:
 
 
 def values(target: str, typed: str, timeout_s: float) -> list[Candidate]:
-    """Return known candidates for the value of a property: its present one, and others."""
+    """Return known candidates for the value of a property: its present one, and others.
+
+    Of an action they are forms to fill in, one for each choice of its first argument.
+    """
     from rtkit.tree.property_connections import PropertyConnections
 
     places = PropertyConnections(working_directory(), "", timeout_s)
     try:
         place, end = places.find(target)
         present = _plain(str(end.ask(place.target()).value()))
+        choices = _choices(str(end.ask(f"{place.name}.meta").value()))
     except RtkitError:
         return []
     finally:
         places.close()
-    words = _STATES if present in _STATES else (present,)
+    words = choices or (_STATES if present in _STATES else (present,))
     return [
         Candidate(word, "as it is" if word == present else "")
         for word in words
         if word.startswith(typed) and word.isprintable()
     ]
+
+
+def _choices(described: str) -> list[str]:
+    """Return what the meta data of a property allow; of an action, with its other arguments."""
+    from rtkit.property.reading import read
+    from rtkit.property.values import Element
+
+    meta = read(described)
+    assert isinstance(meta, Element)
+    allowed, arguments = (meta.find(name) for name in ("choices", "arguments"))
+    if allowed is not None and isinstance(allowed.leaf, tuple):
+        return list(map(str, allowed.leaf))
+    if arguments is None or not isinstance(arguments.leaf, tuple):
+        return []
+    rows: list[Any] = list(arguments.leaf)
+    rest = "".join(f" {name}" for name, *_ in rows[1:])
+    return [f"({each}{rest})" if rest else str(each) for each in rows[0][3]]
 
 
 def _plain(text: str) -> str:

@@ -154,8 +154,23 @@ def _cells(row: Value) -> tuple[str, ...]:
 
     name, meta, *value = _row(row)
     head = [_field(meta, key) for key in _HEAD] if isinstance(meta, Element) else ["-"] * 4
+    if isinstance(meta, Element) and meta.find("functional"):
+        head[0] = f"action({' '.join(_arguments(meta))})"
     text = write(value[0]) if value else ""
     return (*head, name, text if len(text) <= 200 else f"{text[:200]}…")
+
+
+def _arguments(meta: Element) -> Iterator[str]:
+    """Yield what an action takes: name, choices or what it is when it is not given."""
+    from rtkit.property.writing import write
+
+    found = meta.find("arguments")
+    for each in found.leaf if found is not None and isinstance(found.leaf, tuple) else ():
+        assert isinstance(each, tuple)
+        name, _, default, choices, *_ = each
+        assert isinstance(choices, tuple)
+        chosen = ":" + "|".join(map(str, choices)) if choices else ""
+        yield f"{name}{chosen}" + ("" if default == () else f"={write(default)}")
 
 
 def _field(meta: Element, key: str) -> str:

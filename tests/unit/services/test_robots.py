@@ -129,7 +129,26 @@ def test_stop_and_velocity_take_over(home: HomeWorld, enter: Make) -> None:
     robot.set_velocity((0.0, 0.3, 0, 0, 0, 1.0))
     assert state(robot) == "stopped"
     go(robot, 0.5)
-    assert robot.get_velocity() == pytest.approx((0, 0, 0, 0, 0, 1.0))  # wheels go not sideways
+    assert robot.get_motion() == pytest.approx((0, 0, 0, 0, 0, 1.0))  # wheels go not sideways
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_velocity_is_told_as_it_was_set_and_the_motion_as_it_is(
+    home: HomeWorld, enter: Make, kind: type[MobileRobot]
+) -> None:
+    wall(home, (0.3, -1), (0.5, -1), (0.5, 1), (0.3, 1))
+    robot = enter(kind(world=home))
+    robot.set_velocity((0.2, 0, 0, 0, 0, 0))
+    assert (robot.get_velocity()[0], robot.get_motion()[0]) == (0.2, 0.0)  # before it moves
+    go(robot, 2.0)
+    assert (robot.get_velocity()[0], robot.get_motion()[0]) == (0.2, 0.0)  # at the wall
+    robot.set_velocity((0,) * 6)
+    assert robot.get_velocity() == (0,) * 6
+    robot.behaviors.set_moveto(rtkit.Marker((-1.0, 0.0)))
+    go(robot, 0.5)
+    assert any(robot.get_velocity())
+    go(robot)
+    assert robot.get_velocity() == robot.get_motion() == (0,) * 6
 
 
 def test_velocity_may_be_given_in_another_frame(home: HomeWorld, enter: Make) -> None:
