@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from rtkit.api import looking
+from rtkit.deployment.packages import NO_PACKAGES, Packages
 from rtkit.errors import UsageProblem
 
 if TYPE_CHECKING:
@@ -152,12 +153,14 @@ def begin(
         Unreachable: No manager answers.
     """
     from rtkit.api.component_profiles import known_types
-    from rtkit.api.packaged import by_id
+    from rtkit.api.packaged import supplied, unpackaged
     from rtkit.api.preflight import check_reserved, look_ahead
     from rtkit.deployment.goal import DeploymentGoal
 
     snapshot = looking.look(session, document.profile, dry_run=is_dry, starts=starts, lock=lock)
-    document = by_id(session, document, snapshot, installs=not is_dry)
+    packaged = (unpackaged if way.stand_in else supplied)(session, document, snapshot)
+    document, packages = packaged.document, packaged.packages
+    known = None if way.stand_in else known_types(document.profile, snapshot) | packaged.types
     system = looking.wanted_system(
         session,
         document,
@@ -165,12 +168,15 @@ def begin(
         stand_in=way.stand_in,
         transmit=way.transmit,
         mapped=mapped,
-        known_types=None if way.stand_in else known_types(document.profile, snapshot),
+        known_types=known,
     )
     check_reserved(session, system, snapshot)
     ranks = _ranks(session, document, system)
-    feasibility = look_ahead(session, system, snapshot)
-    table = settled_costs(session, way.costs, system, snapshot, is_measured=way.basis == MEASURED)
+    feasibility = look_ahead(session, system, snapshot, installs=packages.of, lacks=packaged.lacks)
+    is_measured = way.basis == MEASURED
+    table = settled_costs(
+        session, way.costs, system, snapshot, is_measured=is_measured, packages=packages
+    )
     goal = DeploymentGoal(
         system,
         ranks=ranks,
@@ -179,6 +185,7 @@ def begin(
         feasibility=feasibility,
         replaces=way.replaces,
         is_strict=session.is_strict,
+        packages=packages,
     )
     return DeploymentInputs(document, goal, snapshot)
 
@@ -190,6 +197,7 @@ def settled_costs(
     snapshot: Snapshot,
     *,
     is_measured: bool,
+    packages: Packages = NO_PACKAGES,
 ) -> Costs:
     """Return the costs of steps: from the table, as measured, from the profile, from the user.
 
@@ -200,7 +208,7 @@ def settled_costs(
     from rtkit.deployment.planning import step_costs as costs
 
     table = costs.Costs()
-    user_costs = read_costs(given, system, snapshot)
+    user_costs = read_costs(given, system, snapshot, packages)
     if is_measured:
         types = step_times.types_of(system, snapshot)
         table = table.over(step_times.read(session).costs(types), costs.MEASURED)
@@ -213,7 +221,10 @@ def settled_costs(
 
 
 def read_costs(
-    given: tuple[str, ...], system: WantedSystem, snapshot: Snapshot
+    given: tuple[str, ...],
+    system: WantedSystem,
+    snapshot: Snapshot,
+    packages: Packages = NO_PACKAGES,
 ) -> Mapping[str, float]:
     """Return the costs that the user gave; a component stands for interrupting it.
 
@@ -242,7 +253,7 @@ def read_costs(
             known = ", ".join(DEFAULT_COSTS)
             hint = did_you_mean(name, [*names, *DEFAULT_COSTS])
             raise UsageProblem(f"--cost: no component and no kind of step ({known}): {name}{hint}")
-        elif subject and subject not in (there := subjects(kind, system, snapshot)):
+        elif subject and subject not in (there := subjects(kind, system, snapshot, packages)):
             hint = did_you_mean(subject, there)
             raise UsageProblem(f"--cost: nothing to {kind} is called {subject}{hint}")
         else:

@@ -10,9 +10,9 @@ from rtkit.deployment.extension import LIMIT
 from rtkit.errors import Impossible, NotFound, RtkitError
 from rtkit.rtc.create import parse_create
 
-if TYPE_CHECKING:
-    from collections.abc import Collection
+NOTHING: Mapping[str, str] = {}
 
+if TYPE_CHECKING:
     from rtkit.api.session import Session
     from rtkit.deployment.facts import ComponentFacts, Snapshot
     from rtkit.deployment.live_index import LiveIndex
@@ -22,8 +22,22 @@ if TYPE_CHECKING:
     from rtkit.static_check.blueprint import Blueprint
 
 
-def look_ahead(session: Session, system: WantedSystem, snapshot: Snapshot) -> Feasibility:
+def look_ahead(
+    session: Session,
+    system: WantedSystem,
+    snapshot: Snapshot,
+    *,
+    installs: Collection[str] = (),
+    lacks: Mapping[str, str] = NOTHING,
+) -> Feasibility:
     """Return the known facts of components that do not live as wanted; no code is run.
+
+    Args:
+        session: Whose manager is asked.
+        system: The wanted system.
+        snapshot: What lives.
+        installs: Components whose packages are installed first.
+        lacks: Why others cannot be made, where that is known already.
 
     Raises:
         Unreachable: The manager does not answer.
@@ -33,7 +47,8 @@ def look_ahead(session: Session, system: WantedSystem, snapshot: Snapshot) -> Fe
 
     live = LiveIndex(snapshot, system)
     asked = makings(system, live)
-    lacks = _lacking(session, asked, live)
+    here = {name: making for name, making in asked.items() if name not in installs}
+    lacks = _lacking(session, here, live) | {n: why for n, why in lacks.items() if n in asked}
     pending = [system.component(name) for name in asked if name not in lacks]
     types = _described(session, {each.instance: each.id for each in pending if _is_compared(each)})
     parameters = {

@@ -6,6 +6,7 @@ import base64
 import os
 import time
 import zlib
+from collections.abc import Iterator
 from functools import partial
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -21,7 +22,6 @@ if TYPE_CHECKING:
     from rtkit.deployment.planning.deployment_plan import DeploymentPlan
     from rtkit.deployment.planning.model import Model
     from rtkit.deployment.planning.saved import SavedPlan
-    from rtkit.deployment.system import WantedSystem
     from rtkit.tree.plan_locks import PlanLocks
 
 _MOST_PROFILE = 1 << 26
@@ -48,7 +48,7 @@ def save(
         "form": document.form,
         "data": base64.b64encode(zlib.compress(document.data)).decode(),
         "options": {**options, "strict": prepared.goal.is_strict},
-        "makings": _makings(prepared.goal.system, prepared.snapshot),
+        "makings": _makings(prepared.goal, prepared.snapshot),
     }
     made = time.strftime("%Y-%m-%d %H:%M:%S")
     write_output(to_text(prepared.plan, prepared.goal.ranks, made, about).encode(), output)
@@ -134,7 +134,7 @@ def _fitting(
     from rtkit.deployment.planning.saved import changes
 
     found = list(changes(saved.model, model))
-    was, now = saved.about["makings"], _makings(goal.system, snapshot)
+    was, now = saved.about["makings"], _makings(goal, snapshot)
     differing = [each for each in now if was.get(each, now[each]) != now[each]]
     found += [f"component {each} would be made otherwise" for each in differing]
     if found:
@@ -163,11 +163,17 @@ def _changed(
     )
 
 
-def _makings(system: WantedSystem, snapshot: Snapshot) -> dict[str, list[str]]:
+def _makings(goal: DeploymentGoal, snapshot: Snapshot) -> dict[str, list[str]]:
     """Return the inputs of components' creation, by component name."""
     from rtkit.deployment.live_index import LiveIndex
 
-    live = LiveIndex(snapshot, system)
+    live, packages = LiveIndex(snapshot, goal.system), goal.packages
+
+    def wheels(instance: str) -> Iterator[str]:
+        digests = packages.digests.get(packages.of.get(instance, ""), {})
+        yield from (f"{file} {digest}" for file, digest in sorted(digests.items()))
+
     return {
-        each.instance: [live.create_of(each), each.module, each.name] for each in system.components
+        each.instance: [live.create_of(each), each.module, each.name, *wheels(each.instance)]
+        for each in goal.system.components
     }

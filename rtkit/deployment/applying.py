@@ -29,6 +29,7 @@ from rtkit.deployment.runner import PlanRunner, Talk
 from rtkit.deployment.site import Careful, Site, at_once
 from rtkit.deployment.system import WantedSystem
 from rtkit.errors import Refused, RtkitError, Unreachable, from_kind
+from rtkit.fast_dataclass import replace
 from rtkit.report.finding import counted
 
 _MOST_PLANS = 10
@@ -71,7 +72,7 @@ class Applier:
         self._noted = set(seen.notes if seen is not None else ())
         self._site = site
         self._careful = careful
-        self._goal = goal
+        self._goal = self._began = goal
         self._report = report
         self._progress = progress
         self._runner = PlanRunner(
@@ -101,6 +102,7 @@ class Applier:
         system = self._goal.system
         try:
             self._is_exact = is_exact
+            self._install(plan)
             plan, before = self._with_managers(plan, before)
             doing = ActionBuilder(system, LiveIndex(before, system))
             self._reach(plan, doing, partial(self._see, before), system)
@@ -122,6 +124,25 @@ class Applier:
                 self._noted.add(note)
                 self._report(note)
         return survey.model
+
+    def _install(self, plan: DeploymentPlan) -> None:
+        """Install the packages of a plan: before anything is touched that lives."""
+        for move in plan.moves:
+            if move.kind == "install":
+                self._do_with_package(move)
+                self._progress(f"[1/{len(plan.layers)}] {move.text}")
+
+    def _do_with_package(self, move: Operator) -> None:
+        packages = self._goal.packages
+        call = getattr(packages.installer, move.kind)
+        try:
+            self._careful(partial(call, move.subject))
+        except RtkitError as error:
+            raise from_kind(error.kind, f"{move.text}: {error}") from error
+        change = {move.subject}
+        known = packages.installed
+        there = known | change if move.kind == "install" else known - change
+        self._goal = replace(self._goal, packages=replace(packages, installed=there))
 
     def _with_managers(
         self, plan: DeploymentPlan, before: Snapshot
@@ -184,6 +205,9 @@ class Applier:
             why = next(filter(None, (_obstacle(move, model) for move in todo)), "")
             if why:
                 return why
+            for move in todo:
+                if move.kind in ("install", "uninstall"):
+                    self._do_with_package(move)
             rounds = list(
                 doing.layers(f"{number} of {count}", todo, model, LiveIndex(snapshot, system))
             )
@@ -231,7 +255,12 @@ class Applier:
     def _go_back(self, before: Snapshot) -> str:
         """Lead back to what was; what fails on the way is reported, and the rest goes on."""
         self._is_exact = False
-        way = Rollback(lambda now: self._goal.survey(now, before, is_back=True).model, before)
+
+        def survey(now: Snapshot) -> Model:
+            goal = self._began if now is before else self._goal
+            return goal.survey(now, before, is_back=True).model
+
+        way = Rollback(survey, before)
         self._look = lambda: self._careful(self._site.remains)
         nothing = WantedSystem()
         doing = ActionBuilder(nothing, LiveIndex(before, nothing))

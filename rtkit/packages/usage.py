@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from rtkit.errors import Refused
 from rtkit.link.running import managers
 from rtkit.packages.installed import Installed
 from rtkit.tree.connect import connect
@@ -20,3 +21,18 @@ def users(package: Installed, timeout_s: float) -> list[str]:
         if any(each.file.startswith(f"{package.path}/") for each in modules):
             found.append(name)
     return found
+
+
+def check_unused(package: Installed, timeout_s: float) -> None:
+    """Refuse to remove a package that a running manager uses.
+
+    Raises:
+        Refused: One does; names it.
+        Unreachable: One does not answer.
+    """
+    using = users(package, timeout_s)
+    if using:
+        raise Refused(
+            f"{package.text} is in use by manager {', '.join(using)}"
+            " (rtmgr -u unloads its module; --force removes it all the same)"
+        )

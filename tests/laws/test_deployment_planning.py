@@ -110,7 +110,7 @@ def conflict(model: Model) -> set[str]:
     try:
         make_plan(model)
     except NoPlan as error:
-        return {wish.partition("=")[0] for wish in error.wishes}
+        return set(error.variables)
     return set()
 
 

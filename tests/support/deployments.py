@@ -86,7 +86,11 @@ def models(draw: st.DrawFn, most: int = 3) -> Model:
         members = tuple(draw(st.sets(st.sampled_from(names), max_size=1)) - {name})
         is_whole = name == names[-1] and draw(st.booleans())
         units[name] = ComponentVariable(
-            name, draw(st.sampled_from("XY")), tuple(places), members=members if is_whole else ()
+            name,
+            draw(st.sampled_from("XY")),
+            tuple(places),
+            members=members if is_whole else (),
+            package=draw(st.sampled_from(["", "p==1", "p==2"])),
         )
         live[f"cmp:{name}"] = draw(st.sampled_from(["absent", *PLACES]))
         desired[f"cmp:{name}"] = draw(
@@ -139,10 +143,18 @@ def models(draw: st.DrawFn, most: int = 3) -> Model:
             if live.get(f"mgr:{manager}") == "up" and draw(st.booleans()):
                 live[variable] = "loaded"
             desired[variable] = draw(st.sampled_from([None, None, None, "loaded", "absent"]))
+    hosts = draw(st.sampled_from([{}, {"n": "robot1"}]))
+    for package in ("localhost/p==1", "localhost/p==2", "robot1/p==1"):
+        variable = f"pkg:{package}"
+        if draw(st.booleans()):
+            live[variable] = "installed"
+        desired[variable] = draw(st.sampled_from([None, None, None, "installed", "absent"]))
     costs = {
         kind: draw(st.integers(1, 6))
         for kind in (
             "start_manager",
+            "install",
+            "uninstall",
             "load",
             "unload",
             "create",
@@ -158,5 +170,13 @@ def models(draw: st.DrawFn, most: int = 3) -> Model:
     }
     wished = {variable: wish for variable, wish in desired.items() if wish is not None}
     return Model(
-        managers, units, wires, keys, live, wished, costs, slaves_need_modules=draw(st.booleans())
+        managers,
+        units,
+        wires,
+        keys,
+        live,
+        wished,
+        costs,
+        slaves_need_modules=draw(st.booleans()),
+        hosts=hosts,
     )

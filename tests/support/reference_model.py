@@ -46,6 +46,9 @@ def every_move(model: Model) -> Iterator[Operator]:
             if _finds(model, variable[4:]):
                 yield operators.load(variable[4:])
             yield operators.unload(variable[4:])
+        if variable.startswith("pkg:"):
+            yield operators.install(variable[4:])
+            yield operators.uninstall(variable[4:])
     for name, unit in model.units.items():
         for place in unit.places:
             # What must be loaded before is looked for when it is loaded.

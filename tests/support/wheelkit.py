@@ -37,6 +37,7 @@ def made(
     requires: tuple[str, ...] = (),
     lies: tuple[str, ...] = (),
     links: tuple[str, ...] = (),
+    source: str = MODULE,
 ) -> Path:
     """Write a wheel: `lies` are files whose bytes are not what RECORD says."""
     folder.mkdir(exist_ok=True, parents=True)
@@ -48,7 +49,7 @@ def made(
         f"{info}/WHEEL": "Wheel-Version: 1.0\nRoot-Is-Purelib: true\nTag: py3-none-any\n",
     }
     if type:
-        inside[f"{name}/{type}.py"] = MODULE.format(type=type, version=version)
+        inside[f"{name}/{type}.py"] = source.format(type=type, version=version)
         inside[f"{name}/__init__.py"] = ""
         points = f"[rtkit.components]\n{type} = {name}.{type}:{type}Init\n"
         inside[f"{info}/entry_points.txt"] = points

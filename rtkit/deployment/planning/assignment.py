@@ -23,7 +23,8 @@ class Assignment(NamedTuple):
         is_made: It is made, after it was ended where it lives.
         is_ended: What lives is ended.
         cost: What it costs alone.
-        uses: Modules (``mod:M/X``) and managers (``mgr:M``) that must be there for it, and are not.
+        uses: Modules (``mod:M/X``), packages (``pkg:H/P==V``) and managers (``mgr:M``) that must be
+            there for it, and are not.
     """
 
     place: str
@@ -117,6 +118,9 @@ class Assignments:
             return inf
         if not model.allows(f"mgr:{manager_of(place)}", var.UP):
             return inf
+        package = model.needed_package(unit, place)
+        if package and not model.allows(f"pkg:{package}", var.INSTALLED):
+            return inf
         cost = model.cost("create" if is_inproc(place) else "create_slave", name)
         for key in model.keys_of[name]:
             if not model.allows(f"cfg:{key}", model.usual(f"cfg:{key}")):
@@ -128,8 +132,10 @@ class Assignments:
     def _uses(self, unit: ComponentVariable, place: str) -> frozenset[str]:
         model = self._model
         needed = model.needed_module(unit, place)
-        uses = {f"mgr:{manager_of(place)}"} | ({f"mod:{needed}"} if needed else set())
-        return frozenset(use for use in uses if model.now(use) not in (var.UP, var.LOADED))
+        package = model.needed_package(unit, place)
+        uses = [f"mgr:{manager_of(place)}", f"mod:{needed}", f"pkg:{package}"]
+        there = (var.UP, var.LOADED, var.INSTALLED)
+        return frozenset(use for use in uses if use[4:] and model.now(use) not in there)
 
     # with others
 

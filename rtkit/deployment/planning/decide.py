@@ -14,7 +14,15 @@ from math import inf
 from typing import NamedTuple
 
 from rtkit.deployment.planning.assignment import Assignment, Assignments
-from rtkit.deployment.planning.model import ABSENT, DOWN, LOADED, UP, Model, is_inproc, manager_of
+from rtkit.deployment.planning.model import (
+    ABSENT,
+    DOWN,
+    LOADED,
+    UP,
+    Model,
+    is_inproc,
+    manager_of,
+)
 from rtkit.errors import Impossible, LimitReached
 from rtkit.fast_dataclass import dataclass
 from rtkit.planner import Command, Condition, Limits, Problem, State, plan
@@ -89,6 +97,7 @@ class _Deciding:
 
     def run(self) -> Decision:
         self._hold_modules()
+        self._hold_packages()
         self._strike_out()
         gap = 0.0
         for cluster in self._clusters():
@@ -115,7 +124,7 @@ class _Deciding:
     def _is_open(self, use: str) -> bool:
         """Return whether it is open if somebody must pay for a missing module or manager."""
         return self._model.allows(use, self._model.now(use)) and (
-            use.startswith("mod:") or not self._is_started(use[4:])
+            not use.startswith("mgr:") or not self._is_started(use[4:])
         )
 
     def _is_started(self, manager: str) -> bool:
@@ -137,6 +146,19 @@ class _Deciding:
                             is_inproc(assignment.place) and manager_of(assignment.place) == manager
                         )
                     ]
+
+    def _hold_packages(self) -> None:
+        """Have nobody stay on a host from which his package is to be removed."""
+        model = self._model
+        wished = [each for each in model.desired if each.startswith("pkg:")]
+        changed = [each for each in wished if not model.allows(each, model.now(each))]
+        gone = {each[4:] for each in changed if model.allows(each, ABSENT)}
+        for name, unit in model.units.items() if gone else ():
+            self._left[name] = [
+                each
+                for each in self._left[name]
+                if not (each.is_there and model.needed_package(unit, each.place) in gone)
+            ]
 
     # striking out
 
@@ -203,6 +225,8 @@ class _Deciding:
                 yield one - two
 
     def _price(self, use: str) -> float:
+        if use.startswith("pkg:"):
+            return self._model.cost("install", use[4:])
         kind = "start_manager" if use.startswith("mgr:") else "load"
         is_to_go = kind == "load" and not self._model.allows(use, LOADED)
         after = self._model.cost("unload", use[4:]) if is_to_go else 0

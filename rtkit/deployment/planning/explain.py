@@ -79,7 +79,7 @@ def _concerns(model: Model, variable: str, units: Collection[str]) -> bool:
     kind, _, name = variable.partition(":")
     if kind == "con":
         return any(end in units for end in model.connectors[name].ends)
-    return kind in ("mgr", "mod") or owner_of(name) in units
+    return kind in ("mgr", "mod", "pkg") or owner_of(name) in units
 
 
 def _text(desired: Wished) -> str:
@@ -103,6 +103,8 @@ def _words(model: Model, desired: Wished) -> str:
         case "mod":
             module, _, manager = text.rpartition(" on ")
             return f"{module} {value} on {manager}"
+        case "pkg":
+            return f"no {text}" if value == ABSENT else text
     return f"{text} {value}"
 
 

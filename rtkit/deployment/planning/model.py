@@ -1,9 +1,9 @@
 """Models a deployment as state variables: their domains, present values and desired values.
 
-A variable is a text, ``mgr:M`` (down, up), ``mod:M/X`` (absent, loaded), ``cmp:C`` (absent, or a
-place), ``act:C`` (inactive, active, error), ``cfg:C.KEY`` (a value), ``con:K`` (no, yes, other:
-of that name, but not as desired). A place is ``M:inproc`` or ``M:slave``, with ``/NAME`` behind it
-for a certain slave.
+A variable is a text, ``mgr:M`` (down, up), ``pkg:H/P==V`` (absent, installed on a host),
+``mod:M/X`` (absent, loaded), ``cmp:C`` (absent, or a place), ``act:C`` (inactive, active, error),
+``cfg:C.KEY`` (a value), ``con:K`` (no, yes, other: of that name, but not as desired). A place is
+``M:inproc`` or ``M:slave``, with ``/NAME`` behind it for a certain slave.
 """
 
 from __future__ import annotations
@@ -16,12 +16,14 @@ from math import inf
 from rtkit.fast_dataclass import dataclass
 
 DOWN, UP = "down", "up"
-ABSENT, LOADED = "absent", "loaded"
+ABSENT, LOADED, INSTALLED = "absent", "loaded", "installed"
 INACTIVE, ACTIVE, ERROR = "inactive", "active", "error"
 NO, YES, OTHER = "no", "yes", "other"
 ANY = "*"
 """As a desired value: anything but absent."""
 _DOT = "\1"  # stands for a dot in the name of a component
+HERE = "localhost"
+"""The host of managers of which nothing else is said."""
 UNKNOWN = "\0"
 """As a default: nobody knows which value a new component has."""
 
@@ -31,6 +33,8 @@ Wish = str | tuple[str, ...]
 
 DEFAULT_COSTS: Mapping[str, float] = {
     "start_manager": 8,
+    "install": 12,
+    "uninstall": 2,
     "load": 4,
     "unload": 2,
     "create": 3,
@@ -59,6 +63,7 @@ class ComponentVariable:
 
     Attributes:
         module: What must be loaded to make it; empty for nothing.
+        package: What must be installed to make it, ``P==V``; empty for nothing.
         places: Where it may be made.
         why_not: Why it cannot be made, where there is no place for it.
         members: Other components that must be there while it is, as it is composed of them.
@@ -71,6 +76,7 @@ class ComponentVariable:
     why_not: str = ""
     members: tuple[str, ...] = ()
     mates: tuple[str, ...] = ()
+    package: str = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -116,6 +122,7 @@ class Model:
         costs: Of each kind of command; ``KIND NAME`` for what concerns one component only, or one
             parameter, or one connection.
         slaves_need_modules: A module must be loaded also for what is made in a slave.
+        hosts: The host of each manager, where it is not `HERE`.
     """
 
     managers: Mapping[str, frozenset[str] | None]
@@ -126,13 +133,15 @@ class Model:
     desired: Mapping[str, Wish] = dataclasses.field(default_factory=dict)
     costs: Mapping[str, float] = dataclasses.field(default_factory=lambda: DEFAULT_COSTS)
     slaves_need_modules: bool = False
+    hosts: Mapping[str, str] = dataclasses.field(default_factory=dict)
 
     def usual(self, variable: str) -> str:
         """Return the value of a variable of which nothing is known."""
         kind, _, name = variable.partition(":")
         if kind == "cfg":
             return self.keys[name].default
-        return {"mgr": DOWN, "mod": ABSENT, "cmp": ABSENT, "act": INACTIVE, "con": NO}[kind]
+        usual = {"mgr": DOWN, "act": INACTIVE, "con": NO}
+        return usual.get(kind, ABSENT)
 
     def now(self, variable: str) -> str:
         """Return the value that a variable has in what lives."""
@@ -181,6 +190,14 @@ class Model:
             return ""
         return f"{manager_of(place)}/{unit.module}"
 
+    def needed_package(self, unit: ComponentVariable, place: str) -> str:
+        """Return the ``H/P==V`` that must be installed to make a component at a place; or none."""
+        return f"{self.host_of(manager_of(place))}/{unit.package}" if unit.package else ""
+
+    def host_of(self, manager: str) -> str:
+        """Return the host of a manager."""
+        return self.hosts.get(manager, HERE)
+
     def text_of(self, variable: str) -> str:
         """Return words for a variable; those for a parameter go before its value."""
         kind, _, name = variable.partition(":")
@@ -192,6 +209,9 @@ class Model:
             case "mod":
                 manager, _, module = name.partition("/")
                 return f"module {module} on {manager}"
+            case "pkg":
+                host, _, package = name.partition("/")
+                return f"package {package} on {host}"
         return f"manager {name}" if kind == "mgr" else name
 
     def wishing(self, desired: Iterable[tuple[str, Wish]]) -> Model:
@@ -209,6 +229,14 @@ class Model:
         )
         named = (name[4:] for name in (*self.live, *self.desired) if name.startswith("mod:"))
         yield from (f"mod:{name}" for name in dict.fromkeys([*modules, *named]))
+        packages = (
+            f"pkg:{self.needed_package(unit, place)}"
+            for unit in self.units.values()
+            for place in unit.places
+            if unit.package
+        )
+        others = (name for name in (*self.live, *self.desired) if name.startswith("pkg:"))
+        yield from dict.fromkeys([*packages, *others])
         for name in self.units:
             yield f"cmp:{name}"
             yield f"act:{name}"

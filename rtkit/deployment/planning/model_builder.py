@@ -9,6 +9,7 @@ from rtkit.deployment.creation import is_loaded
 from rtkit.deployment.facts import ComponentFacts, Snapshot
 from rtkit.deployment.live_index import LiveIndex, absence, mismatch, states_of
 from rtkit.deployment.multi_manager import homes_in
+from rtkit.deployment.packages import NO_PACKAGES, Packages
 from rtkit.deployment.planning import component_settings
 from rtkit.deployment.planning import model as var
 from rtkit.deployment.planning.component_settings import ComponentSetting
@@ -63,6 +64,7 @@ class WantedDeployment:
         replaces: What cannot be changed in place is created again.
         prunes: What is not in the system is not to be there.
         is_strict: What would be made with a note on it is to fail instead.
+        packages: Those that components need.
     """
 
     system: WantedSystem
@@ -77,6 +79,7 @@ class WantedDeployment:
     replaces: bool = False
     prunes: bool = False
     is_strict: bool = False
+    packages: Packages = NO_PACKAGES
 
 
 class ModelBuilder:
@@ -135,6 +138,8 @@ class ModelBuilder:
         managers = self.live.managers
         for name, snapshot in managers.items():
             self._live[f"mgr:{name}"] = var.UP if snapshot.pid else var.DOWN
+        known = self.wanted.packages.installed
+        self._live.update((f"pkg:{each}", var.INSTALLED) for each in sorted(known))
         for component in self.system.components:
             self._component(component)
         for connector in self.system.connectors:
@@ -191,8 +196,9 @@ class ModelBuilder:
         places = () if lack or not create else (place,)
         why = lack or ("" if create else f"nothing tells how to make {component.path}")
         mates = self._stale.mates(name)
+        package = self.wanted.packages.of.get(name, "")
         self._units[name] = ComponentVariable(
-            name, self._module(component), places, why, made.members, mates
+            name, self._module(component), places, why, made.members, mates, package
         )
         is_stated = (bool(component.create) or entry is None) and not made.is_place_open
         self._desired[f"cmp:{name}"] = self._desired_place(component, facts, place, is_stated)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from typing import NamedTuple
 
 from rtkit.deployment.planning import model as var
@@ -65,6 +65,29 @@ class Operators:
         needs = [Requirement(variable, (var.DOWN,))]
         return self._made("start_manager", manager, text, needs, (variable, var.UP))
 
+    def install(self, name: str) -> Operator:
+        """Install a package on a host: ``H/P==V``."""
+        needs = [Requirement(f"pkg:{name}", (var.ABSENT,))]
+        host, _, package = name.partition("/")
+        text = f"install {package} on {host}"
+        return self._made("install", name, text, needs, (f"pkg:{name}", var.INSTALLED))
+
+    def uninstall(self, name: str) -> Operator:
+        """Remove a package from a host: ``H/P==V``, of which no component is there."""
+        model = self._model
+        needs = [Requirement(f"pkg:{name}", (var.INSTALLED,))]
+        heeds = []
+        host, _, package = name.partition("/")
+        for unit in model.units.values():
+            if unit.package == package:
+                places = {*unit.places, model.now(f"cmp:{unit.name}")} - {var.ABSENT}
+                here = sorted(each for each in places if model.needed_package(unit, each) == name)
+                needs += [Requirement(f"cmp:{unit.name}", tuple(here), is_not=True)] if here else []
+                heeds += [f"mod:{m}" for m in (model.needed_module(unit, p) for p in here) if m]
+        text = f"uninstall {package} from {host}"
+        change = (f"pkg:{name}", var.ABSENT)
+        return self._made("uninstall", name, text, needs, change, heeds=tuple(heeds))
+
     def load(self, name: str) -> Operator:
         """Load a module: ``M/X``."""
         manager, _, module = name.partition("/")
@@ -72,8 +95,14 @@ class Operators:
             Requirement(f"mgr:{manager}", (var.UP,)),
             Requirement(f"mod:{name}", (var.ABSENT,)),
         ]
+        heeds = tuple(dict.fromkeys(self._packages_of(manager, module)))
         text = f"load {module} on {manager}"
-        return self._made("load", name, text, needs, (f"mod:{name}", var.LOADED))
+        return self._made("load", name, text, needs, (f"mod:{name}", var.LOADED), heeds=heeds)
+
+    def _packages_of(self, manager: str, module: str) -> Iterator[str]:
+        for unit in self._model.units.values():
+            if unit.module == module and unit.package:
+                yield f"pkg:{self._model.host_of(manager)}/{unit.package}"
 
     def unload(self, name: str) -> Operator:
         """Unload a module: ``M/X``."""
@@ -97,6 +126,9 @@ class Operators:
         module = self._model.needed_module(unit, place)
         if module:
             needs.append(Requirement(f"mod:{module}", (var.LOADED,)))
+        package = self._model.needed_package(unit, place)
+        if package:
+            needs.append(Requirement(f"pkg:{package}", (var.INSTALLED,)))
         needs += map(_there, unit.members)
         manager, _, how = place.partition(":")
         slave = how.partition("/")[2]

@@ -79,6 +79,10 @@ def _units_of(model: Model, variable: str) -> Iterator[str]:
     kind, _, name = variable.partition(":")
     if kind == "con":
         yield from model.connectors[name].ends
+    elif kind == "pkg":
+        yield from (
+            u.name for u in model.units.values() if u.package and name.endswith(f"/{u.package}")
+        )
     elif kind in ("mgr", "mod"):
         manager, _, module = name.partition("/")
         for unit in model.units.values():
@@ -169,7 +173,7 @@ def rollback_goal(now: Model, before: Model, joined: Mapping[str, tuple[str, ...
             connectors[name] = ConnectionVariable(joined[name], text=now.connectors[name].text)
         desired[variable] = var.NO if was == var.NO else var.YES
     for variable in now.live:
-        if variable.startswith("mod:"):
+        if variable.startswith(("mod:", "pkg:")):
             desired[variable] = before.now(variable)
     return replace(now, units=units, connectors=connectors, keys=keys, live=live, desired=desired)
 
@@ -182,6 +186,8 @@ def without(model: Model, before: Model, managers: Collection[str]) -> Model:
 
     def is_lost(variable: str) -> bool:
         kind, _, name = variable.partition(":")
+        if kind == "pkg":
+            return False
         if kind == "con":
             return not lost.isdisjoint(model.connectors[name].ends)
         if kind in ("mgr", "mod"):

@@ -91,6 +91,7 @@ def to_text(plan: DeploymentPlan, ranks: Mapping[str, int], made: str, about: An
         "desired": dict(model.desired),
         "managers": {n: None if m is None else sorted(m) for n, m in model.managers.items()},
         "slaves_need_modules": model.slaves_need_modules,
+        "hosts": dict(model.hosts),
     }
     whole = {"schema": f"{_SCHEMA}/{_VERSION}", "digest": _digest(data), **data}
     return json.dumps(whole, indent=1, allow_nan=False) + "\n"
@@ -189,7 +190,9 @@ def _model(data: Mapping[str, Any]) -> Model:
     }
     live, desired = (_tupled(data[name]) for name in ("live", "desired"))
     needed = bool(data["slaves_need_modules"])
-    return Model(managers, live=live, desired=desired, slaves_need_modules=needed, **tables)
+    hosts = dict(data.get("hosts", {}))
+    wishes = {"live": live, "desired": desired, "hosts": hosts}
+    return Model(managers, slaves_need_modules=needed, **wishes, **tables)
 
 
 def _tables(table: Mapping[str, Any]) -> dict[str, Any]:

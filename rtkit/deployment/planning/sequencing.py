@@ -64,6 +64,7 @@ class _Emitting:
         self._made = [name for name, assignment in assignments.items() if assignment.is_made]
         self._ended = [name for name, assignment in assignments.items() if assignment.is_ended]
         self._configured = list(self._configurations())
+        self._packages = [each for each in model.desired if each.startswith("pkg:")]
 
     def run(self) -> Iterator[Operator]:
         model, moves = self._model, self._moves
@@ -74,6 +75,7 @@ class _Emitting:
         modules = [each[4:] for each in model.desired if each.startswith("mod:")]
         unwished = [m for m in modules if not model.allows(f"mod:{m}", var.LOADED)]
         needed = self._needed_modules(modules)
+        yield from (moves.install(name) for name in self._needed_packages())
         yield from (moves.start_manager(name) for name in self._needed_managers(needed))
         yield from (moves.load(module) for module in needed)
         yield from (
@@ -82,6 +84,7 @@ class _Emitting:
         yield from (
             moves.unload(m) for m in unwished if m in needed or model.now(f"mod:{m}") == var.LOADED
         )
+        yield from (moves.uninstall(name) for name in self._surplus_packages())
         yield from (move for _, move in self._configured)
         broken = {move.subject for move in remade}
         yield from (
@@ -150,6 +153,20 @@ class _Emitting:
         ]
         needed += [module for module in wished if not model.allows(f"mod:{module}", var.ABSENT)]
         return [m for m in dict.fromkeys(needed) if m and model.now(f"mod:{m}") == var.ABSENT]
+
+    def _needed_packages(self) -> list[str]:
+        model = self._model
+        needed = [
+            model.needed_package(model.units[name], self._assignments[name].place)
+            for name in self._made
+        ]
+        needed += [v[4:] for v in self._packages if not model.allows(v, var.ABSENT)]
+        return [p for p in dict.fromkeys(needed) if p and model.now(f"pkg:{p}") == var.ABSENT]
+
+    def _surplus_packages(self) -> list[str]:
+        model = self._model
+        unwished = [v for v in self._packages if not model.allows(v, var.INSTALLED)]
+        return [v[4:] for v in unwished if model.now(v) == var.INSTALLED]
 
     def _needed_managers(self, modules: Iterable[str]) -> list[str]:
         model = self._model

@@ -16,7 +16,8 @@ from typing import NamedTuple
 from rtkit.deployment import actions as act
 from rtkit.deployment.actions import Action
 from rtkit.deployment.facts import ComponentFacts, Snapshot
-from rtkit.deployment.planning.model import DEFAULT_COSTS, INTERRUPTIONS, cost_name
+from rtkit.deployment.packages import NO_PACKAGES, Packages
+from rtkit.deployment.planning.model import DEFAULT_COSTS, HERE, INTERRUPTIONS, cost_name
 from rtkit.deployment.system import WantedComponent, WantedSystem
 from rtkit.errors import Malformed
 from rtkit.fast_dataclass import dataclass, field
@@ -207,11 +208,15 @@ def _rounded(cost: float) -> float:
     return float(f"{nearest * scale:.2g}")
 
 
-def subjects(kind: str, system: WantedSystem, snapshot: Snapshot) -> set[str]:
+def subjects(
+    kind: str, system: WantedSystem, snapshot: Snapshot, packages: Packages = NO_PACKAGES
+) -> set[str]:
     """Return the names of all that a kind of step may be done to: what is wanted, what lives."""
     match kind:
         case "start_manager":
             return {each.manager for each in (snapshot, *snapshot.others)}
+        case "install" | "uninstall":
+            return {f"{HERE}/{each}" for each in packages.of.values()} | packages.installed
         case "load" | "unload":
             return set(_modules(system, snapshot))
         case "connect" | "disconnect":

@@ -77,6 +77,8 @@ class ActionBuilder:
                 yield self._connection(move)
             case "configure":
                 yield from self._configure(move, live)
+            case "install" | "uninstall":
+                return  # the one who carries the plan out does that, by no manager
             case "start_manager":
                 start = f"rtmgr start {move.subject}"
                 raise Refused(f"manager {move.subject} does not run; start it with: {start}")

@@ -5,7 +5,6 @@ from __future__ import annotations
 from rtkit.cli.shared.app import App, WrongArguments
 from rtkit.cli.shared.command import command
 from rtkit.cli.shared.options import arguments, flag
-from rtkit.errors import Refused
 
 
 @command(
@@ -28,18 +27,13 @@ def main(
     """
     from rtkit.packages.installed import meant, remove
     from rtkit.packages.resolving import requirement
-    from rtkit.packages.usage import users
+    from rtkit.packages.usage import check_unused
 
     if not names:
         raise WrongArguments("takes names of packages")
     found = [each for name in names for each in meant(requirement(name))]
     for each in () if is_forced else found:
-        using = users(each, app.timeout_s)
-        if using:
-            raise Refused(
-                f"{each.text} is in use by manager {', '.join(using)}"
-                " (rtmgr -u unloads its module; --force removes it all the same)"
-            )
+        check_unused(each, app.timeout_s)
     for each in found:
         remove(each)
         app.verbose(f"{each.text} is removed")
