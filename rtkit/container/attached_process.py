@@ -45,7 +45,7 @@ class AttachedProcess:
         self._connection = ManagerConnection(
             places.control_socket(manager), f"{name}_{os.getpid()}", self._ending, is_guest=True
         )
-        self._wiring = PortWiring(host, Streams(places.data_socket(manager, os.getpid())))
+        self._wiring = PortWiring(host, Streams(places.data_socket(manager, os.getpid())), manager)
         self._container = ComponentContainer(self._send, self._wiring, component_factory=None)
         self._held: set[str] = set()
         self._stacks: int | None = None

@@ -28,9 +28,11 @@ from rtkit.component.waiting import waiting
 from rtkit.errors import Malformed
 from rtkit.link import zenoh_keys
 from rtkit.link.ends import CallerEnd, Fetcher, Inlet, Outlet
+from rtkit.link.routed_streams import RoutedStreams
 from rtkit.link.streams import Streams
 from rtkit.link.threads import start_thread
 from rtkit.logs.late import late
+from rtkit.rtc.far_ends import host_of, own_end, peer_of
 from rtkit.rtc.profiles import ConnectorProfile
 
 MATCH_S = 5.0
@@ -44,11 +46,18 @@ class _End(Protocol):
 
 
 class PortWiring:
-    """Connector ends of one process."""
+    """Connector ends of one process.
 
-    def __init__(self, host: str, streams: Streams) -> None:
+    Args:
+        host: Name of this host.
+        streams: To other processes of it.
+        manager: Whose router passes on data from and to other hosts.
+    """
+
+    def __init__(self, host: str, streams: Streams, manager: str = "") -> None:
         self._host = host
-        self._streams = streams
+        self._near = streams
+        self._far = RoutedStreams(manager)
         streams.report = lambda text: _log().warning("%s", text)
         self._ends: dict[str, list[_End]] = {}
 
@@ -81,7 +90,7 @@ class PortWiring:
 
         deliver = _changing(sink, decode, connector.connector_id)
         with _undone(lambda: into.close(connector.connector_id)):
-            endpoint, inlet = self._streams.receive(self._key(connector), deliver)
+            endpoint, inlet = self._streams(connector).receive(self._key(connector, 1), deliver)
         self.keep(connector, inlet)
         return endpoint
 
@@ -91,7 +100,7 @@ class PortWiring:
         encode = encoder_for(out.data_type, is_big_endian=options.is_big_endian)
         next_value = _changed(out.open_pull(connector), encode)
         with _undone(lambda: out.detach(connector.connector_id)):
-            endpoint, inlet = self._streams.answer(self._key(connector), next_value)
+            endpoint, inlet = self._streams(connector).answer(self._key(connector, 0), next_value)
         self.keep(connector, inlet)
         return endpoint
 
@@ -99,9 +108,9 @@ class PortWiring:
         """Reach for the receiving end; on a thread of its own, because it may be stopped."""
         options = parse_options(connector.properties)
         policies = (options.inport.full_policy, options.outport.full_policy)
-        return self._streams.send(
+        return self._streams(connector).send(
             endpoint,
-            self._key(connector),
+            self._key(connector, 1),
             MATCH_S,
             is_blocking=FullPolicy.BLOCK in policies,
             is_numbered=connector.properties.get(NUMBERED, "").upper() == "YES",
@@ -121,7 +130,7 @@ class PortWiring:
 
     def find_source(self, connector: ConnectorProfile, endpoint: str) -> Fetcher:
         """Reach for the end of a pull connector that is asked; on a thread of its own."""
-        return self._streams.ask(endpoint, self._key(connector), MATCH_S)
+        return self._streams(connector).ask(endpoint, self._key(connector, 0), MATCH_S)
 
     def fetch(self, connector: ConnectorProfile, into: InPort[Any], fetcher: Fetcher) -> None:
         """Have a port ask the end that was found."""
@@ -140,13 +149,15 @@ class PortWiring:
         self, connector: ConnectorProfile, end: int, reply_to: Callable[[bytes], bytes]
     ) -> str:
         """Open the end of a service connector that is called, and return its endpoint."""
-        endpoint, called = self._streams.serve(f"{self._key(connector)}/{end}", reply_to)
+        key = f"{self._key(connector, end)}/{end}"
+        endpoint, called = self._streams(connector).serve(key, reply_to)
         self.keep(connector, called)
         return endpoint
 
     def find_provider(self, connector: ConnectorProfile, end: int, endpoint: str) -> CallerEnd:
         """Reach for the end of a service connector that is called; on a thread of its own."""
-        return self._streams.caller(endpoint, f"{self._key(connector)}/{end}", MATCH_S)
+        key = f"{self._key(connector, end)}/{end}"
+        return self._streams(connector).caller(endpoint, key, MATCH_S)
 
     def flush(self, timeout_s: float) -> bool:
         """Wait until all that was sent has arrived; False when that is not known in time."""
@@ -177,7 +188,8 @@ class PortWiring:
         """Close everything."""
         for connector_id in list(self._ends):
             self.cut(connector_id)
-        self._streams.close()
+        self._near.close()
+        self._far.close()
 
     def _attach(
         self,
@@ -202,8 +214,18 @@ class PortWiring:
         """Have an end closed when its connector is cut."""
         self._ends.setdefault(connector.connector_id, []).append(end)
 
-    def _key(self, connector: ConnectorProfile) -> str:
-        return zenoh_keys.data(self._host, connector.connector_id)
+    def _streams(self, connector: ConnectorProfile) -> Streams:
+        host = host_of(peer_of(connector))
+        return self._far.to(host) if host else self._near
+
+    def _key(self, connector: ConnectorProfile, listening: int) -> str:
+        """Return the key of a connector's data; its end `listening` is the one waited at."""
+        other = host_of(peer_of(connector))
+        if not other:
+            return zenoh_keys.data(self._host, connector.connector_id)
+        is_here = own_end(connector)[0] == listening
+        ways = (self._host, other) if is_here else (other, self._host)
+        return zenoh_keys.far_data(*ways, connector.connector_id)
 
 
 @contextmanager

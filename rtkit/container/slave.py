@@ -47,7 +47,7 @@ class Slave:
         self._log = log
         self._connection: ManagerConnection
         self._stacks: int
-        wiring = PortWiring(settings["host"], Streams(settings["data"]))
+        wiring = PortWiring(settings["host"], Streams(settings["data"]), settings["manager"])
         paths = list(settings["load_path"])
         factory = ComponentFactory(Loader(paths), paths)
         self._container = ComponentContainer(self._send, wiring, factory)

@@ -78,6 +78,14 @@ def read(host: str) -> HostLink:
         raise Unreachable(f"the state of the link to {host} cannot be read: {error}") from error
 
 
+def router(host: str, manager: str) -> str:
+    """Return the manager of this host whose router leads to another host; else the given one."""
+    try:
+        return read(host).manager
+    except Unreachable:
+        return manager
+
+
 def write(link: HostLink) -> None:
     """Write the state of a link.
 

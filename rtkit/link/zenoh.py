@@ -310,6 +310,22 @@ class ZenohLink:
         handler = zenoh.handlers.Callback(take, indirect=False)
         return self._session.declare_subscriber(key, handler).undeclare
 
+    def answer(self, key: str, enqueue: Callable[[Request], object]) -> Callable[[], object]:
+        """Have requests of one key enqueued, from now until what it returns is called."""
+        handler = zenoh.handlers.Callback(_receiver(key, True, enqueue), indirect=False)
+        return self._session.declare_queryable(key, handler).undeclare
+
+    def notice(self, key: str, found: Callable[[bool], object]) -> Callable[[], object]:
+        """Tell whether somebody answers requests of a key: now, and whenever that changes.
+
+        It is told on any thread, until what it returns is called.
+        """
+        querier = self._session.declare_querier(key)
+        querier.declare_matching_listener(lambda status: found(status.matching))
+        status = querier.matching_status
+        found(status.matching)  # type: ignore[attr-defined]  # its stub is wrong
+        return querier.undeclare
+
     def close(self) -> None:
         """See `Link.close`."""
         self.withdraw()

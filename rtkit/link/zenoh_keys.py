@@ -6,7 +6,9 @@
 ``rt/<realm>/<host>/<manager>/@x/line/LINE``        what a manager tells all who listen
 ``rt/<realm>/<host>/@ps/<service>/…``                a property service of no manager, likewise
 ``…/@e/<listener>``                                 events of a service to one listener
+``rt/<realm>/<host>/<manager>/@p/<host>/<manager>`` what a manager is asked by one of another host
 ``rtd/<realm>/<host>/<connector id>``               data of one connector
+``rtd/<realm>/<host>/<other host>/<connector id>``  between hosts, first the one that is waited at
 ``rtw/<realm>``                                     who the manager at an address is
 ==================================================  =============================================
 
@@ -89,10 +91,24 @@ def introduction(of_realm: str = "") -> str:
 def all_of_host(host: str) -> list[str]:
     """Return the expressions for all keys of a host, ``*`` for any: marks match no wildcard."""
     own = f"rt/{realm()}/{host if host == '*' else escape(host)}"
-    data = f"rtd/{own.removeprefix('rt/')}/**"
     marks = ("@", "@x", "@e")
-    below = [f"{own}/{place}/{mark}/**" for place in ("*", "*/*", "@ps/**") for mark in marks]
-    return [*below, data]
+    return [f"{own}/{place}/{mark}/**" for place in ("*", "*/*", "@ps/**") for mark in marks]
+
+
+def questions_by(host: str) -> str:
+    """Return the expression for what managers of a host may ask those of others."""
+    return f"rt/{realm()}/*/*/@p/{host if host == '*' else escape(host)}/*"
+
+
+def questions_to(host: str) -> str:
+    """Return the expression for what managers of other hosts ask those of a host."""
+    return f"rt/{realm()}/{escape(host)}/*/@p/**"
+
+
+def data_between(host: str) -> list[str]:
+    """Return the expressions for all data from and to a host, ``*`` for any."""
+    own = host if host == "*" else escape(host)
+    return [f"rtd/{realm()}/{own}/*/**", f"rtd/{realm()}/*/{own}/**"]
 
 
 def property_key(service_key: str, name: str) -> str:
@@ -108,6 +124,17 @@ def extension_key(service_key: str, name: str) -> str:
 def line_key(service_key: str, line: str) -> str:
     """Return the key of a topic on which a manager sends texts to all subscribers."""
     return f"{service_key}/@x/line/{line}"
+
+
+def question(peer: str, asking: str) -> str:
+    """Return the key at which a manager is asked by one of another host, both ``HOST/NAME``."""
+    to, by = ("/".join(map(escape, each.split("/", 1))) for each in (peer, asking))
+    return f"rt/{realm()}/{to}/@p/{by}"
+
+
+def far_data(listening: str, reaching: str, connector_id: str) -> str:
+    """Return the key on which a connector's data travel from host to host."""
+    return f"rtd/{realm()}/{escape(listening)}/{escape(reaching)}/{escape(connector_id)}"
 
 
 def data(host: str, connector_id: str) -> str:

@@ -311,6 +311,7 @@ def _open_endpoints(
     fault.point("manager.serving")
     _open_front(state, session, endpoint, inner, warn, stack)
     stack.callback(link.withdraw)  # last of all opened here, so first at the end
+    stack.callback(loop.leave_peers)  # but for who asks the router from inside
     fault.point("manager.doors_open")
     return loop
 
@@ -334,7 +335,7 @@ def _container(
     stack.callback(remove_socket, own_data)
     heartbeats = Heartbeats(heartbeats_path(data, state.pid))
     container = ComponentContainer(
-        report, PortWiring(state.host, Streams(own_data)), ComponentFactory(loader)
+        report, PortWiring(state.host, Streams(own_data), state.name), ComponentFactory(loader)
     )
     container.show_heartbeats(heartbeats)
     return container

@@ -1,7 +1,8 @@
 """Names ends of connectors that are in another manager: ``m2.mgr/Motor0`` instead of ``Motor0``.
 
 No component of a manager's own bears such a name, so an end tells by itself whose it is. Between
-managers both ends are written so; each takes its own name off.
+managers both ends are written so; each takes its own name off. A manager of another host is named
+with that: ``robot1/manager.mgr/Motor0``.
 """
 
 from __future__ import annotations
@@ -17,6 +18,16 @@ _MARK = MANAGER_SUFFIX + "/"
 def far_name(instance: str, manager: str) -> str:
     """Return how another manager names a component of `manager`."""
     return f"{manager}{_MARK}{instance}"
+
+
+def on_host(manager: str, host: str) -> str:
+    """Return how managers of other hosts name a manager."""
+    return f"{host}/{manager}"
+
+
+def host_of(peer: str) -> str:
+    """Return the host of a manager that is named by others; empty for the own one."""
+    return peer.rpartition("/")[0]
 
 
 def split_far(instance: str) -> tuple[str, str]:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, NamedTuple, Protocol
 from rtkit.deployment.shown_ports import OwnEnds
 from rtkit.errors import NotFound, Refused, Unreachable
 from rtkit.rtc.enums import PortType
-from rtkit.rtc.far_ends import far_name
+from rtkit.rtc.far_ends import far_name, host_of, on_host
 from rtkit.rtc.names import Path
 from rtkit.rtc.profiles import ConnectorProfile, PortProfile, PortRef
 from rtkit.tree.resolve import component_of_port, no_port
@@ -31,7 +31,7 @@ class ResolvedPort(NamedTuple):
     """A port that a user named, found; `ref` is its own name where a composite shows it.
 
     Attributes:
-        manager: Which manager has it, where several are asked.
+        manager: Which manager has it, as ``HOST/NAME``, where several are asked.
     """
 
     path: Path
@@ -43,7 +43,13 @@ class ResolvedPort(NamedTuple):
         """Return the port as a manager names it."""
         if self.manager == manager:
             return self.ref
-        return PortRef(far_name(self.ref.instance, self.manager), self.ref.port)
+        return PortRef(_far(self.ref.instance, self.manager, host_of(manager)), self.ref.port)
+
+
+def _far(instance: str, manager: str, host: str) -> str:
+    """Return how a manager of a host names a component of another manager, ``HOST/NAME``."""
+    is_beside = host_of(manager) == host
+    return far_name(instance, manager.rpartition("/")[2] if is_beside else manager)
 
 
 class Facts(Protocol):
@@ -61,6 +67,7 @@ class Facts(Protocol):
 class ManagerFacts(Facts, Protocol):
     """Source of facts that has the name of its manager: a `Tree`."""
 
+    host: str
     manager: str
 
 
@@ -93,27 +100,32 @@ def find_ends_at(
         Unreachable: A manager does not run.
     """
     trees = [at(path) for path in paths]
-    names = list(dict.fromkeys(tree.manager for tree in trees))
+    of_trees = [on_host(tree.manager, tree.host) for tree in trees]
+    names = list(dict.fromkeys(of_trees))
     if len(names) < 2:
         snapshot, ends = find_ends(trees[0], paths)
         return {"": snapshot}, ends
     snapshots: dict[str, Snapshot] = {}
     found: dict[int, ResolvedPort] = {}
     for name in names:
-        places = [number for number, tree in enumerate(trees) if tree.manager == name]
+        places = [number for number, each in enumerate(of_trees) if each == name]
         tree = trees[places[0]]
         snapshots[name], ends = find_ends(tree, [paths[number] for number in places])
         found.update(zip(places, (end._replace(manager=name) for end in ends), strict=True))
     return snapshots, [found[number] for number in range(len(paths))]
 
 
-def find_far_end(at: Callable[[Path], ManagerFacts], path: Path) -> PortRef:
-    """Return a port in another manager as this one names it, also while that one is away.
+def find_far_end(
+    at: Callable[[Path], ManagerFacts], path: Path, host: str, far_manager: Callable[[str], str]
+) -> PortRef:
+    """Return a port in another manager as one of `host` names it, also while that one is away.
+
+    `far_manager` returns which manager of another host is linked.
 
     Raises:
         NotFound: The other manager answers, and there is no such port.
     """
-    from rtkit.rtc.names import COMPONENT_SUFFIX, MANAGER_SUFFIX
+    from rtkit.rtc.names import COMPONENT_SUFFIX, MANAGER_SUFFIX, is_local_host
 
     try:
         tree = at(path)
@@ -122,8 +134,12 @@ def find_far_end(at: Callable[[Path], ManagerFacts], path: Path) -> PortRef:
         above = (each for each in path.elements if each.endswith(MANAGER_SUFFIX))
         manager = next(above, "").removesuffix(MANAGER_SUFFIX)
         instance = path.elements[-1].removesuffix(COMPONENT_SUFFIX)
+        far_host = path.elements[0]
+        if not is_local_host(far_host, host):
+            manager = on_host(manager or far_manager(far_host), far_host)
         return PortRef(far_name(instance, manager), path.port or "")
-    return PortRef(far_name(end.ref.instance, tree.manager), end.ref.port)
+    manager = on_host(tree.manager, tree.host)
+    return PortRef(_far(end.ref.instance, manager, host), end.ref.port)
 
 
 def ports_of(facts: Facts, path: Path) -> tuple[PortProfile, ...]:

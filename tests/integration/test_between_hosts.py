@@ -121,6 +121,44 @@ def test_who_poses_as_the_router_here_is_not_joined(tmp_path: Path) -> None:
         assert not asked
 
 
+def test_data_pass_only_where_the_host_is_an_end(routers: tuple[Any, Any]) -> None:
+    near, far = routers
+    own = ("rtd/default/near/robot1/w", "rtd/default/robot1/near/w")
+    others = ("rtd/default/near/robot2/w", "rtd/default/robot2/near/w", "rtd/default/near/w")
+    heard: list[tuple[str, str]] = []
+
+    def listen(session: Any, where: str, key: str) -> None:
+        session.declare_subscriber(key, lambda each: heard.append((where, str(each.key_expr))))
+
+    for key in (own[0], *others):
+        listen(near, "near", key)
+    for key in (own[1], *others, "rtd/**"):
+        listen(far, "far", key)
+    ways = [(near, "far", own[1]), (far, "near", own[0])]
+    for session, _, key in ways:
+        publisher = session.declare_publisher(key)
+        until(lambda p=publisher: p.matching_status.matching, f"who listens to {key} is known")
+    for session in (near, far):
+        for key in others:
+            session.put(key, b"")
+    far.put("rtd/**", b"")
+    for session, _, key in ways:
+        session.put(key, b"")
+    until(lambda: all((where, key) in heard for _, where, key in ways), "own data arrive")
+    passed = {each for each in heard if each[1] in others}
+    assert passed == {("near", key) for key in others}  # from there to there
+
+
+def test_a_far_manager_asks_by_its_own_name_only(routers: tuple[Any, Any]) -> None:
+    near, far = routers
+    keys = {by: f"rt/default/near/manager/@p/{by}/manager" for by in ("robot1", "robot2")}
+    for by, key in keys.items():
+        near.declare_queryable(key, lambda query, by=by: query.reply(query.key_expr, by))
+    until(lambda: _replies(far, keys["robot1"]), "its question is answered")
+    assert _replies(far, keys["robot2"]) == []
+    assert _replies(far, "rt/default/near/manager/@p/*/manager") == []
+
+
 def test_a_giant_message_is_dropped_and_the_link_stays(routers: tuple[Any, Any]) -> None:
     near, far = routers
     sizes: list[int] = []

@@ -123,14 +123,31 @@ class FarHost:
 
     def run(self, *words: str) -> str:
         """Run a command there as its root user would at its console; return what it writes."""
+        inside = ["nsenter", "-t", self._inside(), "-a", "env", "HOME=/root"]
+        done = subprocess.run([*inside, *words], capture_output=True, text=True, check=False)
+        assert done.returncode == 0, done.stderr
+        return done.stdout
+
+    def read(self, path: str) -> str:
+        """Return the text of a file there."""
+        return (self._root / path.lstrip("/")).read_text()
+
+    def write(self, path: str, text: str) -> None:
+        """Write a file there."""
+        (self._root / path.lstrip("/")).write_text(text)
+
+    @property
+    def _root(self) -> Path:
+        """Its root folder, as its first process sees it."""
+        return Path(f"/proc/{self._inside()}/root")
+
+    def _inside(self) -> str:
+        """Return its first process."""
         assert self._sshd is not None
         pids = subprocess.run(
             ["pgrep", "-P", str(self._sshd.pid)], capture_output=True, text=True, check=True
         )
-        inside = ["nsenter", "-t", pids.stdout.split()[0], "-a", "env", "HOME=/root"]
-        done = subprocess.run([*inside, *words], capture_output=True, text=True, check=False)
-        assert done.returncode == 0, done.stderr
-        return done.stdout
+        return pids.stdout.split()[0]
 
     def sshd(self, port: int, *options: str, key: str = "/root/.ssh/hostkey") -> None:
         """Have one more sshd there at a port of its own, with options of its own."""

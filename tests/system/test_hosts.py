@@ -14,26 +14,12 @@ import farkit
 import jsonrecords
 import pytest
 from farkit import FarHost, far_hosts
+from fleetkit import accept_key, give_home, linked
 from forked import Commands
-from shells import ROOT, Shell, opened_shell
+from shells import Shell
 from waiting import has_ended, until
 
 pytestmark = pytest.mark.skipif(bool(farkit.missing()), reason=farkit.missing())
-
-
-def _at_home(shell: Shell, hosts: list[FarHost]) -> None:
-    """Give a shell a home of its own, from which these hosts can be logged into."""
-    home = shell.folder / "home"
-    (home / ".ssh").mkdir(parents=True, mode=0o700)
-    (home / ".ssh" / "known_hosts").write_text("# no end of line: keys begin on another")
-    if hosts:
-        key = home / ".ssh" / "id_ed25519"
-        key.write_bytes(hosts[0].key.read_bytes())
-        key.chmod(0o600)
-    cache = os.environ.get("XDG_CACHE_HOME") or str(ROOT / ".venv" / "cache")
-    shell.environment |= {"HOME": str(home), "XDG_CACHE_HOME": cache}
-    for name in ("XDG_CONFIG_HOME", "SSH_AUTH_SOCK"):
-        shell.environment.pop(name, None)
 
 
 @pytest.fixture(scope="module")
@@ -45,34 +31,22 @@ def hosts(tmp_path_factory: pytest.TempPathFactory) -> Iterator[list[FarHost]]:
 @pytest.fixture
 def known(shell: Shell, hosts: list[FarHost]) -> Shell:
     """A shell that knows both hosts, and their keys."""
-    _at_home(shell, hosts)
+    give_home(shell, hosts)
     for host in hosts:
         shell.ok(f"rthost add {host.name} root@{host.address}")
-        _accept(shell, host.name)
+        accept_key(shell, host.name)
     return shell
-
-
-def _accept(shell: Shell, name: str) -> None:
-    told = shell.run(f"rthost check {name}")
-    assert told.status == 1
-    shell.ok(told.err.strip().rpartition("if that is it: ")[2])
 
 
 @pytest.fixture(scope="module")
 def fleet(commands: Commands, hosts: list[FarHost]) -> Iterator[Shell]:
     """A shell whose manager is linked to both hosts."""
-    with opened_shell(commands) as shell:
-        _at_home(shell, hosts)
-        for host in hosts:
-            shell.ok(f"rthost add {host.name} root@{host.address}")
-            _accept(shell, host.name)
-        shell.ok("rtmgr start --host robot1 --host robot2")
+    with linked(commands, hosts) as shell:
         yield shell
-        shell.ok("rtmgr stop")
 
 
 def test_a_host_whose_key_is_not_known_is_told_nothing(shell: Shell, hosts: list[FarHost]) -> None:
-    _at_home(shell, hosts)
+    give_home(shell, hosts)
     shell.ok(f"rthost add robot1 root@{hosts[0].address}")
     told = shell.run("rthost check robot1")
     assert told.status == 1
@@ -108,7 +82,7 @@ def test_check_tells_what_a_host_is_and_changes_nothing_there(
 
 
 def test_hosts_are_listed_as_they_stand_in_the_inventory(shell: Shell) -> None:
-    _at_home(shell, [])
+    give_home(shell, [])
     shell.ok("rthost add arm pi@arm.local:2222 --tag gpu --tag big")
     assert shell.run("rthost add arm other").status == 1
     shell.ok("rthost add arm pi@[fe80::1]:22 --force")
@@ -241,7 +215,7 @@ def test_what_a_host_lacks_is_told_before_anything_is_sent(known: Shell, tmp_pat
         known.ok(f"rthost add small root@{small.address}")
         key = known.folder / "home" / ".ssh" / "id_ed25519"
         key.write_bytes(small.key.read_bytes())
-        _accept(known, "small")
+        accept_key(known, "small")
         small.run("mount", "-o", "remount,size=20m", "/root")
         told = known.run("rtmgr start --host small")
         assert told.status == 1

@@ -56,6 +56,8 @@ def main(
     """
     from rtkit.component.options import remarks
     from rtkit.component.port_matching import ANY_DATA_TYPE
+    from rtkit.rtc.far_ends import host_of, named_by, peer_of
+    from rtkit.tree.expecting import expected
     from rtkit.tree.wiring import find_ends_at, in_order, make_connector
 
     given = _properties(app, texts) | ({ANY_DATA_TYPE: "YES"} if force else {})
@@ -63,15 +65,20 @@ def main(
     ports = _port_paths(app, paths)
     snapshots, (first, *others) = find_ends_at(app.tree_at, ports)
     wanted: list[tuple[Tree, ConnectorProfile]] = []
+    expecting: list[tuple[Tree, ConnectorProfile]] = []
     for other, each_id in zip(others, _ids(connector_id, len(others)), strict=True):
         connector = make_connector(first, other, each_id, name, given)
-        out, _ = in_order(first, other)
+        out, into = in_order(first, other)
         tree = app.tree_at(out.path)
+        if host_of(peer_of(connector)):
+            expecting.append((app.tree_at(into.path), named_by(connector, out.manager)))
         if no_duplicates:  # the id may be in use at quite other ports
             known = tree.snapshot() if connector_id else snapshots[out.manager]
             _check_new(known, first, other, connector, name)
         wanted.append((tree, connector))
-    _make(app, wanted, {each.connector_id for s in snapshots.values() for each in s.connectors})
+    present = {each.connector_id for s in snapshots.values() for each in s.connectors}
+    with expected(expecting):
+        _make(app, wanted, present)
 
 
 def _properties(app: App, texts: Sequence[str]) -> dict[str, str]:

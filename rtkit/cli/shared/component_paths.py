@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from rtkit.rtc.far_ends import split_far
+from rtkit.rtc.far_ends import host_of, split_far
 from rtkit.rtc.names import COMPONENT_SUFFIX, LOCAL, MANAGER_SUFFIX
 
 if TYPE_CHECKING:
@@ -23,6 +23,9 @@ def component_path(snapshot: Snapshot, facts: ComponentFacts) -> str:
 def port_path(snapshot: Snapshot, instance: str, port: str) -> str:
     """Return the path of a port; empty when nobody knows its component."""
     manager, name = split_far(instance)
+    if host_of(manager):
+        host, _, manager = manager.partition("/")
+        return f"/{host}/{manager}{MANAGER_SUFFIX}/{name}{COMPONENT_SUFFIX}:{port}"
     if manager:
         return f"/{LOCAL}/{manager}{MANAGER_SUFFIX}/{name}{COMPONENT_SUFFIX}:{port}"
     facts = snapshot.component(instance)

@@ -20,7 +20,7 @@ from rtkit.errors import Malformed
 from rtkit.fast_dataclass import Record, field, replace
 from rtkit.manager.core.events import Row
 from rtkit.rtc.enums import LifeCycleState, Transition
-from rtkit.rtc.far_ends import peer_of
+from rtkit.rtc.far_ends import host_of, peer_of
 from rtkit.rtc.profiles import ConnectorProfile
 from rtkit.rtc.serde import decode, encode
 
@@ -131,6 +131,7 @@ _KINDS: Mapping[str, _Kind] = {
     "followed": _Kind("followed", str),
     "reached": _Kind("reached", Followed),
     "host": _Kind("hosts", str),
+    "gone": _Kind("gone", tuple[str, str, str]),
 }
 
 
@@ -153,6 +154,8 @@ class DesiredState:
         followed: By what systems are followed whose events lead them, as text, by name.
         reached: What became of each of them.
         hosts: Other hosts that are to be linked, by name, as JSON.
+        gone: Removed connectors of which a manager of another host has not heard yet, as (peer,
+            connector, making); a link may be away for long, so it outlasts this manager.
     """
 
     def __init__(self) -> None:
@@ -173,6 +176,7 @@ class DesiredState:
         self.followed: dict[str, str] = {}
         self.reached: dict[str, Followed] = {}
         self.hosts: dict[str, str] = {}
+        self.gone: dict[str, tuple[str, str, str]] = {}
         self._changed: dict[tuple[str, str], None] = {}
         self._stored: set[tuple[str, str]] = set()
 
@@ -226,6 +230,8 @@ class DesiredState:
                 self._table(kind)[name] = value
                 if kind == "wire":
                     self._note_far(value)
+                elif kind == "gone":
+                    self.untell(*value)
             except (ValueError, LookupError, TypeError) as error:
                 bad.append(f"{kind} {name}: {error}")
         return bad
@@ -263,6 +269,12 @@ class DesiredState:
         if not untold:
             self.untold.pop(peer, None)
 
+    def was_told(self, peer: str, connector_id: str, making: str) -> None:
+        """Note that a manager of another host knows that a connector of that id is gone."""
+        name = _row_of_gone(peer, connector_id)
+        if name in self.gone and making in ("*", self.gone[name][2]):
+            self.drop("gone", name)
+
     def _note_far(self, connector: ConnectorProfile) -> str:
         peer = peer_of(connector)
         if peer:
@@ -276,6 +288,9 @@ class DesiredState:
             if not self.far[peer]:
                 del self.far[peer]
             self.untell(peer, connector.connector_id)
+            if host_of(peer):
+                row = (peer, connector.connector_id, self.making_of(connector.connector_id))
+                self.put("gone", _row_of_gone(*row[:2]), row)
             self.drop("half", connector.connector_id)
 
     def clear(self) -> None:
@@ -358,6 +373,10 @@ class DesiredState:
         item = self.components.get(instance)
         if item is not None:
             self.put("component", instance, replace(item, **changes))
+
+
+def _row_of_gone(peer: str, connector_id: str) -> str:
+    return f"{peer} {connector_id}"
 
 
 def module_row(path: str, init: str) -> str:

@@ -80,11 +80,16 @@ class OperationRequested(Event):
 
 
 class PeerAsked(Event):
-    """Another manager asks about halves of connectors (see `rtkit.manager.core.halves`)."""
+    """Another manager asks about halves of connectors (see `rtkit.manager.core.halves`).
+
+    Attributes:
+        peer: Which one of another host it is, by what its link lets pass; empty for this host's.
+    """
 
     text: str
     request: int
     until: float = math.inf
+    peer: str = ""
 
 
 class PeerAnswered(Event):

@@ -22,11 +22,28 @@ from rtkit.deployment.actions import Result
 from rtkit.deployment.shown_ports import OwnEnds
 from rtkit.errors import Malformed, Refused, RtkitError, Unreachable
 from rtkit.fast_dataclass import replace
-from rtkit.manager.core.effects import Call, CallPeer, Effect, Gather, Procedure, Send, WaitUntil
-from rtkit.manager.core.state import ManagerState, Opening, Process
+from rtkit.manager.core.effects import (
+    Call,
+    CallPeer,
+    Effect,
+    Gather,
+    Procedure,
+    ReadClock,
+    Send,
+    WaitUntil,
+)
+from rtkit.manager.core.state import Expected, ManagerState, Opening, Process
 from rtkit.rtc.connector_properties import DIRECT
 from rtkit.rtc.enums import Polarity, PortType
-from rtkit.rtc.far_ends import named_by, named_for, own_end, peer_of
+from rtkit.rtc.far_ends import (
+    host_of,
+    named_by,
+    named_for,
+    on_host,
+    own_end,
+    peer_of,
+    split_far,
+)
 from rtkit.rtc.port_types import WRONG_TYPE, are_reversed, provides
 from rtkit.rtc.profiles import ConnectorProfile, PortProfile
 from rtkit.rtc.serde import decode, encode
@@ -62,10 +79,10 @@ def connect_half(
                 peer,
                 {
                     "op": "make",
-                    "manager": state.name,
+                    "manager": state.name_for(peer),
                     "life": state.kept.store_name,
                     "making": making,
-                    "connector": encode(named_by(connector, state.name)),
+                    "connector": encode(named_by(connector, state.name_for(peer))),
                     "port": encode(port),
                     "endpoint": endpoint,
                 },
@@ -115,6 +132,7 @@ def make_half(
                 yield from loosen(state, connector)
             raise
     _enter(state, connector, _text(asked, "making"), _text(asked, "life"))
+    state.expected.pop(connector_id, None)
     own = {"life": state.kept.store_name, "port": encode(port), "endpoint": endpoint}
     return Result(value=json.dumps(own))
 
@@ -129,11 +147,52 @@ def connector_in(state: ManagerState, asked: Record) -> ConnectorProfile:
     Raises:
         Malformed: It is none between that peer and this manager.
     """
-    connector = named_for(decode(ConnectorProfile, asked.get("connector")), state.name)
-    if len(connector.ports) != 2 or peer_of(connector) != _text(asked, "manager"):
-        raise Malformed(f"not a connection between {state.name} and its peer: {connector}")
+    peer = _text(asked, "manager")
+    own = state.name_for(peer)
+    connector = named_for(decode(ConnectorProfile, asked.get("connector")), own)
+    if len(connector.ports) != 2 or peer_of(connector) != peer:
+        raise Malformed(f"not a connection between {own} and its peer: {connector}")
     own_end(connector)
     return connector
+
+
+EXPECTED_S = 10.0
+"""How long a manager of another host may make a connector that it is expected to make [s]."""
+
+
+def expect(state: ManagerState, connector: ConnectorProfile) -> Procedure:
+    """Let a manager of another host make a connector to here, once or again, for some seconds.
+
+    Raises:
+        Malformed: It is none between this manager and one of another host.
+    """
+    peer = _far_peer(state, connector)
+    connector = named_for(connector, state.name_for(peer))
+    own_end(connector)
+    now = yield ReadClock()
+    ports = OwnEnds(state.components).connector(connector).ports
+    state.expected[connector.connector_id] = Expected(peer, ports, now + EXPECTED_S)
+    return Result()
+
+
+def _far_peer(state: ManagerState, connector: ConnectorProfile) -> str:
+    own = on_host(state.name, state.host)
+    managers = {split_far(end.instance)[0] for end in connector.ports} - {own, ""}
+    if len(connector.ports) != 2 or len(managers) != 1 or not host_of(*managers):
+        raise Malformed(f"not a connection between {own} and another host: {connector}")
+    return managers.pop()
+
+
+def check_expected(state: ManagerState, connector: ConnectorProfile) -> None:
+    """Refuse a connector that nobody but the manager of another host wants.
+
+    Raises:
+        Refused: Nobody asked this manager to expect it.
+    """
+    found = state.expected.get(connector.connector_id)
+    ports = OwnEnds(state.components).connector(connector).ports
+    if found is None or (found.peer, found.ports) != (peer_of(connector), ports):
+        raise Refused(f"nobody here expects connection {connector.connector_id}")
 
 
 def at_rest(state: ManagerState, connector_id: str) -> Generator[Effect, Any, None]:
@@ -164,6 +223,7 @@ def _enter(state: ManagerState, connector: ConnectorProfile, making: str, life: 
     state.connectors[connector.connector_id] = connector
     state.kept.put("wire", connector.connector_id, connector)
     state.kept.put("half", connector.connector_id, (making, life))
+    state.kept.was_told(peer_of(connector), connector.connector_id, ANY)  # of an earlier one
 
 
 # the ends
@@ -268,8 +328,12 @@ def meet(
     """
     meant = {each: _meant(state, each) for each in ids}
     halves = yield from _records(state, peer, ids)
-    asked = {"op": "meet", "manager": state.name, "life": state.kept.store_name, "halves": halves}
+    own, life = state.name_for(peer), state.kept.store_name
+    asked = {"op": "meet", "manager": own, "life": life, "halves": halves}
     message = yield CallPeer(peer, asked, timeout_s)
+    for connector_id, half in halves.items():
+        if "gone" in half:
+            state.kept.was_told(peer, connector_id, _text(half, "gone"))
     yield from _learn_all(state, peer, message, meant)
 
 
@@ -403,6 +467,7 @@ def _forgotten(state: ManagerState, connector: ConnectorProfile, is_same_store: 
     yield from loosen(state, connector)
     state.kept.drop("wire", connector_id)
     state.kept.notified(peer, connector_id)
+    state.kept.was_told(peer, connector_id, ANY)
     return Result()
 
 

@@ -14,11 +14,12 @@ from rtkit.errors import Malformed, Refused, RtkitError, Unreachable
 from rtkit.manager.core import events as ev
 from rtkit.manager.core.durable_replies import DurableReplies, SendResults, unkept
 from rtkit.manager.core.effects import Procedure
-from rtkit.manager.core.halves import be_met, connector_in, make_half, meet, show
+from rtkit.manager.core.halves import be_met, check_expected, connector_in, make_half, meet, show
 from rtkit.manager.core.state import ManagerState
 from rtkit.manager.core.tasks import Tasks, failed
 from rtkit.manager.core.wiring import check_same, own_port
 from rtkit.property.exchange import Reply, failure
+from rtkit.rtc.far_ends import host_of
 from rtkit.rtc.profiles import ConnectorProfile
 
 _MEETING_S = 10.0
@@ -56,12 +57,15 @@ class Meetings:
     def run(self, now: float) -> None:
         """Begin the meetings that are due at monotonic time `now` [s]."""
         kept, self._now = self._state.kept, now
-        if not (kept.far or kept.untold or self._watched) or not self.is_open:
+        self._forget_expected()
+        expected = {each.peer for each in self._state.expected.values()}
+        if not (kept.far or kept.untold or expected or self._watched) or not self.is_open:
             return
         for peer in self._away - kept.far.keys():
-            kept.untold.pop(peer, None)  # it asks itself when it is back
+            if not host_of(peer):
+                kept.untold.pop(peer, None)  # it asks itself when it is back
         # Who is just asked is let go only when that is over.
-        wanted = tuple(sorted({*kept.far, *kept.untold, *self._tasks.peers_asked()}))
+        wanted = tuple(sorted({*kept.far, *kept.untold, *expected, *self._tasks.peers_asked()}))
         if wanted != self._watched:
             self._out.append(ev.WatchPeers(wanted))
             self._watched = wanted
@@ -72,8 +76,14 @@ class Meetings:
             self._busy.add(peer)
             self._tasks.begin(self._meet(peer, ids), _MEETING_S, lambda _result: None)
         moments = [*self._pauses.values(), *self._retries.values()]
+        moments += [each.until for each in self._state.expected.values()]
         if moments:
             self._out.append(ev.WakeAt(min(moments)))
+
+    def _forget_expected(self) -> None:
+        expected = self._state.expected
+        for connector_id in [key for key, each in expected.items() if each.until <= self._now]:
+            del expected[connector_id]
 
     def _due(self) -> Iterator[str]:
         """Yield the peers to be met now; a half that could not be joined is told, then retried."""
@@ -132,6 +142,8 @@ class Meetings:
                 raise Unreachable(f"manager {self._state.name} is just starting, or ending")
             message = message_from(event.text)
             op = message.get("op")
+            if event.peer and message.get("manager") != event.peer:
+                raise Refused(f"{event.peer} poses as {message.get('manager')}")
             if op == "meet":
                 steps = be_met(self._state, message)
                 self._tasks.begin(steps, _MEETING_S, lambda result: answer([result]))
@@ -139,6 +151,8 @@ class Meetings:
             if op != "make":
                 raise Malformed(f"no such request of a manager: {op!r}")
             connector = connector_in(self._state, message)
+            if event.peer:
+                check_expected(self._state, connector)
             check_same(self._state, connector)
         except RtkitError as error:
             self._out.append(ev.AnswerClient(event.request, failure(error)))

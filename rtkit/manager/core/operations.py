@@ -15,12 +15,13 @@ from rtkit.errors import Malformed, NotFound, Refused
 from rtkit.manager.core import follows, manager_properties
 from rtkit.manager.core.deletion import retire_unused
 from rtkit.manager.core.effects import AcquireSlave, Procedure, Spawn
+from rtkit.manager.core.halves import expect
 from rtkit.manager.core.procedures import procedure_for
 from rtkit.manager.core.state import ManagerState
 from rtkit.rtc.create import FRESH_SLAVE
 from rtkit.rtc.names import check_host_name, check_instance_name, is_local_host
-from rtkit.rtc.profiles import TypeProfile
-from rtkit.rtc.serde import parse_table
+from rtkit.rtc.profiles import ConnectorProfile, TypeProfile
+from rtkit.rtc.serde import decode_text, parse_table
 
 TIMEOUT_S = 10.0
 """How long an operation may take that is not part of a batch [s]."""
@@ -167,6 +168,17 @@ def _unlink_host(state: ManagerState, argument: str) -> Procedure:
     return Result()
 
 
+def _expect(state: ManagerState, argument: str) -> Procedure:
+    """Let a manager of another host make a connector, which is given as JSON."""
+    return (yield from expect(state, decode_text(ConnectorProfile, argument)))
+
+
+def _expect_no_more(state: ManagerState, argument: str) -> Procedure:
+    yield from ()
+    state.expected.pop(argument, None)
+    return Result()
+
+
 def _service(_state: ManagerState, argument: str) -> Procedure:
     yield from ()
     raise NotFound(f"the manager has no service {argument}")
@@ -187,6 +199,8 @@ DO: Mapping[str, Callable[[ManagerState, str], Procedure]] = {
     "get_service": _service,
     "link_host": _link_host,
     "unlink_host": _unlink_host,
+    "expect": _expect,
+    "expect_no_more": _expect_no_more,
 }
 
 

@@ -7,12 +7,12 @@ from collections.abc import Callable, Iterator
 from rtkit.deployment.facts import ComponentFacts, ProcessFacts, RestartStatus, Snapshot
 from rtkit.deployment.limits import Capacity, SlaveLimits
 from rtkit.errors import NotFound, RtkitError
-from rtkit.fast_dataclass import dataclass, field, replace
+from rtkit.fast_dataclass import Record, dataclass, field, replace
 from rtkit.manager.core.desired import DesiredComponent, DesiredState, RestartRecord
 from rtkit.manager.core.events import OWN_PROCESS
-from rtkit.rtc.far_ends import peer_of
+from rtkit.rtc.far_ends import host_of, on_host, peer_of
 from rtkit.rtc.nearest import did_you_mean
-from rtkit.rtc.profiles import ConnectorProfile, ModuleProfile
+from rtkit.rtc.profiles import ConnectorProfile, ModuleProfile, PortRef
 from rtkit.settings.properties import Settings
 
 NOWHERE = -1
@@ -123,6 +123,14 @@ class Opening:
     is_broken: bool = False
 
 
+class Expected(Record):
+    """A connector that a manager of another host may make until then, monotonic time [s]."""
+
+    peer: str
+    ports: tuple[PortRef, ...]
+    until: float
+
+
 @dataclass(slots=True)
 class ManagerState:
     """State of one manager; only its core changes it.
@@ -157,6 +165,7 @@ class ManagerState:
             the other end is known too.
         peers: Other managers that can be asked about halves of connectors.
         failing: Why own ends of halves cannot be opened or joined, by connector; tried again.
+        expected: What managers of other hosts may make, by the id of the connector.
         makings: How many connectors to other managers it has made.
     """
 
@@ -198,6 +207,7 @@ class ManagerState:
     since_made: dict[str, DesiredComponent] = field(default_factory=dict)
     peers: set[str] = field(default_factory=set)
     failing: dict[str, str] = field(default_factory=dict)
+    expected: dict[str, Expected] = field(default_factory=dict)
     makings: int = 0
 
     def cut(self, connector_id: str) -> None:
@@ -206,6 +216,10 @@ class ManagerState:
         peer = peer_of(connector) if connector is not None else ""
         if peer:
             self.kept.untell(peer, connector_id)
+
+    def name_for(self, peer: str) -> str:
+        """Return the name of this manager between it and a peer."""
+        return on_host(self.name, self.host) if host_of(peer) else self.name
 
     def new_making(self) -> str:
         """Return the name of another making of a connector, which no other has."""

@@ -45,7 +45,7 @@ def connect(state: ManagerState, action: act.Connect) -> Procedure:
         why = f"connection {connector_id} is just being made"
         yield WaitUntil(lambda: connector_id not in state.openings, why)
     if peer_of(connector):
-        connector = named_for(connector, state.name)
+        connector = named_for(connector, state.name_for(peer_of(connector)))
     known = state.connectors.get(connector_id)
     own = OwnEnds(state.components)
     if known is not None:

@@ -20,7 +20,9 @@ from rtkit.link.folder_watch import FolderWatch
 from rtkit.link.wakeup import Wakeup
 from rtkit.link.zenoh import ZenohLink, open_client, unix_endpoint
 from rtkit.manager.core import events as ev
+from rtkit.manager.peers.far_peers import FarPeers, PeerRequest
 from rtkit.property.exchange import Reply, failure
+from rtkit.rtc.far_ends import host_of
 
 _OPEN_S = 2.0
 """How long a peer that runs may take to let this manager in [s]."""
@@ -59,14 +61,16 @@ class Peers:
 
     Args:
         host: Name of this host.
-        post: Takes events, from any thread.
+        name: Of this manager.
+        post: Takes events, and what managers of other hosts ask, from any thread.
         failed: Takes note of a fault of its own.
     """
 
     def __init__(
         self,
         host: str,
-        post: Callable[[ev.Event], object],
+        name: str,
+        post: Callable[[ev.Event | PeerRequest], object],
         failed: Callable[[str, BaseException], object],
     ) -> None:
         self._host = host
@@ -75,6 +79,7 @@ class Peers:
         self._orders: SimpleQueue[ev.AskPeer | ev.WatchPeers | None] = SimpleQueue()
         self._selector = selectors.DefaultSelector()
         self._wakeup = Wakeup()
+        self._far = FarPeers(host, name, post, self._wakeup.ring)
         self._peers: dict[str, _Peer] = {}
         self._watched: tuple[str, ...] = ()
         self._folder: FolderWatch | None = None
@@ -89,12 +94,16 @@ class Peers:
             self._thread.start()
         self._wakeup.ring()
 
-    def close(self) -> None:
+    def end(self) -> None:
         """End all connections."""
         self._orders.put(None)
         self._wakeup.ring()
         if self._thread is not None:
             self._thread.join()
+
+    def close(self) -> None:
+        """End all connections, and let go of all descriptors."""
+        self.end()
         self._selector.close()
         self._wakeup.close()
 
@@ -108,12 +117,14 @@ class Peers:
         finally:
             for peer in self._peers.values():
                 peer.close()
+            self._far.close()
             if self._folder is not None:
                 self._folder.close()
 
     def _turn(self) -> bool:
         """Wait for something, and do what it calls for; return whether to go on."""
-        wait_s = None if self._again_at is None else max(0.0, self._again_at - time.monotonic())
+        moments = [each for each in (self._again_at, self._far.due_at) if each is not None]
+        wait_s = max(0.0, min(moments) - time.monotonic()) if moments else None
         ready = {key.fd for key, _ in self._selector.select(wait_s)}
         self._wakeup.hush()
         for name, peer in list(self._peers.items()):
@@ -129,11 +140,15 @@ class Peers:
                 break
             if order is None:
                 return False
-            if isinstance(order, ev.AskPeer):
-                self._ask(order)
+            if isinstance(order, ev.WatchPeers):
+                self._watch(tuple(name for name in order.peers if not host_of(name)))
+                self._far.watch(tuple(filter(host_of, order.peers)))
+            elif host_of(order.peer):
+                self._far.ask(order)
             else:
-                self._watch(order.peers)
+                self._ask(order)
         self._seek()
+        self._far.run()
         return True
 
     def _ask(self, asked: ev.AskPeer) -> None:

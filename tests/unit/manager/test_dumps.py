@@ -43,7 +43,7 @@ EVENTS: tuple[ev.Event, ...] = (
     ev.FollowAsked("S", "{}", 2),
     ev.FollowSaid(Followed("S", "a", "b", "e", 1, 5.0), 3),
     ev.OperationRequested("fork", "s", 4),
-    ev.PeerAsked("{}", 5, 1.5),
+    ev.PeerAsked("{}", 5, 1.5, "robot1/manager"),
     ev.PeerAnswered(6, "no", "refused"),
     ev.PeerFound("m1"),
     ev.PeerLost("m1", "it ended"),

@@ -1,0 +1,41 @@
+"""Has managers of other hosts expect connectors: they let nobody make one that is not expected.
+
+See decision 74.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager, suppress
+from typing import TYPE_CHECKING
+
+from rtkit.errors import RtkitError
+
+if TYPE_CHECKING:
+    from rtkit.rtc.profiles import ConnectorProfile
+    from rtkit.tree.client import Tree
+
+
+@contextmanager
+def expected(wanted: Iterable[tuple[Tree, ConnectorProfile]]) -> Iterator[None]:
+    """Have managers expect connectors that others make inside the block.
+
+    Whatever fails in it, they expect them no more. The connectors are given with both ends named as
+    between managers (`rtkit.rtc.far_ends.named_by`).
+
+    Raises:
+        Unreachable: One of the managers does not answer.
+    """
+    from rtkit.rtc.serde import encode_text
+
+    told: list[tuple[Tree, str]] = []
+    try:
+        for tree, connector in wanted:
+            told.append((tree, connector.connector_id))
+            tree.set("expect", encode_text(connector))
+        yield
+    except BaseException:
+        for tree, connector_id in told:
+            with suppress(RtkitError):
+                tree.set("expect_no_more", connector_id)
+        raise

@@ -1,0 +1,46 @@
+"""A shell whose manager is linked to hosts that `farkit` makes."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+from farkit import FarHost
+from forked import Commands
+from shells import ROOT, Shell, opened_shell
+
+
+def give_home(shell: Shell, hosts: list[FarHost]) -> None:
+    """Give a shell a home of its own, from which these hosts can be logged into."""
+    home = shell.folder / "home"
+    (home / ".ssh").mkdir(parents=True, mode=0o700)
+    (home / ".ssh" / "known_hosts").write_text("# no end of line: keys begin on another")
+    if hosts:
+        key = home / ".ssh" / "id_ed25519"
+        key.write_bytes(hosts[0].key.read_bytes())
+        key.chmod(0o600)
+    cache = os.environ.get("XDG_CACHE_HOME") or str(ROOT / ".venv" / "cache")
+    shell.environment |= {"HOME": str(home), "XDG_CACHE_HOME": cache}
+    for name in ("XDG_CONFIG_HOME", "SSH_AUTH_SOCK"):
+        shell.environment.pop(name, None)
+
+
+def accept_key(shell: Shell, name: str) -> None:
+    """Accept the key of a host as a user does, who is told how."""
+    told = shell.run(f"rthost check {name}")
+    assert told.status == 1
+    shell.ok(told.err.strip().rpartition("if that is it: ")[2])
+
+
+@contextmanager
+def linked(commands: Commands, hosts: list[FarHost]) -> Iterator[Shell]:
+    """Have a shell whose manager is linked to all hosts."""
+    with opened_shell(commands) as shell:
+        give_home(shell, hosts)
+        for host in hosts:
+            shell.ok(f"rthost add {host.name} root@{host.address}")
+            accept_key(shell, host.name)
+        shell.ok("rtmgr start " + " ".join(f"--host {host.name}" for host in hosts))
+        yield shell
+        shell.ok("rtmgr stop")

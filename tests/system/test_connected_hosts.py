@@ -1,0 +1,230 @@
+"""Connections between managers of different hosts: made, cut off, met again, removed."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+from collections.abc import Iterator
+
+import farkit
+import pytest
+from counting import CHECKER, COUNTER
+from farkit import FarHost, far_hosts
+from fleetkit import linked
+from forked import Commands
+from shells import Shell
+from waiting import until
+
+pytestmark = pytest.mark.skipif(bool(farkit.missing()), reason=farkit.missing())
+OUT, FAR_INTO = "/localhost/A.rtc:out", "/robot1/B.rtc:into"
+FAR_OUT, INTO = "/robot1/C.rtc:out", "/localhost/D.rtc:into"
+OTHER = "/robot2/E.rtc:into"
+
+
+@pytest.fixture(scope="module")
+def hosts(tmp_path_factory: pytest.TempPathFactory) -> Iterator[list[FarHost]]:
+    with far_hosts(tmp_path_factory.mktemp("far"), "robot1", "robot2") as hosts:
+        yield hosts
+
+
+@pytest.fixture(scope="module")
+def fleet(commands: Commands, hosts: list[FarHost]) -> Iterator[Shell]:
+    """A sender and a receiver here and on robot1, a receiver on robot2; nothing is connected."""
+    with linked(commands, hosts) as shell:
+        for name, text in (("Counter", COUNTER), ("Checker", CHECKER)):
+            (shell.modules / f"{name}.py").write_text(text)
+            for host in hosts:
+                host.write(f"/root/{name}.py", text)
+        for kind, path in (
+            ("Counter", OUT),
+            ("Checker", FAR_INTO),
+            ("Counter", FAR_OUT),
+            ("Checker", INTO),
+            ("Checker", OTHER),
+        ):
+            _, host, rest = path.split("/")
+            name = rest[0]
+            create = f"{kind}?instance_name={name}&manager_name={name.lower()}"
+            shell.ok(f"rtmgr /{host}/manager.mgr -c '{create}&rtkit.restart=on-failure'")
+            shell.ok(f"rtact /{host}/{name}.rtc")
+        yield shell
+
+
+@pytest.fixture
+def joined(fleet: Shell, hosts: list[FarHost]) -> Iterator[Shell]:
+    """Numbers go from here to robot1 and from there to here."""
+    fleet.ok(f"rtcon -i there {OUT} {FAR_INTO}")
+    fleet.ok(f"rtcon -i back {INTO} {FAR_OUT}")
+    flowing(fleet, hosts)
+    yield fleet
+    for host in hosts:
+        host.link("up")
+        linked_again(fleet, host.name)
+    for id, path in (("there", OUT), ("back", INTO)):
+        fleet.run(f"rtdis -i {id} {path}")
+
+
+def counts(fleet: Shell, hosts: list[FarHost]) -> list[tuple[int, int]]:
+    """Return the last number that came, and the gaps before it, here and on each host."""
+    texts = [(fleet.folder / "count").read_text(), *(host.read("/root/count") for host in hosts)]
+    return [(int(last), int(gaps)) for last, gaps in map(str.split, texts)]
+
+
+def flowing(fleet: Shell, hosts: list[FarHost], places: tuple[int, ...] = (0, 1)) -> None:
+    """Wait until numbers come here (0) and on robot1 (1), or elsewhere."""
+    before = counts(fleet, hosts)
+
+    def have_come() -> bool:
+        now = counts(fleet, hosts)
+        return all(now[place][0] > before[place][0] + 5 for place in places)
+
+    until(have_come, f"numbers at {places}")
+
+
+def half(fleet: Shell, path: str, id: str) -> str | None:
+    """Return why only half of a connection is there; "" if it is whole, None if it is not."""
+    component = path.partition(":")[0]
+    (facts,) = (json.loads(line) for line in fleet.ok(f"rtcat --json {component}").splitlines())
+    found = [each.get("trouble", "") for each in facts["connectors"] if each["connector_id"] == id]
+    return found[0] if found else None
+
+
+def awaited(fleet: Shell, path: str, id: str, text: str | None) -> None:
+    def has_come() -> bool:
+        found = half(fleet, path, id)
+        return found == text if not text or found is None else text in found
+
+    until(has_come, f"{text!r} at {path}")
+
+
+def linked_again(fleet: Shell, name: str = "robot1") -> None:
+    until(lambda: fleet.run(f"rtls /{name}").status == 0, "the link is there again")
+
+
+def cut_off(fleet: Shell, host: FarHost) -> None:
+    host.link("down")
+    until(lambda: fleet.run(f"rtls /{host.name}").status == 1, "the link is lost")
+
+
+def kill_near(fleet: Shell) -> None:
+    pid = int(fleet.ok("rtget /localhost/manager.mgr/pid"))
+    os.kill(pid, signal.SIGKILL)
+    until(lambda: fleet.run("rtmgr status").status == 1, "the end of the manager")
+
+
+def test_values_go_both_ways_and_each_end_shows_the_other(joined: Shell) -> None:
+    here = os.uname().nodename
+    assert " +Connected to  /robot1/manager.mgr/B.rtc:into\n" in joined.ok(f"rtcat -l {OUT}")
+    assert f" +Connected to  /{here}/manager.mgr/A.rtc:out\n" in joined.ok(f"rtcat -l {FAR_INTO}")
+    again = joined.run(f"rtcon -d {OUT} {FAR_INTO}")
+    assert "An identical connection already exists" in again.err
+    joined.ok(f"rtdis {FAR_INTO} {OUT}")
+    assert half(joined, OUT, "there") is None
+    assert half(joined, FAR_INTO, "there") is None
+
+
+def test_a_cut_off_host_is_named_and_values_go_on_when_it_is_back(
+    joined: Shell, hosts: list[FarHost]
+) -> None:
+    cut_off(joined, hosts[0])
+    why = "host robot1 cannot be reached: "
+    awaited(joined, OUT, "there", why)
+    awaited(joined, INTO, "back", why)
+    assert f"half: {why}" in joined.ok(f"rtcat -l {OUT}")
+    assert f"half a connection at out: {why}" in joined.ok("rtls -l /localhost")
+    hosts[0].link("up")
+    linked_again(joined)
+    for path, id in ((OUT, "there"), (INTO, "back"), (FAR_INTO, "there"), (FAR_OUT, "back")):
+        awaited(joined, path, id, "")
+    flowing(joined, hosts)
+
+
+def test_what_is_removed_while_a_host_is_away_goes_there_later(
+    joined: Shell, hosts: list[FarHost]
+) -> None:
+    cut_off(joined, hosts[0])
+    told = joined.run(f"rtdis -i there {OUT}")
+    assert told.status == 0
+    assert "the other half of connection there is removed when it is back" in told.err
+    kill_near(joined)
+    joined.ok("rtmgr start")
+    hosts[0].link("up")
+    linked_again(joined)
+    awaited(joined, FAR_INTO, "there", None)
+    awaited(joined, FAR_OUT, "back", "")
+
+
+@pytest.mark.parametrize("order", ["near", "far", "near far", "far near"])
+def test_managers_die_in_any_order_and_meet_again(
+    joined: Shell, hosts: list[FarHost], order: str
+) -> None:
+    far = joined.ok("rtget /robot1/manager.mgr/pid").strip()
+    for name in order.split():
+        if name == "near":
+            kill_near(joined)
+        else:
+            hosts[0].run("kill", "-9", far)
+    if order == "far":
+        awaited(joined, OUT, "there", "host robot1 cannot be reached: ")
+    if "near" in order:
+        joined.ok("rtmgr start")
+    if "far" in order:
+        joined.ok("rtmgr start --host robot1")
+    linked_again(joined)
+    for path, id in ((OUT, "there"), (INTO, "back"), (FAR_INTO, "there"), (FAR_OUT, "back")):
+        awaited(joined, path, id, "")
+    flowing(joined, hosts)
+
+
+def test_a_component_made_again_is_joined_again(joined: Shell, hosts: list[FarHost]) -> None:
+    hosts[0].run("sh", "-c", "kill -9 $(pgrep -x 'rtkit b')")
+    until(lambda: half(joined, OUT, "there") != "", "the end of the receiver is noticed")
+    awaited(joined, OUT, "there", "")
+    flowing(joined, hosts)
+
+
+def test_two_robots_are_joined_through_here(fleet: Shell, hosts: list[FarHost]) -> None:
+    fleet.ok(f"rtcon -i across {FAR_OUT} {OTHER}")
+    flowing(fleet, hosts, (2,))
+    assert " +Connected to  /robot2/manager.mgr/E.rtc:into\n" in fleet.ok(f"rtcat -l {FAR_OUT}")
+    cut_off(fleet, hosts[1])
+    why = "host robot2 cannot be reached: it, or the host that links both, is away"
+    awaited(fleet, FAR_OUT, "across", why)
+    hosts[1].link("up")
+    linked_again(fleet, "robot2")
+    awaited(fleet, FAR_OUT, "across", "")
+    flowing(fleet, hosts, (2,))
+    fleet.ok(f"rtdis {FAR_OUT} {OTHER}")
+    assert half(fleet, OTHER, "across") is None
+
+
+def test_nobody_is_connected_who_does_not_expect_it(fleet: Shell, hosts: list[FarHost]) -> None:
+    near = os.uname().nodename
+    script = (
+        "from rtkit.tree.connect import connect\n"
+        "from rtkit.deployment.actions import Connect\n"
+        "from rtkit.rtc.profiles import ConnectorProfile, PortRef\n"
+        f"ends = (PortRef('C', 'out'), PortRef('{near}/manager.mgr/D', 'into'))\n"
+        "made = ConnectorProfile('own', 'own', ends, {'dataport.dataflow_type': 'push'})\n"
+        "print(connect().apply([Connect(made)])[0].why)\n"
+    )
+    python = "/root/.local/share/rtkit/current/bin/python"
+    told = hosts[0].run("env", "RTKIT_HOSTNAME=robot1", python, "-c", script)
+    assert "cannot be reached" in told  # nobody here listens to that manager
+    fleet.ok(f"rtcon -i known {FAR_OUT} {INTO}")
+    told = hosts[0].run("env", "RTKIT_HOSTNAME=robot1", python, "-c", script)
+    assert "nobody here expects connection own" in told
+    fleet.ok(f"rtcon -i own-2 {OUT} {FAR_INTO}")
+    failed = fleet.run(f"rtcon -i own {FAR_OUT} {INTO} {OTHER}")
+    assert "own-2" in failed.err
+    told = hosts[0].run("env", "RTKIT_HOSTNAME=robot1", python, "-c", script)
+    assert "nobody here expects connection own" in told
+    fleet.ok(f"rtdis -i own-2 {OUT}")
+    fleet.ok(f"rtdis -i known {INTO}")
+
+
+def test_a_host_that_is_not_linked_is_named_at_once(fleet: Shell) -> None:
+    told = fleet.run(f"rtcon {OUT} /robot9/A.rtc:into")
+    assert told.status == 1
+    assert "robot9" in told.err
