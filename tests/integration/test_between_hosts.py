@@ -125,28 +125,31 @@ def test_data_pass_only_where_the_host_is_an_end(routers: tuple[Any, Any]) -> No
     near, far = routers
     own = ("rtd/default/near/robot1/w", "rtd/default/robot1/near/w")
     others = ("rtd/default/near/robot2/w", "rtd/default/robot2/near/w", "rtd/default/near/w")
-    heard: list[tuple[str, str]] = []
+    heard: list[tuple[str, str, str]] = []
 
     def listen(session: Any, where: str, key: str) -> None:
-        session.declare_subscriber(key, lambda each: heard.append((where, str(each.key_expr))))
+        def take(sample: zenoh.Sample) -> None:
+            heard.append((sample.payload.to_string(), where, str(sample.key_expr)))
+
+        session.declare_subscriber(key, take)
 
     for key in (own[0], *others):
         listen(near, "near", key)
     for key in (own[1], *others, "rtd/**"):
         listen(far, "far", key)
-    ways = [(near, "far", own[1]), (far, "near", own[0])]
-    for session, _, key in ways:
+    ways = {"far": (near, "near", own[1]), "near": (far, "far", own[0])}
+    for session, _, key in ways.values():
         publisher = session.declare_publisher(key)
         until(lambda p=publisher: p.matching_status.matching, f"who listens to {key} is known")
-    for session in (near, far):
+    for session, name in ((near, "near"), (far, "far")):
         for key in others:
-            session.put(key, b"")
-    far.put("rtd/**", b"")
-    for session, _, key in ways:
-        session.put(key, b"")
-    until(lambda: all((where, key) in heard for _, where, key in ways), "own data arrive")
-    passed = {each for each in heard if each[1] in others}
-    assert passed == {("near", key) for key in others}  # from there to there
+            session.put(key, name)
+    far.put("rtd/**", "far")
+    for session, name, key in ways.values():
+        session.put(key, name)
+    own_data = {(name, where, key) for where, (_, name, key) in ways.items()}
+    until(lambda: own_data <= {*heard}, "own data arrive")
+    assert {each for each in heard if each[0] != each[1]} == own_data
 
 
 def test_a_far_manager_asks_by_its_own_name_only(routers: tuple[Any, Any]) -> None:
