@@ -311,7 +311,7 @@ def _open_endpoints(
     fault.point("manager.serving")
     _open_front(state, session, endpoint, inner, warn, stack)
     stack.callback(link.withdraw)  # last of all opened here, so first at the end
-    stack.callback(loop.leave_peers)  # but for who asks the router from inside
+    stack.callback(loop.peers.end)  # but for who asks the router from inside
     fault.point("manager.doors_open")
     return loop
 

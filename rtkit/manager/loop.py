@@ -35,7 +35,6 @@ from rtkit.manager.fault_guard import FaultGuard, header, select_but, text_of
 from rtkit.manager.following.following import Following
 from rtkit.manager.host_link_processes import HostLinkProcesses
 from rtkit.manager.limits.usage import usage
-from rtkit.manager.peers.far_peers import PeerRequest
 from rtkit.manager.peers.peers import Peers
 from rtkit.manager.predecessor.descendants import Descendants
 from rtkit.manager.query_server import ManagerQueryServer
@@ -91,6 +90,7 @@ class Loop:
         query_server: Where requests are taken.
         following: Follows the events of systems.
         links: Links to other hosts.
+        peers: Managers at other ends of connectors.
         connections: To slaves and zygotes.
         notifier: Reports to the service manager that started this one, if one did.
         wake_descriptor: A byte at it wakes the loop, for `signal.set_wakeup_fd`.
@@ -130,7 +130,7 @@ class Loop:
         self._watchdog.watch(ev.OWN_PROCESS, core.state.pid)
         self._descendants: Descendants | None = None
         self._limiter: Limiter | None = None  # made for the first slave with limits
-        self._peers = Peers(core.state.host, core.state.name, self._take_from_peer, self.note_fault)
+        self.peers = Peers(core.state, self.post, self.requests.add, self.note_fault)
         self._stacks = open_stacks(slave_supervisor.data_pattern, core.state.pid)
         self._tidy_at = 0.0
         self._announce: dict[str, Callable[[str], object]] = {}
@@ -152,16 +152,6 @@ class Loop:
         if not self._is_closed:
             with suppress(BlockingIOError):  # it is awake already
                 os.write(self.wake_descriptor, b"x")
-
-    def _take_from_peer(self, item: ev.Event | PeerRequest) -> None:
-        if isinstance(item, PeerRequest):
-            request, number = item.request, self.requests.add(item.request.answer)
-            item = ev.PeerAsked(request.payload or "", number, request.until, item.peer)
-        self.post(item)
-
-    def leave_peers(self) -> None:
-        """Be asked no more by managers of other hosts."""
-        self._peers.end()
 
     def end_with(self, pidfd: int) -> None:
         """Ask for the end of the manager as soon as a process has ended."""
@@ -221,7 +211,7 @@ class Loop:
         self._is_closed = True
         self.following.close()
         self.links.close()
-        self._peers.close()
+        self.peers.close()
         self._selector.close()
         self.connections.close()
         self._watchdog.forget(ev.OWN_PROCESS)
@@ -495,7 +485,7 @@ class Loop:
                 self._limit(instruction)
             case ev.AskPeer() | ev.WatchPeers():
                 fault.point("manager.asking_peer")
-                self._peers.order(instruction)
+                self.peers.order(instruction)
             case ev.StoreRows(number, rows):
                 self._keeper.keep(number, rows)
             case ev.RemoveStore():

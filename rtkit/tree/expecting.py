@@ -28,14 +28,14 @@ def expected(wanted: Iterable[tuple[Tree, ConnectorProfile]]) -> Iterator[None]:
     """
     from rtkit.rtc.serde import encode_text
 
-    told: list[tuple[Tree, str]] = []
+    asked: list[tuple[Tree, str]] = []
     try:
         for tree, connector in wanted:
-            told.append((tree, connector.connector_id))
+            asked.append((tree, connector.connector_id))
             tree.set("expect", encode_text(connector))
         yield
     except BaseException:
-        for tree, connector_id in told:
+        for tree, connector_id in asked:
             with suppress(RtkitError):
                 tree.set("expect_no_more", connector_id)
         raise

@@ -211,7 +211,7 @@ def test_nobody_is_connected_who_does_not_expect_it(fleet: Shell, hosts: list[Fa
     )
     python = "/root/.local/share/rtkit/current/bin/python"
     told = hosts[0].run("env", "RTKIT_HOSTNAME=robot1", python, "-c", script)
-    assert "cannot be reached" in told  # nobody here listens to that manager
+    assert any(why in told for why in ("cannot be reached", "nobody here expects"))
     fleet.ok(f"rtcon -i known {FAR_OUT} {INTO}")
     told = hosts[0].run("env", "RTKIT_HOSTNAME=robot1", python, "-c", script)
     assert "nobody here expects connection own" in told

@@ -269,9 +269,9 @@ class DesiredState:
         if not untold:
             self.untold.pop(peer, None)
 
-    def was_told(self, peer: str, connector_id: str, making: str) -> None:
+    def note_gone_there(self, peer: str, connector_id: str, making: str) -> None:
         """Note that a manager of another host knows that a connector of that id is gone."""
-        name = _row_of_gone(peer, connector_id)
+        name = f"{peer} {connector_id}"
         if name in self.gone and making in ("*", self.gone[name][2]):
             self.drop("gone", name)
 
@@ -283,15 +283,16 @@ class DesiredState:
 
     def _cut_far(self, connector: ConnectorProfile) -> None:
         peer = peer_of(connector)
+        connector_id = connector.connector_id
         if peer:
-            self.far[peer].pop(connector.connector_id, None)
+            self.far[peer].pop(connector_id, None)
             if not self.far[peer]:
                 del self.far[peer]
-            self.untell(peer, connector.connector_id)
+            self.untell(peer, connector_id)
             if host_of(peer):
-                row = (peer, connector.connector_id, self.making_of(connector.connector_id))
-                self.put("gone", _row_of_gone(*row[:2]), row)
-            self.drop("half", connector.connector_id)
+                row = (peer, connector_id, self.making_of(connector_id))
+                self.put("gone", f"{peer} {connector_id}", row)
+            self.drop("half", connector_id)
 
     def clear(self) -> None:
         """Clear the desired state."""
@@ -373,10 +374,6 @@ class DesiredState:
         item = self.components.get(instance)
         if item is not None:
             self.put("component", instance, replace(item, **changes))
-
-
-def _row_of_gone(peer: str, connector_id: str) -> str:
-    return f"{peer} {connector_id}"
 
 
 def module_row(path: str, init: str) -> str:

@@ -223,7 +223,7 @@ def _enter(state: ManagerState, connector: ConnectorProfile, making: str, life: 
     state.connectors[connector.connector_id] = connector
     state.kept.put("wire", connector.connector_id, connector)
     state.kept.put("half", connector.connector_id, (making, life))
-    state.kept.was_told(peer_of(connector), connector.connector_id, ANY)  # of an earlier one
+    state.kept.note_gone_there(peer_of(connector), connector.connector_id, ANY)  # of an earlier one
 
 
 # the ends
@@ -333,7 +333,7 @@ def meet(
     message = yield CallPeer(peer, asked, timeout_s)
     for connector_id, half in halves.items():
         if "gone" in half:
-            state.kept.was_told(peer, connector_id, _text(half, "gone"))
+            state.kept.note_gone_there(peer, connector_id, _text(half, "gone"))
     yield from _learn_all(state, peer, message, meant)
 
 
@@ -467,7 +467,7 @@ def _forgotten(state: ManagerState, connector: ConnectorProfile, is_same_store: 
     yield from loosen(state, connector)
     state.kept.drop("wire", connector_id)
     state.kept.notified(peer, connector_id)
-    state.kept.was_told(peer, connector_id, ANY)
+    state.kept.note_gone_there(peer, connector_id, ANY)
     return Result()
 
 

@@ -12,12 +12,13 @@ from collections.abc import Callable
 from contextlib import suppress
 from functools import partial
 from queue import Empty, SimpleQueue
-from typing import NamedTuple
+from typing import Protocol
 
 from rtkit.errors import RtkitError, Unreachable
 from rtkit.link import host_links, places, zenoh_keys
 from rtkit.link.zenoh import ZenohLink, open_client, unix_endpoint
 from rtkit.manager.core import events as ev
+from rtkit.manager.core.requests import Answer
 from rtkit.property.exchange import Reply, Request, failure
 from rtkit.rtc.far_ends import host_of, on_host
 
@@ -29,11 +30,11 @@ _LINGER_S = 2.0
 """How long the last answer to a peer may take: until then it finds this manager [s]."""
 
 
-class PeerRequest(NamedTuple):
-    """What a manager of another host asks."""
+class Named(Protocol):
+    """A manager."""
 
-    peer: str
-    request: Request
+    host: str
+    name: str
 
 
 class _FarPeer:
@@ -54,30 +55,31 @@ class FarPeers:
     """Managers of other hosts; all but `ring` is called by one thread.
 
     Args:
-        host: Name of this host.
-        name: Of this manager.
-        post: Takes events, and what peers ask, from any thread.
+        own: This manager: its name, and that of its host.
+        post: Takes events, from any thread.
+        number: Numbers a request, by who is to be answered; from any thread.
         ring: Has that one thread call `run`.
     """
 
     def __init__(
         self,
-        host: str,
-        name: str,
-        post: Callable[[ev.Event | PeerRequest], object],
+        own: Named,
+        post: Callable[[ev.Event], object],
+        number: Callable[[Answer], int],
         ring: Callable[[], object],
     ) -> None:
-        self._own = on_host(name, host)
-        self._name = name
+        self._name = own.name
+        self._own = on_host(own.name, own.host)
         self._post = post
+        self._number = number
         self._ring = ring
         self._peers: dict[str, _FarPeer] = {}
         self._links: dict[str, ZenohLink] = {}
-        self._told: SimpleQueue[tuple[_FarPeer, bool]] = SimpleQueue()
+        self._news: SimpleQueue[tuple[_FarPeer, bool]] = SimpleQueue()
 
     @property
     def due_at(self) -> float | None:
-        """When `run` is to be called next, monotonic time [s]; None if nothing is due."""
+        """The moment at which `run` is to be called next, monotonic [s]; None if nothing is due."""
         moments = (at for each in self._peers.values() for at in (each.lost_at, each.leave_at))
         return min((at for at in moments if at is not None), default=None)
 
@@ -112,7 +114,7 @@ class FarPeers:
         """Take note of who was found or lost, and ask what is to be asked."""
         while True:
             try:
-                peer, is_found = self._told.get_nowait()
+                peer, is_found = self._news.get_nowait()
             except Empty:
                 break
             if self._peers.get(peer.name) is peer and is_found is not peer.is_found:
@@ -142,17 +144,18 @@ class FarPeers:
         return peer
 
     def _declare(self, peer: _FarPeer) -> None:
-        def told(is_found: bool) -> None:
-            self._told.put((peer, is_found))
+        def note(is_found: bool) -> None:
+            self._news.put((peer, is_found))
             self._ring()
 
         def take(request: Request) -> None:
-            self._post(PeerRequest(peer.name, request))
+            number, text = self._number(request.answer), request.payload or ""
+            self._post(ev.PeerAsked(text, number, request.until, peer.name))
 
         with suppress(RtkitError):  # it is told to be away then
             peer.link = link = self._link(host_of(peer.name))
             peer.declared.append(link.answer(zenoh_keys.question(self._own, peer.name), take))
-            peer.declared.append(link.notice(peer.key, told))
+            peer.declared.append(link.notice(peer.key, note))
 
     def _link(self, host: str) -> ZenohLink:
         """Return a connection to the router that leads to a host."""

@@ -20,7 +20,8 @@ from rtkit.link.folder_watch import FolderWatch
 from rtkit.link.wakeup import Wakeup
 from rtkit.link.zenoh import ZenohLink, open_client, unix_endpoint
 from rtkit.manager.core import events as ev
-from rtkit.manager.peers.far_peers import FarPeers, PeerRequest
+from rtkit.manager.core.requests import Answer
+from rtkit.manager.peers.far_peers import FarPeers, Named
 from rtkit.property.exchange import Reply, failure
 from rtkit.rtc.far_ends import host_of
 
@@ -60,26 +61,26 @@ class Peers:
     """Connections to other managers; what is learnt of them is posted as events.
 
     Args:
-        host: Name of this host.
-        name: Of this manager.
-        post: Takes events, and what managers of other hosts ask, from any thread.
+        own: This manager: its name, and that of its host.
+        post: Takes events, from any thread.
+        number: Numbers a request of another host's manager, by who is to be answered.
         failed: Takes note of a fault of its own.
     """
 
     def __init__(
         self,
-        host: str,
-        name: str,
-        post: Callable[[ev.Event | PeerRequest], object],
+        own: Named,
+        post: Callable[[ev.Event], object],
+        number: Callable[[Answer], int],
         failed: Callable[[str, BaseException], object],
     ) -> None:
-        self._host = host
+        self._host = own.host
         self._post = post
         self._failed = failed
         self._orders: SimpleQueue[ev.AskPeer | ev.WatchPeers | None] = SimpleQueue()
         self._selector = selectors.DefaultSelector()
         self._wakeup = Wakeup()
-        self._far = FarPeers(host, name, post, self._wakeup.ring)
+        self._far = FarPeers(own, post, number, self._wakeup.ring)
         self._peers: dict[str, _Peer] = {}
         self._watched: tuple[str, ...] = ()
         self._folder: FolderWatch | None = None
