@@ -30,8 +30,8 @@ _LINGER_S = 2.0
 """How long the last answer to a peer may take: until then it finds this manager [s]."""
 
 
-class Named(Protocol):
-    """A manager."""
+class OwnManager(Protocol):
+    """Names of this manager and its host."""
 
     host: str
     name: str
@@ -63,7 +63,7 @@ class FarPeers:
 
     def __init__(
         self,
-        own: Named,
+        own: OwnManager,
         post: Callable[[ev.Event], object],
         number: Callable[[Answer], int],
         ring: Callable[[], object],

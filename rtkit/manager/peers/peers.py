@@ -21,7 +21,7 @@ from rtkit.link.wakeup import Wakeup
 from rtkit.link.zenoh import ZenohLink, open_client, unix_endpoint
 from rtkit.manager.core import events as ev
 from rtkit.manager.core.requests import Answer
-from rtkit.manager.peers.far_peers import FarPeers, Named
+from rtkit.manager.peers.far_peers import FarPeers, OwnManager
 from rtkit.property.exchange import Reply, failure
 from rtkit.rtc.far_ends import host_of
 
@@ -69,7 +69,7 @@ class Peers:
 
     def __init__(
         self,
-        own: Named,
+        own: OwnManager,
         post: Callable[[ev.Event], object],
         number: Callable[[Answer], int],
         failed: Callable[[str, BaseException], object],
