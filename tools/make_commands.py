@@ -43,6 +43,7 @@ _ENVIRONMENT = (
     ("RTKIT_MODULE_PATH", "Folders where managers look for modules, with : between them."),
     ("RTKIT_PROFILE_PATH", "Folders where RTC profiles are looked for, with : between them."),
     ("RTKIT_REPOSITORIES", "Where rtpkg looks for packages, with ; between."),
+    ("RTKIT_SIGNED", "1 has only signed packages installed."),
     ("RTKIT_SERVERS", "Managers elsewhere that are shown in the tree, HOST:PORT with ; between."),
     ("RTKIT_PORT", "TCP port at which a manager begins to listen, or none."),
     ("RTKIT_REALM", "Systems of different realms never meet; by default default."),

@@ -64,6 +64,7 @@ TOPICS: dict[str, dict[str, str]] = {
         "list": "List the installed packages, the newest version of each first.",
         "publish": "Publish a package in a folder, or in a git repository, to which it is pushed.",
         "search": "Search repositories for packages, the newest version of each first.",
+        "sign": "Sign packages and bundles with the key of this user, an operator.",
         "uninstall": "Uninstall packages, unless a running manager has loaded a module of one.",
     },
     "profiles": {

@@ -17,6 +17,7 @@ from datetime import UTC, datetime, timedelta
 from typing import NamedTuple
 
 from cryptography import x509
+from cryptography.exceptions import InvalidSignature
 from cryptography.hazmat.primitives import hashes, serialization
 from cryptography.hazmat.primitives.asymmetric import ec
 from cryptography.x509.oid import ExtendedKeyUsageOID, NameOID
@@ -176,6 +177,23 @@ def own() -> Issued:
     authority = x509.load_pem_x509_certificate(folder.read(folder.CA_CERTIFICATE))
     gone = revoked(folder.read(folder.REVOKED), authority)
     return _described(x509.load_pem_x509_certificate(folder.read(folder.CERTIFICATE)), gone)
+
+
+def checked(certificate: x509.Certificate) -> Issued:
+    """Return what a certificate says, that the CA of this folder has issued.
+
+    Raises:
+        NotFound: There is no certificate of a CA here.
+        Refused: Another one has issued it.
+    """
+    authority = x509.load_pem_x509_certificate(folder.read(folder.CA_CERTIFICATE))
+    gone = revoked(folder.read(folder.REVOKED), authority)
+    try:
+        certificate.verify_directly_issued_by(authority)
+        return _described(certificate, gone)
+    except (ValueError, TypeError, InvalidSignature, x509.ExtensionNotFound):
+        subject = certificate.subject.rfc4514_string()
+        raise Refused(f"is signed by {subject}, whom the CA here does not know") from None
 
 
 def revoked(data: bytes, authority: x509.Certificate) -> dict[int, datetime]:

@@ -1,7 +1,8 @@
 """Bundles: a system profile with all packages that it needs, as one file that changes in no byte.
 
 A bundle is a ZIP file, nothing of it compressed: ``bundle.json`` first, with the SHA-256 of all the
-others, ``system.xml``, and wheels in ``wheels/``. Its comment is the SHA-256 of ``bundle.json``.
+others, ``system.xml``, and wheels in ``wheels/``. Its comment is the SHA-256 of ``bundle.json``,
+and behind a space its signature, if it has one.
 The same content is always the same bytes, so what differs anywhere else is found, too.
 """
 
@@ -19,7 +20,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from typing import Any, NamedTuple
 
-from rtkit.errors import InvalidDocument, NotFound, Refused
+from rtkit.errors import InvalidDocument, NotFound, Refused, RtkitError
 
 SUFFIX = ".rtbundle"
 _SCHEMA = "rtkit.bundle/1"
@@ -37,11 +38,15 @@ class Unpacked(NamedTuple):
         system: Its system profile, XML.
         wheels: Folder of its wheels.
         packages: SHA-256 of the wheels of each ``NAME==VERSION``, by file.
+        content: ``bundle.json``, with the SHA-256 of all files.
+        signer: Who has signed it, where that was checked.
     """
 
     system: bytes
     wheels: str
     packages: dict[str, dict[str, str]]
+    content: bytes
+    signer: str = ""
 
 
 def is_bundle(name: str) -> bool:
@@ -90,9 +95,29 @@ def _digest(path: str) -> str:
         return hashlib.file_digest(stream, "sha256").hexdigest()
 
 
-def _pack(folder: str, entries: Sequence[str], path: str) -> None:
+def sign(path: str) -> None:
+    """Sign a bundle; it is replaced as a whole by the same with a signature.
+
+    Raises:
+        RtkitError: See `unpacked`, and `rtkit.packages.signing.signed`.
+    """
+    from rtkit.packages import signing
+
+    with unpacked(path, may_be_unsigned=True) as found:
+        folder = os.path.dirname(found.wheels)
+        wheels = (f"{_WHEELS}/{each}" for each in sorted(os.listdir(found.wheels)))
+        signature = signing.signed(found.content, signing.BUNDLE).encode()
+        parent = os.path.dirname(os.path.abspath(path))
+        with tempfile.TemporaryDirectory(dir=parent, prefix=".rtpkg-") as draft:
+            made = os.path.join(draft, "made")
+            _pack(folder, [_INDEX, _SYSTEM, *wheels], made, signature)
+            os.replace(made, path)
+
+
+def _pack(folder: str, entries: Sequence[str], path: str, signature: bytes = b"") -> None:
     with zipfile.ZipFile(path, "w") as archive:
-        archive.comment = _digest(os.path.join(folder, entries[0])).encode()
+        digest = _digest(os.path.join(folder, entries[0])).encode()
+        archive.comment = b" ".join(filter(None, (digest, signature)))
         for name in entries:
             info = zipfile.ZipInfo(name, _EPOCH)
             info.create_system, info.external_attr = 3, 0o100644 << 16
@@ -115,19 +140,29 @@ def read_system(path: str) -> bytes:
 
 
 @contextmanager
-def unpacked(path: str) -> Iterator[Unpacked]:
+def unpacked(
+    path: str, *, must_be_signed: bool = False, may_be_unsigned: bool = False
+) -> Iterator[Unpacked]:
     """Check a bundle, and have its files in a folder until the end; nothing of them is run.
+
+    Args:
+        path: The file.
+        must_be_signed: Who has signed it is checked; so it is where the settings require it.
+        may_be_unsigned: It is not, whatever the settings require.
 
     Raises:
         NotFound: There is no such file.
         InvalidDocument: It is no bundle.
-        Refused: It is not what was bundled; names the part.
+        Refused: It is not what was bundled, or signed; names the part.
     """
+    from rtkit.packages import signing
+
     with tempfile.TemporaryDirectory(prefix="rtpkg-") as folder:
         os.mkdir(os.path.join(folder, _WHEELS))
         try:
             with zipfile.ZipFile(path) as archive:
                 index, entries = _unpack(archive, path, folder)
+                signature = archive.comment.partition(b" ")[2]
         except FileNotFoundError:
             raise NotFound(f"no such file: {path}") from None
         except (zipfile.BadZipFile, NotImplementedError, RuntimeError, EOFError) as error:
@@ -135,7 +170,7 @@ def unpacked(path: str) -> Iterator[Unpacked]:
         except OSError as error:
             raise Refused(f"cannot read {path}: {error.strerror or error}") from None
         again = os.path.join(folder, "again")
-        _pack(folder, entries, again)
+        _pack(folder, entries, again, signature)
         if not filecmp.cmp(path, again, shallow=False):
             raise Refused(f"{path} is not what was bundled: between its parts")
         os.unlink(again)
@@ -144,8 +179,23 @@ def unpacked(path: str) -> Iterator[Unpacked]:
             name: {each: files[f"{_WHEELS}/{each}"] for each in wheels}
             for name, wheels in index["packages"].items()
         }
+        with open(os.path.join(folder, _INDEX), "rb") as stream:
+            data = stream.read()
+        is_checked = must_be_signed or (signing.are_required() and not may_be_unsigned)
+        signer = _signer(path, signature, data) if is_checked else ""
         with open(os.path.join(folder, _SYSTEM), "rb") as stream:
-            yield Unpacked(stream.read(), os.path.join(folder, _WHEELS), packages)
+            yield Unpacked(stream.read(), os.path.join(folder, _WHEELS), packages, data, signer)
+
+
+def _signer(path: str, signature: bytes, index: bytes) -> str:
+    from rtkit.packages import signing
+
+    if not signature:
+        raise Refused(f"{path} is not signed (rtpkg sign signs it)")
+    try:
+        return signing.signer(signature, index, signing.BUNDLE)
+    except RtkitError as error:
+        raise Refused(f"{path} {error}") from None
 
 
 def _unpack(
@@ -184,7 +234,7 @@ def _index(archive: zipfile.ZipFile, path: str) -> dict[str, Any]:
         data = archive.read(_INDEX)
     except zipfile.BadZipFile:
         data = b""
-    if archive.comment != hashlib.sha256(data).hexdigest().encode():
+    if archive.comment.partition(b" ")[0] != hashlib.sha256(data).hexdigest().encode():
         raise Refused(f"{path} is not what was bundled: {_INDEX} has another SHA-256")
     try:
         found: dict[str, Any] = json.loads(data)

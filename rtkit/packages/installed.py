@@ -23,6 +23,7 @@ from rtkit.modules.package_folders import RECORD, folders, root
 from rtkit.packages.bundle import unpacked
 from rtkit.packages.repository import Repositories
 from rtkit.packages.resolving import fetch, resolve
+from rtkit.packages.signing import are_required, check
 from rtkit.packages.tools import pip
 from rtkit.packages.wheel import Wheel, read_wheel
 from rtkit.rtc.nearest import did_you_mean
@@ -81,7 +82,11 @@ def meant(wanted: Requirement) -> list[Installed]:
 
 
 def install(
-    wanted: Requirement, repositories: Repositories, lock: Mapping[str, str] | None = None
+    wanted: Requirement,
+    repositories: Repositories,
+    lock: Mapping[str, str] | None = None,
+    *,
+    must_be_signed: bool = False,
 ) -> Installed:
     """Install a package and all that it needs; what is installed already is left as it is.
 
@@ -89,10 +94,13 @@ def install(
         wanted: The package, and which versions of it will do.
         repositories: Where it and all that it needs are taken from, and from nowhere else.
         lock: SHA-256 that wheels must have, by the names of files; others may have any.
+        must_be_signed: Each wheel has to be; so it is where the settings require it. What is in a
+            bundle is signed with that.
 
     Raises:
         NotFound: No repository has it.
-        Refused: Versions exclude each other, a wheel is not safe, or its bytes have changed.
+        Refused: Versions exclude each other, a wheel is not safe, or not signed, or its bytes have
+            changed.
     """
     chosen = resolve(wanted, repositories)
     digests = {each.file: each.sha256 for each in chosen}
@@ -102,6 +110,8 @@ def install(
     if not os.path.isdir(target):
         with _draft() as draft:
             wheels = [fetch(each, draft) for each in chosen]
+            if not repositories.are_bundles():
+                check(wheels, is_required=must_be_signed)
             whole = _unpacked(wheels, draft)
             os.makedirs(os.path.dirname(target), exist_ok=True)
             try:
@@ -110,17 +120,21 @@ def install(
                 if not os.path.isdir(target):  # else somebody else was as quick
                     raise
     found = next(each for each in installed() if each.path == target)
+    if (must_be_signed or are_required()) and not repositories.are_bundles():
+        check([read_wheel(each) for each in kept_wheels(found)], is_required=True)
     _compare({chosen[0].file: chosen[0].sha256}, found.wheels, "installed is")
     return found
 
 
-def install_bundle(path: str, lock: Mapping[str, str] | None = None) -> list[Installed]:
+def install_bundle(
+    path: str, lock: Mapping[str, str] | None = None, *, must_be_signed: bool = False
+) -> list[Installed]:
     """Install all packages of a bundle, from nowhere else; see `install`.
 
     Raises:
         RtkitError: See `rtkit.packages.bundle.unpacked`.
     """
-    with unpacked(path) as found:
+    with unpacked(path, must_be_signed=must_be_signed) as found:
         there = Repositories({path: found.wheels}, [])
         return [install(Requirement(each), there, lock) for each in found.packages]
 

@@ -51,6 +51,10 @@ class Repositories(NamedTuple):
     folders: dict[str, str]
     indexes: list[str]
 
+    def are_bundles(self) -> bool:
+        """Return whether all that they have is in bundles, which are checked as a whole."""
+        return not self.indexes and all(map(is_bundle, self.folders))
+
     def pip_options(self) -> list[str]:
         """Return where pip is to look, and nowhere else."""
         words = [] if self.indexes else ["--no-index"]

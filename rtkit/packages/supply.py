@@ -15,6 +15,7 @@ from rtkit.packages.installed import Digests, Installed, install, installed, rem
 from rtkit.packages.offering import Offering
 from rtkit.packages.repository import Offer, Repositories, newest_first, offers, opened
 from rtkit.packages.resolving import fetch, resolve
+from rtkit.packages.signing import check
 from rtkit.packages.usage import check_unused
 from rtkit.packages.wheel import Wheel
 
@@ -94,6 +95,8 @@ class _Choosing:
                 wheels = resolve(wanted, self._repositories)
                 digests = {each.file: each.sha256 for each in wheels}
                 wheel = offer.wheel or fetch(wheels[0], self._draft)
+                if not self._repositories.are_bundles():
+                    check([wheel])
                 self._known[key] = digests, wheel
             except RtkitError as error:
                 self._known[key] = error

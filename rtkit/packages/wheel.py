@@ -27,7 +27,9 @@ LARGEST_WHEEL = 1 << 29
 """Most bytes of a wheel, and a fourth of what may be in it."""
 _MOST_FILES = 50_000
 _PIECE = 1 << 20
-_UNSIGNED = ("RECORD", "RECORD.jws", "RECORD.p7s")
+SIGNATURE = ".jws"
+"""Behind the name of RECORD, that of the file with its signature."""
+_UNSIGNED = ("RECORD", f"RECORD{SIGNATURE}", "RECORD.p7s")
 
 
 class Wheel(NamedTuple):
@@ -40,6 +42,8 @@ class Wheel(NamedTuple):
         entries: Name, module and init function of each entry point of components.
         types: What the entry points offer, as their sources describe it.
         profiles: RTC profiles in it, by path.
+        record: RECORD, with the SHA-256 of all files.
+        signature: Of that, see `rtkit.packages.signing`; empty for none.
     """
 
     file: str
@@ -51,6 +55,8 @@ class Wheel(NamedTuple):
     entries: tuple[tuple[str, str, str], ...]
     types: tuple[TypeProfile, ...]
     profiles: dict[str, bytes]
+    record: bytes = b""
+    signature: bytes = b""
 
 
 def named(file: str) -> tuple[str, str]:
@@ -141,6 +147,8 @@ def _read(archive: zipfile.ZipFile, file: str, name: str, version: str, sha256: 
         entries=entries,
         types=tuple(_types(archive, entries)),
         profiles=profiles,
+        record=archive.read(f"{infos[0]}/RECORD"),
+        signature=_text(archive, f"{infos[0]}/RECORD{SIGNATURE}", file).encode(),
     )
 
 

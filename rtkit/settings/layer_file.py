@@ -41,6 +41,7 @@ SETTINGS = (
     Setting("module_path", "paths", "", "folders of modules of components"),
     Setting("profile_path", "paths", "", "folders of RTC profiles"),
     Setting("repositories", "places", "", "where packages are: folders, URLs, git+URLs"),
+    Setting("signed", "flag", "", "whether only signed packages are installed"),
     Setting("timeout", "seconds", "10", "bound on each call [s]"),
     Setting("exit_detail", "flag", "", "whether exit statuses tell kinds of failure apart"),
     Setting("completion_timeout", "seconds", "1", "how long TAB waits for a manager [s]"),

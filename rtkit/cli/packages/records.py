@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 from rtkit.cli.shared import json_records, terminal
+from rtkit.errors import RtkitError
 
 if TYPE_CHECKING:
     from rtkit.packages.installed import Installed
@@ -17,7 +18,13 @@ def show(records: Sequence[dict[str, Any]], is_json: bool) -> None:
         terminal.write(json_records.lines("package", records))
         return
     rows = [
-        [str(each["name"]), str(each["version"]), " ".join(each["types"]), str(each["place"])]
+        [
+            str(each["name"]),
+            str(each["version"]),
+            " ".join(each["types"]),
+            str(each["place"]),
+            f"signed by {each['signed_by']}" if each["signed_by"] else "",
+        ]
         for each in records
     ]
     terminal.write(terminal.table(rows))
@@ -31,6 +38,7 @@ def record(
     types: Sequence[str] = (),
     requires: Sequence[str] = (),
     wheels: dict[str, str | None],
+    signed_by: str | None = None,
 ) -> dict[str, Any]:
     """Return the record of a package."""
     return {
@@ -40,6 +48,7 @@ def record(
         "requires": [*requires],
         "wheels": [{"file": file, "sha256": digest} for file, digest in wheels.items()],
         "place": place,
+        "signed_by": signed_by,
     }
 
 
@@ -52,4 +61,18 @@ def installed_record(found: Installed) -> dict[str, Any]:
         types=found.types,
         requires=found.requires,
         wheels={**found.wheels},
+        signed_by=_signer(found),
     )
+
+
+def _signer(found: Installed) -> str | None:
+    """Return who has signed an installed package, and all that it needs."""
+    from rtkit.packages.installed import kept_wheels
+    from rtkit.packages.signing import shown_signer
+    from rtkit.packages.wheel import read_wheel
+
+    try:
+        names = [shown_signer(read_wheel(each)) for each in kept_wheels(found)]
+    except RtkitError:
+        return None
+    return names[0] if names and all(names) else None

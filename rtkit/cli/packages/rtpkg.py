@@ -16,7 +16,7 @@ is a system with all its packages, in one file.
 main = group(
     "rtpkg",
     _HELP,
-    ["build", "publish", "list", "search", "install", "uninstall", "bundle"],
+    ["build", "publish", "list", "search", "install", "uninstall", "bundle", "sign"],
     examples=(
         ("rtpkg build Scale -o wheels", "Make a package of a component's folder."),
         ("rtpkg install 'rtc-scale>=1.2,<2' --repository wheels", "Install it for managers here."),

@@ -5,7 +5,7 @@ from __future__ import annotations
 from rtkit.cli.packages.records import installed_record, show
 from rtkit.cli.shared.app import App, WrongArguments
 from rtkit.cli.shared.command import command
-from rtkit.cli.shared.options import arguments, json_flag, option, several
+from rtkit.cli.shared.options import arguments, flag, json_flag, option, several
 
 
 @command(
@@ -24,6 +24,9 @@ def main(
     repositories: tuple[str, ...] = several("--repository PLACE", "Where to look; repeatable."),
     lock: str = option(
         "--lock FILE", "Refuse wheels whose bytes differ; add those it lacks.", default=""
+    ),
+    must_be_signed: bool = flag(
+        "--signed", "Refuse what no operator has signed (rtpkg sign); also its needs."
     ),
     is_json: bool = json_flag(),
     names: tuple[str, ...] = arguments("[NAME[==VERSION]|BUNDLE]..."),
@@ -45,11 +48,12 @@ def main(
         raise WrongArguments("takes names of packages, or the lock that has them")
     digests = {file: digest for wheels in locked.values() for file, digest in wheels.items()}
     bundles = [each for each in names if is_bundle(each)]
+    how = {"must_be_signed": must_be_signed}
     plain = [each for each in names or locked if each not in bundles]
-    done = [package for each in bundles for package in install_bundle(each, digests)]
+    done = [package for each in bundles for package in install_bundle(each, digests, **how)]
     with opened(named_repositories(repositories) if plain else ()) as there:
         for wanted in map(requirement, plain):
-            done.append(install(wanted, there, digests))
+            done.append(install(wanted, there, digests, **how))
     if lock:
         write_lock(lock, locked | {each.text: each.wheels for each in done})
     records = [installed_record(each) for each in done]

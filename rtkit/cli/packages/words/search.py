@@ -63,6 +63,8 @@ def _is_meant(offer: Offer, word: str) -> bool:
 
 
 def _record(offer: Offer) -> dict[str, object]:
+    from rtkit.packages.signing import shown_signer
+
     wheel = offer.wheel
     return record(
         offer.name,
@@ -71,4 +73,5 @@ def _record(offer: Offer) -> dict[str, object]:
         types=[each.id for each in wheel.types] if wheel else (),
         requires=wheel.requires if wheel else (),
         wheels={offer.file: wheel.sha256 if wheel else None},
+        signed_by=shown_signer(wheel) if wheel else None,
     )
