@@ -20,6 +20,7 @@ from rtkit.packages.installed import kept_wheels
 from rtkit.packages.offering import offerings
 from rtkit.packages.repository import Repositories, newest_first, offers
 from rtkit.packages.resolving import fetch, resolve
+from rtkit.packages.signing import check
 from rtkit.packages.wheel import read_wheel
 from rtkit.profile.rts_model import ComponentInstance, RtsProfile
 from rtkit.rtc.create import readable_create
@@ -44,13 +45,32 @@ def gather(profile: RtsProfile, repositories: Repositories, folder: str) -> dict
     for id in needing.keys() - found.keys():
         name = _offered(id, needing[id], repositories)
         if name not in packages:
-            there = os.path.join(folder, name)
-            os.mkdir(there)
-            wheels = [fetch(each, there) for each in resolve(Requirement(name), repositories)]
-            packages[name] = [os.path.join(there, each.file) for each in wheels]
+            packages |= fetched(Requirement(name), repositories, folder)
     _check_alike(packages)
-    _check_whole(packages)
+    check_whole(packages)
     return packages
+
+
+def fetched(wanted: Requirement, repositories: Repositories, folder: str) -> dict[str, list[str]]:
+    """Return the wheels of a package and of all that it needs, by its ``NAME==VERSION``.
+
+    Args:
+        wanted: The package.
+        repositories: Where it is found.
+        folder: Gets the wheels.
+
+    Raises:
+        NotFound: No repository has it.
+        Refused: Versions exclude each other, or a wheel is not signed where that is required.
+    """
+    chosen = resolve(wanted, repositories)
+    name = f"{chosen[0].name}=={chosen[0].version}"
+    there = os.path.join(folder, name)
+    os.mkdir(there)
+    wheels = [fetch(each, there) for each in chosen]
+    if not repositories.are_bundles():
+        check(wheels)
+    return {name: [os.path.join(there, each.file) for each in wheels]}
 
 
 def _is_built_in(component: ComponentInstance) -> bool:
@@ -94,8 +114,12 @@ def _check_alike(packages: Mapping[str, Sequence[str]]) -> None:
                 raise Refused(f"two packages have other bytes of {file}")
 
 
-def _check_whole(packages: Mapping[str, Sequence[str]]) -> None:
-    """Refuse packages that need what neither the bundle nor rtkit alone has."""
+def check_whole(packages: Mapping[str, Sequence[str]]) -> None:
+    """Refuse packages that need what neither they nor rtkit alone have.
+
+    Raises:
+        NotFound: One does; names it.
+    """
     clean = _with_rtkit()
     for name, paths in packages.items():
         wheels = [read_wheel(each) for each in paths]

@@ -11,12 +11,14 @@ import json
 import os
 import shutil
 import tempfile
-from collections.abc import Iterator, Mapping
+import zipfile
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from typing import Any, NamedTuple
 
 from packaging.requirements import Requirement
-from packaging.utils import canonicalize_name
+from packaging.tags import sys_tags
+from packaging.utils import canonicalize_name, parse_wheel_filename
 
 from rtkit.errors import Malformed, NotFound, Refused
 from rtkit.modules.package_folders import RECORD, folders, root
@@ -24,7 +26,6 @@ from rtkit.packages.bundle import unpacked
 from rtkit.packages.repository import Repositories
 from rtkit.packages.resolving import fetch, resolve
 from rtkit.packages.signing import are_required, check
-from rtkit.packages.tools import pip
 from rtkit.packages.wheel import Wheel, read_wheel
 from rtkit.rtc.nearest import did_you_mean
 
@@ -112,13 +113,7 @@ def install(
             wheels = [fetch(each, draft) for each in chosen]
             if not repositories.are_bundles():
                 check(wheels, is_required=must_be_signed)
-            whole = _unpacked(wheels, draft)
-            os.makedirs(os.path.dirname(target), exist_ok=True)
-            try:
-                os.rename(whole, target)
-            except OSError:
-                if not os.path.isdir(target):  # else somebody else was as quick
-                    raise
+            _keep(wheels, draft, target)
     found = next(each for each in installed() if each.path == target)
     if (must_be_signed or are_required()) and not repositories.are_bundles():
         check([read_wheel(each) for each in kept_wheels(found)], is_required=True)
@@ -148,6 +143,40 @@ def _compare(found: Mapping[str, str], wanted: Mapping[str, str], what: str) -> 
             )
 
 
+def install_wheels(files: Sequence[str]) -> Installed:
+    """Install a package from its wheel and those that it needs, without pip; see `install`.
+
+    Raises:
+        Refused: One is not safe, or for another kind of machine.
+    """
+    fitting = {*sys_tags()}
+    for each in files:
+        _, _, _, tags = parse_wheel_filename(os.path.basename(each))
+        if fitting.isdisjoint(tags):
+            raise Refused(f"{os.path.basename(each)} is for another kind of machine, or of Python")
+    wheels = [read_wheel(each) for each in files]
+    target = os.path.join(root(), wheels[0].name, wheels[0].version)
+    if not os.path.isdir(target):
+        with _draft() as draft:
+            for each in files:
+                shutil.copyfile(each, os.path.join(draft, os.path.basename(each)))
+            _keep(wheels, draft, target)
+    found = next(each for each in installed() if each.path == target)
+    _compare({wheels[0].file: wheels[0].sha256}, found.wheels, "installed is")
+    return found
+
+
+def _keep(wheels: list[Wheel], draft: str, target: str) -> None:
+    """Unpack wheels, and have them at their place by one rename."""
+    whole = _unpacked(wheels, draft)
+    os.makedirs(os.path.dirname(target), exist_ok=True)
+    try:
+        os.rename(whole, target)
+    except OSError:
+        if not os.path.isdir(target):  # else somebody else was as quick
+            raise
+
+
 def _unpacked(wheels: list[Wheel], draft: str) -> str:
     """Return a folder with what wheels hold, that of the package first; nothing of them is run."""
     own = wheels[0]
@@ -155,10 +184,8 @@ def _unpacked(wheels: list[Wheel], draft: str) -> str:
         raise Refused(f"{own.name} {own.version} is no package of components: no entry point")
     whole = os.path.join(draft, "whole")
     files = [os.path.join(draft, each.file) for each in wheels]
-    usual = ("-q", "--no-deps", "--no-index", "--no-compile", "--target", whole)
-    _, error = pip("install", *usual, "--", *files)
-    if error:
-        raise Refused(f"{own.name}: {error.splitlines()[-1]}")
+    for path in reversed(files):
+        _unpack(path, whole)
     kept = os.path.join(whole, _WHEELS)
     os.mkdir(kept)  # bundles are made of them, and what is sent to other hosts
     for each in files:
@@ -171,6 +198,19 @@ def _unpacked(wheels: list[Wheel], draft: str) -> str:
     with open(os.path.join(whole, RECORD), "w", encoding="utf-8") as file:
         json.dump(record, file, indent=1)
     return whole
+
+
+def _unpack(path: str, folder: str) -> None:
+    """Unpack a wheel that was checked; of its data what is to be imported."""
+    with zipfile.ZipFile(path) as archive:
+        archive.extractall(folder)
+        tops = {each.partition("/")[0] for each in archive.namelist()}
+    for data in (each for each in tops if each.endswith(".data")):
+        for part in ("purelib", "platlib"):
+            source = os.path.join(folder, data, part)
+            if os.path.isdir(source):
+                shutil.copytree(source, folder, dirs_exist_ok=True)
+        shutil.rmtree(os.path.join(folder, data))
 
 
 def kept_wheels(package: Installed) -> list[str]:

@@ -2,10 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+from rtkit.cli.packages.far import HOST, at_hosts
 from rtkit.cli.packages.records import installed_record, show
 from rtkit.cli.shared.app import App, WrongArguments
 from rtkit.cli.shared.command import command
 from rtkit.cli.shared.options import arguments, flag, json_flag, option, several
+from rtkit.errors import UsageProblem
+
+if TYPE_CHECKING:
+    from rtkit.hosts.connection import HostConnection
+    from rtkit.packages.installed import Installed
 
 
 @command(
@@ -15,6 +24,7 @@ from rtkit.cli.shared.options import arguments, flag, json_flag, option, several
         ("rtpkg install rtc-scale==1.0.0 --repository wheels", "This version, beside others."),
         ("rtpkg install --lock robot.lock", "What the lock says, with these very bytes."),
         ("rtpkg install robot.rtbundle", "All packages of a bundle, from nowhere else."),
+        ("rtpkg install --host robot1 rtc-scale", "Pushed to a host, which may be offline."),
     ),
     json=("package",),
     arguments=("anything",),
@@ -28,15 +38,19 @@ def main(
     must_be_signed: bool = flag(
         "--signed", "Refuse what no operator has signed (rtpkg sign); also its needs."
     ),
+    hosts: tuple[str, ...] = several("--host NAME", HOST),
     is_json: bool = json_flag(),
     names: tuple[str, ...] = arguments("[NAME[==VERSION]|BUNDLE]..."),
-) -> None:
+) -> int:
     """Install packages with all that they need, each version in a folder of its own.
 
     NAME may have constraints, 'NAME>=1.2,<2'. What it needs comes from the repositories, too, but
     for what the Python of rtkit has. BUNDLE is a file that rtpkg bundle made; it is all that is
     needed then. Nothing of a package is run. Managers find its types at once:
     by name the newest version, by RTC:vendor:category:type:language:version the one with that id.
+
+    With --host packages are looked for here and pushed over SSH to a host that rtmgr start --host
+    has brought up, with all that they need: it asks no repository, and needs no network.
     """
     from rtkit.packages.bundle import is_bundle
     from rtkit.packages.installed import install, install_bundle, read_lock, write_lock
@@ -44,12 +58,16 @@ def main(
     from rtkit.packages.resolving import requirement
 
     locked = read_lock(lock) if lock else {}
+    if hosts and (lock or must_be_signed):
+        raise UsageProblem("--host goes with neither --lock nor --signed (signed = true does)")
     if not names and not locked:
         raise WrongArguments("takes names of packages, or the lock that has them")
     digests = {file: digest for wheels in locked.values() for file, digest in wheels.items()}
     bundles = [each for each in names if is_bundle(each)]
     how = {"must_be_signed": must_be_signed}
     plain = [each for each in names or locked if each not in bundles]
+    if hosts:
+        return _push(app, hosts, repositories, (plain, bundles), is_json)
     done = [package for each in bundles for package in install_bundle(each, digests, **how)]
     with opened(named_repositories(repositories) if plain else ()) as there:
         for wanted in map(requirement, plain):
@@ -59,3 +77,35 @@ def main(
     records = [installed_record(each) for each in done]
     if is_json or app.is_verbose:
         show(records, is_json)
+    return 0
+
+
+def _push(
+    app: App,
+    hosts: Sequence[str],
+    repositories: Sequence[str],
+    wanted: tuple[Sequence[str], Sequence[str]],
+    is_json: bool,
+) -> int:
+    import tempfile
+
+    from rtkit.hosts.far_packages import push, push_bundle
+    from rtkit.packages.bundling import check_whole, fetched
+    from rtkit.packages.repository import named_repositories, opened
+    from rtkit.packages.resolving import requirement
+
+    plain, bundles = wanted
+    with (
+        opened(named_repositories(repositories) if plain else ()) as there,
+        tempfile.TemporaryDirectory(prefix="rtpkg-") as draft,
+    ):
+        packages: dict[str, list[str]] = {}
+        for each in map(requirement, dict.fromkeys(plain)):
+            packages |= fetched(each, there, draft)
+        check_whole(packages)
+
+        def work(connection: HostConnection) -> list[Installed]:
+            done = [each for path in bundles for each in push_bundle(connection, path)]
+            return done + (push(connection, packages) if packages else [])
+
+        return at_hosts(app, hosts, work, is_json if is_json or app.is_verbose else None)

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+from rtkit.cli.packages.far import HOST, at_hosts
 from rtkit.cli.shared.app import App, WrongArguments
 from rtkit.cli.shared.command import command
-from rtkit.cli.shared.options import arguments, flag
+from rtkit.cli.shared.options import arguments, flag, several
 
 
 @command(
@@ -19,8 +20,9 @@ from rtkit.cli.shared.options import arguments, flag
 def main(
     app: App,
     is_forced: bool = flag("--force", "Also what a running manager uses."),
+    hosts: tuple[str, ...] = several("--host NAME", HOST),
     names: tuple[str, ...] = arguments("NAME[==VERSION]..."),
-) -> None:
+) -> int:
     """Uninstall packages, unless a running manager has loaded a module of one.
 
     All installed versions that fit; what was installed with a package goes with it.
@@ -31,9 +33,16 @@ def main(
 
     if not names:
         raise WrongArguments("takes names of packages")
+    if hosts:
+        from rtkit.hosts import far_packages
+
+        return at_hosts(
+            app, hosts, lambda c: far_packages.remove(c, names, is_forced=is_forced), None
+        )
     found = [each for name in names for each in meant(requirement(name))]
     for each in () if is_forced else found:
         check_unused(each, app.timeout_s)
     for each in found:
         remove(each)
         app.verbose(f"{each.text} is removed")
+    return 0
