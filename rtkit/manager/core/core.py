@@ -326,6 +326,8 @@ class Core:
                 lost.append(instance)
             else:
                 self.state.forget(instance)
+                if process.is_guest:
+                    self.state.kept.forget(instance)
         if not self._is_stopping:
             self._supervisor.lost(lost, process.reason, self._now)
 

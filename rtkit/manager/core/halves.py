@@ -450,8 +450,9 @@ def _joined(
         with _opening(state, connector):
             yield from _join_end(process, connector, port, theirs)
     except RtkitError as error:
-        state.failing[connector.connector_id] = str(error)
-        state.kept.untell(peer_of(connector), connector.connector_id)
+        if connector.connector_id in state.kept.wires:  # else its peer hears that it is no more
+            state.failing[connector.connector_id] = str(error)
+            state.kept.untell(peer_of(connector), connector.connector_id)
         return str(error)
     return ""
 
