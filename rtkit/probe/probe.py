@@ -8,7 +8,7 @@ from __future__ import annotations
 import queue
 import threading
 import time
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from typing import Any
 from uuid import uuid4
 
@@ -24,8 +24,11 @@ from rtkit.link import stopping
 from rtkit.probe.port_spec import Stream
 from rtkit.probe.tap import Arrival, Tap
 from rtkit.rtc.enums import Transition
-from rtkit.rtc.profiles import PortRef
+from rtkit.rtc.far_ends import named_by, on_host
+from rtkit.rtc.profiles import ConnectorProfile, PortRef
 from rtkit.tree.client import Tree
+from rtkit.tree.connect import near_of
+from rtkit.tree.expecting import expected
 from rtkit.tree.wiring import ResolvedPort, make_connector
 
 _TRIES = 20
@@ -39,6 +42,7 @@ LOSSLESS = {
 """Connector properties by which a slow reader delays its writer and loses nothing."""
 
 Refusal = Callable[[str], object]
+_Connect = tuple[str, ConnectorProfile]
 
 
 class Tool(Component):
@@ -99,6 +103,7 @@ class Probe(Closing):
         rate: float = 0.0,
     ) -> None:
         self._tree = tree
+        self._home = near_of(tree)
         self._kind = kind
         self._streams = streams
         self._ports = ports
@@ -122,8 +127,9 @@ class Probe(Closing):
         self._properties = properties
         self._attached.listeners.append(self._look)
         activate = ChangeState(self.component.instance, "0", Transition.ACTIVATE)
-        connects = self._connects(self._streams, refused)
-        _perform(self._tree, [("", activate), *connects], refused)
+        connects = self._connects(self._tree, self._streams, refused)
+        _perform(self._home, [("", activate)], None)
+        self._connect(self._tree, connects, refused)
 
     def extend(self, ports: Sequence[Port]) -> None:
         """Give the component further ports; the manager knows them a little later."""
@@ -131,26 +137,45 @@ class Probe(Closing):
 
     def join(self, tree: Tree, streams: Sequence[Stream], refused: Refusal) -> None:
         """Connect further streams, by a connection to the present manager; see `connect`."""
-        _perform(tree, list(self._connects(streams, refused)), refused)
+        self._connect(tree, self._connects(tree, streams, refused), refused)
+
+    def _connect(self, tree: Tree, connects: Iterable[_Connect], refused: Refusal | None) -> None:
+        named = list(connects)
+        if self._home is tree or self._home is self._tree:
+            _perform(tree, [(typed, Connect(each)) for typed, each in named], refused)
+            return
+        for typed, connector in named:  # between hosts: the manager of the out end makes it
+            ends = (self._home, tree)
+            is_mine = connector.ports[0].instance == self.component.instance
+            maker, other = ends if is_mine else ends[::-1]
+            between = named_by(connector, on_host(maker.manager, maker.host))
+            with expected([(other, between)]) as failed:
+                if not _perform(maker, [(typed, Connect(connector))], refused):
+                    failed.append(connector.connector_id)
 
     def _connects(
-        self, streams: Sequence[Stream], refused: Refusal | None
-    ) -> Iterator[tuple[str, Action]]:
-        """Yield the action that connects each port, with the port as typed."""
+        self, tree: Tree, streams: Sequence[Stream], refused: Refusal | None
+    ) -> Iterator[_Connect]:
+        """Yield the connector of each port, with the port as typed."""
+        own, far = "", ""
+        if self._home is not self._tree:
+            own = on_host(self._home.manager, self._home.host)
+            far = on_host(tree.manager, tree.host)
         given = {NUMBERED: "YES", **self._properties}
         for stream in streams:
             port = self.component.ports[stream.name].profile
             ref = PortRef(self.component.instance, stream.name)
-            mine = ResolvedPort(stream.ends[0].path, ref, port)
+            mine = ResolvedPort(stream.ends[0].path, ref, port, own)
             for end in stream.ends:
                 try:
-                    connector = make_connector(mine, end, str(uuid4()), "", given)
+                    there = end._replace(manager=far)
+                    connector = make_connector(mine, there, str(uuid4()), "", given)
                 except RtkitError as error:
                     if refused is None:
                         raise
                     refused(f"{end.path.typed}: {error}")
                     continue
-                yield end.path.typed, Connect(connector)
+                yield end.path.typed, connector
 
     @property
     def lost(self) -> int:
@@ -237,14 +262,14 @@ class Probe(Closing):
 
     def _attach(self) -> tuple[AttachedProcess, Tool]:
         """Attach under the first free name."""
-        taken = {row.instance for row in self._tree.listing().rows}
+        taken = {row.instance for row in self._home.listing().rows}
         error: RtkitError | None = None
         for number in range(_TRIES + len(taken)):
             name = f"{self._kind}{number}"
             if name in taken:
                 continue
             component = Tool(name, self._ports, self._rate)
-            where = (self._tree.manager, self._tree.host, self._kind)
+            where = (self._home.manager, self._home.host, self._kind)
             with ENTERING:
                 attached = attached_to(*where, prepare=lambda _: None)
                 try:
@@ -269,8 +294,8 @@ def no_connection() -> Refused:
     return Refused("no connection is left: the components or the connections have gone")
 
 
-def _perform(tree: Tree, named: Sequence[tuple[str, Action]], refused: Refusal | None) -> None:
-    """Perform actions, in order unless failures of some are only told."""
+def _perform(tree: Tree, named: Sequence[tuple[str, Action]], refused: Refusal | None) -> bool:
+    """Perform actions, in order unless failures of some are only told; return whether all were."""
     results = tree.apply([action for _, action in named], is_ordered=refused is None)
     for (typed, _), result in zip(named, results, strict=False):
         if not result.ok:
@@ -278,6 +303,7 @@ def _perform(tree: Tree, named: Sequence[tuple[str, Action]], refused: Refusal |
             if refused is None:
                 raise error
             refused(str(error))
+    return all(result.ok for result in results)
 
 
 def tap_ports(streams: Sequence[Stream]) -> list[Tap]:

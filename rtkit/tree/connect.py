@@ -78,6 +78,19 @@ def connect_far(
     return kind(near.link, host, manager or link.far_manager, timeout_s)
 
 
+def near_of(tree: Tree) -> Tree:
+    """Return a connection to the manager of this host that links the one of a tree.
+
+    It is that tree itself where that is of this host; else it shares its link.
+    """
+    from rtkit.link import host_links
+    from rtkit.rtc.names import is_local_host
+
+    if is_local_host(tree.host, host_name()) or not host_links.is_linked(tree.host):
+        return tree
+    return Tree(tree.link, host_name(), host_links.read(tree.host).manager, tree.timeout_s)
+
+
 def connect_at(
     address: Address, timeout_s: float = DEFAULT_TIMEOUT_S, kind: type[Tree] = Tree
 ) -> Tree:

@@ -17,11 +17,12 @@ if TYPE_CHECKING:
 
 
 @contextmanager
-def expected(wanted: Iterable[tuple[Tree, ConnectorProfile]]) -> Iterator[None]:
+def expected(wanted: Iterable[tuple[Tree, ConnectorProfile]]) -> Iterator[list[str]]:
     """Have managers expect connectors that others make inside the block.
 
-    Whatever fails in it, they expect them no more. The connectors are given with both ends named as
-    between managers (`rtkit.rtc.far_ends.named_by`).
+    Those whose ids are put into the list, and all if the block fails, they expect no more at its
+    end. The connectors are given with both ends named as between managers
+    (`rtkit.rtc.far_ends.named_by`).
 
     Raises:
         Unreachable: One of the managers does not answer.
@@ -29,13 +30,17 @@ def expected(wanted: Iterable[tuple[Tree, ConnectorProfile]]) -> Iterator[None]:
     from rtkit.rtc.serde import encode_text
 
     asked: list[tuple[Tree, str]] = []
+    failed: list[str] = []
     try:
         for tree, connector in wanted:
             asked.append((tree, connector.connector_id))
             tree.set("expect", encode_text(connector))
-        yield
+        yield failed
     except BaseException:
-        for tree, connector_id in asked:
-            with suppress(RtkitError):
-                tree.set("expect_no_more", connector_id)
+        failed[:] = [connector_id for _, connector_id in asked]
         raise
+    finally:
+        for tree, connector_id in asked:
+            if connector_id in failed:
+                with suppress(RtkitError):
+                    tree.set("expect_no_more", connector_id)

@@ -224,6 +224,27 @@ def test_nobody_is_connected_who_does_not_expect_it(fleet: Shell, hosts: list[Fa
     fleet.ok(f"rtdis -i known {INTO}")
 
 
+def test_data_tools_read_and_write_ports_there_and_leave_nothing(
+    fleet: Shell, hosts: list[FarHost]
+) -> None:
+    assert len(fleet.ok(f"rtprint -n 3 {FAR_OUT}").splitlines()) == 3
+    for number in range(1_000_001, 1_000_011):
+        fleet.ok(f"rtinject {FAR_INTO} -c {number}")
+        until(lambda n=number: counts(fleet, hosts)[1][0] == n, f"{number} is there")
+    assert fleet.run(f"rtlog -f far.mcap -t 0.5 {FAR_OUT}").status == 0
+    assert "Number of entries: 0\n" not in fleet.ok("rtlog -d -f far.mcap")
+    reader = fleet.open(f"rtprint {FAR_OUT}")
+    assert reader.stdout is not None
+    assert reader.stdout.readline()
+    reader.kill()
+    for path in (FAR_OUT, FAR_INTO):
+        component = path.partition(":")[0]
+        until(
+            lambda c=component: not json.loads(fleet.ok(f"rtcat --json {c}"))["connectors"],
+            f"nothing is left at {path}",
+        )
+
+
 def test_a_host_that_is_not_linked_is_named_at_once(fleet: Shell) -> None:
     told = fleet.run(f"rtcon {OUT} /robot9/A.rtc:into")
     assert told.status == 1

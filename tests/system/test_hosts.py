@@ -153,9 +153,6 @@ def test_a_cut_link_is_told_at_once_and_heals(fleet: Shell, hosts: list[FarHost]
 @pytest.mark.parametrize(
     ("line", "why"),
     [
-        ("rtprint /robot1/A0.rtc:out", "data of ports are read and written only on this host"),
-        ("rtinject /robot1/A0.rtc:in -c 1", "data of ports are read and written only on this host"),
-        ("rtlog -f x.log /robot1/A0.rtc:out", "data of ports are read and written only on this"),
         ("rtvlog /robot1/A0.rtc", "logs are read only on this host so far"),
         ("rtcryo /robot1", "systems are saved only on this host so far"),
         ("rtget /robot1/robots/cart.speed", "the link leads to components and managers there"),

@@ -48,7 +48,6 @@ def main(
     """
     from rtkit.probe.calling import chosen, operations_at
     from rtkit.rtc.names import parse_path
-    from rtkit.tree.place import check_is_here
 
     if not words:
         raise WrongArguments("No operation specified.")
@@ -59,7 +58,6 @@ def main(
     operations, typed = operations_at(app.tree, path)
     if not typed and len(words) == 1:
         return _list(operations, is_json)
-    check_is_here(path, "services of ports are called")
     operation = chosen(operations, typed)
     return _call(app, operation, operation.arguments(words[1:]), is_json)
 

@@ -74,7 +74,8 @@ def main(
         raise UsageProblem("-n 0 writes nothing")
     import_modules(modules, folders)
     app.bound(duration_s)
-    streams = streams_of(app.tree, specified(app, ports), PortType.IN)
+    specs = specified(app, ports)
+    streams = streams_of(app.tree, specs, PortType.IN)
     types = types_of(streams)
     if const is not None:
         times = 1 if number is None else number

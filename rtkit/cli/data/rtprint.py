@@ -92,7 +92,8 @@ def main(
 
     import_modules(modules, folders)
     app.bound(duration_s)
-    streams = streams_of(app.tree, specified(app, ports), PortType.OUT)
+    specs = specified(app, ports)
+    streams = streams_of(app.tree, specs, PortType.OUT)
     types = types_of(streams)
     for cls in types.values():
         for field in fields:
