@@ -6,6 +6,7 @@ import threading
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from math import inf
+from queue import Empty, SimpleQueue
 from time import monotonic
 from typing import TYPE_CHECKING, Any
 
@@ -113,10 +114,11 @@ class Client(Closing):
             self.set(target, block, **parameters, **place)
 
     def call(self, target: str, *args: Any, timeout_s: float | None = None, **named: Any) -> Any:
-        """Call an action, and return its result once it has ended.
+        """Call an action, and return its result once it has ended; of a behaviour how it stands.
 
         Args:
-            target: The action.
+            target: The action; or a property that tells how a behaviour stands, such as that of
+                a group: the end of what a SET of it starts is waited for.
             args: Its arguments by place.
             timeout_s: How long it may take [s]; None for no bound. It goes on when that is over.
             named: Its arguments by name.
@@ -125,16 +127,41 @@ class Client(Closing):
             PropertyError: It is busy, or refuses its arguments; ``timeout``; or as it failed.
         """
         bound_s = inf if timeout_s is None else timeout_s
+        until = monotonic() + bound_s
         value = write(tuple(map(_value, args))) if args else ""
         answer = _object(self.payload(Ask(target, value, {**named, "echo": 1}), bound_s))
-        if not isinstance(answer, Element) or answer.name != "call":
+        if isinstance(answer, Element) and answer.attributes.get("state") == "running":
+            answer = self._ended(target.partition("?")[0], until)
+        if not isinstance(answer, Element) or "state" not in answer.attributes:
             return answer
         parts = {each.name: each for each in answer.children}
         if "error" in parts:
             code = parts["error"].attributes.get("code", "internal")
             raise printed_error(target, PropertyError(code, str(parts["error"].leaf)))
+        if answer.name != "call":
+            return answer
         result = parts.get("result")
         return None if result is None else _content(result)
+
+    def _ended(self, target: str, until: float) -> Any:
+        """Return what a property tells once it runs no longer.
+
+        Raises:
+            PropertyError: ``timeout``: it runs still; its owner has gone.
+        """
+        changes: SimpleQueue[PropertyChange] = SimpleQueue()
+        with self.listen(f"{target}.state", changes.put):
+            while True:
+                left_s = until - monotonic()
+                try:
+                    change = changes.get(timeout=max(0.0, left_s) if left_s < inf else None)
+                except Empty:
+                    error = PropertyError("timeout", "it runs still")
+                    raise printed_error(target, error) from None
+                if change.code:
+                    raise printed_error(target, PropertyError(change.code, "its owner has gone"))
+                if change.value != "running":
+                    return self.get(target)
 
     def ask_all(
         self, asks: Sequence[Ask], deadline_s: float, *, is_shared: bool = False

@@ -133,6 +133,8 @@ class FunctionalProperty:
     def _target(self) -> Element:
         given, named = ((), {}) if self._last is None else self._last.arguments
         values = [*given, *named.values()]
+        if len(values) == 1 and isinstance(only := values[0], Element):
+            return Element("target", only.attributes, only.children, only.leaf)
         if len(values) == 1:
             return child_of("target", values[0])
         return Element("target", {}, tuple(child_of(key, each) for key, each in named.items()))

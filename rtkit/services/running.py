@@ -54,7 +54,7 @@ class Running:
         self.state = "running"
         self._leader = leader
         self._markers = markers
-        self._error = ""
+        self._error, self._code = "", ""
 
     def step(self, seconds: float) -> Twist | None:
         """Return how to move next; None when it has ended."""
@@ -62,7 +62,9 @@ class Running:
         try:
             twist = self._leader.step(seconds)
         except Exception as error:  # of a user: the robot stands, and others go on
-            kind = "" if isinstance(error, RtkitError) else f"{type(error).__name__}: "
+            is_ours = isinstance(error, RtkitError)
+            self._code = getattr(error, "code", "conflict") if is_ours else "internal"
+            kind = "" if is_ours else f"{type(error).__name__}: "
             state, self._error = "failed", f"{kind}{error}"
         if twist is None and self.state == "running":
             self.state = state
@@ -82,5 +84,5 @@ class Running:
             rtkit.Element("remaining", {}, (), tuple((each.x, each.y) for each in goals)),
         ]
         if self._error:
-            children.append(rtkit.Element("error", {}, (), self._error))
+            children.append(rtkit.Element("error", {"code": self._code}, (), self._error))
         return rtkit.Element("behavior", {"state": self.state}, tuple(children))

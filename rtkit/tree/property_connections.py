@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 from functools import cached_property, partial
+from time import monotonic
 from typing import TYPE_CHECKING, Literal, NamedTuple
 
 from rtkit.errors import RtkitError
@@ -329,6 +330,27 @@ def with_near_names(error: Exception, place: PropertyTarget, end: PropertyClient
         return shown  # it is something else that is unknown
     meant = did_you_mean(place.name, names, shown=lambda name: f"{begin}{name}")
     return PropertyError("unknown", f"{shown}{meant}")
+
+
+def ended(payload: Payload, place: PropertyTarget, end: PropertyClient, until: float) -> Payload:
+    """Return what a property tells; of a behaviour that runs, once it runs no longer.
+
+    Raises:
+        PropertyError: As commands show it; ``timeout``: it runs still.
+    """
+    if not str(payload).startswith('<behavior state="running"'):
+        return payload
+    try:
+        end.listen(f"{place.name}.state")
+        while (event := end.event(max(0.0, until - monotonic()))) and event.payload == "running":
+            pass
+    except (PropertyError, RtkitError) as error:
+        raise printed_error(place.typed, error) from error
+    if event is None:
+        raise printed_error(place.typed, PropertyError("timeout", "it runs still"))
+    if event.code:
+        raise printed_error(place.typed, PropertyError(event.code, "its owner has gone"))
+    return asked(lambda: end.ask(place.name), place, end)
 
 
 def check_outcome(payload: Payload, typed: str) -> None:

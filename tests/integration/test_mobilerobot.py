@@ -17,6 +17,7 @@ import pytest
 import rtkit
 from rtkit.services.chassis import Chassis
 from rtkit.services.frames import transform
+from rtkit.services.group import Group
 from rtkit.services.legged import LeggedRobot
 from rtkit.services.mobilerobot import DifferentialRobot, MobileRobot
 from rtkit.services.world import HomeWorld
@@ -116,6 +117,22 @@ def test_who_listens_to_the_state_of_a_behaviour_is_told_of_its_end(
     assert states == ["idle", "running", "done"]
     assert client.get("robots/r1.behaviors.moveto.state") == "done"
     assert client.get("robots/r1.behaviors.moveto.target.location.0") == 1.0
+
+
+def test_a_call_of_a_behaviour_ends_with_it_of_one_robot_and_of_many(
+    home: Any, client: rtkit.Client, ends: ExitStack
+) -> None:
+    ends.enter_context(rtkit.serve(Group(robots="robots/r1 robots/r2"), "swarm"))
+    for robot in ("robots/r1", "robots/r2", "swarm"):
+        ended = client.call(f"{robot}.behaviors.moveto", rtkit.Marker((0.3, 0.0)))
+        assert ended.attributes["state"] == "done"
+    client.set("home.bodies.block", rtkit.Marker((1.0, 1.3, 0.0), radius=0.3, height=1.0))
+    with pytest.raises(rtkit.PropertyError, match="something is in the way"):
+        client.call("robots/r1.behaviors.moveto", rtkit.Marker((2.0, 1.7), frame="world"))
+    with pytest.raises(rtkit.PropertyError, match="it runs still") as late:
+        client.call("robots/r2.behaviors.moveto", rtkit.Marker((90.0, 0.0)), timeout_s=0.2)
+    assert late.value.code == "timeout"
+    assert client.get("robots/r2.behaviors.moveto.state") == "running"
 
 
 def test_an_expired_velocity_stops_no_behaviour_that_began_meanwhile(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 import sys
+import time
 
 import click
 
@@ -80,9 +81,11 @@ def main(
             asked,
             bound_of,
             check_outcome,
+            ended,
             printed_error,
         )
 
+        until = time.monotonic() + app.timeout_s
         place, end = places.find(given[0])
         more += bound_of(end, place.parameters, more, app.timeout_s)
         for where, block in blocks_of(as_bytes(payload)):
@@ -95,9 +98,10 @@ def main(
                     raise
                 text = f"longer than {LIMITS.text} bytes"  # it takes no blocks
                 raise printed_error(place.typed, PropertyError("too-large", text)) from None
-    if has_echo:
-        terminal.write([shown(value)])
-        check_outcome(value, place.typed)
+        if has_echo:
+            value = ended(value, place, end, until)
+            terminal.write([shown(value)])
+            check_outcome(value, place.typed)
 
 
 def _content(path: str) -> str | bytes:

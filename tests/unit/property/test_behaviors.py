@@ -93,6 +93,8 @@ MOVE = "behaviors.moveto"
 
 
 def shown(state: str, target: str, rest: str = "<remaining/>") -> str:
+    if target.count("<marker>") == 1:
+        target = target.removeprefix("<marker>").removesuffix("</marker>")
     inner = f"<target>{target}</target>" if target else "<target/>"
     return f'<behavior state="{state}">{inner}{rest}</behavior>'
 
@@ -107,6 +109,7 @@ def test_a_behaviour_tells_target_and_rest(robot: Told) -> None:
     assert seen == [shown("running", HERE, "<remaining>3</remaining><points>1</points>")]
     assert service.get(f"{MOVE}.state") == "done"
     assert service.get(f"{MOVE}.remaining") == "1"
+    assert service.get(f"{MOVE}.target.location.0") == "1.0"
     assert behaviors._begun == [Marker((1, 0))]
     service.set("behaviors.turn", "1.0")
     hand.run(lambda: seen.append(service.get("behaviors.turn")))
