@@ -19,6 +19,7 @@ class Light:
     """
 
     type: Final = ("light",)
+    version: Final = "1.0"
 
     def __init__(self, *, world: str, lamp: str, at: Place = (0.0, 0.0, 2.4)) -> None:
         self._world, self._lamp, self.location, self._on = world, lamp, at, False

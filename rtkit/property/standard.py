@@ -1,6 +1,7 @@
 """Properties that every service has: ``name``, ``type``, ``status``, ``version``.
 
-They are answered also where an object has no such members, but listed only where it has.
+They are answered also where an object has no such members, and none is empty then; they are listed
+only where it has them.
 """
 
 from __future__ import annotations
@@ -24,7 +25,7 @@ def add_standard(values: LiveValues, name: str, thing: object) -> None:
         "name": ("string", "Under which it is served", name),
         "type": (TYPE.name, "Words for the kind of thing", (worded(cls.__name__.lower()),)),
         "status": ("string", "How it is", "ready"),
-        "version": ("string", "Of its code, where that is known", _version(cls)),
+        "version": ("string", "Of its code; unknown where that tells none", _version(cls)),
     }
     for each, (kind, doc, value) in given.items():
         if each in values.standard.nodes:
@@ -37,4 +38,4 @@ def _version(cls: type) -> str:
     package = cls.__module__.partition(".")[0]
     holders = (cls, sys.modules.get(cls.__module__), sys.modules.get(package))
     found = (getattr(each, "__version__", None) for each in holders)
-    return next((each for each in found if isinstance(each, str)), "")
+    return next((each for each in found if isinstance(each, str) and each), "unknown")

@@ -335,7 +335,8 @@ def test_a_service_keeps_its_promises_through_each_door(
         meta = client.get(f"{at}{name}.meta")
         declared = {each.name: str(each.leaf) for each in meta.children}
         assert (name, _kind(declared)) == (name, kind)
-        client.get(f"{at}{name}")
+        value = client.get(f"{at}{name}")
+        assert value or name not in EVERY, f"{name} tells nothing"
     for name, text in contract.accepted.items():
         client.set(f"{at}{name}", text)
         assert client.get_bytes(f"{at}{name.partition('?')[0]}") == text.encode()

@@ -42,7 +42,7 @@ FOUR = "properties?names=(name type status version)&values=1"
 
 def test_every_service_has_name_type_status_and_version() -> None:
     service = served(Lamp())
-    assert service.get(FOUR) == '((name "o") (type (lamp)) (status "ready") (version ""))'
+    assert service.get(FOUR) == '((name "o") (type (lamp)) (status "ready") (version "unknown"))'
     assert service.get("properties") == "(on)"
     assert service.get("type.0") == "lamp"
     assert service.get("status.meta.access") == "r"
