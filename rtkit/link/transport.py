@@ -52,6 +52,13 @@ class Link(Protocol):
         """
         return lambda: None
 
+    def notice(self, key: str, found: Callable[[bool], object]) -> Callable[[], object]:
+        """Tell whether somebody serves a key: now, and whenever that changes.
+
+        It is told on any thread, until what is returned is called.
+        """
+        return lambda: None
+
     def close(self) -> None:
         """Leave; nothing is served or reachable afterwards."""
         return

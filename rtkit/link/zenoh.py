@@ -316,10 +316,7 @@ class ZenohLink:
         return self._session.declare_queryable(key, handler).undeclare
 
     def notice(self, key: str, found: Callable[[bool], object]) -> Callable[[], object]:
-        """Tell whether somebody answers requests of a key: now, and whenever that changes.
-
-        It is told on any thread, until what it returns is called.
-        """
+        """See `Link.notice`."""
         querier = self._session.declare_querier(key)
         querier.declare_matching_listener(lambda status: found(status.matching))
         status = querier.matching_status

@@ -269,6 +269,13 @@ class Tree(ByPath, Closing):
         """
         return self.link.listen(zenoh_keys.line_key(self._service, line), receive)
 
+    def notice(self, found: Callable[[bool], object]) -> Callable[[], object]:
+        """Have `found` told whether the manager can be asked, as it changes; return what ends that.
+
+        For `rtkit.tree.subscription`; it is called on any thread.
+        """
+        return self.link.notice(zenoh_keys.property_key(self._service, "manager.pid"), found)
+
     def get(self, name: str) -> str:
         """Return the value of a property of the manager: ``tree.get("naming.formats")``.
 

@@ -73,6 +73,7 @@ class ManagerSubscription(Closing):
         self._wakeup = Wakeup()
         self._process: int | None = None
         self._is_over = False
+        self._was_found = self._is_lost = False
         self._ends: list[Callable[[], object]] = []
         try:
             for line in lines:
@@ -80,7 +81,9 @@ class ManagerSubscription(Closing):
             snapshot = self._first_snapshot()
             self._run, self._number = snapshot.run, snapshot.number
             self.facts: Snapshot = snapshot.facts
-            if tree.host == host_name():  # elsewhere its pid is that of anybody here
+            if tree.host != host_name():  # there its pid is that of anybody here
+                self._ends.append(tree.notice(self._note))
+            else:
                 with suppress(ProcessLookupError):
                     self._process = os.pidfd_open(self.facts.pid)
         except BaseException:
@@ -126,7 +129,15 @@ class ManagerSubscription(Closing):
                 events += self._delta(decode_text(Delta, text))
         if not self._is_over and self._is_gone():
             events.append(self._end("was killed"))
+        elif not self._is_over and self._is_lost:
+            events.append(self._end(f"of host {self.tree.host} was killed, or is cut off"))
         return events
+
+    def _note(self, is_found: bool) -> None:
+        """Note whether a manager of another host can be asked; at first routers may not know."""
+        self._is_lost = self._was_found and not is_found
+        self._was_found |= is_found
+        self._wakeup.ring()
 
     def _delta(self, delta: Delta) -> list[ManagerEvent]:
         if delta.run == self._run and delta.number <= self._number:

@@ -73,6 +73,10 @@ class InprocLink:
 
         return end
 
+    def notice(self, key: str, found: Callable[[bool], object]) -> Callable[[], object]:
+        """See `Link.notice`."""
+        return lambda: None
+
     def close(self) -> None:
         """See `Link.close`."""
         self._services.clear()

@@ -245,6 +245,25 @@ def test_data_tools_read_and_write_ports_there_and_leave_nothing(
         )
 
 
+def test_a_watcher_hears_that_a_manager_of_another_host_was_killed(
+    fleet: Shell, hosts: list[FarHost]
+) -> None:
+    watcher = fleet.open("rtls --watch=0.2 /robot2")
+    assert watcher.stdout is not None
+    assert watcher.stderr is not None
+    lines = iter(watcher.stdout.readline, "")  # it waits for the next one
+    assert any("E.rtc" in line for line in lines)
+    hosts[1].run("kill", "-9", fleet.ok("rtget /robot2/manager.mgr/pid").strip())
+    why = "of host robot2 was killed, or is cut off; waiting for it to come back"
+    assert why in watcher.stderr.readline()
+    fleet.ok("rtmgr start --host robot2")
+    linked_again(fleet, "robot2")
+    fleet.ok("rtmgr -c ConsoleIn /robot2/manager.mgr")
+    assert any("ConsoleIn0.rtc" in line for line in lines)
+    watcher.terminate()
+    fleet.ok("rtmgr -d ConsoleIn0 /robot2/manager.mgr")
+
+
 def test_a_host_that_is_not_linked_is_named_at_once(fleet: Shell) -> None:
     told = fleet.run(f"rtcon {OUT} /robot9/A.rtc:into")
     assert told.status == 1
