@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from rtkit.api.system_profiles import BUNDLE
 from rtkit.deployment.packages import NO_PACKAGES, Packages
+from rtkit.errors import Unreachable
 from rtkit.fast_dataclass import replace
 from rtkit.modules.package_folders import folders, root
 
@@ -16,6 +17,7 @@ if TYPE_CHECKING:
     from rtkit.api.system_profiles import SystemProfile
     from rtkit.deployment.facts import Snapshot
     from rtkit.deployment.system import KnownType
+    from rtkit.packages.installed import Installed
     from rtkit.packages.offering import Offering
     from rtkit.profile.rts_model import ComponentInstance
 
@@ -53,7 +55,9 @@ def by_id(
     return _chosen(_Asking(session, snapshot), document, _installed(document))
 
 
-def supplied(session: Session, document: SystemProfile, snapshot: Snapshot) -> Packaged:
+def supplied(
+    session: Session, document: SystemProfile, snapshot: Snapshot, *, is_dry: bool = True
+) -> Packaged:
     """Return a profile, and which packages are to be installed for it; nothing is installed.
 
     What neither lives nor can be made is looked for in the bundle that the profile is of, else in
@@ -68,11 +72,17 @@ def supplied(session: Session, document: SystemProfile, snapshot: Snapshot) -> P
     found = _installed(document)
     places = _repositories(document)
     pending = asking.pending(document, found) if places else {}
-    if not pending:
+    gone = _surplus(session, document, snapshot, found, is_dry=is_dry)
+    if not pending and not gone:
         return Packaged(_chosen(asking, document, found), NO_PACKAGES, {}, {})
-    from rtkit.packages.supply import LocalInstaller, here, supply
+    from rtkit.deployment.planning.model import HERE
+    from rtkit.packages.supply import LocalInstaller, Supply, here, supply
 
-    chosen, lacks = supply(list(pending.values()), places, lambda text: session.warn([text]))
+    chosen, lacks = (
+        supply(list(pending.values()), places, lambda text: session.warn([text]))
+        if pending
+        else Supply({}, {})
+    )
     absent = sorted({*pending.values()} - {*chosen})
     looked = ", ".join(places)
     session.warn(f"no installed package has {each}, and none of {looked}" for each in absent)
@@ -80,8 +90,15 @@ def supplied(session: Session, document: SystemProfile, snapshot: Snapshot) -> P
     sound = {id: each for id, each in chosen.items() if id not in lacks}
     of = {name: chosen[id].package.text for name, id in pending.items() if id in sound}
     digests = {each.package.text: each.package.wheels for each in sound.values()}
-    installer = LocalInstaller(places, digests, session.timeout_s)
-    packages = Packages(of, here([*digests]), digests, installer)
+    installer = LocalInstaller(places, digests, session.timeout_s, document.profile.id)
+    there = here([*digests]) | {each.text for each in gone}
+    packages = Packages(
+        of,
+        frozenset(f"{HERE}/{each}" for each in there),
+        digests,
+        {f"{HERE}/{each.text}": os.path.realpath(each.path) for each in gone},
+        installer,
+    )
     types = _known_types(document, chosen)
     why = {name: lacks[id] for name, id in pending.items() if id in lacks}
     return Packaged(_chosen(asking, document, all), packages, types, why)
@@ -99,6 +116,35 @@ def _installed(document: SystemProfile) -> dict[str, list[Offering]]:
     from rtkit.packages.offering import offerings
 
     return offerings({type_of(each.id).id for each in document.profile.components})
+
+
+def _surplus(
+    session: Session,
+    document: SystemProfile,
+    snapshot: Snapshot,
+    found: Mapping[str, Sequence[Offering]],
+    *,
+    is_dry: bool,
+) -> list[Installed]:
+    """Return what was installed for a system that needs it no longer; note what it needs.
+
+    What a manager beside those of the system uses, or may use, is none of it.
+    """
+    if next(folders(), None) is None:
+        return []
+    from rtkit.packages.needing import note_needed, surplus
+    from rtkit.packages.usage import users
+
+    needed = {each[0].package.text for each in found.values()}
+    if not is_dry:
+        note_needed(document.profile.id, needed)
+    own = {each.manager for each in (snapshot, *snapshot.others)}
+    gone = surplus(document.profile.id, needed)
+    try:
+        return [each for each in gone if own.issuperset(users(each, session.timeout_s))]
+    except Unreachable as error:
+        session.verbose(f"packages that nothing uses are not removed: {error}")
+        return []
 
 
 def _repositories(document: SystemProfile) -> Sequence[str]:

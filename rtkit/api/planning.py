@@ -158,7 +158,11 @@ def begin(
     from rtkit.deployment.goal import DeploymentGoal
 
     snapshot = looking.look(session, document.profile, dry_run=is_dry, starts=starts, lock=lock)
-    packaged = (unpackaged if way.stand_in else supplied)(session, document, snapshot)
+    packaged = (
+        unpackaged(session, document, snapshot)
+        if way.stand_in
+        else supplied(session, document, snapshot, is_dry=is_dry)
+    )
     document, packages = packaged.document, packaged.packages
     known = None if way.stand_in else known_types(document.profile, snapshot) | packaged.types
     system = looking.wanted_system(

@@ -39,12 +39,14 @@ class Packages:
         of: ``NAME==VERSION`` by instance name, of components that a package offers.
         installed: What is installed, ``HOST/NAME==VERSION``.
         digests: By package, of those to be installed, the SHA-256 of all wheels, by file.
+        surplus: Folders of those that the system was installed with and needs no longer.
         installer: What installs them.
     """
 
     of: Mapping[str, str] = field(default_factory=dict)
     installed: frozenset[str] = frozenset()
     digests: Mapping[str, Mapping[str, str]] = field(default_factory=dict)
+    surplus: Mapping[str, str] = field(default_factory=dict)
     installer: Installer = NoInstaller()
 
 

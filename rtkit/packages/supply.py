@@ -12,6 +12,7 @@ from packaging.utils import canonicalize_name
 from rtkit.errors import RtkitError
 from rtkit.modules.package_folders import folders
 from rtkit.packages.installed import Digests, Installed, install, installed, remove
+from rtkit.packages.needing import note
 from rtkit.packages.offering import Offering
 from rtkit.packages.repository import Offer, Repositories, newest_first, offers, opened
 from rtkit.packages.resolving import fetch, resolve
@@ -132,10 +133,12 @@ class LocalInstaller:
         repositories: Sequence[str],
         digests: Mapping[str, Mapping[str, str]],
         timeout_s: float,
+        system: str,
     ) -> None:
         self._repositories = repositories
         self._digests = digests
         self._timeout_s = timeout_s
+        self._system = system
 
     def install(self, package: str) -> None:
         """Install a package, ``HOST/NAME==VERSION``, with the very bytes that were looked at.
@@ -144,8 +147,11 @@ class LocalInstaller:
             RtkitError: See `rtkit.packages.installed.install`.
         """
         text = package.partition("/")[2]
+        is_new = not here([text])
         with opened(self._repositories) as there:
-            install(Requirement(text), there, self._digests.get(text))
+            done = install(Requirement(text), there, self._digests.get(text))
+        if is_new:
+            note(done.path, [self._system])
 
     def uninstall(self, package: str) -> None:
         """Remove a package, ``HOST/NAME==VERSION``.

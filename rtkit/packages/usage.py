@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+
 from rtkit.errors import Refused
 from rtkit.link.running import managers
 from rtkit.packages.installed import Installed
@@ -18,7 +20,8 @@ def users(package: Installed, timeout_s: float) -> list[str]:
     for name in managers():
         with connect(name, timeout_s) as tree:
             modules = tree.snapshot().modules
-        if any(each.file.startswith(f"{package.path}/") for each in modules):
+        folder = os.path.realpath(package.path)  # as managers tell files
+        if any(each.file.startswith(f"{folder}/") for each in modules):
             found.append(name)
     return found
 

@@ -110,3 +110,38 @@ def test_a_saved_plan_refuses_wheels_that_have_changed(manager: Any, wheels: Pat
     refused = manager.run("rtapply saved.plan")
     assert (refused.status, "component g would be made otherwise" in refused.err) == (1, True)
     assert manager.ok("rtpkg list") == ""
+
+
+def test_what_a_system_needs_no_longer_is_uninstalled(manager: Any, wheels: Path) -> None:
+    def listed() -> list[str]:
+        return [" ".join(each.split()[:2]) for each in manager.ok("rtpkg list").splitlines()]
+
+    made(wheels, "gain", "2.0", type="Gain")
+    made(wheels, "mine", "1.0", type="Mine")
+    manager.ok("rtpkg install mine")  # what a user has installed is the user's
+    file = profile(manager.folder, *BOTH)
+    assert manager.run(f"rtapply {file}").status == 0
+    other = (manager.folder / file).read_text()
+    other = other.replace("me:pair", "me:other").replace('"g"', '"og"').replace("/g.rtc", "/og.rtc")
+    (manager.folder / "other.xml").write_text(other.replace('"l"', '"ol"').replace("/l.", "/ol."))
+    assert manager.run("rtapply other.xml").status == 0
+    manager.ok("rtteardown --exit other.xml")
+    profile(manager.folder, BOTH[0])
+    # Another system needs it, too, though it does not run.
+    assert not [each for each in steps(manager, f"--prune {file}") if "uninstall" in each]
+    (wheels.parent / "data/rtkit/packages/loss/1.0/.rtkit-systems.json").write_text(
+        json.dumps(["RTSystem:me:pair:1"])
+    )
+    # Without --prune its component stays, and so does the package.
+    assert steps(manager, file) == []
+    assert steps(manager, f"--prune {file}")[-1] == "uninstall loss==1.0 from localhost"
+    assert manager.run(f"rtapply --prune {file}").status == 0
+    assert listed() == ["gain 1.0", "mine 1.0"]
+    (wheels.parent / "data/rtkit/packages/gain/1.0/.rtkit-systems.json").write_text(
+        json.dumps(["RTSystem:me:pair:1"])
+    )
+    profile(manager.folder, ("Gain", "2.0", "g"))
+    assert manager.run(f"rtapply --replace {file}").status == 0
+    assert "Version        2.0" in manager.ok("rtcat /localhost/g.rtc")
+    assert listed() == ["gain 2.0", "mine 1.0"]
+    assert steps(manager, file) == []

@@ -149,6 +149,7 @@ class ModelBuilder:
         self._surplus([*self.live.snapshot.connectors, *self._began.connectors])
         for component in self.system.components:
             self._attachments(component)
+        self._surplus_packages()
         if self._problems:
             raise Impossible("; ".join(self._problems))
         model = Model(
@@ -452,6 +453,21 @@ class ModelBuilder:
             if self.wanted.absent.isdisjoint(names):
                 self._desired[f"con:{id}"] = var.YES if is_kept else var.NO
             self._live[f"con:{id}"] = var.NO if self.live.connector(id) is None else var.YES
+
+    def _surplus_packages(self) -> None:
+        """Have packages removed of which nothing will be there, and their modules unloaded."""
+        packages = self.wanted.packages
+        ended = {v[4:] for v, wish in self._desired.items() if wish == var.ABSENT} | self._replaced
+        alive = [c for c in self.live.snapshot.components if not c.zombie]
+        for package in packages.installed & packages.surplus.keys():
+            folder = packages.surplus[package]
+            if any(f" {folder}/" in c.code and c.instance not in ended for c in alive):
+                continue
+            self._desired[f"pkg:{package}"] = var.ABSENT
+            for manager, snapshot in self.live.managers.items():
+                for each in (m for m in snapshot.modules if m.file.startswith(f"{folder}/")):
+                    variable = f"mod:{manager}/{each.path}:{each.init}"
+                    self._live[variable], self._desired[variable] = var.LOADED, var.ABSENT
 
     def _is_gone(self, name: str) -> bool:
         facts = self.live.namesake(name)

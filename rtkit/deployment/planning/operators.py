@@ -76,7 +76,8 @@ class Operators:
         """Remove a package from a host: ``H/P==V``, of which no component is there."""
         model = self._model
         needs = [Requirement(f"pkg:{name}", (var.INSTALLED,))]
-        heeds = []
+        heeds = [f"cmp:{each}" for each in model.units]
+        heeds += [v for v in model.desired if v[:4] == "mod:" and not model.allows(v, var.LOADED)]
         host, _, package = name.partition("/")
         for unit in model.units.values():
             if unit.package == package:
