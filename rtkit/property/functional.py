@@ -143,7 +143,8 @@ class FunctionalProperty:
         """Return the arguments that a SET stands for, by place and by name.
 
         Raises:
-            PropertyError: ``bad-value``: too many, too few, or of another type.
+            PropertyError: ``bad-value``: too many, too few, or of another type; or of the code of
+                the choices that it is not among.
         """
         given: tuple[Value, ...] = value if isinstance(value, tuple) else (value,)
         if isinstance(value, str) and not isinstance(value, Word) and not value:
@@ -185,7 +186,8 @@ class FunctionalProperty:
                 parameter.spec.within(value)
             self._fit(parameter.key, value)  # type: ignore[arg-type]
         except (ValueError, TypeError, PropertyError) as error:
-            raise PropertyError("bad-value", f"{parameter.key}: {error}") from None
+            code = error.code if isinstance(error, PropertyError) else "bad-value"
+            raise PropertyError(code, f"{parameter.key}: {error}") from None
         return value  # type: ignore[return-value]
 
     def start(

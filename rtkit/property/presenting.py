@@ -19,10 +19,16 @@ class Choices:
         given: The values; or a function that returns them, given the object that has the property;
             or the name of an attribute or a method of that object. The latter are asked anew at
             each SET and each time somebody looks.
+        code: Of the error of an action whose argument is none of what a function or name tells.
     """
 
-    def __init__(self, given: str | Iterable[object] | Callable[[Any], Iterable[object]]) -> None:
-        self._given = given
+    def __init__(
+        self,
+        given: str | Iterable[object] | Callable[[Any], Iterable[object]],
+        *,
+        code: str = "bad-value",
+    ) -> None:
+        self._given, self._code = given, code
         self.is_fixed = not (isinstance(given, str) or callable(given))
 
     def of(self, holder: object = None) -> tuple[Value, ...]:
@@ -39,13 +45,13 @@ class Choices:
         """Refuse what is no choice.
 
         Raises:
-            PropertyError: ``bad-value``.
+            PropertyError: Of its code.
         """
         choices = self.of(holder)
         texts = [str(each) if isinstance(each, str) else each for each in choices]
         if (str(value) if isinstance(value, str) else value) not in texts:
             listed = " ".join(map(write, choices)) or "nothing just now"
-            raise PropertyError("bad-value", f"expected one of {listed}")
+            raise PropertyError(self._code, f"expected one of {listed}")
 
 
 class Gui:

@@ -15,11 +15,12 @@ import threading
 from collections.abc import Callable, Collection, Sequence
 from fnmatch import fnmatchcase
 from time import monotonic
-from typing import Annotated, Any, Final, NamedTuple, Self
+from typing import Annotated, Any, Final, Literal, NamedTuple, Self
 
 import rtkit
 from rtkit import Ask, Element, Names, PropertyError, Range, Unit, Word, init_of
 from rtkit.services.frames import is_number
+from rtkit.services.left import LeftProcess, left_by
 from rtkit.services.misread import misread
 from rtkit.services.paths import RESERVED
 from rtkit.services.started import StartedProcess
@@ -111,6 +112,8 @@ class Resource(Names):
             was refused counts twice.
         route: What is asked about ``NAME.PROPERTY`` is passed on to that service.
         starts: What may be started: ``KIND COMMAND ARGUMENT...``; a kind is a word of a type.
+        left: What becomes of that which a resource service of this name had started, and left when
+            it was killed: ``adopt`` takes it for started here, ``end`` ends it.
         frames: Named frames, ``NAME x y z a b c`` [m, rad].
     """
 
@@ -126,13 +129,15 @@ class Resource(Names):
         misses: Annotated[int, Range(1, 100)] = 3,
         route: bool = False,
         starts: tuple[str, ...] = (),
+        left: Literal["adopt", "end"] = "adopt",
         frames: tuple[str, ...] = (),
     ) -> None:
         self.frames = NamedFrames(dict(map(_frame, frames)))
         self._unanswered: list[tuple[str, str]] = []
         self._watch, self._period, self._misses, self._route = watch, period, misses, route
         self._commands = {words[0]: words[1:] for words in map(shlex.split, starts) if words[1:]}
-        self._processes: list[StartedProcess] = []
+        self._left, self._service = left, ""
+        self._processes: list[StartedProcess | LeftProcess] = []
         self._entries: dict[str, Entry] = {}
         self._names: tuple[str, ...] = ()
         self._lock, self._starting = threading.RLock(), threading.Lock()
@@ -140,8 +145,15 @@ class Resource(Names):
         self._client = rtkit.Client()
         self._trouble = ""
 
+    def __served__(self, publish: Any) -> None:
+        self._service = publish.service
+
     def __enter__(self) -> Self:
         self._is_over.clear()
+        if self._service:  # a name of which no other lives
+            self._processes = [*left_by(self._service)]
+        if self._left == "end":
+            self._end_all()
         self._client = rtkit.Client()
         self._probing = threading.Thread(target=self._watching, name="probing", daemon=True)
         self._probing.start()
@@ -149,10 +161,7 @@ class Resource(Names):
 
     def __exit__(self, *_: object) -> None:
         self._is_over.set()
-        for process in self._processes:
-            process.stop()
-        for process in self._processes:
-            self._end(process)
+        self._end_all()
         self._client.close()
         self._probing.join(self._period)
 
@@ -290,7 +299,7 @@ class Resource(Names):
 
     # Starting
 
-    def start(self, kind: str) -> str:
+    def start(self, kind: Annotated[str, rtkit.Choices("_commands", code="denied")]) -> str:
         """Start a service of a kind that may be started; return its name once it has registered."""
         with self._starting:
             return self._start(kind)[1]
@@ -301,7 +310,7 @@ class Resource(Names):
             raise PropertyError("denied", f"not to be started here: {kind} ({known} is)")
         before = self._of_type(kind)
         try:
-            process = StartedProcess(kind, self._commands[kind])
+            process = StartedProcess(kind, self._commands[kind], self._service)
         except OSError as error:
             raise PropertyError("internal", f"{kind} cannot be started: {error}") from error
         self._processes = [*(each for each in self._processes if each.is_running), process]
@@ -340,7 +349,13 @@ class Resource(Names):
                 self._is_over.wait(_LOOK_S)
         return outcome
 
-    def _end(self, process: StartedProcess) -> None:
+    def _end_all(self) -> None:
+        for process in self._processes:
+            process.stop()
+        for process in self._processes:
+            self._end(process)
+
+    def _end(self, process: StartedProcess | LeftProcess) -> None:
         process.end()
         self._processes = [each for each in self._processes if each is not process]
 

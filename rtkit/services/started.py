@@ -10,6 +10,8 @@ from collections.abc import Sequence
 from contextlib import suppress
 from typing import Final
 
+from rtkit.services.left import marked
+
 _ENDING_S = 5.0
 _LONGEST = 4096
 """Bytes of a line of error output that are kept."""
@@ -17,6 +19,11 @@ _LONGEST = 4096
 
 class StartedProcess:
     """Process in a group of its own; what it writes as errors goes where ours go.
+
+    Args:
+        kind: Of service.
+        command: Program and arguments.
+        starter: Name of the service that starts it, whose successor finds it by that.
 
     Attributes:
         kind: Of service.
@@ -26,11 +33,16 @@ class StartedProcess:
         OSError: It cannot be started.
     """
 
-    def __init__(self, kind: str, command: Sequence[str]) -> None:
+    def __init__(self, kind: str, command: Sequence[str], starter: str = "") -> None:
         self.kind: Final = kind
         self.last = ""
+        self._is_told = False
         self._process = subprocess.Popen(
-            command, stdin=subprocess.DEVNULL, stderr=subprocess.PIPE, start_new_session=True
+            command,
+            stdin=subprocess.DEVNULL,
+            stderr=subprocess.PIPE,
+            env=marked(starter, kind),
+            start_new_session=True,
         )
         self._reading = threading.Thread(target=self._read, name="errors", daemon=True)
         self._reading.start()
@@ -56,13 +68,15 @@ class StartedProcess:
 
     def stop(self, number: int = signal.SIGTERM) -> None:
         """Send a signal to it and to all that it started, unless it has ended."""
+        self._is_told = True
         if self.is_running:
             with suppress(ProcessLookupError):
                 os.killpg(self._process.pid, number)
 
     def end(self) -> None:
         """Stop it, by force if it takes long, and wait until it has ended."""
-        self.stop()
+        if not self._is_told:  # a second signal may find its handler at work
+            self.stop()
         self._reading.join(_ENDING_S)  # what it started has its error output, too
         with suppress(subprocess.TimeoutExpired):
             self._process.wait(_ENDING_S)

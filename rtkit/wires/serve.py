@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
 from contextlib import ExitStack
-from functools import partial
 
 from rtkit.closing import Closing
 from rtkit.property.access import AccessPolicy, read_policy
@@ -17,6 +16,29 @@ from rtkit.serving.refusals import Refusals
 from rtkit.wires.line.endpoint import open_unix
 from rtkit.wires.table import WIRES, wire_of
 from rtkit.wires.wire import Wire, WireSettings, service_name
+
+
+class Publish:
+    """Puts an attribute of a served object in force, and sends it at once, also if it is equal.
+
+    Whoever listens with ``mode=all`` and a queue gets each value, in order, which polling does not
+    promise. Called from any thread, but not from a getter.
+
+    Attributes:
+        service: Name under which the object is served.
+    """
+
+    def __init__(self, host: PropertyEventLoop, service: Service, thing: object) -> None:
+        self.service = service.name
+        self._host, self._values, self._thing = host, service, thing
+
+    def __call__(self, name: str, value: object) -> None:
+        """Set an attribute, and send its event."""
+        from rtkit.property.conversion import to_value
+
+        with self._host.lock:
+            setattr(self._thing, name, value)
+            self._values.push(name, to_value(value))
 
 
 class ServedObject(Closing):
@@ -99,7 +121,8 @@ def serve(
     is held up; coroutine functions are awaited on a loop of asyncio. Whatever they raise, and
     however long they take, others are answered meanwhile. An object with a method ``__served__`` is
     given ``publish(name, value)`` by it: from any thread but that of a getter, this sets an
-    attribute and sends its event at once, also if the value is equal.
+    attribute and sends its event at once, also if the value is equal; ``publish.service`` is the
+    name.
 
     Example::
 
@@ -153,7 +176,7 @@ def serve(
         if not isinstance(thing, Service):
             exported = Exported(service, thing, hide)
             if hasattr(type(thing), "__served__"):
-                thing.__served__(partial(_publish, host, service, thing))  # type: ignore[attr-defined]
+                thing.__served__(Publish(host, service, thing))  # type: ignore[attr-defined]
             if _enter(thing, entered):
                 exported.refresh()
     except BaseException:
@@ -171,21 +194,6 @@ def _enter(thing: object, entered: ExitStack) -> bool:
     for each in managers:
         entered.enter_context(each)  # type: ignore[arg-type]
     return bool(managers)
-
-
-def _publish(
-    host: PropertyEventLoop, service: Service, thing: object, name: str, value: object
-) -> None:
-    """Put an attribute of a served object in force, and send it at once, also if it is equal.
-
-    Whoever listens with ``mode=all`` and a queue gets each value, in order, which polling does not
-    promise. Called from any thread, but not from a getter.
-    """
-    from rtkit.property.conversion import to_value
-
-    with host.lock:
-        setattr(thing, name, value)
-        service.push(name, to_value(value))
 
 
 def _asked(endpoints: Mapping[str, int | str | None]) -> list[tuple[Wire, str]]:

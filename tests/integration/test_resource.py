@@ -18,6 +18,7 @@ import pytest
 from asking import code, until
 
 import rtkit
+from rtkit.errors import Refused
 from rtkit.services.resource import Resource
 
 _BOUND_S = 20.0
@@ -43,6 +44,16 @@ for line in sys.stdin:
     for x in line.split():
         served[x].close()
     print("closed", flush=True)
+"""
+
+_STARTER = """
+import sys
+import rtkit
+from rtkit.services.resource import Resource
+with rtkit.serve(Resource(period=0.2, starts=tuple(sys.argv[1:])), "resource", is_on_zenoh=False):
+    with rtkit.Client(timeout_s=20) as client:
+        print(client.call("resource.start", "light"), flush=True)
+    sys.stdin.read()
 """
 
 
@@ -219,6 +230,49 @@ def test_what_is_started_and_does_not_fit_is_stopped_again(client: rtkit.Client)
             client.get("resource.search", **bright)
         assert client.get("resource.search", **fits) == ("lights/l7",)
     assert code(lambda: client.get("lights/l7.level")) == "no-service"
+
+
+@pytest.mark.parametrize("left", ["adopt", "end"])
+def test_what_a_killed_one_had_started_is_taken_up_by_the_next_of_its_name(
+    client: rtkit.Client, left: str
+) -> None:
+    program = _LIGHTS.replace("in sys.stdin", "in iter(lambda: time.sleep(60), 1)")
+    command = f"light sh -c 'exec >/dev/null; {sys.executable} -c \"$0\" 7; true' '{program}'"
+    starter = subprocess.Popen(
+        [sys.executable, "-c", _STARTER, command], stdin=subprocess.PIPE, stdout=subprocess.PIPE
+    )
+    assert starter.stdout is not None
+    assert starter.stdout.readline() == b"lights/l7\n"
+    with rtkit.serve(Resource(left="end"), "another", is_on_zenoh=False):
+        assert client.get("another.started") == ()
+        assert client.get("lights/l7.level") == 0.7
+    with pytest.raises(Refused, match="running already"):
+        served(Resource(left="end"))
+    assert client.get("lights/l7.level") == 0.7
+    starter.kill()
+    starter.communicate()
+    assert client.get("lights/l7.level") == 0.7
+    with served(Resource(period=0.2, starts=(command,), left=left)):
+        is_adopted = left == "adopt"
+        assert client.get("resource.started") == (("light",) if is_adopted else ())
+        if is_adopted:
+            assert client.get("resource.search", type="light", start=1) == ("lights/l7",)
+            bright = {"type": "light", "where": "level > 0.8", "start": 1}
+            with pytest.raises(rtkit.PropertyError, match="light was started, and runs"):
+                client.get("resource.search", **bright)
+        else:
+            assert code(lambda: client.get("lights/l7.level")) == "no-service"
+    assert code(lambda: client.get("lights/l7.level")) == "no-service"
+
+
+def test_a_kind_that_may_not_be_started_is_denied_before_anything_begins(
+    client: rtkit.Client,
+) -> None:
+    with served(Resource(starts=("light true",))):
+        with pytest.raises(rtkit.PropertyError, match='expected one of "light"') as caught:
+            client.set("resource.start", "tank")
+        assert caught.value.code == "denied"
+        assert client.get("resource.start.state") == "idle"
 
 
 @pytest.mark.parametrize(
