@@ -7,6 +7,7 @@ import signal
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
+from queue import Empty, SimpleQueue
 
 _NUDGE = signal.SIGURG
 _AGAIN_S = 0.05
@@ -22,18 +23,22 @@ def waking_main() -> Iterator[None]:
     """
     reading, writing = os.pipe()
     os.set_blocking(writing, False)
-    main, is_received = threading.get_ident(), threading.Event()
+    main, heard = threading.get_ident(), SimpleQueue[None]()
 
     def relay() -> None:
         while numbers := os.read(reading, 512):
             if all(number == _NUDGE for number in numbers):
                 continue
-            is_received.clear()
-            while not is_received.is_set():
+            while not heard.empty():
+                heard.get()  # of a nudge that came late
+            is_received = False
+            while not is_received:
                 signal.pthread_kill(main, _NUDGE)
-                is_received.wait(_AGAIN_S)
+                with suppress(Empty):
+                    heard.get(timeout=_AGAIN_S)
+                    is_received = True
 
-    former = signal.signal(_NUDGE, lambda *_: is_received.set())
+    former = signal.signal(_NUDGE, lambda *_: heard.put(None))
     before = signal.set_wakeup_fd(writing, warn_on_full_buffer=False)
     thread = threading.Thread(target=relay, name="signals", daemon=True)
     thread.start()
@@ -42,16 +47,39 @@ def waking_main() -> Iterator[None]:
     finally:
         signal.set_wakeup_fd(before)
         os.close(writing)
-        is_received.set()
+        heard.put(None)
         thread.join()
         os.close(reading)
         signal.signal(_NUDGE, former)
 
 
+class End:
+    """Event that a handler of signals may set at any moment, also within itself and within `wait`.
+
+    One of `threading` waits for itself for ever when its lock is held just then: it was set by a
+    first SIGTERM when a second one came.
+    """
+
+    def __init__(self) -> None:
+        self._told = SimpleQueue[None]()
+
+    def set(self) -> None:
+        """Tell that it is over; `SimpleQueue.put` is reentrant."""
+        self._told.put(None)
+
+    def is_set(self) -> bool:
+        """Return whether it is over."""
+        return not self._told.empty()
+
+    def wait(self) -> None:
+        """Wait until it is over."""
+        self._told.put(self._told.get())
+
+
 @contextmanager
-def ended_by_sigterm() -> Iterator[threading.Event]:
+def ended_by_sigterm() -> Iterator[End]:
     """Yield an event that SIGTERM sets; it is heard whichever thread takes it, as Ctrl-C is."""
-    ended = threading.Event()
+    ended = End()
     signal.signal(signal.SIGTERM, lambda number, frame: ended.set())
     with waking_main():
         yield ended
