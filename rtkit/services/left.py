@@ -15,16 +15,14 @@ from time import monotonic
 from uuid import uuid4
 
 _MARK = "RTKIT_STARTED"
-_PLACES = ("RTKIT_RUNTIME_DIR", "XDG_RUNTIME_DIR")
-"""Variables by which services of the same name are told apart."""
 _ENDING_S = 5.0
 _LOOKS = 3
 """How often at most what was started meanwhile is looked for."""
 
 
-def marked(service: str, kind: str) -> dict[str, str]:
-    """Return the environment of what a service starts, in which that can be seen."""
-    return {**os.environ, _MARK: f"{os.getpid()} {uuid4().hex} {service} {kind}"}
+def marked(socket: str, kind: str) -> dict[str, str]:
+    """Return the environment of what the service at a socket starts, in which that can be seen."""
+    return {**os.environ, _MARK: "\n".join((str(os.getpid()), uuid4().hex, socket, kind))}
 
 
 class LeftProcess:
@@ -35,7 +33,7 @@ class LeftProcess:
     """
 
     def __init__(self, mark: str, pids: Collection[int]) -> None:
-        self.kind = mark.split(" ", 3)[3]
+        self.kind = mark.split("\n")[3]
         self._mark, self._pids = mark, pids
 
     @property
@@ -79,15 +77,12 @@ class LeftProcess:
         return _environment(pid).get(_MARK) == self._mark
 
 
-def left_by(service: str) -> list[LeftProcess]:
-    """Return what a service of that name started whose process has been killed since."""
+def left_at(socket: str) -> list[LeftProcess]:
+    """Return what a service at a socket, which is ours now, had started when it was killed."""
     found: dict[str, list[int]] = {}
     for pid in _processes():
-        given = _environment(pid)
-        mark = given.get(_MARK, "")
-        if mark.split(" ", 3)[2:3] == [service] and all(
-            given.get(each) == os.environ.get(each) for each in _PLACES
-        ):
+        mark = _environment(pid).get(_MARK, "")
+        if mark.split("\n")[2:3] == [socket]:
             found.setdefault(mark, []).append(pid)
     own = {mark for mark, pids in found.items() if any(map(_has_its_starter, pids))}
     return [LeftProcess(mark, pids) for mark, pids in found.items() if mark not in own]
@@ -97,7 +92,7 @@ def _has_its_starter(pid: int) -> bool:
     """Return whether the parent of a process is the one that its mark names."""
     with suppress(OSError), open(f"/proc/{pid}/stat", "rb") as file:
         parent = file.read().rpartition(b")")[2].split()[1].decode()
-        return _environment(pid).get(_MARK, "").split(" ")[0] == parent
+        return _environment(pid).get(_MARK, "").split("\n")[0] == parent
     return False
 
 

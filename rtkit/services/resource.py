@@ -20,7 +20,7 @@ from typing import Annotated, Any, Final, Literal, NamedTuple, Self
 import rtkit
 from rtkit import Ask, Element, Names, PropertyError, Range, Unit, Word, init_of
 from rtkit.services.frames import is_number
-from rtkit.services.left import LeftProcess, left_by
+from rtkit.services.left import LeftProcess, left_at
 from rtkit.services.misread import misread
 from rtkit.services.paths import RESERVED
 from rtkit.services.started import StartedProcess
@@ -136,7 +136,7 @@ class Resource(Names):
         self._unanswered: list[tuple[str, str]] = []
         self._watch, self._period, self._misses, self._route = watch, period, misses, route
         self._commands = {words[0]: words[1:] for words in map(shlex.split, starts) if words[1:]}
-        self._left, self._service = left, ""
+        self._left, self._socket = left, ""
         self._processes: list[StartedProcess | LeftProcess] = []
         self._entries: dict[str, Entry] = {}
         self._names: tuple[str, ...] = ()
@@ -146,12 +146,12 @@ class Resource(Names):
         self._trouble = ""
 
     def __served__(self, publish: Any) -> None:
-        self._service = publish.service
+        self._socket = publish.socket
 
     def __enter__(self) -> Self:
         self._is_over.clear()
-        if self._service:  # a name of which no other lives
-            self._processes = [*left_by(self._service)]
+        if self._socket:  # at which no other lives
+            self._processes = [*left_at(self._socket)]
         if self._left == "end":
             self._end_all()
         self._client = rtkit.Client()
@@ -310,7 +310,7 @@ class Resource(Names):
             raise PropertyError("denied", f"not to be started here: {kind} ({known} is)")
         before = self._of_type(kind)
         try:
-            process = StartedProcess(kind, self._commands[kind], self._service)
+            process = StartedProcess(kind, self._commands[kind], self._socket)
         except OSError as error:
             raise PropertyError("internal", f"{kind} cannot be started: {error}") from error
         self._processes = [*(each for each in self._processes if each.is_running), process]

@@ -23,7 +23,7 @@ class StartedProcess:
     Args:
         kind: Of service.
         command: Program and arguments.
-        starter: Name of the service that starts it, whose successor finds it by that.
+        socket: Of the service that starts it, whose successor finds it by that.
 
     Attributes:
         kind: Of service.
@@ -33,15 +33,15 @@ class StartedProcess:
         OSError: It cannot be started.
     """
 
-    def __init__(self, kind: str, command: Sequence[str], starter: str = "") -> None:
+    def __init__(self, kind: str, command: Sequence[str], socket: str = "") -> None:
         self.kind: Final = kind
         self.last = ""
-        self._is_told = False
+        self._is_stopped = False
         self._process = subprocess.Popen(
             command,
             stdin=subprocess.DEVNULL,
             stderr=subprocess.PIPE,
-            env=marked(starter, kind),
+            env=marked(socket, kind),
             start_new_session=True,
         )
         self._reading = threading.Thread(target=self._read, name="errors", daemon=True)
@@ -68,14 +68,14 @@ class StartedProcess:
 
     def stop(self, number: int = signal.SIGTERM) -> None:
         """Send a signal to it and to all that it started, unless it has ended."""
-        self._is_told = True
+        self._is_stopped = True
         if self.is_running:
             with suppress(ProcessLookupError):
                 os.killpg(self._process.pid, number)
 
     def end(self) -> None:
         """Stop it, by force if it takes long, and wait until it has ended."""
-        if not self._is_told:  # a second signal may find its handler at work
+        if not self._is_stopped:  # a second signal may find its handler at work
             self.stop()
         self._reading.join(_ENDING_S)  # what it started has its error output, too
         with suppress(subprocess.TimeoutExpired):

@@ -18,19 +18,21 @@ from rtkit.wires.table import WIRES, wire_of
 from rtkit.wires.wire import Wire, WireSettings, service_name
 
 
-class Publish:
+class ValuePublisher:
     """Puts an attribute of a served object in force, and sends it at once, also if it is equal.
 
     Whoever listens with ``mode=all`` and a queue gets each value, in order, which polling does not
     promise. Called from any thread, but not from a getter.
 
     Attributes:
-        service: Name under which the object is served.
+        socket: The path of the unix socket of the service.
     """
 
-    def __init__(self, host: PropertyEventLoop, service: Service, thing: object) -> None:
-        self.service = service.name
-        self._host, self._values, self._thing = host, service, thing
+    def __init__(
+        self, host: PropertyEventLoop, service: Service, thing: object, socket: str
+    ) -> None:
+        self.socket = socket
+        self._host, self._service, self._thing = host, service, thing
 
     def __call__(self, name: str, value: object) -> None:
         """Set an attribute, and send its event."""
@@ -38,7 +40,7 @@ class Publish:
 
         with self._host.lock:
             setattr(self._thing, name, value)
-            self._values.push(name, to_value(value))
+            self._service.push(name, to_value(value))
 
 
 class ServedObject(Closing):
@@ -121,8 +123,8 @@ def serve(
     is held up; coroutine functions are awaited on a loop of asyncio. Whatever they raise, and
     however long they take, others are answered meanwhile. An object with a method ``__served__`` is
     given ``publish(name, value)`` by it: from any thread but that of a getter, this sets an
-    attribute and sends its event at once, also if the value is equal; ``publish.service`` is the
-    name.
+    attribute and sends its event at once, also if the value is equal; ``publish.socket`` is the
+    path of its unix socket.
 
     Example::
 
@@ -176,7 +178,7 @@ def serve(
         if not isinstance(thing, Service):
             exported = Exported(service, thing, hide)
             if hasattr(type(thing), "__served__"):
-                thing.__served__(Publish(host, service, thing))  # type: ignore[attr-defined]
+                thing.__served__(ValuePublisher(host, service, thing, socket))  # type: ignore[attr-defined]
             if _enter(thing, entered):
                 exported.refresh()
     except BaseException:

@@ -61,19 +61,19 @@ class End:
     """
 
     def __init__(self) -> None:
-        self._told = SimpleQueue[None]()
+        self._signals = SimpleQueue[None]()
 
     def set(self) -> None:
         """Tell that it is over; `SimpleQueue.put` is reentrant."""
-        self._told.put(None)
+        self._signals.put(None)
 
     def is_set(self) -> bool:
         """Return whether it is over."""
-        return not self._told.empty()
+        return not self._signals.empty()
 
     def wait(self) -> None:
         """Wait until it is over."""
-        self._told.put(self._told.get())
+        self._signals.put(self._signals.get())
 
 
 @contextmanager
