@@ -23,22 +23,22 @@ def waking_main() -> Iterator[None]:
     """
     reading, writing = os.pipe()
     os.set_blocking(writing, False)
-    main, heard = threading.get_ident(), SimpleQueue[None]()
+    main, received = threading.get_ident(), SimpleQueue[None]()
 
     def relay() -> None:
         while numbers := os.read(reading, 512):
             if all(number == _NUDGE for number in numbers):
                 continue
-            while not heard.empty():
-                heard.get()  # of a nudge that came late
+            while not received.empty():
+                received.get()  # of a nudge that came late
             is_received = False
             while not is_received:
                 signal.pthread_kill(main, _NUDGE)
                 with suppress(Empty):
-                    heard.get(timeout=_AGAIN_S)
+                    received.get(timeout=_AGAIN_S)
                     is_received = True
 
-    former = signal.signal(_NUDGE, lambda *_: heard.put(None))
+    former = signal.signal(_NUDGE, lambda *_: received.put(None))
     before = signal.set_wakeup_fd(writing, warn_on_full_buffer=False)
     thread = threading.Thread(target=relay, name="signals", daemon=True)
     thread.start()
@@ -47,7 +47,7 @@ def waking_main() -> Iterator[None]:
     finally:
         signal.set_wakeup_fd(before)
         os.close(writing)
-        heard.put(None)
+        received.put(None)
         thread.join()
         os.close(reading)
         signal.signal(_NUDGE, former)
