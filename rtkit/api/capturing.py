@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING
 
 from rtkit.api import looking
 from rtkit.errors import Malformed, NotFound
-from rtkit.rtc.names import MANAGER_SUFFIX
 
 if TYPE_CHECKING:
     from rtkit.api.session import Session
@@ -30,9 +29,9 @@ def capture(
 
     for text in about:
         _check_text(text)
-    if session.finds_managers and any(server.endswith(MANAGER_SUFFIX) for server in servers):
-        from rtkit.api.gathering import gather_named
+    from rtkit.api.gathering import gather_named, names_linked
 
+    if session.finds_managers and names_linked(servers):
         servers = gather_named(session, servers)
     snapshot = looking.snapshot(session)
     date = datetime.now().replace(microsecond=0).isoformat()
@@ -43,10 +42,8 @@ def capture(
 
 
 def _host(server: str, snapshot: Snapshot) -> str:
-    from rtkit.rtc.names import LOCAL, is_local_host, parse_path
-    from rtkit.tree.place import check_is_here
+    from rtkit.rtc.names import LOCAL, is_local_host
 
-    check_is_here(parse_path(server), "systems are saved")
     host = server.strip("/")
     if is_local_host(host, snapshot.host):
         return LOCAL

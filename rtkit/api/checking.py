@@ -57,12 +57,12 @@ def compare(
     mapped: tuple[str, ...] = (),
 ) -> SystemReport:
     """Compare what lives with a profile; see `rtkit.Tree.check`."""
-    from rtkit.api.looking import present_code
+    from rtkit.api.looking import on_this_host, present_code
     from rtkit.deployment.deviations import deviations
     from rtkit.deployment.live_index import LiveIndex
 
-    snapshot = looking.look(session, document.profile, dry_run=False)
+    snapshot = looking.look(session, document.profile, dry_run=False, mapped=mapped)
     system = looking.wanted_system(session, document, snapshot, mapped=mapped)
     live = LiveIndex(snapshot, system)
-    present = present_code(snapshot.components)
+    present = present_code(on_this_host(snapshot))
     return SystemReport(system, live, tuple(deviations(system, live, state, present)))

@@ -1,4 +1,4 @@
-"""Connects to the managers of this host that a system profile is about."""
+"""Connects to the managers that a system profile is about, of this host and of others."""
 
 from __future__ import annotations
 
@@ -7,71 +7,128 @@ from typing import TYPE_CHECKING
 
 from rtkit.errors import RtkitError, Unreachable
 from rtkit.link.places import host_name
-from rtkit.rtc.names import MANAGER_SUFFIX
+from rtkit.rtc.names import MANAGER_SUFFIX, is_local_host, manager_on, split_manager
 
 if TYPE_CHECKING:
     from rtkit.api.session import Session
     from rtkit.deployment.facts import Snapshot
     from rtkit.profile.rts_model import RtsProfile
     from rtkit.tree.client import Tree
-    from rtkit.tree.manager_set import Start
 
 
 def names_another(profile: RtsProfile) -> bool:
-    """Return whether a component's path may lead below a manager: ``localhost/m1.mgr/…``."""
-    return any(f"{MANAGER_SUFFIX}/" in (each.path_uri or "") for each in profile.components)
+    """Return whether a path leads below a manager, ``localhost/m1.mgr/…``, or to a known host."""
+    paths = [each.path_uri or "" for each in profile.components]
+    is_below = any(f"{MANAGER_SUFFIX}/" in path for path in paths)
+    return is_below or any(map(_far_manager, dict.fromkeys(map(_host_in, paths))))
+
+
+def _host_in(path: str) -> str:
+    """Return the host that a path begins with, empty if it is this one or none."""
+    host, slash, _ = path.strip().lstrip("/").partition("/")
+    return host if slash and not is_local_host(host, host_name()) else ""
+
+
+def _far_manager(host: str) -> str:
+    """Return the manager of another host that is linked, or else in the inventory; or nothing."""
+    if not host:
+        return ""
+    from rtkit.hosts import inventory
+    from rtkit.link import host_links
+
+    if host_links.is_linked(host):
+        return host_links.read(host).far_manager
+    known = inventory.read().get(host)
+    return known.manager if known is not None else ""
 
 
 class Managers:
     """The managers that the components of a profile belong to.
 
     Attributes:
-        names: First the default manager, if any component belongs to it.
+        names: First the default manager, if any component belongs to it, or to another host, to
+            which it has the link. Those of other hosts are called ``manager@robot1``.
     """
 
-    def __init__(self, profile: RtsProfile, usual: str) -> None:
-        """Find them; `usual` is the manager of components whose path names none."""
+    def __init__(self, profile: RtsProfile, usual: str, mapped: Collection[str] = ()) -> None:
+        """Find them; `usual` is the manager of components whose path names none.
+
+        Hosts that are `mapped` to another one are not asked.
+        """
+        self.host = host_name()
+        self._paths = {c.instance_name: c.path_uri or "" for c in profile.components}
+        hosts = {_host_in(path) for path in self._paths.values()}
+        self._far = {host: _far_manager(host) for host in hosts.difference(mapped)}
+        self.homes = {name: self._home(path) or usual for name, path in self._paths.items()}
+        found = dict.fromkeys(self.homes.values())
+        is_usual = usual in found or any(split_manager(name)[1] for name in found)
+        self.names = [usual, *(n for n in found if n != usual)] if is_usual else [*found]
+
+    def _home(self, path: str) -> str:
+        """Return the manager that a path names; empty for the usual one."""
         from rtkit.deployment.place import Hosts, manager_in
 
-        self.host = host_name()
-        self._hosts = Hosts(self.host, {})
-        self._paths = {c.instance_name: c.path_uri or "" for c in profile.components}
-        self.homes = {
-            name: manager_in(path, self._hosts) or usual for name, path in self._paths.items()
-        }
-        found = dict.fromkeys(self.homes.values())
-        self.names = [usual, *(n for n in found if n != usual)] if usual in found else [*found]
+        host = _host_in(path)
+        if not self._far.get(host):
+            return manager_in(path, Hosts(self.host, {}))
+        stated = path.strip().lstrip("/").split("/")[1]
+        is_stated = stated.endswith(MANAGER_SUFFIX)
+        manager = stated.removesuffix(MANAGER_SUFFIX) if is_stated else self._far[host]
+        return manager_on(manager, host)
 
     def connect(self, timeout_s: float) -> tuple[dict[str, Tree], dict[str, str]]:
         """Connect to each; return the connections, and the reasons for missing ones."""
-        from rtkit.tree.connect import connect
-
         trees: dict[str, Tree] = {}
         absent: dict[str, str] = {}
         for name in self.names:
             try:
-                trees[name] = connect(name, timeout_s)
+                trees[name] = _connected(name, timeout_s)
             except Unreachable as error:
-                absent[name] = f"{error}; it is to hold {self._paths_text(name)}"
+                absent[name] = f"{error}{self._paths_text(name)}"
             except BaseException:
                 _close(trees)
                 raise
         return trees, absent
 
     def _paths_text(self, manager: str) -> str:
-        first, *more = [path for name, path in self._paths.items() if self.homes[name] == manager]
-        return f"/{first.lstrip('/')}" + (f" and {len(more)} more" if more else "")
+        paths = [path for name, path in self._paths.items() if self.homes[name] == manager]
+        if not paths:
+            return f"; it is to hold the links to {', '.join(filter(None, self._far))}"
+        more = f" and {len(paths) - 1} more" if len(paths) > 1 else ""
+        return f"; it is to hold /{paths[0].lstrip('/')}{more}"
 
     def joined(self, reports: Iterable[Snapshot]) -> Snapshot:
         """Join the reports of these managers into one snapshot; one without a report is down."""
         from rtkit.deployment.multi_manager import down, joined
 
-        known = {each.manager: each for each in reports}
+        known = {_name_of(each, self.host): each for each in reports}
         return joined([known.get(n) or down(self.host, n) for n in self.names], self.homes)
 
 
+def _name_of(report: Snapshot, host: str) -> str:
+    is_here = is_local_host(report.host, host)
+    return report.manager if is_here else manager_on(report.manager, report.host)
+
+
+def _connected(name: str, timeout_s: float) -> Tree:
+    """Connect to a manager as plans call it.
+
+    Raises:
+        Unreachable: It does not run, or there is no link to its host.
+    """
+    from rtkit.tree.connect import connect, connect_far
+
+    manager, host = split_manager(name)
+    return connect_far(host, manager, timeout_s) if host else connect(name, timeout_s)
+
+
 def gather(
-    session: Session, profile: RtsProfile, *, is_lenient: bool, starts: bool = False
+    session: Session,
+    profile: RtsProfile,
+    *,
+    is_lenient: bool,
+    starts: bool = False,
+    mapped: Collection[str] = (),
 ) -> Snapshot | None:
     """Connect to the managers of a profile; return a snapshot if none of them runs.
 
@@ -80,12 +137,13 @@ def gather(
         profile: The system profile.
         is_lenient: A manager that does not run is told and counts as holding nothing.
         starts: One that does not run holds nothing, and can be started.
+        mapped: Hosts that are not asked, as another one stands for them.
 
     Raises:
         Unreachable: Tells which managers do not run, and what belongs there; or one is so like
             another one that runs that it is not started.
     """
-    managers = Managers(profile, session.usual_manager)
+    managers = Managers(profile, session.usual_manager, mapped)
     trees, absent = managers.connect(session.timeout_s)
     if starts and all(map(can_be_started, absent)):
         _check_meant(absent, trees)
@@ -112,21 +170,40 @@ def gather_named(session: Session, servers: Sequence[str]) -> tuple[str, ...]:
     """
     from rtkit.deployment.place import Hosts, manager_in
     from rtkit.rtc.names import LOCAL
-    from rtkit.tree.connect import connect
     from rtkit.tree.manager_set import ManagerSet
 
     hosts = Hosts(host_name(), {})
     usual = session.usual_manager
-    named = {server: manager_in(f"{server.strip('/')}/.", hosts) for server in servers}
+    named = {
+        server: _far_named(server) or manager_in(f"{server.strip('/')}/.", hosts)
+        for server in servers
+    }
     trees: dict[str, Tree] = {}
     try:
         for name in dict.fromkeys(manager or usual for manager in named.values()):
-            trees[name] = connect(name, session.timeout_s)
+            trees[name] = _connected(name, session.timeout_s)
     except BaseException:
         _close(trees)
         raise
     session.ask(ManagerSet(list(dict.fromkeys([usual, *trees])), trees, {}))
-    return tuple(dict.fromkeys(LOCAL if manager else host for host, manager in named.items()))
+    chosen = (split_manager(m)[1] or (LOCAL if m else host) for host, m in named.items())
+    return tuple(dict.fromkeys(chosen))
+
+
+def names_linked(servers: Iterable[str]) -> bool:
+    """Return whether one of some servers is another host, or a manager, of its own."""
+    return any(each.endswith(MANAGER_SUFFIX) or _far_named(each) for each in servers)
+
+
+def _far_named(server: str) -> str:
+    """Return the manager of a linked host that a server means; empty if it means none."""
+    from rtkit.link import host_links
+
+    host, _, manager = server.strip("/").partition("/")
+    if is_local_host(host, host_name()) or not host_links.is_linked(host):
+        return ""
+    named = manager.removesuffix(MANAGER_SUFFIX) or host_links.read(host).far_manager
+    return manager_on(named, host)
 
 
 def snapshots(
@@ -149,9 +226,16 @@ def snapshots(
 
 
 def can_be_started(manager: str) -> bool:
-    """Return whether a manager that cannot be reached is one of this host that does not run."""
+    """Return whether a manager that cannot be reached does not run, or its host is known."""
     from rtkit.link import places
 
+    manager, host = split_manager(manager)
+    if host:
+        from rtkit.hosts import inventory
+        from rtkit.link import host_links
+
+        linked = host_links.read(host).far_manager if host_links.is_linked(host) else manager
+        return linked == manager and host in inventory.read()
     return ":" not in manager and places.owner(manager) is None
 
 
@@ -180,23 +264,57 @@ def start_manager(name: str, timeout_s: float, notify: Callable[[str], object]) 
             raise
 
 
-def starter(session: Session) -> Start:
-    """Return a function that starts a manager as ``rtmgr start NAME`` does, and connects to it."""
+class _Starter:
+    """Starts managers as ``rtmgr start NAME`` and ``--host HOST`` do, and ends them again."""
 
-    def start(name: str) -> Tree:
-        from rtkit.tree.connect import connect
+    def __init__(self, session: Session) -> None:
+        self._session = session
+        self._left: set[str] = set()
 
-        start_manager(name, session.timeout_s, session.fail)
-        return connect(name, session.timeout_s)
+    def start(self, name: str) -> Tree:
+        """Start a manager, unless it runs, and connect to it."""
+        session = self._session
+        manager, host = split_manager(name)
+        if host:
+            self._start_far(name)
+        else:
+            start_manager(manager, session.timeout_s, session.fail)
+        return _connected(name, session.timeout_s)
 
-    return start
+    def _start_far(self, name: str) -> None:
+        from rtkit.fast_dataclass import replace
+        from rtkit.hosts import bring_up, inventory
+
+        session = self._session
+        manager, host = split_manager(name)
+        far = replace(inventory.host(host), manager=manager)
+        timeout_s = max(session.timeout_s, bring_up.LEAST_S)
+        with _connected(session.usual_manager, session.timeout_s) as near:
+            done = bring_up.start(far, near, session.verbose, replaces=False, timeout_s=timeout_s)
+        if done.was_running:
+            self._left.add(name)
+
+    def end(self, name: str, timeout_s: float) -> None:
+        """End a manager that was started, but none that ran already and was only linked."""
+        from rtkit.tree import managers
+
+        manager, host = split_manager(name)
+        if not host:
+            managers.stop(name, timeout_s)
+        elif name not in self._left:
+            from rtkit.fast_dataclass import replace
+            from rtkit.hosts import bring_up, inventory
+
+            with _connected(self._session.usual_manager, timeout_s) as near:
+                bring_up.stop(replace(inventory.host(host), manager=manager), near, timeout_s)
 
 
 def unstarted(session: Session) -> Tree:
     """Return the usual manager, which does not run, as one that can be started."""
     from rtkit.tree.manager_set import ManagerSet
 
-    return ManagerSet([session.usual_manager], {}, {}, starter(session))
+    starter = _Starter(session)
+    return ManagerSet([session.usual_manager], {}, {}, starter.start, starter.end)
 
 
 def _check_meant(absent: Mapping[str, str], trees: Mapping[str, Tree]) -> None:
@@ -210,6 +328,7 @@ def _check_meant(absent: Mapping[str, str], trees: Mapping[str, Tree]) -> None:
 
     for name, why in absent.items():
         meant = next((each for each in managers() if is_slip(name, each)), "")
+        meant = "" if split_manager(name)[1] else meant
         if meant:
             _close(trees)
             reason = f"not started, as its name is so like {meant}, which runs"
@@ -222,8 +341,10 @@ def _one(managers: Managers, trees: Mapping[str, Tree], session: Session | None 
         return trees[managers.names[0]]
     from rtkit.tree.manager_set import ManagerSet
 
-    start = starter(session) if session is not None else None
-    return ManagerSet(managers.names, trees, managers.homes, start)
+    if session is None:
+        return ManagerSet(managers.names, trees, managers.homes)
+    starter = _Starter(session)
+    return ManagerSet(managers.names, trees, managers.homes, starter.start, starter.end)
 
 
 def _close(trees: Mapping[str, Tree]) -> None:

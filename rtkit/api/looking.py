@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 from rtkit.errors import Malformed, Unreachable, UsageProblem
 from rtkit.link.places import host_name
+from rtkit.rtc.names import split_manager
 
 if TYPE_CHECKING:
     from rtkit.api.session import Session
@@ -130,12 +131,13 @@ def look(
     may_lack: bool = False,
     starts: bool = False,
     lock: PlanLocks | None = None,
+    mapped: tuple[str, ...] = (),
 ) -> Snapshot:
     """Return a snapshot of a profile's managers; a dry run reports missing ones and goes on.
 
     With `may_lack` some of several managers may be missing, but not all; where one is missing
     that `starts` can be started, it holds nothing. A `lock` is taken before it is looked, and
-    given back when the command ends.
+    given back when the command ends. Hosts that are `mapped`, ``HOST=HOST``, are not asked.
 
     Raises:
         Unreachable: A manager does not run, or does not answer.
@@ -147,7 +149,9 @@ def look(
 
         if gathering.names_another(profile):
             is_lenient = dry_run or may_lack
-            empty = gathering.gather(session, profile, is_lenient=is_lenient, starts=starts)
+            empty = gathering.gather(
+                session, profile, is_lenient=is_lenient, starts=starts, mapped=host_map(mapped)
+            )
             if empty is not None:
                 return empty
     try:
@@ -167,8 +171,11 @@ def look(
 def take(session: Session, lock: PlanLocks | None) -> None:
     """Take the locks of all managers that run, and of those that are started later."""
     if lock is not None:
-        lock.take(*session.tree.trees.values())
-        session.tree.on_start = lock.take
+        # That of the manager with the links holds off others who would use them.
+        trees = session.tree.trees.items()
+        lock.take(*(tree for name, tree in trees if not split_manager(name)[1]))
+        here = session.tree.host
+        session.tree.on_start = lambda tree: lock.take(tree) if tree.host == here else None
 
 
 @contextmanager
@@ -191,6 +198,13 @@ def managers_started(session: Session, found: Snapshot, *, dry_run: bool) -> Ite
     except BaseException:
         uninterrupted(session.tree.end_started)
         raise
+
+
+def on_this_host(snapshot: Snapshot) -> Iterator[ComponentFacts]:
+    """Yield the components that are on this host: only their files can be looked at."""
+    others = (each for each in snapshot.others if split_manager(each.manager)[1])
+    far = {facts.instance for each in others for facts in each.components}
+    return (facts for facts in snapshot.components if facts.instance not in far)
 
 
 def present_code(components: Iterable[ComponentFacts]) -> dict[str, str]:

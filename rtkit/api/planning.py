@@ -157,7 +157,9 @@ def begin(
     from rtkit.api.preflight import check_reserved, look_ahead
     from rtkit.deployment.goal import DeploymentGoal
 
-    snapshot = looking.look(session, document.profile, dry_run=is_dry, starts=starts, lock=lock)
+    snapshot = looking.look(
+        session, document.profile, dry_run=is_dry, starts=starts, lock=lock, mapped=mapped
+    )
     packaged = (
         unpackaged(session, document, snapshot)
         if way.stand_in

@@ -5,10 +5,12 @@ from __future__ import annotations
 from collections.abc import Collection, Mapping
 from typing import TYPE_CHECKING
 
-from rtkit.api.looking import present_code
+from rtkit.api.looking import on_this_host, present_code
 from rtkit.deployment.extension import LIMIT
 from rtkit.errors import Impossible, NotFound, RtkitError
+from rtkit.fast_dataclass import replace
 from rtkit.rtc.create import parse_create
+from rtkit.rtc.names import split_manager
 
 NOTHING: Mapping[str, str] = {}
 
@@ -56,7 +58,7 @@ def look_ahead(
         for name, known in types.items()
     }
     ports = _ports(system, live, pending, types)
-    code = present_code(snapshot.components)
+    code = present_code(on_this_host(snapshot))
     return Feasibility(lacks, ports, parameters, frozenset(types), code)
 
 
@@ -171,7 +173,10 @@ def check_reserved(session: Session, system: WantedSystem, snapshot: Snapshot) -
     Raises:
         Impossible: It has not; tells the numbers.
     """
-    policies = (component.policy or {} for component in system.components)
+    # What another host has is known there.
+    here = tuple(c for c in system.components if not split_manager(c.manager)[1])
+    system = replace(system, components=here)
+    policies = (component.policy or {} for component in here)
     if not any(key.startswith(LIMIT) for policy in policies for key in policy):
         return
     from rtkit.deployment.limits import overbooked, reserved

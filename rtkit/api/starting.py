@@ -50,7 +50,9 @@ def bring_up(
     from rtkit.deployment.creation import bring_up_plans
 
     is_followed = not is_dry and states.is_follow_wanted(session, document)
-    found = looking.look(session, document.profile, dry_run=is_dry, starts=may_create, lock=lock)
+    found = looking.look(
+        session, document.profile, dry_run=is_dry, starts=may_create, lock=lock, mapped=mapped
+    )
     with looking.managers_started(session, found, dry_run=is_dry) as before:
         creates = may_create and not stand_in
         document = by_id(session, document, before, installs=not is_dry)
@@ -149,7 +151,9 @@ def prepare(
     from rtkit.deployment.live_index import LiveIndex
 
     if snapshot is None:
-        snapshot = looking.look(session, document.profile, dry_run=is_dry, may_lack=may_lack)
+        snapshot = looking.look(
+            session, document.profile, dry_run=is_dry, may_lack=may_lack, mapped=mapped
+        )
     system = looking.wanted_system(session, document, snapshot, mapped=mapped)
     plan = plan_for(system, LiveIndex(snapshot, system))
     for text in plan.warnings():
@@ -197,7 +201,7 @@ def teardown(
     from rtkit.deployment.live_index import LiveIndex
     from rtkit.deployment.running import left_now, teardown_plan
 
-    snapshot = looking.look(session, document.profile, dry_run=is_dry, may_lack=True)
+    snapshot = looking.look(session, document.profile, dry_run=is_dry, may_lack=True, mapped=mapped)
     system = looking.wanted_system(session, document, snapshot, mapped=mapped)
     if not is_dry:
         from rtkit.api import states

@@ -13,7 +13,7 @@ from rtkit.profile.common import ExtensionProperty
 from rtkit.rtc.connector_properties import DEFAULT_INTERFACE, PUSH_INTERVAL, USUAL_NAMES, finite
 from rtkit.rtc.create import FRESH_SLAVE, CreateString, parse_create
 from rtkit.rtc.enums import PortType
-from rtkit.rtc.names import COMPONENT_SUFFIX, LOCAL, MANAGER_SUFFIX
+from rtkit.rtc.names import COMPONENT_SUFFIX, LOCAL, MANAGER_SUFFIX, split_manager
 from rtkit.rtc.profiles import DEFINITION, ConnectorProfile, PortProfile, PortRef
 
 
@@ -117,6 +117,9 @@ def _with_composites(snapshot: Snapshot, wired: set[str]) -> set[str]:
 
 def _names(component: ComponentFacts, snapshot: Snapshot) -> tuple[str, ...]:
     below = f"{LOCAL}/{snapshot.manager}{MANAGER_SUFFIX}/{component.instance}{COMPONENT_SUFFIX}"
+    manager, host = split_manager(snapshot.manager)
+    if host:
+        below = f"{host}/{manager}{MANAGER_SUFFIX}/{component.instance}{COMPONENT_SUFFIX}"
     return component.names or (below,)
 
 

@@ -1,9 +1,10 @@
-"""Multi-manager view: joins the facts of the managers of one host and splits actions by manager.
+"""Multi-manager view: joins the facts of several managers as one and splits actions by manager.
 
 A name of another manager than the first appears below it: ``localhost/m1.mgr/Motor0.rtc`` is what
-manager ``m1`` itself calls ``localhost/Motor0.rtc``.
+manager ``m1`` itself calls ``localhost/Motor0.rtc``; ``robot1/Motor0.rtc`` is what the manager of
+host ``robot1`` calls so.
 
-See decisions 33 and 71.
+See decisions 33, 71 and 76.
 """
 
 from __future__ import annotations
@@ -15,8 +16,8 @@ from rtkit.deployment.actions import Action
 from rtkit.deployment.facts import Snapshot
 from rtkit.fast_dataclass import dataclass, fields, replace
 from rtkit.rtc.create import parse_create
-from rtkit.rtc.far_ends import far_name, named_by, own_end, peer_of, split_far
-from rtkit.rtc.names import LOCAL, MANAGER_SUFFIX
+from rtkit.rtc.far_ends import far_name, named_by, on_host, own_end, peer_of, split_far
+from rtkit.rtc.names import LOCAL, MANAGER_SUFFIX, manager_on, split_manager
 from rtkit.rtc.profiles import ConnectorProfile, PortRef
 
 Homes = Mapping[str, str]
@@ -134,7 +135,7 @@ def _shown_below(each: Snapshot) -> Snapshot:
 
 def outward(name: str, manager: str) -> str:
     """Return how a name that another manager has is shown below that manager."""
-    below = f"{LOCAL}/{manager}{MANAGER_SUFFIX}/"
+    below = _below(manager)
     if name.startswith(below) or not name.startswith(f"{LOCAL}/"):
         return name
     return below + name.removeprefix(f"{LOCAL}/")
@@ -142,8 +143,13 @@ def outward(name: str, manager: str) -> str:
 
 def inward(name: str, manager: str) -> str:
     """Return the name that a manager itself has for what is shown below it."""
-    below = f"{LOCAL}/{manager}{MANAGER_SUFFIX}/"
+    below = _below(manager)
     return f"{LOCAL}/{name.removeprefix(below)}" if name.startswith(below) else name
+
+
+def _below(manager: str) -> str:
+    own, host = split_manager(manager)
+    return f"{host}/" if host else f"{LOCAL}/{own}{MANAGER_SUFFIX}/"
 
 
 def homes_in(snapshot: Snapshot) -> dict[str, str]:
@@ -191,10 +197,10 @@ def manager_for(
     return homes.get(action.instance, usual)
 
 
-def sent(action: Action, manager: str, homes: Homes = NOWHERE) -> Action:
-    """Return an action in the words of the manager that is to do it."""
+def sent(action: Action, manager: str, homes: Homes = NOWHERE, host: str = "") -> Action:
+    """Return an action in the words of the manager that is to do it; `host` is this one."""
     if isinstance(action, act.Connect):
-        return act.Connect(between_managers(action.connector, manager, homes))
+        return act.Connect(between_managers(action.connector, manager, homes, host))
     if isinstance(action, (act.Load, act.Unload)):
         return replace(action, manager="")
     if isinstance(action, act.Create):
@@ -205,12 +211,60 @@ def sent(action: Action, manager: str, homes: Homes = NOWHERE) -> Action:
     return action
 
 
-def between_managers(connector: ConnectorProfile, manager: str, homes: Homes) -> ConnectorProfile:
+def between_managers(
+    connector: ConnectorProfile, manager: str, homes: Homes, host: str = ""
+) -> ConnectorProfile:
     """Return a connector in the words of a manager: ends elsewhere name theirs."""
     ends = tuple(
         end
         if homes.get(end.instance, manager) == manager
-        else PortRef(far_name(end.instance, homes[end.instance]), end.port)
+        else PortRef(
+            far_name(end.instance, _seen_from(manager, homes[end.instance], host)), end.port
+        )
         for end in connector.ports
     )
     return replace(connector, ports=ends)
+
+
+def _seen_from(manager: str, other: str, host: str) -> str:
+    """Return how a manager names another one, both given as in plans that are made on `host`."""
+    (_, here), (name, there) = split_manager(manager), split_manager(other)
+    return name if here == there else on_host(name, there or host)
+
+
+def expected_at(
+    connector: ConnectorProfile, homes: Homes, host: str
+) -> tuple[str, ConnectorProfile] | None:
+    """Return who is to expect a connector between hosts, and the connector as it is expected."""
+    managers = [homes.get(end.instance, "") for end in connector.ports]
+    hosts = [split_manager(each)[1] or host for each in managers]
+    if len(set(hosts)) < 2:
+        return None
+    ends = tuple(
+        PortRef(far_name(end.instance, on_host(split_manager(manager)[0], of)), end.port)
+        for end, manager, of in zip(connector.ports, managers, hosts, strict=True)
+    )
+    return managers[1], replace(connector, ports=ends)
+
+
+def in_plan(snapshot: Snapshot, manager: str, host: str) -> Snapshot:
+    """Return what a manager knows with managers named as in plans that are made on `host`."""
+    here = split_manager(manager)[1]
+    connectors = tuple(
+        replace(each, ports=tuple(_end_in_plan(end, here, host) for end in each.ports))
+        if peer_of(each)
+        else each
+        for each in snapshot.connectors
+    )
+    return replace(snapshot, manager=manager, connectors=connectors)
+
+
+def _end_in_plan(end: PortRef, here: str, host: str) -> PortRef:
+    peer, instance = split_far(end.instance)
+    if not peer:
+        return end
+    there, _, name = peer.rpartition("/")
+    there = there or here
+    return PortRef(
+        far_name(instance, name if there in ("", host) else manager_on(name, there)), end.port
+    )

@@ -13,7 +13,13 @@ from rtkit.profile.rts_model import (
     ServicePortConnector,
 )
 from rtkit.profile.words import PATH_ID, property_value
-from rtkit.rtc.names import COMPONENT_SUFFIX, LOCAL, MANAGER_SUFFIX, is_local_host
+from rtkit.rtc.names import (
+    COMPONENT_SUFFIX,
+    LOCAL,
+    MANAGER_SUFFIX,
+    is_local_host,
+    split_manager,
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -24,7 +30,7 @@ class Hosts:
         hostname: Name of this machine.
         same: Hosts that stand for another one (``--map``).
         any_is_local: Unknown hosts stand for this machine (``--stand-in``).
-        managers: Managers of this host beside the first one.
+        managers: Managers beside the first one; those of other hosts as ``manager@robot1``.
     """
 
     hostname: str
@@ -36,13 +42,17 @@ class Hosts:
         """Return whether components of this host are made here."""
         return is_local_host(self.same.get(host, host), self.hostname)
 
+    def far_manager(self, host: str) -> str:
+        """Return the manager that a plan has on another host, as ``manager@robot1``; or nothing."""
+        return next((each for each in self.managers if split_manager(each)[1] == host), "")
+
 
 @dataclass(frozen=True, slots=True)
 class RegisteredName:
     """A registered name, the path that users know, and the host when nobody knows it.
 
     Attributes:
-        manager: Which of the other managers of this host it is below; empty for the first.
+        manager: Which of the other managers it belongs to; empty for the first.
     """
 
     name: str
@@ -71,12 +81,15 @@ def place(component: ComponentInstance, hosts: Hosts, taken: Collection[str]) ->
         return _default(component, f"path {uri!r} is no name of a component")
     host, *rest = elements
     local = is_local_host(host, hosts.hostname)
+    far = "" if hosts.is_local(host) else hosts.far_manager(host)
+    if far and rest[0] == f"{split_manager(far)[0]}{MANAGER_SUFFIX}":
+        del rest[0]
     name = "/".join([LOCAL if local else host, *rest])
     if name in taken:
         return _default(component, f"path {uri} is used twice")
-    is_known = local or hosts.any_is_local or hosts.is_local(host)
+    is_known = local or far or hosts.any_is_local or hosts.is_local(host)
     below = manager_in(uri, hosts) if local else ""
-    manager = below if below in hosts.managers else ""
+    manager = below if below in hosts.managers else far
     return RegisteredName(name, f"/{uri}", "" if is_known else host, manager=manager)
 
 

@@ -21,6 +21,8 @@ from rtkit.rtc.serde import decode_text, encode_text
 from rtkit.tree.client import Tree
 
 _FAR_S = 40.0
+LEAST_S = 60.0
+"""How long a host may take at least to be linked: what is made there takes its time [s]."""
 
 
 class _Found(Record):

@@ -167,6 +167,17 @@ def is_glob(text: str) -> bool:
     return "*" in text or "?" in text
 
 
+def manager_on(manager: str, host: str) -> str:
+    """Return how plans over several hosts name a manager of another one: ``manager@robot1``."""
+    return f"{manager}@{host}"
+
+
+def split_manager(name: str) -> tuple[str, str]:
+    """Return a manager and its host, which is empty for this one."""
+    manager, _, host = name.partition("@")
+    return manager, host
+
+
 def is_local_host(host: str, hostname: str) -> bool:
     """Return whether `host` (with or without ``:port``) means the machine named `hostname`."""
     names = (LOCAL, "127.0.0.1", "::1", "[::1]", hostname, hostname.split(".")[0])

@@ -1,27 +1,44 @@
-"""Manager set: several managers of this host as one tree; each request goes to its manager."""
+"""Manager set: several managers as one tree; each request goes to its manager.
+
+One of another host is called as in plans: ``manager@robot1``.
+"""
 
 from __future__ import annotations
 
 import select
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from contextlib import suppress
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import ExitStack, suppress
+from functools import partial
 from itertools import groupby
 from typing import Any
 
 from rtkit.closing import Closing
-from rtkit.deployment.actions import Action, Result
+from rtkit.deployment.actions import Action, Connect, Result
 from rtkit.deployment.facts import Snapshot
-from rtkit.deployment.multi_manager import down, homes_in, joined, manager_for, sent
+from rtkit.deployment.multi_manager import (
+    down,
+    expected_at,
+    homes_in,
+    in_plan,
+    joined,
+    manager_for,
+    sent,
+)
 from rtkit.errors import RtkitError, Unreachable
 from rtkit.link.places import host_name
 from rtkit.link.transport import DeadLink
+from rtkit.rtc.names import split_manager
 from rtkit.rtc.profiles import ConnectorProfile
+from rtkit.tree import managers
 from rtkit.tree.client import DEFAULT_TIMEOUT_S, Tree
+from rtkit.tree.expecting import expected
 from rtkit.tree.subscription import ManagerEvent, ManagerSubscription
 
 Answer = Callable[[], tuple[Result, ...]]
 Start = Callable[[str], Tree]
 """Starts a manager of that name, and connects to it."""
+End = Callable[[str, float], object]
+"""Ends a manager of that name, within a time [s]."""
 
 
 class ManagerSet(Tree):
@@ -38,6 +55,7 @@ class ManagerSet(Tree):
         trees: Mapping[str, Tree],
         homes: Mapping[str, str],
         start: Start | None = None,
+        end: End | None = None,
     ) -> None:
         """Join connections.
 
@@ -46,6 +64,7 @@ class ManagerSet(Tree):
             trees: The connections to those that run.
             homes: Where components belong.
             start: Starts a manager and connects to it; None where that is for others to do.
+            end: Ends one that was started; by default one of this host.
         """
         first = next(iter(trees.values()), None)
         super().__init__(
@@ -54,7 +73,7 @@ class ManagerSet(Tree):
             names[0],
             first.timeout_s if first is not None else DEFAULT_TIMEOUT_S,
         )
-        self._start = start
+        self._start, self._end = start, end
         self._started: dict[str, bool] = {}
         self.names = tuple(names)
         self._trees = dict(trees)
@@ -87,6 +106,8 @@ class ManagerSet(Tree):
         if self._start is None:
             super().start_manager(manager)
             return
+        if split_manager(manager)[1] and self.manager not in self.trees:
+            self.start_manager(self.manager)  # which has the links to other hosts
         tree = self._start(manager)
         if not self.trees:
             self.link = tree.link
@@ -97,10 +118,8 @@ class ManagerSet(Tree):
 
     def end_started(self) -> list[str]:
         """See `Tree.end_started`: those that held something when they were started run on."""
-        from rtkit.tree import managers
-
         left = []
-        for name, was_empty in self._started.items():
+        for name, was_empty in reversed(self._started.items()):
             tree = self.trees.get(name)
             if tree is None or tree.has_ended():
                 continue
@@ -109,7 +128,7 @@ class ManagerSet(Tree):
                 continue
             del self.trees[name]
             tree.close()
-            managers.stop(name, tree.timeout_s)
+            (self._end or managers.stop)(name, tree.timeout_s)
         self._started.clear()
         return left
 
@@ -140,7 +159,8 @@ class ManagerSet(Tree):
 
     def joined(self, snapshots: Sequence[Snapshot]) -> Snapshot:
         """Return what several managers know as one."""
-        return joined(snapshots, self.homes)
+        named = zip(self.names, snapshots, strict=True)
+        return joined([in_plan(each, name, self.host) for name, each in named], self.homes)
 
     def begin(
         self, actions: Sequence[Action], *, is_ordered: bool = True, timeout_s: float | None = None
@@ -168,8 +188,16 @@ class ManagerSet(Tree):
     ) -> Answer:
         try:
             homes = {**self._known, **self.homes}
-            words = [sent(action, name, homes) for action in actions]
-            return self.at(name).begin(words, is_ordered=is_ordered, timeout_s=timeout_s)
+            words = [sent(action, name, homes, self.host) for action in actions]
+            expecting = list(self._expecting(actions, homes))
+            tree = self.at(name)
+            if not expecting:
+                return tree.begin(words, is_ordered=is_ordered, timeout_s=timeout_s)
+            with ExitStack() as stack:
+                failed = stack.enter_context(expected(expecting))
+                answer = tree.begin(words, is_ordered=is_ordered, timeout_s=timeout_s)
+                ids = [connector.connector_id for _, connector in expecting]
+                return partial(_awaited, answer, stack.pop_all(), failed, ids)
         except RtkitError as error:
             failure = error  # raised at this manager's turn: the requests to others go first
 
@@ -177,6 +205,15 @@ class ManagerSet(Tree):
                 raise failure
 
             return fail
+
+    def _expecting(
+        self, actions: Sequence[Action], homes: Mapping[str, str]
+    ) -> Iterator[tuple[Tree, ConnectorProfile]]:
+        """Yield who is to expect which connectors that a batch makes between hosts."""
+        for action in actions:
+            found = isinstance(action, Connect) and expected_at(action.connector, homes, self.host)
+            if found:
+                yield self.at(found[0]), found[1]
 
     def _one_after_another(
         self, parts: Iterable[tuple[str, list[Action]]], timeout_s: float | None
@@ -188,6 +225,17 @@ class ManagerSet(Tree):
             if len(found) < len(actions) or not all(each.ok for each in found):
                 break
         return tuple(results)
+
+
+def _awaited(
+    answer: Answer, stack: ExitStack, failed: list[str], ids: Sequence[str]
+) -> tuple[Result, ...]:
+    """Await an answer; unless all was done, the connectors of these ids are expected no more."""
+    with stack:
+        results = answer()
+        if not all(each.ok for each in results):
+            failed += ids
+    return results
 
 
 def _gathered(

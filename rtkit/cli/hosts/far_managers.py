@@ -17,9 +17,6 @@ if TYPE_CHECKING:
     from rtkit.hosts.provisioned import Progress
     from rtkit.tree.client import Tree
 
-_LEAST_S = 60.0
-"""How long a host may take at least to be linked: what is made there takes its time [s]."""
-
 
 def run_at_hosts(app: App, word: str, names: Sequence[str], manager: str, *, replaces: bool) -> int:
     """Start or stop the manager of each host; return the exit status.
@@ -75,7 +72,7 @@ def _do(
 ) -> None:
     from rtkit.hosts import bring_up
 
-    timeout_s = max(app.timeout_s, _LEAST_S)
+    timeout_s = max(app.timeout_s, bring_up.LEAST_S)
     if word == "stop":
         was_running = bring_up.stop(host, near, app.timeout_s)
         app.verbose(f"{host.name}: {'ended' if was_running else 'did not run'}")

@@ -57,7 +57,8 @@ def main(
     the rest goes back all the same. So it is with --strict, where a step that is done with a note
     has failed.
 
-    Managers of this host that do not run and are needed are started first, as rtmgr start does.
+    Managers that do not run and are needed are started first, as rtmgr start does; those of hosts
+    that rthost knows, which paths name, /robot1/Motor0.rtc, as rtmgr start --host does.
     Only one rtapply, rtresurrect or rtstate works at a manager at a time; another one names
     it and ends, or waits with --wait.
 

@@ -79,7 +79,7 @@ def main(
         from rtkit.api import looking
         from rtkit.deployment.deviations import check_lines
 
-        snapshot = looking.look(app, document.profile, dry_run=True)
+        snapshot = looking.look(app, document.profile, dry_run=True, mapped=asked.mapped)
         system = looking.wanted_system(app, document, snapshot, mapped=asked.mapped)
         for line in check_lines(system, state):
             click.echo(line)

@@ -44,7 +44,8 @@ def main(
 
     It says all that rtresurrect needs to make the system again. Components of the manager that is
     asked are saved if they are connected, on the SERVERs named or everywhere. A SERVER may also be
-    a manager of this host, /localhost/m1.mgr: what several of them hold becomes one system. Servers
+    a manager of this host, /localhost/m1.mgr, or a linked host, /robot1: what several of them hold
+    becomes one system. Servers
     of RTKIT_SERVERS that do not answer are told, and the status is 1 then.
     """
     from rtkit.api.capturing import capture

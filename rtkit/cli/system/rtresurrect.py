@@ -40,8 +40,9 @@ def main(
     activated. What is there already is left as it is. If something required fails, what was made
     is removed again.
 
-    Managers of this host that do not run are started first, as rtmgr start does; with --no-create
-    they must run. Only one rtapply, rtresurrect or rtstate works at a manager at a time.
+    Managers that do not run are started first, as rtmgr start does, those of hosts that rthost
+    knows as with --host; with --no-create they must run. Only one rtapply, rtresurrect or rtstate
+    works at a manager at a time.
     """
     from rtkit.api.starting import bring_up
 

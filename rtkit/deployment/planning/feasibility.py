@@ -9,6 +9,7 @@ from rtkit.deployment.live_index import LiveIndex
 from rtkit.deployment.system import WantedSystem
 from rtkit.fast_dataclass import dataclass, field
 from rtkit.rtc.create import FRESH_SLAVE, parse_create
+from rtkit.rtc.names import split_manager
 from rtkit.rtc.profiles import PortProfile
 
 if TYPE_CHECKING:
@@ -42,7 +43,7 @@ NOTHING_KNOWN = Feasibility()
 
 def place_name(manager: str, process: str) -> str:
     """Return a place as the model calls it; empty and the manager's own name are the manager."""
-    if process in ("", manager):
+    if process in ("", split_manager(manager)[0]):
         return f"{manager}:inproc"
     return f"{manager}:slave" if process == FRESH_SLAVE else f"{manager}:slave/{process}"
 
