@@ -230,7 +230,8 @@ def test_a_manager_that_ends_stops_it_and_run_again_it_finishes(
         nonlocal count
         count += 1
         if count > when:
-            world.gone = f"manager {name!r} ended before it answered"
+            if not world.gone:
+                world.go(f"manager {name!r} ended before it answered")
             raise Unreachable(world.gone)
 
     world.fault = end
@@ -250,7 +251,8 @@ def test_a_manager_that_ends_stops_it_and_run_again_it_finishes(
         assert "run it again to go on" in why
         assert any(f"start manager {name}" in line for line in told)
     world.fault = lambda _: None
-    world.gone = ""
+    if world.gone:
+        world.come_back()
     goal = managers.goal(profile)
     managers.reach(goal)
     managers.check(goal)

@@ -211,6 +211,20 @@ class FakeManager:
             self.containers.drop(instance)
         self.containers.ends.clear()
 
+    def go(self, why: str) -> None:
+        """Have the manager end, and the others of its host notice; `why` is what clients hear."""
+        self.gone = why
+        for peer in self.peers.values():
+            if peer is not self:
+                peer.shell.feed(ev.PeerLost(self.manager, why))
+
+    def come_back(self) -> None:
+        """Have another manager begin with what one kept that went, and be found by the others."""
+        self.gone = ""
+        self.begin_anew()
+        for peer in (self, *self.peers.values()):
+            peer.settle()
+
     def begin_anew(self) -> None:
         """Have the manager killed and another one begin, to which the slaves come that live.
 
