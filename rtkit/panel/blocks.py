@@ -9,14 +9,17 @@ Line = list[tuple[str, str]]
 
 def blocks(data: bytes, columns: int) -> list[Line]:
     """Return the lines of a JPEG or PNG in so many columns; a sentence where there is no reader."""
+    from rtkit.property.codes import PropertyError
+    from rtkit.services.images import decode
+
     try:
         import cv2
-        import numpy
+
+        found = decode(data)
     except ImportError:
         return [[(f"{len(data)} bytes; to see it: pip install 'rtkit[vision]'", "dim")]]
-    found: Any = cv2.imdecode(numpy.frombuffer(data, numpy.uint8), cv2.IMREAD_COLOR)
-    if found is None:
-        return [[(f"no picture: {len(data)} bytes", "dim")]]
+    except PropertyError as error:
+        return [[(str(error), "dim")]]
     height, width = found.shape[:2]
     rows = max(1, min(20, round(columns * height / width / 2)))
     small = cv2.resize(found, (columns, 2 * rows), interpolation=cv2.INTER_AREA)

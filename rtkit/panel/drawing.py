@@ -11,6 +11,7 @@ from typing import Any
 
 from rtkit.panel.description import Panel
 from rtkit.panel.state import WidgetState
+from rtkit.property import components
 from rtkit.property.conversion import to_value
 from rtkit.property.values import Element, is_number, is_vector
 from rtkit.property.writing import write
@@ -31,6 +32,7 @@ STYLES = {"alarm": "alarm", "bad": "alarm", "gone": "alarm"}
 _BARS = "▁▂▃▄▅▆▇█"
 _MOST_LINES = _MOST_PARTS = 12
 _LONGEST_TEXT = 4096
+_FARTHEST = 1e100
 _DIALS = "↙←↖↑↗→↘"
 
 
@@ -56,7 +58,7 @@ def lines(panel: Panel, shown: WidgetState, width: int, part: int = 0) -> list[L
     if panel.kind == "plot":
         spark = _spark(shown.trace[16 - width :], max(8, width - 16))
         return [[(spark, "accent"), (f" {text_of(value)}", "")]]
-    if panel.kind == "joystick" and is_vector(value):
+    if panel.kind == "joystick" and is_vector(value) and value:
         return _pad(panel, value)
     if panel.kind == "map":
         return _map(list(value) if isinstance(value, tuple) else [value], width)
@@ -136,7 +138,7 @@ def _spark(trace: Sequence[float], room: int) -> str:
 
 def axes(panel: Panel, value: Sequence[float]) -> tuple[int, int]:
     """Return which parts of a vector a joystick moves: ahead and to the left."""
-    labels = panel.texts("labels")
+    labels = panel.texts("labels")[: len(value)]
     wanted = panel.texts("axes")
     if not wanted:
         wanted = ["x", "c"] if len(value) == 6 else labels[:2]
@@ -146,8 +148,8 @@ def axes(panel: Panel, value: Sequence[float]) -> tuple[int, int]:
 
 def _pad(panel: Panel, value: Sequence[float]) -> list[Line]:
     ahead, left = (value[each] / (panel.number("max", 1.0) or 1.0) for each in axes(panel, value))
-    row = 2 - max(-2, min(2, round(ahead * 2)))
-    column = 4 - max(-4, min(4, round(left * 4)))
+    row = 2 - round(2 * max(-1.0, min(1.0, ahead)))  # of nan: min and max return the other number
+    column = 4 - round(4 * max(-1.0, min(1.0, left)))
     grid = [[("●" if (each, at) == (row, column) else "┼" if (each, at) == (2, 4) else "·")
              for at in range(9)] for each in range(5)]  # fmt: skip
     grid[2] += [f"  {text_of(value)}"]
@@ -156,10 +158,9 @@ def _pad(panel: Panel, value: Sequence[float]) -> list[Line]:
 
 
 def _parts(panel: Panel, value: Sequence[float], part: int) -> Line:
-    labels = panel.texts("labels")
+    labels = components.names(tuple(value), panel.texts("labels"))
     made: Line = []
-    for index, each in enumerate(value):
-        label = labels[index] if index < len(labels) else str(index)
+    for index, (label, each) in enumerate(zip(labels, value, strict=True)):
         is_it = index == part and not panel.is_read_only
         made.append((f"{label} ", "dim"))
         made.append((f"{text_of(each)}  ", "accent" if is_it else ""))
@@ -186,8 +187,10 @@ def _map(markers: list[Any], width: int) -> list[Line]:
     if not places:
         return [[("no places", "dim")]]
     columns, rows = max(12, min(48, width - 2)), 9
-    xs = [0.0, *(at[0] for _, at in places)]
-    ys = [0.0, *(at[1] for _, at in places)]
+    # Rubbish, as nan, is listed, but lies nowhere.
+    drawn = [at[:2] for _, at in places if all(abs(each) < _FARTHEST for each in at[:2])]
+    xs = [0.0, *(x for x, _ in drawn)]
+    ys = [0.0, *(y for _, y in drawn)]
     unit = max((max(xs) - min(xs)) / (columns - 1), (max(ys) - min(ys)) * 2 / (rows - 1) / 2, 1e-9)
     grid = [[" "] * columns for _ in range(rows)]
 
@@ -199,7 +202,8 @@ def _map(markers: list[Any], width: int) -> list[Line]:
     listed: list[Line] = []
     for index, (marker, at) in enumerate(places[:26]):
         sign = chr(ord("A") + index)
-        put(at[0], at[1], sign)
+        if at[:2] in drawn:
+            put(at[0], at[1], sign)
         words = "".join(text for line in _features(marker) for text, _ in line)
         listed.append([(f"{sign} ", "accent"), (f"{text_of(at)}  ", ""), (words, "dim")])
     return [*([("".join(each), "accent")] for each in grid), *listed[:_MOST_LINES]]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from math import isfinite
 from typing import Any
 
 from rtkit.panel.description import Panel
@@ -60,7 +61,7 @@ def wish(panel: Panel, value: Any, key: str, part: int = 0) -> Any:
         return _moved(panel, float(value), key)
     if is_vector(value) and panel.kind == "vector" and part < len(value) and key in _STEPS:
         moved = _moved(panel, float(value[part]), key)
-        return (*value[:part], moved, *value[part + 1 :])
+        return None if moved is None else (*value[:part], moved, *value[part + 1 :])
     return None
 
 
@@ -84,6 +85,8 @@ def _moved(panel: Panel, value: float, key: str) -> float | int | None:
     is_whole = panel.attributes.get("type") == "integer"
     usual = 1.0 if is_whole else (high - low) / 50 if high - low < float("inf") else 0.1
     moved = min(high, max(low, value + by * panel.number("step", usual)))
+    if not isfinite(moved):
+        return None
     return round(moved) if is_whole else float(f"{moved:.9g}")
 
 

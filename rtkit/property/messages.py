@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from rtkit.guard import kind_and_text, text_of
-from rtkit.property.codes import code_of, rebuilt
+from rtkit.property.codes import PropertyError, code_of, rebuilt
 
 Payload = str | bytes
 """Characters end to end; bytes only of properties that are declared so."""
@@ -36,7 +36,8 @@ DONE = Answer("")
 def failed(error: BaseException) -> Answer:
     """Return the answer that stands for an error; no trace, no class of ours in it."""
     code = code_of(error)
-    return Answer(kind_and_text(error) if code == "internal" else text_of(error), code)
+    is_ours = code != "internal" or isinstance(error, PropertyError)
+    return Answer(text_of(error) if is_ours else kind_and_text(error), code)
 
 
 class PropertyEvent(NamedTuple):

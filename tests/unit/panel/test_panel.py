@@ -50,7 +50,7 @@ DRAWN = [
      ["····●····", "·········", "····┼····  1  0", "·········", "·········"]),
     (panel("table"), ((1, "a"), (2, "b")), ["1  a", "2  b"]),
     (panel("tree"), Element("a", {"k": "1"}, (Element("b", {}, (), 2.0),)), ["a k=1", "  b  2"]),
-    (panel("marker", labels="(x y z)"), BALL, ["x 1  y 2  z 0", "ball thing"]),
+    (panel("marker"), BALL, ["x 1  y 2  z 0", "ball thing"]),
     (panel("map"), (), ["no places"]),
     (panel("button"), call("idle"), [""]),
     (panel("button"), call("running", progress=0.5), ["running █████░░░░░ 50%"]),
@@ -90,7 +90,11 @@ def test_a_picture_is_blocks_of_its_colours() -> None:
         ("▀", "#ff0000 on #ff0000"), ("▀", "#000000 on #000000")]  # fmt: skip
     assert {len(line) for line in lines} == {16}
     shown.take(b"\xff\xd8\xff rubbish")
-    assert drawing.lines(panel("image"), shown, 16) == [[("no picture: 11 bytes", "dim")]]
+    why = "no JPEG or PNG picture: 11 bytes"
+    assert drawing.lines(panel("image"), shown, 16) == [[(why, "dim")]]
+    assert drawn(panel("image"), b"") == ["no JPEG or PNG picture: 0 bytes"]
+    vast = data[:16] + (60_000).to_bytes(4, "big") * 2 + data[24:]
+    assert drawn(panel("image"), vast) == ["60000 x 60000 pixels, more than 16 million"]
 
 
 WISHES = [

@@ -6,7 +6,7 @@ import pytest
 
 from rtkit.property.codes import CODES, PropertyError, code_of
 from rtkit.property.functional import FunctionalProperty
-from rtkit.property.messages import Answer
+from rtkit.property.messages import Answer, failed
 from rtkit.property.property_spec import PropertySpec, RequestParameter
 from rtkit.property.requests import PropertyRequest, Requester
 from rtkit.property.service import Service
@@ -181,3 +181,9 @@ def test_foreign_errors_have_codes_too() -> None:
     assert code_of(KeyError("x")) == "internal"
     assert set(CODES) > {"unknown", "timeout", "checksum"}
     assert PropertyError("timeout", "x").detail == 5
+
+
+def test_an_error_that_travelled_keeps_its_words() -> None:
+    assert failed(RuntimeError("no sensor")) == Answer("RuntimeError: no sensor", "internal")
+    again = PropertyError("internal", "RuntimeError: no sensor")
+    assert failed(again) == Answer("RuntimeError: no sensor", "internal")
