@@ -32,7 +32,10 @@ _COMPARE: dict[str, Callable[[Any, Any], bool]] = {
     "=": operator.eq, "==": operator.eq, "!=": operator.ne,
     "~": lambda value, pattern: fnmatchcase(str(value), str(pattern)),
 }  # fmt: skip
-_ADDRESS = {"tcp": "tcp:{0}/{1}", "http": "http://{0}/ps/{1}", "unix": "{0}", "zenoh": "zenoh:{0}"}
+_ADDRESS = {
+    "tcp": "tcp:{0}/{1}/", "tcps": "tcps:{0}/{1}/", "http": "http://{0}/ps/{1}/",
+    "https": "https://{0}/ps/{1}/", "unix": "{0}.", "zenoh": "zenoh:{0}.",
+}  # fmt: skip
 _ALIVE = frozenset({"unknown", "denied", "write-only", "internal", "busy", "bad-value"})
 """Errors that only who lives can answer."""
 _LONGEST_LEASE_S = 3600.0
@@ -64,8 +67,7 @@ class Entry(NamedTuple):
     def at(self, name: str) -> str:
         """Return the target of one of its properties."""
         protocol, address = self.contacts[0]
-        where = _ADDRESS[protocol].format(address, self.service)
-        return f"{where}{'/' if protocol in ('tcp', 'http') else '.'}{name}"
+        return _ADDRESS[protocol].format(address, self.service) + name
 
     @property
     def element(self) -> Element:

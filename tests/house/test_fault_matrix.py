@@ -1,4 +1,4 @@
-"""Each fault of the table in `docs/faults.md` has tests that exist; guards are in place."""
+"""Each fault in `docs/faults.md`, and threat in `docs/security.md`, has tests; guards are there."""
 
 from __future__ import annotations
 
@@ -15,6 +15,15 @@ ROWS = [
     [cell.strip() for cell in line.strip("|").split("|")]
     for line in TEXT.splitlines()
     if line.startswith("| ") and not line.startswith(("| fault |", "| promise |", "| ---"))
+]
+THREATS = [
+    [cell.strip() for cell in line.strip("|").split("|")]
+    for line in (ROOT / "docs" / "security.md")
+    .read_text(encoding="utf-8")
+    .partition("## Threats\n")[2]
+    .partition("\n## ")[0]
+    .splitlines()
+    if line.startswith("| ") and not line.startswith(("| threat |", "| ---"))
 ]
 SECTIONS = ("Component code", "Processes", "Machine")
 
@@ -46,6 +55,19 @@ def test_each_fault_is_tried(row: list[str]) -> None:
     assert all(row)
     assert named_in(row)
     assert [test for test in named_in(row) if not exists(test)] == []
+
+
+def test_there_are_threats() -> None:
+    assert len(THREATS) >= 19
+
+
+@pytest.mark.parametrize("row", THREATS, ids=[row[0] for row in THREATS])
+def test_each_threat_is_tried(row: list[str]) -> None:
+    threat, outcome, _tests = row
+    assert threat
+    assert outcome
+    assert named_in(row)
+    assert [test for test in named_in(row) if "::" not in test or not exists(test)] == []
 
 
 def test_a_test_that_is_not_there_is_noticed() -> None:

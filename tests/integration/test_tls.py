@@ -22,9 +22,11 @@ from cryptography.hazmat.primitives.asymmetric import ec
 from cryptography.x509.oid import NameOID
 from waiting import until
 
+from rtkit import Client, Word
 from rtkit.errors import NotFound, Refused, RtkitError, Unreachable
 from rtkit.keys import audit, authority, folder
 from rtkit.property.codes import PropertyError
+from rtkit.services.resource import Resource
 from rtkit.wires import secure
 from rtkit.wires.http.client import HttpClient
 from rtkit.wires.http.secure import connect_https
@@ -381,3 +383,14 @@ def test_keys_that_others_can_read_serve_nobody(own: str) -> None:
     os.unlink(f"{own}/{folder.KEY}")
     with pytest.raises(NotFound, match="rtkit keys"):
         serve(subject(), "robot", is_on_zenoh=False, tls="0")
+
+
+def test_a_resource_service_finds_and_reaches_who_is_behind_tls(served: ServedObject) -> None:
+    scheme = "https" if _is_https(served) else "tcps"
+    contact = f'<contact protocol="{scheme}">localhost:{_port(served)}</contact>'
+    registry = serve(Resource(watch="", route=True), "resource", is_on_zenoh=False)
+    with registry, Client(BOUND_S) as client:
+        client.set("resource.robot", Word(f'<service type="arm">{contact}</service>'))
+        assert client.get("resource.search", where="count == 7") == ("robot",)
+        assert client.get("resource.search", where="count == 8") == ()
+        assert client.get("resource.robot.count") == 7
