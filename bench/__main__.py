@@ -33,6 +33,7 @@ GROUPS = (
     "profiles",
     "properties",
     "group",
+    "search",
     "prompt",
     "planner",
     "vision",

@@ -36,14 +36,15 @@ def _fanout() -> Lines:
             ask = rtkit.Ask("swarm.velocity", *(() if payload is None else (payload,)))
             measured = paired(
                 lambda ask=ask: timed(lambda: client.payload(ask, 20.0)),  # type: ignore[misc]
-                lambda line=line: timed(lambda: _ask_each(ends, line())),  # type: ignore[misc]
+                lambda line=line: timed(lambda: ask_each(ends, line())),  # type: ignore[misc]
                 _ROUNDS,
             )
             what = f"group: {what} of {_MEMBERS} members"
             yield Row(what, "ms", *measured, 1.5, True, _BARE_IS)
 
 
-def _ask_each(ends: Sequence[socket.socket], line: bytes) -> None:
+def ask_each(ends: Sequence[socket.socket], line: bytes) -> None:
+    """Write one request line to all sockets at once, and read a reply from each."""
     left = {end.fileno(): end for end in ends}
     with select.epoll() as poll:
         for number, end in left.items():
