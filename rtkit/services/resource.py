@@ -26,16 +26,24 @@ from rtkit.services.paths import RESERVED
 from rtkit.services.started import StartedProcess
 
 _OWN = frozenset(["search", "start", "started", "frames", "unanswered", "name", "type", "status"])
-_CONDITION = re.compile(r"\s*([^\s<>=!~]+)\s*(<=|>=|!=|==|<|>|=|~)\s*([^\s<>=!~].*?)\s*")
+_CONDITION = re.compile(
+    r"""\s*([^\s<>=!~]+)\s*(<=|>=|!=|==|<|>|=|~)
+    \s*("(?:[^"\\]|\\.)*"|'[^']*'|\([^()]*\)|[^\s<>=!~"'()][^\s"'()]*)(?:\s+and\s+(?=\S)|\s*$)""",
+    re.VERBOSE,
+)
 _COMPARE: dict[str, Callable[[Any, Any], bool]] = {
     "<": operator.lt, "<=": operator.le, ">": operator.gt, ">=": operator.ge,
-    "=": operator.eq, "==": operator.eq, "!=": operator.ne,
+    "=": lambda value, wanted: _is_or_has(value, wanted),
+    "==": lambda value, wanted: _is_or_has(value, wanted),
+    "!=": lambda value, wanted: not _is_or_has(value, wanted),
     "~": lambda value, pattern: fnmatchcase(str(value), str(pattern)),
 }  # fmt: skip
 _ADDRESS = {
     "tcp": "tcp:{0}/{1}/", "tcps": "tcps:{0}/{1}/", "http": "http://{0}/ps/{1}/",
     "https": "https://{0}/ps/{1}/", "unix": "{0}.", "zenoh": "zenoh:{0}.",
 }  # fmt: skip
+_HOST_AND_PORT = re.compile(r"(?:\[[^\s\]]+\]|[^\s:/?#\[\]]+):([0-9]{1,5})")
+_SERVICE = re.compile(r"[\w~%+-]+(?:/[\w~%+-]+)*", re.ASCII)
 _ALIVE = frozenset({"unknown", "denied", "write-only", "internal", "busy", "bad-value"})
 """Errors that only who lives can answer."""
 _LONGEST_LEASE_S = 3600.0
@@ -185,7 +193,10 @@ class Resource(Names):
 
     def get(self, name: str) -> Element:
         """Return a service: its type, and how it is reached."""
-        return self._entries[name].element
+        entry = self._entries.get(name)
+        if entry is None:
+            raise PropertyError("unknown", f"no such property: {name}")
+        return entry.element
 
     def set(self, name: str, value: Element, lease: float = 30.0, remove: bool = False) -> None:
         """Register a service until its lease is over [s], or again; 0 is for no lease."""
@@ -201,7 +212,8 @@ class Resource(Names):
 
     def mount(self, name: str) -> rtkit.Mount | None:
         """Return what stands below the name of a service, where requests are passed on."""
-        return rtkit.Mount(self._entries[name].at("")[:-1], has_value=True) if self._route else None
+        entry = self._entries.get(name)  # which may have gone since its name was listed
+        return rtkit.Mount(entry.at("")[:-1], has_value=True) if entry and self._route else None
 
     def _put(self, entries: dict[str, Entry]) -> None:
         with self._lock:
@@ -396,33 +408,48 @@ def _entry(service: str, value: object) -> Entry:
         if each.name != "contact" or protocol not in _ADDRESS or each.leaf is None:
             known = " ".join(_ADDRESS)
             raise PropertyError("bad-value", f'expected <contact protocol="…">: {known}')
-        contacts.append((protocol, each.leaf if isinstance(each.leaf, str) else str(each.leaf)))
+        contacts.append((protocol, _address(protocol, str(each.leaf))))
     if not contacts:
         raise PropertyError("bad-value", "expected a contact")
     return Entry(service, tuple(value.attributes.get("type", "").split()), tuple(contacts))
 
 
+def _address(protocol: str, address: str) -> str:
+    """Return the address of a contact; refuse what could never be one."""
+    if protocol in ("unix", "zenoh"):
+        if _SERVICE.fullmatch(address) is None:
+            raise PropertyError("bad-value", f"{protocol}: not a name of a service: {address}")
+    elif not (place := _HOST_AND_PORT.fullmatch(address)) or not 0 < int(place[1]) < 1 << 16:
+        raise PropertyError("bad-value", f"{protocol}: not HOST:PORT: {address}")
+    return address
+
+
 def _conditions(where: str) -> list[LiveCondition]:
-    made = []
-    for begun in re.finditer(r"(?:^|\s+and\s+)(.*?)(?=\s+and\s|$)", where) if where.strip() else ():
-        match = _CONDITION.fullmatch(begun[1])
+    made: list[LiveCondition] = []
+    where, at = where.strip(), 0
+    while at < len(where):
+        match = _CONDITION.match(where, at)
         if match is None:
-            why = misread(where, begun.start(1), "expected PROPERTY OP VALUE")
+            why = misread(where, at, "expected PROPERTY OP VALUE [and …]")
             raise PropertyError("bad-parameter", why)
         made.append(_condition(match[1], match[2], _plain(match[3])))
+        at = match.end()
     return made
 
 
 def _condition(name: str, sign: str, wanted: Any) -> LiveCondition:
     def holds(value: Any) -> bool:
-        if isinstance(value, tuple) and sign in ("=", "==") and not isinstance(wanted, tuple):
-            return wanted in value
         try:
             return _COMPARE[sign](value, wanted)
         except TypeError:
             return False  # of another kind
 
     return LiveCondition(name, holds)
+
+
+def _is_or_has(value: Any, wanted: Any) -> bool:
+    is_among = isinstance(value, tuple) and not isinstance(wanted, tuple)
+    return wanted in value if is_among else bool(value == wanted)
 
 
 def _near(near: Sequence[float]) -> LiveCondition:
@@ -440,10 +467,14 @@ def _near(near: Sequence[float]) -> LiveCondition:
 def _plain(text: str) -> Any:
     if text in ("true", "false"):
         return text == "true"
+    if text.startswith("("):
+        return tuple(map(_plain, text[1:-1].split()))
+    if text[0] in "\"'":
+        return re.sub(r"\\(.)", r"\1", text[1:-1])
     try:
         return float(text)
     except ValueError:
-        return text.strip("\"'")
+        return text
 
 
 def _frame(text: str) -> tuple[str, tuple[float, ...]]:

@@ -117,9 +117,17 @@ def test_services_are_found_by_type_place_and_live_condition(client: rtkit.Clien
         both = "level >= 0.4 and location.x < 2"
         assert client.get("resource.search", where=both) == ("lights/l1",)
         assert client.get("resource.search", where="name ~ */l3") == ("lights/l3",)
-        for wrong in ("level", "level >", "level >> 2"):
+        for where, services in {
+            'name = "lights/l3"': ("lights/l3",),
+            "name ~ 'lights/l*' and level < 0.25": ("lights/l2",),
+            "location = (2 0 0 0 0 0)": ("lights/l2",),
+            "type != light and name ~ lights/*": (),
+            "type = lamp and level != 1": ("lights/l2", "lights/l3", "lights/l4"),
+        }.items():
+            assert client.get("resource.search", where=where) == services
+        for wrong in ("level", "level >", "level >> 2", "level < 1 or level > 2", "level < 1 and "):
             assert code(lambda w=wrong: client.get("resource.search", where=w)) == "bad-parameter"
-        place = "column 15: expected PROPERTY OP VALUE: level > 1 and level"
+        place = r"column 15: expected PROPERTY OP VALUE \[and …\]: level > 1 and level"
         with pytest.raises(rtkit.PropertyError, match=place):
             client.get("resource.search", where="level > 1 and level")
         assert code(lambda: client.get("resource.search", near=(1.0,))) == "bad-parameter"
@@ -181,6 +189,36 @@ def test_a_service_elsewhere_registers_itself_for_a_time(client: rtkit.Client) -
         for wrong in ("3", "<service/>", '<service><contact protocol="no">x</contact></service>'):
             assert code(lambda w=wrong: client.set("resource.a", w)) == "bad-value"  # type: ignore[misc]
         assert code(lambda: client.set("resource.a", entry, lease=1e9)) == "bad-parameter"
+
+
+@pytest.mark.parametrize(
+    ("protocol", "address"),
+    [
+        ("tcp", "desk"),
+        ("tcp", "desk:0"),
+        ("tcp", "desk:99999"),
+        ("tcp", "a b:1"),
+        ("tcp", "::1"),
+        ("http", "http://desk:1"),
+        ("unix", "../../etc/passwd"),
+        ("zenoh", "**"),
+    ],
+)
+def test_a_contact_that_leads_nowhere_is_refused_and_harms_nobody(
+    client: rtkit.Client, protocol: str, address: str
+) -> None:
+    lights = Lights((1,))
+    with served(Resource(period=0.1, route=True)):
+        until(lambda: client.get("resource.search", type="light"))
+        contact = f'<service><contact protocol="{protocol}">{address}</contact></service>'
+        with pytest.raises(rtkit.PropertyError, match=f"{protocol}: not ") as caught:
+            client.set("resource.a", contact)
+        assert caught.value.code == "bad-value"
+        assert code(lambda: client.get("resource.a")) == "unknown"
+        client.set("resource.b", '<service><contact protocol="tcp">[::1]:1</contact></service>')
+        assert "b" in client.get("resource.properties")
+        assert client.get("resource.lights.l1.level") == 0.1
+    lights.close()
 
 
 def test_requests_are_passed_on_only_where_that_is_allowed(client: rtkit.Client) -> None:
