@@ -408,20 +408,21 @@ def _entry(service: str, value: object) -> Entry:
         if each.name != "contact" or protocol not in _ADDRESS or each.leaf is None:
             known = " ".join(_ADDRESS)
             raise PropertyError("bad-value", f'expected <contact protocol="…">: {known}')
-        contacts.append((protocol, _address(protocol, str(each.leaf))))
+        address = each.leaf if isinstance(each.leaf, str) else str(each.leaf)
+        _check_address(protocol, address)
+        contacts.append((protocol, address))
     if not contacts:
         raise PropertyError("bad-value", "expected a contact")
     return Entry(service, tuple(value.attributes.get("type", "").split()), tuple(contacts))
 
 
-def _address(protocol: str, address: str) -> str:
-    """Return the address of a contact; refuse what could never be one."""
+def _check_address(protocol: str, address: str) -> None:
+    """Refuse what could never be the address of a contact."""
     if protocol in ("unix", "zenoh"):
         if _SERVICE.fullmatch(address) is None:
             raise PropertyError("bad-value", f"{protocol}: not a name of a service: {address}")
     elif not (place := _HOST_AND_PORT.fullmatch(address)) or not 0 < int(place[1]) < 1 << 16:
         raise PropertyError("bad-value", f"{protocol}: not HOST:PORT: {address}")
-    return address
 
 
 def _conditions(where: str) -> list[LiveCondition]:
