@@ -32,6 +32,8 @@ _TOKEN = re.compile(
 _COMPARISONS = ("<", "<=", ">", ">=", "=", "!=")
 _LEVELS = (("or",), ("and",), _COMPARISONS, ("+", "-"), ("*", "/"))
 _COMPARED = 2
+_ESCAPED = re.compile(r"\\(.)")
+_CONTROLS = {"n": "\n", "r": "\r", "t": "\t"}
 
 
 class Expression:
@@ -133,7 +135,7 @@ class _Reader:
             raise self._unexpected()
         self._at += 1
         if kind == "text":
-            return ("is", re.sub(r"\\(.)", r"\1", text[1:-1]))
+            return ("is", _ESCAPED.sub(lambda found: _CONTROLS.get(found[1], found[1]), text[1:-1]))
         if kind == "name" and ("." in text or "/" in text):
             self.names.add(text)
             return ("name", text)
@@ -161,7 +163,9 @@ def written(value: Plain) -> str:
     is_word = re.fullmatch(r"[A-Za-z_][\w.-]*", value, re.ASCII) and plain_of(value) == value
     if is_word and value not in ("inf", "nan", "true", "false"):
         return value
-    escaped = value.replace("\\", "\\\\").replace('"', '\\"').replace("\n", "\\n")
+    escaped = value.replace("\\", "\\\\").replace('"', '\\"')
+    for letter, control in _CONTROLS.items():
+        escaped = escaped.replace(control, f"\\{letter}")
     return f'"{escaped}"'
 
 

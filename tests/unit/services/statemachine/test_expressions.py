@@ -94,10 +94,12 @@ def test_numbers_stay_small() -> None:
         ("true", '"true"'),
         ('"', '"\\""'),
         ("", '""'),
+        ("a\r\n\tb\\n", '"a\\r\\n\\tb\\\\n"'),
     ],
 )
 def test_values_are_written_as_a_set_carries_them(plain: Any, text: str) -> None:
     assert written(plain) == text
+    assert value(text) == plain
 
 
 def test_plain_text_is_number_truth_or_text() -> None:

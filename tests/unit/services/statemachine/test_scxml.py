@@ -67,6 +67,30 @@ def test_what_was_read_is_written_and_read_alike(text: str) -> None:
         ('delay="1500ms"', 'delay="soon"', "line 11: a send is a SET"),
         ("<content>true</content>", "<content><b/></content>", "line 10: not read here: b"),
         ('id="slow"', 'id="fast"', "line 19: not a new id of a state: fast"),
+        ('id="slow"', 'id="properties"', "line 18: not a new id of a state: properties"),
+        ('<state id="rest"/>', '<state id="a.b"/><state id="a_b"/>', "line 26: not a new id of"),
+        ('target="fast"/>', 'target="fast"><raise event="x"/></transition>', "line 7: an initial"),
+        ('event="late" target', 'type="internal" event="late" target', "line 17: not read here: a"),
+        ('<raise event="slower"/>', '<cancel sendid="late"/>', "line 22: a cancel of a delayed"),
+        ('<raise event="slower"/>', "<raise/>", "line 22: a raise has an event"),
+        (
+            'id="late" delay',
+            'delay="1s"/><send event="late" delay',
+            "line 11: the delayed event l",
+        ),
+        ('id="late" delay', 'target="x" delay', "line 11: a send is a SET"),
+        ('target="light.on"', 'target="light.on" delay="1s"', "line 10: a send is a SET"),
+        (
+            'target="light.on"',
+            'targetexpr="light.on"',
+            "line 10: not read here: send with",
+        ),
+        ('expr="0"', 'src="file:///etc/passwd"', "line 3: not read here: data with src"),
+        ('expr="0"', 'expr="meter.value"', "line 3: not a number, true, false or a text"),
+        ('expr="0"', 'expr="1 +"', "line 3: column 4: did not expect the end"),
+        ('<data id="count"', '<data id="my count"', "line 3: not a new id of a variable: my count"),
+        ("</datamodel>", "<script/></datamodel>", "line 4: not read here: script"),
+        ('<state id="rest"/>', '<x xmlns="urn:x"/>', "line 26: not read here: {urn:x}x"),
         ("</scxml>", "", "line 28: Premature end"),
         ("http://www.w3.org/2005/07/scxml", "urn:x", "line 1: the root is not scxml of xmlns="),
     ],
@@ -93,6 +117,44 @@ def test_a_transition_that_only_acts_goes_both_ways() -> None:
     assert read_scxml(write_scxml(read_machine(write_machine(machine)))).states == machine.states
     with pytest.raises(BadMachine, match="line 17: a transition has a target, an event or actions"):
         read_scxml(NESTED.replace('<transition event="late" target="rest"/>', "<transition/>"))
+
+
+def test_the_end_of_a_state_is_the_event_that_scxml_knows() -> None:
+    ending = '<transition event="done.state.work push" target="rest"/><final id="gone"/>'
+    text = NESTED.replace('<transition event="late"', f'{ending}<transition event="late"', 1)
+    machine = read_scxml(text.replace('target="slow"', 'target="gone"'))
+    assert [each.on for each in machine.states["work"].transitions] == ["done.work", "push", ""]
+    assert 'event="done.state.work"' in write_scxml(machine)
+    made = Interpreter(machine)
+    made.command("start", 0.0)
+    made.take(MachineEvent("meter.value", 4, True), 1.0)
+    assert made.state == "rest"
+
+
+def test_a_delayed_event_may_be_taken_by_several_transitions() -> None:
+    several = '<transition event="late" cond="variables.count = 1" target="slow"/>'
+    text = NESTED.replace('<transition event="late"', f'{several}<transition event="late"', 1)
+    first, second = read_scxml(text).states["work"].transitions
+    assert (first.after, second.after, first.on, second.on) == (1.5, 1.5, "", "")
+    made = Interpreter(read_scxml(text))
+    made.command("start", 0.0)
+    made.tick(1.5)
+    assert made.state == "rest"
+
+
+@pytest.mark.parametrize(
+    ("text", "value"),
+    [('expr="-1.5"', -1.5), ('expr="true"', True), ('expr="&quot;a b&quot;"', "a b"), ("", 0)],
+)
+def test_variables_begin_with_what_is_written(text: str, value: object) -> None:
+    machine = read_scxml(NESTED.replace('expr="0"', text))
+    assert machine.variables == {"count": value}
+    assert read_scxml(write_scxml(machine)).variables == {"count": value}
+
+
+def test_a_value_may_be_the_text_of_an_element() -> None:
+    text = NESTED.replace('<data id="count" expr="0"/>', '<data id="count"> 3 </data>')
+    assert read_scxml(text).variables == {"count": 3}
 
 
 def test_many_states_are_read_in_no_time() -> None:
