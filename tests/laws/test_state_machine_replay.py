@@ -167,8 +167,17 @@ def test_a_state_with_all_inside_it_can_be_put_elsewhere(machine: Machine, at: s
     made = read_machine(text, machine, at)
     moved = {p.replace("a", at, 1): s for p, s in machine.states.items() if p[0] == "a"}
     assert {p for p in made.states if p == at or p.startswith(f"{at}.")} == set(moved)
+
+    def event(name: str) -> str:
+        ended = name.removeprefix("done.")
+        inside = ended != name and ended in machine.states and ended[0] == "a"
+        return f"done.{ended.replace('a', at, 1)}" if inside else name
+
     for path, state in moved.items():
-        assert made.states[path].entry == state.entry
+        entered = [each.target for each in made.states[path].entry]
+        assert entered == [event(each.target) for each in state.entry]
+        heard = [each.on for each in made.states[path].transitions]
+        assert heard == [event(each.on) for each in state.transitions]
         went = [e.to.replace("a", at, 1) if e.to[:1] == "a" else e.to for e in state.transitions]
         assert [each.to for each in made.states[path].transitions] == went
 

@@ -185,15 +185,24 @@ class _Reader:
         self._lines: dict[tuple[str, str], int] = {}
         self._paths: dict[Any, str] = {}
         self._inside: dict[str, list[str]] = {}
+        self._moved: dict[str, str] = {}
 
     def machine(self, machine: Machine | None, at: str) -> Machine:
         """Return the machine that the document describes, or what it makes of another one."""
         root, states = self._root(bool(at))
         self._place(root, at, states)
+        if at:
+            self._moved = {_fragment_of(node): path for node, path in self._paths.items()}
         self._inside = by_outer(filter(None, self._paths.values()))
         made = {path: self._state(node, path) for node, path in self._paths.items() if path}
         is_whole = self._kinds[root] == "Machine"
-        variables = dict(map(self._variable, self._of(root)["variable"])) if is_whole else {}
+        variables: dict[str, Plain] = {}
+        for node in self._of(root)["variable"] if is_whole else ():
+            name, value = self._variable(node)
+            if name in variables:
+                line = self._statements.line_of(node)
+                raise BadMachine(f"variable {name} is there twice", line)
+            variables[name] = value
         self._refuse_unused()
         self._lines["", ""] = self._statements.line_of(root)
         if machine is None or not at:
@@ -287,7 +296,7 @@ class _Reader:
         found = self._of(node)[word]
         if found is None:
             return ""
-        target = self._paths.get(found, re.split(r"[#/]", str(found))[-1])
+        target = self._paths.get(found, _fragment_of(found))
         what = word if word == "initial" else f"{word} {target}"
         self._lines[path, what] = self._where[node, word]
         return target
@@ -316,7 +325,13 @@ class _Reader:
             raise BadMachine("a transition says sm:to, sm:action, or sm:on an event", line)
         self._note_variables(node, path, "when")
         actions = self._actions(node, path, "action")
-        return GuardedTransition(to, facts["on"] or "", facts["when"], facts["after"], actions)
+        on = self._event(facts["on"] or "")
+        return GuardedTransition(to, on, facts["when"], facts["after"], actions)
+
+    def _event(self, name: str) -> str:
+        """Return an event as it is called where the document is put: ends of states have paths."""
+        ended = name.removeprefix("done.")
+        return f"done.{self._moved[ended]}" if ended != name and ended in self._moved else name
 
     def _note_variables(self, node: Any, path: str, word: str) -> None:
         expression: Expression | None = self._of(node)[word]
@@ -337,7 +352,8 @@ class _Reader:
             raise BadMachine("sm:every: expected more than 0 s", self._where[node, "every"])
         self._note_variables(node, path, "expression")
         kind = "raise" if event else "assign" if target.startswith(VARIABLES) else "set"
-        made = MachineAction(kind, (target or event).removeprefix(VARIABLES), facts["value"] or "",
+        target = self._event(event) if event else target.removeprefix(VARIABLES)
+        made = MachineAction(kind, target, facts["value"] or "",
                              expression, facts["get"] or "", facts["every"] or EVERY_S)  # fmt: skip
         for each in made.variables():
             self._lines.setdefault((path, VARIABLES + each), self._statements.line_of(node))
@@ -357,6 +373,11 @@ class _Reader:
                 if predicate.startswith(NAMESPACE) and node not in self._facts:
                     word = predicate.replace(NAMESPACE, "sm:")
                     raise BadMachine(f"{word} of nothing that belongs to the machine", line)
+
+
+def _fragment_of(node: Any) -> str:
+    """Return what an IRI says behind ``#`` or ``/``: a name, or the path of a state elsewhere."""
+    return re.split(r"[#/]", str(node))[-1]
 
 
 def _name_of(node: Any) -> str:

@@ -65,6 +65,7 @@ def test_a_machine_has_all_that_its_text_says() -> None:
         (":end a sm:Final", ":meta a sm:Final", "line 32: not a name of a state: meta"),
         ("sm:entry [ sm", "sm:entry [ sm:raise 1 ], [ sm", "line 12: sm:entry is there twice"),
         ('sm:name "laps"', 'sm:name "la ps"', "line 9: a variable has sm:name and sm:value"),
+        ("0 ] .", '0 ], [ sm:name "laps" ; sm:value 0 ] .', "line 9: variable laps is there twice"),
         (":home a sm:Machine", ":home a sm:State", "line 1: expected one sm:Machine, found 0"),
         (":wait a", ":home sm:state :b . :wait a", "line 11: not known here: sm:state; did you"),
     ],
@@ -142,6 +143,16 @@ def test_a_machine_can_be_put_into_another_as_a_state() -> None:
     made = read_machine(PATROL, machine, "patrol.inner")
     assert made.states["patrol.inner"].initial == "patrol.inner.wait"
     assert made.states["patrol.inner.patrol.out"].transitions[0].to == "patrol.inner.patrol.back"
+
+
+def test_a_state_that_is_put_elsewhere_hears_of_its_own_ends() -> None:
+    ends = '[ sm:on "done.patrol.out" ; sm:action [ sm:raise "done.patrol" ] ] [ sm:on "done.end" ;'
+    text = PATROL.replace("[ sm:after 30 ;", f"{ends} sm:to :wait ] [ sm:after 30 ;")
+    machine = read_machine(text)
+    made = read_machine(write_machine(machine, "patrol"), machine, "wait")
+    _, first, second, _ = made.states["wait"].transitions
+    assert (first.on, first.actions[0].target) == ("done.wait.out", "done.wait")
+    assert second.on == "done.end", "of a state that stays where it was"
 
 
 @pytest.mark.parametrize(
