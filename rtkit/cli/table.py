@@ -36,7 +36,7 @@ TOPICS: dict[str, dict[str, str]] = {
         "rtkeys": "Keep a private CA, which says who may come in from other hosts.",
     },
     "keys.words": {
-        "init": "Make a private CA, and a certificate of this user with the role operator.",
+        "init": "Make a private CA, and a certificate of this user with the role administrator.",
         "issue": "Make a key and a certificate, in a new folder that is to be handed over.",
         "list": "List the certificates that the CA issued; warn of those that end within 30 days.",
         "revoke": "Revoke certificates.",

@@ -52,7 +52,7 @@ class Issued(NamedTuple):
 
 
 def init(name: str, hosts: Sequence[str] = (), days: int = CA_DAYS) -> None:
-    """Make the CA, and a certificate of this user with the role operator.
+    """Make the CA, and a certificate of this user with the role administrator.
 
     Raises:
         Refused: There is one already, or the folder is open to others.
@@ -80,7 +80,7 @@ def init(name: str, hosts: Sequence[str] = (), days: int = CA_DAYS) -> None:
         _write_revoked(certificate, key, [])
         folder.write(folder.file(folder.CA_CERTIFICATE), _pem(certificate), is_new=False)
         folder.write(folder.file(folder.CA_KEY), _pem_of_key(key))
-        data, secret = _issue(certificate, key, name, "operator", hosts, days)
+        data, secret = _issue(certificate, key, name, "administrator", hosts, days)
         folder.write(folder.file(folder.CERTIFICATE), data, is_new=False)
         folder.write(folder.file(folder.KEY), secret)
 

@@ -1,4 +1,4 @@
-"""Serves the TCP port of a manager in a process of its own, until the manager is gone.
+"""Serves a port of a manager in a process of its own, until the manager is gone.
 
 `rtkit.manager.endpoint_supervisor` starts it.
 
@@ -12,35 +12,51 @@ import os
 import signal
 import socket
 import sys
+from collections.abc import Callable, Sequence
+from contextlib import ExitStack
 
-from rtkit.errors import Unreachable
+from rtkit.errors import RtkitError
 from rtkit.link.port_holders import SERVANT
 from rtkit.link.tcp_endpoint import open_endpoint
 
 READY = "ready"
 
 
-def main() -> None:
-    """Be the process."""
+def open_at(wanted: str, inner: str, stack: ExitStack) -> None:
+    """Open the port ``PORT SECRET_FILE``, which the stack closes.
+
+    Raises:
+        Unreachable: The port is taken, or the manager does not answer.
+    """
+    port, _, secret_file = wanted.partition(" ")
+    stack.callback(open_endpoint(int(port), inner, secret_file).close)
+
+
+def serve_manager(open_: Callable[[str, str, ExitStack], object], arguments: Sequence[str]) -> None:
+    """Open what the manager asks for, and serve it until the manager is gone.
+
+    Args:
+        open_: Opens it; takes the request, the endpoint of the manager, and what closes it.
+        arguments: Descriptor of the socket to the manager, and that endpoint.
+    """
     for number in (signal.SIGINT, signal.SIGHUP):
         signal.signal(number, signal.SIG_IGN)  # meant for the manager, who says when to end
     with open("/proc/self/comm", "w", encoding="ascii") as comm:
         comm.write(SERVANT)
-    descriptor, inner = sys.argv[1:]
+    descriptor, inner = arguments
     manager = socket.socket(fileno=int(descriptor))
     for line in manager.makefile("r", encoding="utf-8"):
-        port, _, secret_file = line.rstrip("\n").partition(" ")
-        try:
-            session = open_endpoint(int(port), inner, secret_file)
-        except Unreachable as error:
-            manager.sendall(" ".join(str(error).split()).encode() + b"\n")
-            continue
-        manager.sendall(f"{READY}\n".encode())
-        manager.recv(1)  # nothing comes but the end
-        session.close()  # type: ignore[no-untyped-call]
+        with ExitStack() as stack:
+            try:
+                open_(line.rstrip("\n"), inner, stack)
+            except RtkitError as error:
+                manager.sendall(" ".join(str(error).split()).encode() + b"\n")
+                continue
+            manager.sendall(f"{READY}\n".encode())
+            manager.recv(1)  # nothing comes but the end
         return
 
 
 if __name__ == "__main__":
-    main()
+    serve_manager(open_at, sys.argv[1:])
     os._exit(0)  # threads of zenoh must not keep the process

@@ -254,9 +254,9 @@ class ZenohLink:
         return lambda: _first(replies, timeout_s)
 
     def ask_later(
-        self, key: str, payload: str, timeout_s: float, answer: Callable[[Reply], object]
+        self, key: str, payload: str | None, timeout_s: float, answer: Callable[[Reply], object]
     ) -> None:
-        """Send a SET; `answer` is called once, on a thread of zenoh, and must only enqueue.
+        """Send a GET or SET; `answer` is called once, on a thread of zenoh, and must only enqueue.
 
         Raises:
             Unreachable: The connection is closed.

@@ -349,9 +349,10 @@ def _open_front(
     warn: Callable[[str], None],
     stack: ExitStack,
 ) -> None:
-    """Open the TCP port for this user, where it is wanted and can be had."""
+    """Open the TCP port for this user, where it is wanted and can be had; and that for others."""
     from rtkit.link.tcp_endpoint import Identity, introduce
-    from rtkit.manager.endpoint_supervisor import open_front
+    from rtkit.manager.endpoint_supervisor import open_front, open_gateway
+    from rtkit.settings.values import tls_endpoint
 
     identity = Identity(state.host, state.name, state.settings.text("manager.name"))
     withdraw = introduce(session, identity)
@@ -359,6 +360,12 @@ def _open_front(
         if endpoint is not None:
             state.port = open_front(tcp_endpoint_settings(state.settings), endpoint, inner, warn)
             stack.callback(endpoint.close)
+        state.properties["rtkit.tls_address"] = ""
+        wanted = tls_endpoint(state.settings.text("net.tls"))
+        if wanted is not None:
+            gateway, port = open_gateway(wanted, inner)
+            stack.callback(gateway.close)
+            state.properties["rtkit.tls_address"] = f"{wanted[0]}:{port}"
     finally:
         stack.callback(withdraw)
     state.properties["rtkit.address"] = f"{LOCAL}:{state.port}" if state.port else ""

@@ -1,4 +1,4 @@
-"""Supervises the process that opens a manager's TCP port: starts it, and another when it ends.
+"""Supervises a process that opens a port of a manager: starts it, and another when it ends.
 
 All sessions of a process share zenoh's threads, of which few accept connections and close them:
 thousands of connections to the TCP port kept clients of the Unix socket out for 20 s as long as
@@ -26,6 +26,7 @@ from rtkit.settings.configuration import TcpEndpointSettings
 
 _log = logging.getLogger(__name__)
 _MODULE = "rtkit.link.endpoint_process"
+_GATEWAY = "rtkit.manager.gateway.process"
 _READY = "ready"
 _TRIES = 5
 _START_S = 20.0
@@ -40,10 +41,14 @@ class TcpEndpoint:
 
     Args:
         inner: Endpoint of the manager's session behind it.
+        module: What the process runs.
+        kind: What the port is called in the log.
     """
 
-    def __init__(self, inner: str) -> None:
+    def __init__(self, inner: str, module: str = _MODULE, kind: str = "TCP") -> None:
         self._inner = inner
+        self._module, self._kind = module, kind
+        self._what = ""
         self._wanted = b""
         self._backoff = Backoff()
         self._closing = threading.Event()
@@ -53,15 +58,16 @@ class TcpEndpoint:
         self._end: socket.socket
         self._spawn()
 
-    def open(self, port: int, secret_file: str) -> None:
-        """Open a port of the loopback interface to those who know the secret.
+    def open(self, port: int, request: str) -> None:
+        """Open a port, as the module reads the request.
 
         Raises:
             Unreachable: The port is taken, or the manager cannot be reached behind it.
         """
-        self._wanted = f"{port} {secret_file}\n".encode()
+        self._wanted = f"{request}\n".encode()
+        self._what = f"{self._kind} port {port}"
         self._ask()
-        name = "tcp endpoint"
+        name = f"{self._kind} endpoint"
         self._thread = threading.Thread(target=self._supervise, name=name, daemon=True)
         self._thread.start()
 
@@ -83,7 +89,14 @@ class TcpEndpoint:
         ours, theirs = socket.socketpair()
         with theirs:
             theirs.set_inheritable(True)
-            arguments = [sys.executable, "-P", "-m", _MODULE, str(theirs.fileno()), self._inner]
+            arguments = [
+                sys.executable,
+                "-P",
+                "-m",
+                self._module,
+                str(theirs.fileno()),
+                self._inner,
+            ]
             environment = {"ZENOH_RUNTIME": _THREADS, **os.environ}
             self._pid = os.posix_spawn(sys.executable, arguments, environment)
         self._end = ours
@@ -97,7 +110,7 @@ class TcpEndpoint:
             left = max(0.0, deadline - time.monotonic())
             data = self._end.recv(4096) if select.select([self._end], [], [], left)[0] else b""
             if not data:
-                raise Unreachable(f"the process of the TCP port was not ready in {_START_S:g} s")
+                raise Unreachable(f"the process of {self._what} was not ready in {_START_S:g} s")
             received += data
         text = received.decode("utf-8", "replace").strip()
         if text != _READY:
@@ -117,12 +130,11 @@ class TcpEndpoint:
 
     def _supervise(self) -> None:
         """Start it again whenever it has ended."""
-        port = self._wanted.split()[0].decode()
         while True:
             how = self._reap()
             if self._closing.is_set():
                 return
-            _log.error("the process of TCP port %s ended: %s", port, how)
+            _log.error("the process of %s ended: %s", self._what, how)
             if self._closing.wait(self._backoff.end(time.monotonic())):
                 return
             with self._lock:
@@ -133,10 +145,10 @@ class TcpEndpoint:
             try:
                 self._ask()
             except (Unreachable, OSError) as error:
-                _log.error("TCP port %s cannot be opened: %s", port, error)
+                _log.error("%s cannot be opened: %s", self._what, error)
                 self._kill()
             else:
-                _log.warning("TCP port %s is open again", port)
+                _log.warning("%s is open again", self._what)
 
 
 def end_orphan(pid: int, inner: str) -> bool:
@@ -149,7 +161,8 @@ def end_orphan(pid: int, inner: str) -> bool:
     try:
         with open(f"/proc/{pid}/cmdline", "rb") as file:
             arguments = file.read().split(b"\0")
-        if pid == 0 or not {_MODULE.encode(), inner.encode()} <= set(arguments):
+        is_ours = {_MODULE.encode(), _GATEWAY.encode()} & set(arguments)
+        if pid == 0 or not is_ours or inner.encode() not in arguments:
             return False
         process = ProcessWatch(pid)
     except OSError:
@@ -180,7 +193,7 @@ def open_front(
         if not tcp_endpoint.is_free(port) and not _end_orphan_at(port, inner):
             break
         try:
-            endpoint.open(port, secret_file)
+            endpoint.open(port, f"{port} {secret_file}")
         except Unreachable:
             if tcp_endpoint.is_free(port):
                 raise  # it is not the port that is to blame
@@ -194,6 +207,29 @@ def open_front(
         raise Refused(f"{why}; choose another one with -p, or none with -a")
     warn(f"{why}: this manager has no TCP port; -p gives it one of its own, -a does without")
     return 0
+
+
+def open_gateway(wanted: tuple[str, int], inner: str) -> tuple[TcpEndpoint, int]:
+    """Open a port to those who show a certificate; return what closes it, and its number.
+
+    Args:
+        wanted: Address and port, 0 for any.
+        inner: Endpoint of the manager's session behind it.
+
+    Raises:
+        Refused: It cannot be opened; says why.
+    """
+    address, port = wanted
+    port = port or tcp_endpoint.free_port()
+    if not tcp_endpoint.is_free(port):
+        _end_orphan_at(port, inner)
+    gateway = TcpEndpoint(inner, _GATEWAY, "TLS")
+    try:
+        gateway.open(port, f"{address} {port}")
+    except Unreachable as error:
+        gateway.close()
+        raise Refused(f"TLS: {error}") from None
+    return gateway, port
 
 
 def _end_orphan_at(port: int, inner: str) -> bool:

@@ -96,11 +96,13 @@ def signer(signature: bytes, data: bytes, type: str) -> str:
 
 def _check_operator(owner: Any) -> None:
     """Refuse a certificate (`Issued`) that may not sign packages."""
+    from rtkit.keys.roles import includes
+
     if owner.revoked is not None:
         raise Refused(f"is signed by {owner.name}, whose certificate is revoked")
     if not owner.begins <= datetime.now(UTC) <= owner.ends:
         raise Refused(f"is signed by {owner.name}, whose certificate has expired")
-    if owner.role != "operator":
+    if not includes(owner.role, "operator"):
         raise Refused(f"is signed by {owner.name}, who is {owner.role or 'nothing'}, not operator")
 
 

@@ -100,6 +100,7 @@ manager.termination_waittime | 2 | number | live | grace of slaves between TERM 
 manager.local_service.modules | | list | - | managers have no plug-ins
 manager.local_service.enabled_services | ALL | list | - | managers have no plug-ins
 net.endpoints | all | list | start | TCP door: [localhost]:PORT, all for 2810, none for none
+net.tls | | text | start | port for certificates of rtkeys: [ADDRESS:]PORT (rtmgr start --tls)
 net.nameservers | localhost | list | - | there is no name server: each manager keeps the names
 net.master_manager | localhost:2810 | text | start | master to register with if is_master is NO
 net.args | | text | - | the transport takes no arguments
@@ -172,6 +173,7 @@ _READERS: Mapping[str, Callable[[str], object]] = {
     "net.master_manager": parse_address,
     "naming.formats": formats.check,
     "net.endpoints": values.endpoint,
+    "net.tls": values.tls_endpoint,
     "manager.restart": values.restart,
     "manager.restart.*": values.restart,
 }

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from ipaddress import ip_address
+
 from rtkit.deployment.supervision import restart_of
 from rtkit.errors import Malformed, Refused
 from rtkit.rtc.names import LOCAL
@@ -35,10 +37,31 @@ def endpoint(text: str) -> int | None:
         raise Malformed(f"not [{LOCAL}]:PORT, all or none: {text}")
     if host not in _LOOPBACK:
         raise Refused(
-            f"other hosts could reach {text}, which needs TLS and is not there yet;"
+            f"other hosts could reach {text}, which takes TLS (net.tls, rtmgr start --tls);"
             f" {LOCAL}:{port} can be had"
         )
     return int(port)
+
+
+def tls_endpoint(text: str) -> tuple[str, int] | None:
+    """Return address and port of ``[ADDRESS:]PORT`` (0 for any free one), None for ``none``.
+
+    Without an address it is loopback.
+
+    Raises:
+        Malformed: It cannot be read.
+    """
+    if text.strip().lower() in ("", "none", "no"):
+        return None
+    address, _, port = text.strip().rpartition(":")
+    bare = "127.0.0.1" if address in _LOOPBACK else address.strip("[]")
+    try:
+        shown = str(ip_address(bare))
+    except ValueError:
+        shown = ""
+    if not shown or not (port.isascii() and port.isdigit() and int(port) < 65536):
+        raise Malformed(f"not [ADDRESS:]PORT with a numeric address (0.0.0.0 is all): {text}")
+    return shown, int(port)
 
 
 def processors(text: str) -> frozenset[int]:

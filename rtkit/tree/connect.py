@@ -5,13 +5,17 @@ from __future__ import annotations
 import os
 from typing import TYPE_CHECKING
 
-from rtkit.errors import Unreachable
+from rtkit.errors import Refused, Unreachable
 from rtkit.link.places import host_name, manager_socket, owner, usual_manager
 from rtkit.tree.api import as_text
 from rtkit.tree.client import DEFAULT_TIMEOUT_S, Tree, bounded
 
 if TYPE_CHECKING:
     from rtkit.rtc.manager_address import Address
+
+_EMPTY_HELLO = b"\x16\x03\x01\x00\x04\x01\x00\x00\x00"
+_ALERT, _ALERT_S = b"\x15", 1.0
+"""How a greeting of TLS that holds nothing is answered, and within which time [s]."""
 
 
 def connect(
@@ -82,34 +86,43 @@ def near_of(tree: Tree) -> Tree:
     """Return a connection to the manager of this host that links the one of a tree.
 
     It is that tree itself where that is of this host; else it shares its link.
+
+    Raises:
+        Refused: There is no link, but a port of that host for certificates: no values pass there.
     """
     from rtkit.link import host_links
     from rtkit.rtc.names import is_local_host
 
-    if is_local_host(tree.host, host_name()) or not host_links.is_linked(tree.host):
+    if is_local_host(tree.host, host_name()):
         return tree
+    if not host_links.is_linked(tree.host):
+        why = f"values of ports take a link to it (rthost add {tree.host} USER@ADDRESS)"
+        raise Refused(f"manager {tree.manager} of host {tree.host} is reached over TLS: {why}")
     return Tree(tree.link, host_name(), host_links.read(tree.host).manager, tree.timeout_s)
 
 
 def connect_at(
     address: Address, timeout_s: float = DEFAULT_TIMEOUT_S, kind: type[Tree] = Tree
 ) -> Tree:
-    """Connect to the manager that listens at an address.
+    """Connect to the manager that listens at an address, with TLS where that is of another host.
 
     Raises:
         Unreachable: None of this user answers there, or another one than was meant.
-        Refused: The secret of this user cannot be used.
+        Refused: The secret or certificate of this user cannot be used.
+        NotFound: It takes a certificate, and there is none.
     """
     from rtkit.link import secret, tcp_endpoint
     from rtkit.link.zenoh import ZenohLink
     from rtkit.rtc.names import is_local_host
 
     if not is_local_host(address.host, host_name()):
-        raise Unreachable(f"managers of other hosts cannot be reached yet: {address}")
+        return _connect_secure(address, timeout_s, kind)
     try:
         session = tcp_endpoint.log_in(address.port, secret.read(), bounded(timeout_s))
     except Unreachable as error:
         if not tcp_endpoint.is_free(address.port):
+            if _takes_certificates(address):
+                return _connect_secure(address, timeout_s, kind)
             why = "is in use, and lets nobody in: it is busy, or no manager of this user"
             raise Unreachable(f"{address} {why}") from error
         hint = f"start one there with: rtmgr start NAME -p {address.port}"
@@ -122,6 +135,29 @@ def connect_at(
         session.close()  # type: ignore[no-untyped-call]
         raise
     return kind(ZenohLink(session), identity.host, identity.manager, timeout_s)
+
+
+def _takes_certificates(address: Address) -> bool:
+    """Return whether what listens at an address of this host speaks TLS."""
+    import socket
+
+    with socket.create_connection((address.host, address.port), _ALERT_S) as end:
+        end.settimeout(_ALERT_S)
+        try:
+            end.sendall(_EMPTY_HELLO)
+            return end.recv(1) == _ALERT
+        except OSError:
+            return False
+
+
+def _connect_secure(address: Address, timeout_s: float, kind: type[Tree]) -> Tree:
+    from rtkit.tree.secure_link import connect_secure
+
+    link, host, manager, id = connect_secure(address.host, address.port, bounded(timeout_s))
+    if address.id not in ("", id, manager):
+        link.close()
+        raise Unreachable(f"the manager at {address} is {manager}, not {address.id}")
+    return kind(link, host, manager, timeout_s)
 
 
 def connect_near(address: Address, timeout_s: float = DEFAULT_TIMEOUT_S) -> tuple[Tree, str]:

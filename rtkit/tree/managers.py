@@ -4,19 +4,28 @@ from __future__ import annotations
 
 import os
 import select
+import threading
 import time
 from collections.abc import Callable
+from contextlib import suppress
 from typing import NamedTuple
 
 from rtkit import fault
-from rtkit.errors import Unreachable
+from rtkit.errors import NotFound, Unreachable
 from rtkit.link import places
+from rtkit.rtc.names import is_local_host
 from rtkit.tree.client import bounded
 from rtkit.tree.connect import connect
 
 
 class Status(NamedTuple):
-    """Status that a running manager reports; uptime in [s]."""
+    """Status that a running manager reports; uptime in [s].
+
+    Attributes:
+        socket: Empty for one of another host.
+        address: Of its port for this user, empty if it has none.
+        tls: Of its port for certificates, likewise.
+    """
 
     pid: int
     uptime_s: float
@@ -24,6 +33,7 @@ class Status(NamedTuple):
     slaves: int
     socket: str
     address: str
+    tls: str = ""
 
 
 def name_at(address: str, timeout_s: float) -> str:
@@ -56,6 +66,23 @@ def stop(name: str, timeout_s: float, *, is_kept: bool = False) -> None:
                 raise Unreachable(f"manager {name!r} did not end within {timeout_s:g} s")
         finally:
             os.close(pidfd)
+
+
+def stop_at(address: str, timeout_s: float, *, is_kept: bool = False) -> None:
+    """Stop the manager of another host at an address, and return when it has hung up.
+
+    Raises:
+        Refused: This user may not.
+        Unreachable: It cannot be reached, or did not end in time.
+    """
+    over = threading.Event()
+    with connect(address, timeout_s) as tree:
+        end = tree.notice(lambda is_there: None if is_there else over.set())
+        tree.set("stop", "keep" if is_kept else "")
+        has_ended = over.wait(bounded(timeout_s))
+        end()
+    if not has_ended:
+        raise Unreachable(f"the manager at {address} did not end within {timeout_s:g} s")
 
 
 def restart(
@@ -97,11 +124,19 @@ def status(name: str, timeout_s: float) -> Status:
     Raises:
         Unreachable: It does not run, or does not answer in time.
     """
+    tls = ""
     with connect(name, timeout_s) as tree:
         listing = tree.listing()
-        # Of one host, so this clock is the same; that of the wall may have been set meanwhile.
-        now_s = time.clock_gettime(time.CLOCK_BOOTTIME)
-        uptime_s = now_s - float(tree.get("manager.started_after_boot"))
-        address = tree.get("rtkit.address")
-    socket = places.manager_socket(name)
-    return Status(listing.pid, uptime_s, len(listing.rows), len(listing.slaves), socket, address)
+        if is_local_host(tree.host, places.host_name()):
+            # The same clock, and that of the wall may have been set meanwhile.
+            now_s = time.clock_gettime(time.CLOCK_BOOTTIME)
+            uptime_s = now_s - float(tree.get("manager.started_after_boot"))
+            address, socket = tree.get("rtkit.address"), places.manager_socket(tree.manager)
+        else:
+            uptime_s = max(0.0, time.time() - float(tree.get("manager.started")))
+            address, socket = "", ""
+        with suppress(NotFound):  # of a manager that is older than its commands
+            tls = tree.get("rtkit.tls_address")
+    return Status(
+        listing.pid, uptime_s, len(listing.rows), len(listing.slaves), socket, address, tls
+    )

@@ -44,6 +44,11 @@ def manager_of(path: Path) -> str:
     return name if os.path.exists(manager_socket(name)) else ""
 
 
+def is_far_address(host: str) -> bool:
+    """Return whether a step of a path is the address of a manager on another host."""
+    return is_address(host) and not is_local_host(host, host_name())
+
+
 def check_is_here(path: Path, what: str) -> None:
     """Refuse a path to a linked host, for what is done only on this one.
 
@@ -51,7 +56,7 @@ def check_is_here(path: Path, what: str) -> None:
         Refused: It leads there; says that `what` is not possible.
     """
     host = path.elements[0] if path.elements else ""
-    if host and not is_local_host(host, host_name()) and is_linked(host):
+    if is_far_address(host) or (host and not is_local_host(host, host_name()) and is_linked(host)):
         raise Refused(f"{path.typed} is on host {host}: {what} only on this host so far")
 
 
@@ -109,6 +114,9 @@ def root_for(tree: Callable[[], Tree], path: Path, *, is_deep: bool) -> tuple[Tr
     root = build(listing)
     if path.elements and manager_of(path).partition("/")[1]:
         root.children[LOCAL].name = listing.host
+        return root, listing.host
+    if path.elements and is_far_address(path.elements[0]):
+        root.children[LOCAL].name = path.elements[0]
         return root, listing.host
     add_others(root, asked, path, is_deep=is_deep)
     return root, listing.host
@@ -259,6 +267,8 @@ def shown(name: str, manager: str, place: str) -> str:
     far, slash, _ = place.partition("/")
     if slash:
         return f"/{far}/{rest}"
+    if is_far_address(place):
+        return f"/{place}/{rest}"
     if manager == usual_manager() or not is_local_host(host, host_name()):
         return f"/{name}"
     return f"/{place}/{rest}" if is_address(place) else ""

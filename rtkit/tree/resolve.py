@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 from rtkit.errors import Malformed, NotFound, Refused
+from rtkit.rtc.manager_address import is_address
 from rtkit.rtc.names import COMPONENT_SUFFIX, LOCAL, MANAGER_SUFFIX, Path, is_local_host
 from rtkit.tree.view import NodeKind, TreeNode
 
@@ -13,16 +14,23 @@ def find(root: TreeNode, path: Path, hostname: str) -> TreeNode | None:
     """Return the node at `path`, or None; `hostname` is the machine that ``localhost`` means."""
     node: TreeNode | None = root
     for depth, element in enumerate(path.elements):
-        name = LOCAL if depth == 0 and is_local_host(element, hostname) else element
+        name = _first(root, element, hostname) if depth == 0 else element
         node = node.children.get(name) if node is not None else None
     return node
+
+
+def _first(root: TreeNode, host: str, hostname: str) -> str:
+    """Return the name of a host in a tree: who was asked at an address is the local one there."""
+    if is_local_host(host, hostname):
+        return LOCAL
+    return LOCAL if host not in root.children and is_address(host) else host
 
 
 def absent(root: TreeNode, path: Path, hostname: str) -> NotFound:
     """Return the error that nothing is at `path`, with what may have been meant by it."""
     node = root
     for depth, element in enumerate(path.elements):
-        name = LOCAL if depth == 0 and is_local_host(element, hostname) else element
+        name = _first(root, element, hostname) if depth == 0 else element
         below = node.children.get(name)
         if below is None:
             meant = _base_is_gone(path, depth) or _meant(path, element, node)

@@ -127,8 +127,8 @@ def test_what_others_set_is_on_record(own: str, served: ServedObject) -> None:
     assert [(each["name"], each["role"], each["what"], each["result"].split(":")[0])
             for each in lines] == [
         ("anna", "viewer", "SET robot.count", "denied"),
-        ("owner1", "operator", "SET robot.count", "done"),
-        ("owner1", "operator", "SET robot.password", "unknown"),
+        ("owner1", "administrator", "SET robot.count", "done"),
+        ("owner1", "administrator", "SET robot.password", "unknown"),
     ]  # fmt: skip
     assert {each["address"] for each in lines} == {"127.0.0.1"}
     assert "hunter2" not in text

@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 WORDS = ("start", "stop", "restart", "status", "run", "install", "uninstall", "dump", "replay")
 _OF_START = "start, run and install"
 _ORDER = "rtkit.order"
-_FOR_START = "-f, -o, -p, -a, -i and --allow-faults"
+_FOR_START = "-f, -o, -p, -a, -i, --tls and --allow-faults"
 
 
 class _InOrder(click.Command):
@@ -109,6 +109,7 @@ def main(
         "-p --port PORT", "start: TCP port (default 2810); 0 for any.", click.IntRange(0, 65535)
     ),
     no_door: bool = flag("-a --no-door", "start: no TCP port at all."),
+    tls: str = option("--tls [ADDRESS:]PORT", "start: port for certificates (rtkit keys)."),
     lenient: bool = flag("-i --lenient", "start: the file may be missing."),
     allow_faults: bool = flag("--allow-faults", "start: root's manager heeds RTKIT_FAULT."),
     options: WordOptions = together(WordOptions),
@@ -139,6 +140,10 @@ def main(
     can read it; it holds what components, properties and configurations hold, but for texts that
     are named like a password, a secret or a token.
 
+    With --tls managers are reached from other hosts, as /ADDRESS:PORT, by who shows a certificate
+    (rtkit keys): a viewer looks, an operator changes states, configurations and connections of what
+    is there, an administrator makes and ends things.
+
     A manager in the foreground ends in order at Ctrl-C, when its terminal is closed, and at
     Ctrl-\ after telling where each thread is; a second Ctrl-C ends it at once.
 
@@ -149,7 +154,7 @@ def main(
     """
     asked = click.get_current_context().meta[_ORDER]
     faults = [f"{fault.ALLOW_KEY}:YES"] if allow_faults else []
-    overrides = (*given, *_endpoint(port, no_door), *faults)
+    overrides = (*given, *_endpoint(port, no_door, tls), *faults)
     is_configured = bool(file or overrides or lenient)
     if words and words[0] in WORDS:
         if words[0] == "install" and is_json and is_printing:
@@ -225,12 +230,13 @@ def _at_address(app: App, typed: str) -> TreeNode:
     return node
 
 
-def _endpoint(port: int | None, no_door: bool) -> list[str]:
+def _endpoint(port: int | None, no_door: bool, tls: str) -> list[str]:
     if no_door and port is not None:
         raise UsageProblem("a port (-p) and no port at all (-a) exclude each other")
+    secure = [f"net.tls:{tls}"] if tls else []
     if no_door:
-        return ["manager.net_servant:NO"]
-    return [] if port is None else [f"net.endpoints:localhost:{port}"]
+        return ["manager.net_servant:NO", *secure]
+    return secure if port is None else [f"net.endpoints:localhost:{port}", *secure]
 
 
 def _check_word(

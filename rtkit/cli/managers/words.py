@@ -44,7 +44,10 @@ def run_word(
         return _launch(app, word, typed, wanted, options, shows)
     chosen = typed or places.usual_manager()
     from rtkit.tree import managers
+    from rtkit.tree.place import is_far_address
 
+    if is_far_address(chosen):
+        return _run_far(app, word, chosen, options, shows, file)
     if is_address(chosen):
         chosen = managers.name_at(chosen, app.timeout_s)
     check_instance_name(chosen)
@@ -61,6 +64,21 @@ def run_word(
         dump(app, chosen, file)
     else:
         _print_status(chosen, managers.status(chosen, app.timeout_s), shows == "json")
+    return 0
+
+
+def _run_far(app: App, word: str, address: str, options: WordOptions, shows: str, file: str) -> int:
+    """Stop, dump or report on the manager of another host at a port for certificates."""
+    from rtkit.tree import managers
+
+    if word == "stop":
+        managers.stop_at(address, app.timeout_s, is_kept=options.is_kept)
+    elif word == "status":
+        _print_status(address, managers.status(address, app.timeout_s), shows == "json")
+    elif word == "dump":
+        dump(app, address, file or f"{address.replace(':', '_')}.dump")
+    else:
+        raise Refused(f"{address} is on another host: {word} can be had on that host only")
     return 0
 
 
@@ -169,7 +187,7 @@ def _report_start(app: App, name: str, started: Started) -> None:
 
 def _print_status(name: str, status: Status, is_json: bool) -> None:
     if is_json:
-        record = json_records.picked(status, "pid uptime_s components slaves socket address")
+        record = json_records.picked(status, "pid uptime_s components slaves socket address tls")
         terminal.write([json_records.line("manager-status", {"name": name, **record})])
         return
     rows = [
@@ -178,8 +196,9 @@ def _print_status(name: str, status: Status, is_json: bool) -> None:
         ("Uptime", f"{status.uptime_s:.0f} s"),
         ("Components", str(status.components)),
         ("Slaves", str(status.slaves)),
-        ("Socket", status.socket),
+        ("Socket", status.socket or "on its host"),
         ("Address", status.address or "none (-p gives a manager one when it starts)"),
+        *([("TLS", status.tls)] if status.tls else []),
     ]
     terminal.write(terminal.pairs(rows, ""))
 

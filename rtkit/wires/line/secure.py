@@ -19,7 +19,7 @@ from rtkit.wires.secure import SecureAcceptor, SecureClient, SecureStream, conne
 _IDENTITY = "door/identity"
 
 
-class _Entered(Login):
+class Entered(Login):
     """Answers what is asked of the endpoint itself: its client is known by its certificate."""
 
     def __init__(self, services: Iterable[str]) -> None:
@@ -58,7 +58,7 @@ def open_tcps(host: PropertyEventLoop, service: str, address: str, port: int) ->
     end = bound_to(port, address)
 
     def client(stream: SecureStream, quota: EndpointQuota) -> SecureConnection:
-        return SecureConnection(host, stream, service, "", _Entered(host.services), quota)
+        return SecureConnection(host, stream, service, "", Entered(host.services), quota)
 
     SecureAcceptor(host, end, trust, "tcps", client)
     return int(end.getsockname()[1])

@@ -52,7 +52,7 @@ def test_certificates_are_listed_with_role_and_time(run: Run) -> None:
     ] == [
         ("anna", "viewer", False, []),
         ("bot", "component", True, ["bot.local", "10.0.0.7"]),
-        ("owner1", "operator", True, ["localhost", "desk", "127.0.0.1", "::1"]),
+        ("owner1", "administrator", True, ["localhost", "desk", "127.0.0.1", "::1"]),
     ]  # fmt: skip
     assert "warning: bot ends in 8 days" in done.err
     shown = run("rtkeys list").out.splitlines()
@@ -72,7 +72,7 @@ def test_certificates_are_listed_with_role_and_time(run: Run) -> None:
         ("rtkeys issue b --role viewer --host 'a b'", "not the name or address"),
         ("rtkeys issue b --role viewer --days 9999", "the CA itself ends"),
         ("rtkeys issue b --role viewer -o /nowhere/x", "no such folder: /nowhere"),
-        ("rtkeys issue owner1 --role viewer", "owner1 is operator"),
+        ("rtkeys issue owner1 --role viewer", "owner1 is administrator"),
         ("rtkeys revoke owner", "did you mean owner1?"),
         ("RTKIT_KEYS=none rtkeys issue b --role viewer", "rtkit keys init"),
         ("RTKIT_KEYS=none rtkeys list", "no keys:"),

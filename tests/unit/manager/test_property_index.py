@@ -58,6 +58,7 @@ SHOWN_BY = {
         "test_a_slave_that_does_not_hear_is_killed_after_a_grace",
     ),
     "net.endpoints": ("test_manager_endpoints.py", "test_a_free_port_is_found_and_told"),
+    "net.tls": ("test_managers_over_tls.py", "test_without_keys_or_port_no_manager_starts"),
     "net.master_manager": (
         "test_manager_endpoints.py",
         "test_a_slave_manager_registers_with_its_master",

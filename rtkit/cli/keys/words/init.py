@@ -22,7 +22,7 @@ def main(
     hosts: tuple[str, ...] = several("--host HOST", "Name or address of this host (repeatable)."),
     words: tuple[str, ...] = arguments(""),
 ) -> None:
-    """Make a private CA, and a certificate of this user with the role operator.
+    """Make a private CA, and a certificate of this user with the role administrator.
 
     What is there already is never overwritten. The key of the CA stays where it is made: whoever
     has it can let others in.

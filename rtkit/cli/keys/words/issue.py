@@ -7,7 +7,7 @@ from rtkit.cli.shared.app import App, WrongArguments
 from rtkit.cli.shared.command import command
 from rtkit.cli.shared.options import COUNT, WordChoice, arguments, option, several
 
-_ROLES = ("operator", "viewer", "component")
+_ROLES = ("administrator", "operator", "viewer", "component")
 
 
 @command(
@@ -23,7 +23,8 @@ def main(
     app: App,
     role: str = option(
         "--role ROLE",
-        "operator may SET, viewer only GET, component SET what rules allow it.",
+        "viewer may GET, operator SET too, administrator make and end components; "
+        "component SET what rules allow it.",
         WordChoice("role", _ROLES),
         required=True,
     ),

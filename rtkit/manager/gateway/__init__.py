@@ -1,0 +1,1 @@
+"""Gateway of a manager for other hosts: requests over mutual TLS, as far as a role goes."""

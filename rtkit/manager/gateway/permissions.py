@@ -1,0 +1,102 @@
+"""Permissions of other hosts at a manager: what a request is, in words, and the role it takes.
+
+Whoever makes components runs code of this user, so that takes an administrator; an operator has
+those change that are there; a viewer looks. What is not named here takes an administrator, or is
+for nobody on another host.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from typing import NamedTuple
+
+from rtkit.deployment import actions as act
+from rtkit.deployment.actions import Action
+from rtkit.deployment.batch import batch_from_text
+from rtkit.errors import Malformed, Refused
+from rtkit.keys.roles import includes
+
+VIEWER, OPERATOR, ADMINISTRATOR = "viewer", "operator", "administrator"
+_OF_OPERATORS = (
+    act.ActivateSet, act.ChangeState, act.Connect, act.Disconnect, act.RemoveSet,
+    act.SetParameters, act.SetRate, act.Tick,
+)  # fmt: skip
+_VIEWS = ("listing", "snapshot", "part", "picture", "events", "lease", "line")
+_NOT_FROM_AFAR = {
+    "@/restart": "rtmgr restart",
+    "@x/lease": "a plan of several steps",
+    "@x/half": "a half of a connector",
+}
+"""What a manager does only for programs of its own host, whose processes it watches."""
+_NAME = re.compile(r"@x?(/[^/*$?#\s\x00-\x1f]+)+(\?id=[0-9a-f-]{1,64})?")
+_LONGEST = 1000
+_MOST_NAMED = 3
+
+
+class Permission(NamedTuple):
+    """Permission that a request to a manager takes.
+
+    Attributes:
+        role: The least that may send it.
+        what: Names it to people.
+    """
+
+    role: str
+    what: str
+
+
+def permission(name: str, payload: str | None) -> Permission:
+    """Return what a request takes.
+
+    Args:
+        name: Its key below that of the manager: ``@/manager.pid``, ``@x/listing``.
+        payload: Of a SET; None for a GET.
+
+    Raises:
+        Malformed: It is none.
+        Refused: It is for nobody on another host.
+    """
+    if len(name) > _LONGEST or not _NAME.fullmatch(name):
+        raise Malformed(f"not a property of a manager: {name[:80]!r}")
+    name = name.partition("?")[0]
+    mark, _, rest = name.partition("/")
+    if name in _NOT_FROM_AFAR and (payload is not None or name == "@x/half"):
+        raise Refused(f"{_NOT_FROM_AFAR[name]} can be had on the manager's own host only")
+    if name == "@/batch" and payload is not None:
+        return _of_batch(batch_from_text(payload).actions)
+    if mark == "@x":
+        is_view = payload is None and rest.partition("/")[0] in _VIEWS
+        return Permission(VIEWER if is_view else ADMINISTRATOR, f"get {rest}")
+    if payload is None or rest == "get_components_by_name":
+        return Permission(VIEWER, f"get {rest}")
+    return Permission(ADMINISTRATOR, f"set {rest}")
+
+
+def _of_batch(actions: Sequence[Action]) -> Permission:
+    """Return what a batch takes, named by those of its actions that take most."""
+    found = [_of_action(action) for action in actions]
+    role = VIEWER
+    for each in found:
+        role = role if includes(role, each.role) else each.role
+    named = [each.what for each in found if each.role == role]
+    more = len(named) - _MOST_NAMED
+    words = ", ".join(named[:_MOST_NAMED]) + (f" and {more} more" if more > 0 else "")
+    return Permission(role, words or "do nothing")
+
+
+def _of_action(action: Action) -> Permission:
+    role = OPERATOR if isinstance(action, _OF_OPERATORS) else ADMINISTRATOR
+    if isinstance(action, act.ChangeState):
+        return Permission(role, f"{action.transition} {_shown(action.instance)}")
+    if isinstance(action, act.Connect):
+        ports = " and ".join(str(each) for each in action.connector.ports)
+        return Permission(role, f"connect {_shown(ports)}")
+    verb = re.sub(r"(?<=[a-z])(?=[A-Z])", " ", type(action).__name__).lower()
+    # Properties behind the type of what is made may be secrets.
+    whom = str(getattr(action, type(action).__match_args__[0]))
+    return Permission(role, f"{verb} {_shown(whom.partition('?')[0])}")
+
+
+def _shown(text: str) -> str:
+    return "".join(c if c.isprintable() else "?" for c in text)[:60]

@@ -1,0 +1,448 @@
+"""Managers reached from another host over mutual TLS: who may do what, and that the port lives on.
+
+The other host is one by its name, folders and keys; its manager listens at 127.0.0.2.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import os
+import signal
+import socket
+import ssl
+import threading
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from forked import Commands
+from shells import Outcome, Shell, opened_shell
+from waiting import until
+
+from rtkit.errors import Refused, RtkitError
+from rtkit.keys import authority
+from rtkit.keys.authority import issue, revoke
+from rtkit.link.processes import stat_of
+from rtkit.property.codes import PropertyError
+from rtkit.property.messages import Answer
+from rtkit.tree.secure_link import IDENTITY
+from rtkit.wires.line.client import LineClient
+from rtkit.wires.secure import connected
+
+AT = "127.0.0.2"
+BOUND_S = 20.0
+FLOOD = 300
+
+
+class Robot:
+    """The other host: commands there, and at its port as somebody."""
+
+    def __init__(self, shell: Shell) -> None:
+        self.shell = shell
+        self.keys = str(shell.folder / "keys")
+        self.port = 0
+        for name in ("robot.run", "robot.state"):
+            (shell.folder / name).mkdir(mode=0o700)
+        with pytest.MonkeyPatch.context() as patch:
+            patch.setenv("RTKIT_KEYS", self.keys)
+            authority.init("owner1", ["localhost"])
+            issue("robot1", "component", [AT], 30, f"{self.keys}.robot1")
+            for name, role in (("anna", "viewer"), ("bert", "operator"), ("carl", "component")):
+                issue(name, role, [], 30, f"{self.keys}.{name}")
+
+    @property
+    def path(self) -> str:
+        return f"/{AT}:{self.port}"
+
+    @contextlib.contextmanager
+    def _with(self, **more: str) -> Iterator[None]:
+        before = dict(self.shell.environment)
+        self.shell.environment.update(more)
+        yield
+        self.shell.environment = before
+
+    def there(self, line: str) -> Outcome:
+        """Run a command on the robot."""
+        folder = self.shell.folder
+        with self._with(
+            RTKIT_HOSTNAME="robot1", RTKIT_KEYS=f"{self.keys}.robot1",
+            RTKIT_RUNTIME_DIR=f"{folder}/robot.run", RTKIT_STATE_DIR=f"{folder}/robot.state",
+        ):  # fmt: skip
+            return self.shell.run(line)
+
+    def port_of(self, manager: str) -> int:
+        told = json.loads(self.there(f"rtmgr status --json {manager}").out)["tls"]
+        return int(told.rpartition(":")[2])
+
+    def by(self, who: str, line: str) -> Outcome:
+        """Run a command on this host, with the keys of somebody; AT stands for the robot."""
+        keys = self.keys + (f".{who}" if who != "owner1" else "")
+        with self._with(RTKIT_KEYS=keys):
+            return self.shell.run(line.replace("AT", self.path))
+
+    @contextlib.contextmanager
+    def connected(self, who: str) -> Iterator[LineClient]:
+        with pytest.MonkeyPatch.context() as patch:
+            patch.setenv("RTKIT_KEYS", self.keys + (f".{who}" if who != "owner1" else ""))
+            client = LineClient(connected(AT, self.port, BOUND_S), BOUND_S)  # type: ignore[arg-type]
+        with client:
+            yield client
+
+    def raw(self) -> socket.socket:
+        end = socket.create_connection((AT, self.port), BOUND_S)
+        end.settimeout(BOUND_S)
+        return end
+
+    def is_alive(self) -> bool:
+        done = self.by("anna", "rtls AT/manager.mgr/")
+        return (done.status, done.err) == (0, "")
+
+    def record(self) -> list[dict[str, str]]:
+        text = (self.shell.folder / "robot.state/audit.jsonl").read_text(encoding="utf-8")
+        return [json.loads(line) for line in text.splitlines()]
+
+
+@pytest.fixture(scope="module")
+def robot(commands: Commands) -> Iterator[Robot]:
+    with opened_shell(commands) as shell:
+        robot = Robot(shell)
+        assert robot.there(f"rtmgr start -a --tls {AT}:0") == (0, "", "")
+        robot.port = robot.port_of("manager")
+        assert robot.there("rtmgr -c ConsoleIn -c ConsoleOut /localhost/manager.mgr").err == ""
+        yield robot
+        assert robot.there("rtmgr stop") == (0, "", "")
+
+
+# Who may do what
+
+LOOKS = ("rtls -l AT", "rtls -R AT", "rtcat AT/ConsoleIn0.rtc",
+         "rtconf AT/ConsoleIn0.rtc", "rtget AT/ConsoleIn0.rtc.state")  # fmt: skip
+CHANGES = {
+    "rtact AT/ConsoleIn0.rtc": "activate ConsoleIn0",
+    "rtdeact AT/ConsoleIn0.rtc": "deactivate ConsoleIn0",
+    "rtconf AT/ConsoleIn0.rtc set values 1": "set parameters ConsoleIn0, activate set ConsoleIn0",
+    "rtcon -i c1 AT/ConsoleIn0.rtc:out AT/ConsoleOut0.rtc:in":
+        "connect ConsoleIn0.out and ConsoleOut0.in",
+    "rtdis -i c1 AT/ConsoleIn0.rtc:out": "disconnect c1",
+}  # fmt: skip
+MAKES = {
+    "rtmgr -c 'ConsoleIn?instance_name=New&password=hunter2' AT/manager.mgr": "create ConsoleIn",
+    "rtmgr -d New AT/manager.mgr": "delete New",
+    "rtmgr -l ./nothing.py:init AT/manager.mgr": "load ",
+    "rtmgr -s a.b=c AT/manager.mgr": "set a.b",
+    "rtmgr --fork AT/manager.mgr": "set fork",
+}
+
+
+def test_each_role_does_what_it_may_and_no_more(robot: Robot) -> None:
+    for line in LOOKS:
+        for who in ("anna", "bert", "carl", "owner1"):
+            done = robot.by(who, line)
+            assert (done.status, done.err) == (0, ""), (who, line)
+    for line, what in CHANGES.items():
+        for who, role in (("anna", "viewer"), ("carl", "component")):
+            done = robot.by(who, line)
+            assert done.status == 1
+            assert f"denied: {who} ({role}) may not {what}: it takes operator" in done.err
+        done = robot.by("bert", line)
+        assert (done.status, done.err) == (0, ""), line
+    for line, what in MAKES.items():
+        done = robot.by("bert", line)
+        assert done.status == 1
+        assert f"denied: bert (operator) may not {what}" in done.err
+        assert "it takes administrator" in done.err
+    for line in list(MAKES)[:2]:
+        assert robot.by("owner1", line).err == ""
+
+
+def test_what_is_done_and_denied_is_on_record(robot: Robot) -> None:
+    begun = len(robot.record()) if (robot.shell.folder / "robot.state/audit.jsonl").exists() else 0
+    robot.by("anna", "rtls AT")
+    robot.by("anna", "rtact AT/ConsoleIn0.rtc")
+    robot.by("bert", "rtreset AT/ConsoleIn0.rtc")
+    robot.by("owner1", "rtmgr -c 'ConsoleIn?instance_name=X&password=hunter2' AT/manager.mgr")
+    robot.by("owner1", "rtmgr -d X AT/manager.mgr")
+    lines = robot.record()[begun:]
+    assert [(each["name"], each["what"], each["result"].split(":")[0]) for each in lines] == [
+        ("anna", "activate ConsoleIn0 at manager", "denied"),
+        ("bert", "reset ConsoleIn0 at manager", "done"),
+        ("owner1", "create ConsoleIn at manager", "done"),
+        ("owner1", "delete X at manager", "done"),
+    ]
+    assert {each["wire"] for each in lines} == {"tls"}
+    assert "hunter2" not in str(lines)
+
+
+def test_a_batch_takes_the_role_of_its_greatest_action(robot: Robot) -> None:
+    mixed = json.dumps({"actions": [
+        {"do": "ChangeState", "instance": "ConsoleIn0", "context": "0", "transition": "activate"},
+        {"do": "Delete", "instance": "ConsoleOut0"},
+    ], "ordered": True, "timeout": 5})  # fmt: skip
+    with robot.connected("bert") as client:
+        answer = client.ask("%40%2Fbatch", mixed)
+    assert answer == Answer(
+        "bert (operator) may not delete ConsoleOut0: it takes administrator", "denied"
+    )
+    assert "Inactive" in robot.by("anna", "rtls -l AT").out
+
+
+ODD = {
+    "%40%2F**": "malformed", "%40%2F": "malformed", "%40x%2F%2A": "malformed", "": "malformed",
+    "..%2Fother%2F%40%2Fmanager.pid": "malformed", "manager.pid": "malformed", "%FF": "malformed",
+    "%40x%2Fhalf": "refused", "%40x%2Fdump": "denied", "%40x%2Flacking": "denied",
+    "%40%2Fmanager.pid%00": "malformed", "%40%2F" + "a" * 2000: "malformed",
+    "%40x%2Fsnapshot.listen": "denied", "%40%2Fno.such": "not-found",
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("target", ODD)
+def test_odd_requests_are_answered_and_no_more(robot: Robot, target: str) -> None:
+    with robot.connected("bert") as client:
+        answer = client.ask(target, "self" if target.endswith(".listen") else None)
+        assert answer.error == ODD[target], answer
+        assert client.ask("%40%2Fmanager.instance_name") == Answer("manager")
+
+
+@pytest.mark.parametrize("name", ["restart", "x/half", "x/lease"])
+def test_what_is_for_programs_of_its_own_host_is_for_nobody_else(robot: Robot, name: str) -> None:
+    target = f"%40{'%2F' * (name == 'restart')}{name.replace('/', '%2F')}"
+    with robot.connected("owner1") as client:
+        assert client.ask(target, "{}").error == "refused"
+
+
+RUBBISH = {
+    "no json": "]", "deep": "[" * 200_000, "no batch": "{}", "long": "9" * (3 << 20),
+    "unknown": '{"actions": [{"do": "Explode"}], "ordered": true, "timeout": 1}',
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("text", RUBBISH.values(), ids=RUBBISH)
+def test_rubbish_in_a_batch_is_refused(robot: Robot, text: str) -> None:
+    with robot.connected("owner1") as client:
+        assert client.ask("%40%2Fbatch", text).error in ("malformed", "internal")
+        assert client.ask("%40%2Fmanager.instance_name") == Answer("manager")
+
+
+def test_a_request_that_is_too_large_ends_its_connection_only(robot: Robot) -> None:
+    with robot.connected("owner1") as client, contextlib.suppress(RtkitError):
+        assert client.ask("%40%2Fbatch", "{" + "9" * (5 << 20)).error == "too-large"
+    assert robot.is_alive()
+
+
+# Strangers
+
+
+def test_no_certificate_is_let_in(robot: Robot) -> None:
+    context = ssl.create_default_context(cafile=f"{robot.keys}/ca.crt")
+    with (
+        context.wrap_socket(robot.raw(), server_hostname=AT) as tls,
+        pytest.raises((ssl.SSLError, ConnectionError)),
+    ):
+        _asked(tls)
+    assert robot.by("nobody", "rtls AT").err.startswith(
+        f"rtls: {robot.path[1:]} is on another host: no keys: "
+    )
+    assert robot.is_alive()
+
+
+def _asked(tls: ssl.SSLSocket) -> bytes:
+    tls.sendall(f"GET {IDENTITY}\n".encode())
+    return tls.recv(100)
+
+
+def test_another_ca_is_let_in_nowhere(robot: Robot) -> None:
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("RTKIT_KEYS", f"{robot.keys}.eve")
+        authority.init("eve", ["localhost", AT])
+    done = robot.by("eve", "rtls AT")
+    assert (done.status, done.out) == (1, "")
+    assert "is not trusted" in done.err
+    # One that takes this CA for good, but has no certificate of it.
+    for name in ("ca.crt", "revoked.crl"):
+        Path(f"{robot.keys}.eve", name).write_bytes(Path(robot.keys, name).read_bytes())
+    done = robot.by("eve", "rtls AT")
+    assert (done.status, done.out) == (1, "")
+    assert "it does not know the CA" in done.err or "it wants a certificate" in done.err
+    assert robot.is_alive()
+
+
+def test_who_is_revoked_is_cut_and_comes_in_no_more(robot: Robot) -> None:
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("RTKIT_KEYS", robot.keys)
+        issue("dora", "operator", [], 30, f"{robot.keys}.dora")
+        with robot.connected("dora") as client:
+            assert client.ask("%40%2Fmanager.instance_name") == Answer("manager")
+            revoke("dora")
+            told = Path(robot.keys, "revoked.crl").read_bytes()
+            Path(f"{robot.keys}.robot1", "revoked.crl").write_bytes(told)
+            with pytest.raises(RtkitError, match="ended"):
+                client.event(BOUND_S)
+    done = robot.by("dora", "rtls AT")
+    assert (done.status, done.out) == (1, "")
+    assert "denied: the certificate of dora is revoked" in done.err
+    assert robot.is_alive()
+
+
+def test_the_port_is_open_to_nobody_who_is_not_named_in_its_certificate(robot: Robot) -> None:
+    """127.0.0.3 leads nowhere; ``localhost`` is not what robot1 was issued for."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("RTKIT_KEYS", robot.keys)
+        real = socket.create_connection
+        patch.setattr(socket, "create_connection", lambda _at, *more: real((AT, robot.port), *more))
+        with pytest.raises(PropertyError, match="is not trusted"):
+            connected("robot9", robot.port, BOUND_S)
+
+
+# The port lives on
+
+
+def _ends(end: socket.socket) -> None:
+    with contextlib.suppress(ConnectionError):
+        while end.recv(4096):
+            pass
+
+
+def test_broken_handshakes_do_not_close_the_port(robot: Robot) -> None:
+    """As many as shut the listener of the transport itself: it reads none of them."""
+    hello = ssl.MemoryBIO()
+    tls = ssl.create_default_context().wrap_bio(ssl.MemoryBIO(), hello, server_hostname=AT)
+    with contextlib.suppress(ssl.SSLWantReadError):
+        tls.do_handshake()
+    greeting = hello.read()
+    for number in range(FLOOD):
+        with robot.raw() as end:
+            said = (
+                b"",
+                b"\0",
+                b"GET / HTTP/1.1\r\n\r\n",
+                greeting[: number % len(greeting)],
+                greeting,
+            )
+            with contextlib.suppress(OSError):
+                end.sendall(said[number % len(said)])
+    assert robot.is_alive()
+
+
+def test_handshakes_that_never_end_keep_nobody_out(robot: Robot) -> None:
+    with contextlib.ExitStack() as ends:
+        for _ in range(FLOOD):
+            ends.enter_context(robot.raw()).sendall(b"\x16\x03\x01\x02\x00\x01")
+        assert robot.is_alive()
+    assert robot.is_alive()
+
+
+def test_a_handshake_byte_by_byte_holds_up_nobody(robot: Robot) -> None:
+    with robot.raw() as slow:
+        over = threading.Event()
+
+        def drip() -> None:
+            with contextlib.suppress(OSError):
+                for byte in b"\x16\x03\x01\x02\x00\x01" + bytes(500):
+                    if over.wait(0.01):
+                        return
+                    slow.sendall(bytes([byte]))
+
+        thread = threading.Thread(target=drip)
+        thread.start()
+        assert robot.is_alive()
+        over.set()
+        thread.join()
+
+
+def _pid(robot: Robot) -> int:
+    return int(json.loads(robot.there("rtmgr status --json manager").out)["pid"])
+
+
+def _gateway(robot: Robot) -> int:
+    manager = _pid(robot)
+    for each in Path("/proc").glob("[0-9]*"):
+        with contextlib.suppress(OSError):
+            words = (each / "cmdline").read_bytes()
+            fields = stat_of(int(each.name))
+            if b"rtkit.manager.gateway.process" in words and fields and int(fields[1]) == manager:
+                return int(each.name)
+    raise AssertionError("no process of the port")
+
+
+def test_a_gateway_that_is_killed_comes_again(robot: Robot) -> None:
+    gateway = _gateway(robot)
+    os.kill(gateway, signal.SIGKILL)
+    until(lambda: robot.by("anna", "rtls AT").status == 0, "the port is open again")
+    assert _gateway(robot) != gateway
+
+
+# What else commands do there
+
+
+def test_what_happens_there_is_told(robot: Robot) -> None:
+    with robot._with(RTKIT_KEYS=f"{robot.keys}.anna"):
+        watch = robot.shell.open(f"rtwatch -v -n 1 {robot.path}/ConsoleOut0.rtc")
+    assert watch.stderr is not None
+    assert "listening" in watch.stderr.readline()
+    assert robot.by("bert", "rtact AT/ConsoleOut0.rtc").err == ""
+    out, _ = watch.communicate(timeout=BOUND_S)
+    assert "ConsoleOut0.rtc 0 ACTIVE" in out
+    assert robot.by("bert", "rtdeact AT/ConsoleOut0.rtc").err == ""
+
+
+def test_values_of_ports_take_a_link(robot: Robot) -> None:
+    for line in ("rtprint -n 1 AT/ConsoleIn0.rtc:out", "rtinject -c 1 AT/ConsoleOut0.rtc:in"):
+        done = robot.by("owner1", line)
+        assert done.status == 1
+        assert "is reached over TLS: values of ports take a link to it" in done.err
+
+
+def test_the_manager_of_that_name_here_is_another_one(robot: Robot) -> None:
+    """To stop the one at an address stops that one, though one of its name runs here."""
+    robot.shell.ok("rtmgr start")
+    assert robot.by("bert", f"rtmgr stop {AT}:{robot.port}").err.endswith(
+        "it takes administrator\n"
+    )
+    for word in ("restart", "uninstall"):
+        assert "on that host only" in robot.by("owner1", f"rtmgr {word} {AT}:{robot.port}").err
+    told = robot.by("anna", f"rtmgr status --json {AT}:{robot.port}").out
+    assert json.loads(told)["pid"] == _pid(robot)
+    assert robot.there(f"rtmgr start manager2 -a --tls {AT}:0") == (0, "", "")
+    at = f"{AT}:{robot.port_of('manager2')}"
+    robot.shell.ok("rtmgr start manager2")
+    assert robot.by("owner1", f"rtmgr stop {at}") == (0, "", "")
+    assert robot.there("rtmgr status manager2").status == 1
+    assert robot.shell.run("rtmgr status manager2").status == 0
+    robot.shell.ok("rtmgr stop manager2")
+    robot.shell.ok("rtmgr stop")
+
+
+def test_without_keys_or_port_no_manager_starts(robot: Robot) -> None:
+    robot.shell.environment["RTKIT_KEYS"] = str(robot.shell.folder / "none")
+    done = robot.shell.run(f"rtmgr start other -a --tls {AT}:0")
+    del robot.shell.environment["RTKIT_KEYS"]
+    assert done.status == 1
+    assert "no keys: " in done.err
+    with socket.create_server((AT, 0)) as taken:
+        done = robot.there(f"rtmgr start other -a --tls {AT}:{taken.getsockname()[1]}")
+    assert done.status == 1
+    assert "cannot listen on port" in done.err
+    assert robot.there("rtmgr status other").status == 1
+    assert robot.there("rtmgr start other --tls host:1").err == (
+        "rtmgr: net.tls: not [ADDRESS:]PORT with a numeric address (0.0.0.0 is all): host:1\n"
+    )
+
+
+def test_a_port_of_this_host_is_reached_by_its_certificate(robot: Robot) -> None:
+    with robot._with(RTKIT_KEYS=robot.keys):
+        robot.shell.ok("rtmgr start other -a --tls 0")
+        port = json.loads(robot.shell.ok("rtmgr status --json other"))["tls"].rpartition(":")[2]
+        assert robot.shell.ok(f"rtls /localhost:{port}") == "other.mgr/\n"
+        robot.shell.ok("rtmgr stop other")
+
+
+def test_who_is_refused_is_told_so_to_scripts(robot: Robot) -> None:
+    import rtkit
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("RTKIT_KEYS", f"{robot.keys}.anna")
+        with rtkit.connect(f"{AT}:{robot.port}") as tree:
+            assert "ConsoleIn0.rtc" in str(tree.ls(robot.path))
+            with pytest.raises(Refused, match=r"denied: anna \(viewer\) may not activate"):
+                tree.activate(f"{robot.path}/ConsoleIn0.rtc")
