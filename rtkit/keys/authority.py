@@ -103,7 +103,7 @@ def issue(name: str, role: str, hosts: Sequence[str], days: int, output: str) ->
         now = datetime.now(UTC)
         for each in issued():
             if each.name == name and each.role != role and not each.revoked and each.ends > now:
-                raise Refused(f"{name} is {each.role} (rtkit keys revoke {name} ends that)")
+                raise Refused(f"{name} is {each.role} (rtkeys revoke {name} ends that)")
         ends = certificate.not_valid_after_utc
         if now + timedelta(days=days) > ends:
             raise Refused(f"the CA itself ends before that, at {ends:%Y-%m-%d}")
@@ -214,7 +214,7 @@ def revoked(data: bytes, authority: x509.Certificate) -> dict[int, datetime]:
 
 def _authority() -> tuple[x509.Certificate, ec.EllipticCurvePrivateKey]:
     if not os.path.lexists(folder.file(folder.CA_KEY)):
-        raise NotFound(f"no CA in {folder.path()} (rtkit keys init makes one)")
+        raise NotFound(f"no CA in {folder.path()} (rtkeys init makes one)")
     certificate = x509.load_pem_x509_certificate(folder.read(folder.CA_CERTIFICATE))
     key = serialization.load_pem_private_key(folder.read(folder.CA_KEY), None)
     if not isinstance(key, ec.EllipticCurvePrivateKey):
@@ -341,7 +341,7 @@ def _general_name(host: str) -> x509.GeneralName:
 def _locked() -> Iterator[None]:
     """Let one process at a time change what the CA keeps."""
     if not os.path.isdir(folder.path()):
-        raise NotFound(f"no CA in {folder.path()} (rtkit keys init makes one)")
+        raise NotFound(f"no CA in {folder.path()} (rtkeys init makes one)")
     descriptor = os.open(folder.file("lock"), os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o600)
     try:
         fcntl.lockf(descriptor, fcntl.LOCK_EX)

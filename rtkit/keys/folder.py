@@ -43,7 +43,7 @@ def opened(name: str) -> int:
     try:
         descriptor = os.open(place, os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK | os.O_CLOEXEC)
     except FileNotFoundError:
-        hint = "rtkit keys init makes a CA, rtkit keys issue a certificate for another host"
+        hint = "rtkeys init makes a CA, rtkeys issue a certificate for another host"
         raise NotFound(f"no keys: {place} is not there ({hint})") from None
     except OSError as error:
         raise Refused(f"cannot read {place}: {error.strerror}") from error

@@ -32,9 +32,9 @@ PATIENCE_S = 5.0
 _RECORD = 1 << 14
 """Bytes of the largest record: of what is read in such pieces nothing stays behind in OpenSSL."""
 _REASONS = {
-    "CERTIFICATE_REQUIRED": "it wants a certificate (rtkit keys)",
-    "HANDSHAKE_FAILURE": "it wants a certificate (rtkit keys)",
-    "CERTIFICATE_EXPIRED": "the certificate of this user has expired (rtkit keys show)",
+    "CERTIFICATE_REQUIRED": "it wants a certificate (rtkeys)",
+    "HANDSHAKE_FAILURE": "it wants a certificate (rtkeys)",
+    "CERTIFICATE_EXPIRED": "the certificate of this user has expired (rtkeys show)",
     "UNKNOWN_CA": "it does not know the CA of this user's certificate",
     "BAD_CERTIFICATE": "it does not take the certificate of this user",
 }

@@ -381,7 +381,7 @@ def test_keys_that_others_can_read_serve_nobody(own: str) -> None:
     with pytest.raises(Refused, match="others can read it"):
         serve(subject(), "robot", is_on_zenoh=False, tls="0")
     os.unlink(f"{own}/{folder.KEY}")
-    with pytest.raises(NotFound, match="rtkit keys"):
+    with pytest.raises(NotFound, match="rtkeys"):
         serve(subject(), "robot", is_on_zenoh=False, tls="0")
 
 

@@ -38,7 +38,7 @@ def show(app: App, found: Iterable[Issued], *, is_json: bool) -> None:
     for each in shown:
         days = (each.ends - now).days
         if not each.revoked and each.ends > now and days < _SOON_DAYS:
-            app.warn([f"{each.name} ends in {days} days (rtkit keys issue {each.name})"])
+            app.warn([f"{each.name} ends in {days} days (rtkeys issue {each.name})"])
 
 
 def _state(each: Issued, now: datetime) -> str:

@@ -86,7 +86,7 @@ _ENDPOINTS = {
             "With a serial line, over which the angles may be set.",
         ),
         ("rtserve ./arm.py:Arm robots/arm --http 8080", "For curl and browsers too."),
-        ("rtserve ./arm.py:Arm arm --tls 0.0.0.0:4711", "For other hosts, see rtkit keys."),
+        ("rtserve ./arm.py:Arm arm --tls 0.0.0.0:4711", "For other hosts, see rtkeys."),
         ("rtserve ./arm.py:Arm arm --history 'angle=100'", "Remember values for .history."),
         ("rtserve ./arm.py:Arm arm --rule 'deny zenoh * SET *'", "Read-only over zenoh."),
     ),

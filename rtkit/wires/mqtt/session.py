@@ -221,7 +221,7 @@ class MqttSession:
 
     def _left(self, code: ReasonCode) -> None:
         if self._trust is not None and not self._first.is_set():
-            self._refusal = "it hangs up: the certificate of this user (rtkit keys show) may not do"
+            self._refusal = "it hangs up: the certificate of this user (rtkeys show) may not do"
             self._first.set()
         if code.is_failure:  # else we asked for it
             self._went(f"the broker has gone: {code}")

@@ -74,7 +74,7 @@ def test_certificates_are_listed_with_role_and_time(run: Run) -> None:
         ("rtkeys issue b --role viewer -o /nowhere/x", "no such folder: /nowhere"),
         ("rtkeys issue owner1 --role viewer", "owner1 is administrator"),
         ("rtkeys revoke owner", "did you mean owner1?"),
-        ("RTKIT_KEYS=none rtkeys issue b --role viewer", "rtkit keys init"),
+        ("RTKIT_KEYS=none rtkeys issue b --role viewer", "rtkeys init"),
         ("RTKIT_KEYS=none rtkeys list", "no keys:"),
     ],
 )
