@@ -3,21 +3,22 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, NamedTuple
 
+from rtkit.api.package_hosts import PackageHosts
 from rtkit.api.system_profiles import BUNDLE
-from rtkit.deployment.packages import NO_PACKAGES, Packages
-from rtkit.errors import Unreachable
+from rtkit.deployment.packages import NO_PACKAGES, Installer, Packages
 from rtkit.fast_dataclass import replace
 from rtkit.modules.package_folders import folders, root
+from rtkit.rtc.names import LOCAL
 
 if TYPE_CHECKING:
     from rtkit.api.session import Session
     from rtkit.api.system_profiles import SystemProfile
     from rtkit.deployment.facts import Snapshot
     from rtkit.deployment.system import KnownType
-    from rtkit.packages.installed import Installed
+    from rtkit.packages.needing import Survey
     from rtkit.packages.offering import Offering
     from rtkit.profile.rts_model import ComponentInstance
 
@@ -26,7 +27,7 @@ class Packaged(NamedTuple):
     """A profile whose components name their versions, and the packages that they need.
 
     Attributes:
-        types: How types are made that packages offer which are not installed yet.
+        types: How types are made, by their ids, where the profile does not say it.
         lacks: By component, why a package that offers its type cannot be installed.
     """
 
@@ -37,9 +38,14 @@ class Packaged(NamedTuple):
 
 
 def by_id(
-    session: Session, document: SystemProfile, snapshot: Snapshot, *, installs: bool = False
+    session: Session,
+    document: SystemProfile,
+    snapshot: Snapshot,
+    mapped: tuple[str, ...] = (),
+    *,
+    installs: bool = False,
 ) -> SystemProfile:
-    """Return a profile whose components name the versions that their ids choose.
+    """Return a profile whose components on this host name the versions that their ids choose.
 
     Of a bundle what is missing is installed before, where that is allowed.
 
@@ -52,99 +58,152 @@ def by_id(
 
         for each in install_bundle(document.source):
             session.verbose(f"{each.text} is installed")
-    return _chosen(_Asking(session, snapshot), document, _installed(document))
+    if next(folders(), None) is None:
+        return document
+    from rtkit.packages.offering import offerings
+
+    hosts = PackageHosts(session, document, snapshot, mapped)
+    types = hosts.types_on(LOCAL)
+    found = offerings({*types.values()})
+    chosen = {name: found[id] for name, id in types.items() if id in found}
+    return _chosen(_Asking(session, snapshot, hosts), document, chosen)
+
+
+def unpackaged(
+    session: Session, document: SystemProfile, snapshot: Snapshot, mapped: tuple[str, ...] = ()
+) -> Packaged:
+    """Return a profile for which nothing is to be installed; see `by_id`."""
+    return Packaged(by_id(session, document, snapshot, mapped), NO_PACKAGES, {}, {})
 
 
 def supplied(
-    session: Session, document: SystemProfile, snapshot: Snapshot, *, is_dry: bool = True
+    session: Session,
+    document: SystemProfile,
+    snapshot: Snapshot,
+    mapped: tuple[str, ...] = (),
+    *,
+    is_dry: bool = True,
 ) -> Packaged:
     """Return a profile, and which packages are to be installed for it; nothing is installed.
 
     What neither lives nor can be made is looked for in the bundle that the profile is of, else in
-    the repositories of the settings.
+    the repositories of the settings; for another host also among what is installed here.
 
     Raises:
         Unreachable: The manager does not answer.
         NotFound: There is no such repository.
         Refused: The bundle has changed.
     """
-    asking = _Asking(session, snapshot)
-    found = _installed(document)
-    places = _repositories(document)
-    pending = asking.pending(document, found) if places else {}
-    gone = _surplus(session, document, snapshot, found, is_dry=is_dry)
-    if not pending and not gone:
-        return Packaged(_chosen(asking, document, found), NO_PACKAGES, {}, {})
-    from rtkit.deployment.planning.model import HERE
-    from rtkit.packages.supply import LocalInstaller, Supply, here, supply
+    from rtkit.api.component_profiles import known_types
 
-    chosen, lacks = (
-        supply(list(pending.values()), places, lambda text: session.warn([text]))
-        if pending
-        else Supply({}, {})
-    )
-    absent = sorted({*pending.values()} - {*chosen})
+    hosts = PackageHosts(session, document, snapshot, mapped)
+    asking = _Asking(session, snapshot, hosts)
+    places = _repositories(document)
+    types = known_types(document.profile, snapshot)
+    surveys = {host: hosts.survey(host, notes=not is_dry) for host in hosts.names}
+    found: dict[str, Sequence[Offering]] = {}
+    pending: dict[str, str] = {}
+    for host, survey in surveys.items():
+        there = hosts.types_on(host)
+        found |= {n: survey.offers[id] for n, id in there.items() if id in survey.offers}
+        if places or host != LOCAL:
+            pending |= asking.pending(types, host, survey)
+    near, far = ({n for n in (*found, *pending) if (n in hosts.far) is x} for x in (False, True))
+    types = _known_types(document, {n: found[n][0] for n in near & {*found}}) | types
+    chosen, lacks = _supply(session, pending, far, places)
+    found |= {name: [each] for name, each in chosen.items()}
+    types |= _known_types(document, {n: chosen[n] for n in near & {*chosen}})
+    document = _chosen(asking, document, found, far)
+    sound = {name: each.package for name, each in chosen.items() if name not in lacks}
+    if not sound and not any(each.surplus for each in surveys.values()):
+        return Packaged(document, NO_PACKAGES, types, lacks)
+    digests = {each.text: each.wheels for each in sound.values()}
+    installer = _installer(session, document, places, digests, hosts)
+    of = {name: each.text for name, each in sound.items()}
+    return Packaged(document, _packages(surveys, of, digests, installer), types, lacks)
+
+
+def _packages(
+    surveys: Mapping[str, Survey],
+    of: Mapping[str, str],
+    digests: Mapping[str, Mapping[str, str]],
+    installer: Installer,
+) -> Packages:
+    surplus = {
+        f"{host}/{text}": folder
+        for host, survey in surveys.items()
+        for text, folder in survey.surplus.items()
+    }
+    there = {
+        f"{host}/{text}"
+        for host, survey in surveys.items()
+        for text in survey.installed
+        if text in digests or text in survey.surplus
+    }
+    return Packages(of, frozenset(there), digests, surplus, installer)
+
+
+def _supply(
+    session: Session, pending: Mapping[str, str], far: set[str], places: Sequence[str]
+) -> tuple[dict[str, Offering], dict[str, str]]:
+    """Return an offering for each pending component that has one, and why some cannot be had."""
+    from rtkit.packages.offering import offerings
+    from rtkit.packages.supply import Supply, supply
+
+    # A type of which a package is installed here is pending on other hosts only.
+    own = {id: each[0] for id, each in offerings({*pending.values()}).items()}
+    asked = [id for id in pending.values() if id not in own]
+    found = supply(asked, places, session.warn) if asked and places else Supply({}, {})
+    absent = sorted({*asked} - {*found.found}) if places else ()
     looked = ", ".join(places)
     session.warn(f"no installed package has {each}, and none of {looked}" for each in absent)
-    all = found | {id: [each] for id, each in chosen.items()}
-    sound = {id: each for id, each in chosen.items() if id not in lacks}
-    of = {name: chosen[id].package.text for name, id in pending.items() if id in sound}
-    digests = {each.package.text: each.package.wheels for each in sound.values()}
-    installer = LocalInstaller(places, digests, session.timeout_s, document.profile.id)
-    there = here([*digests]) | {each.text for each in gone}
-    packages = Packages(
-        of,
-        frozenset(f"{HERE}/{each}" for each in there),
-        digests,
-        {f"{HERE}/{each.text}": os.path.realpath(each.path) for each in gone},
-        installer,
-    )
-    types = _known_types(document, chosen)
-    why = {name: lacks[id] for name, id in pending.items() if id in lacks}
-    return Packaged(_chosen(asking, document, all), packages, types, why)
+    all = own | found.found
+    chosen = {name: all[id] for name, id in pending.items() if id in all}
+    lacks = {name: found.lacks[id] for name, id in pending.items() if id in found.lacks}
+    cannot = _unpushable({n: each for n, each in chosen.items() if n in far - {*lacks}}, places)
+    return chosen, lacks | cannot
 
 
-def unpackaged(session: Session, document: SystemProfile, snapshot: Snapshot) -> Packaged:
-    """Return a profile for which nothing is to be installed; see `by_id`."""
-    return Packaged(by_id(session, document, snapshot), NO_PACKAGES, {}, {})
+def _unpushable(chosen: Mapping[str, Offering], places: Sequence[str]) -> dict[str, str]:
+    """Return why packages of components of other hosts cannot be brought there."""
+    import tempfile
+
+    from rtkit.errors import RtkitError
+    from rtkit.packages.bundling import pushable
+
+    why: dict[str, str] = {}
+    packages = {each.package.text: each.package.wheels for each in chosen.values()}
+    for text, wheels in packages.items():
+        try:
+            with tempfile.TemporaryDirectory(prefix="rtpkg-") as draft:
+                pushable(text, places, wheels, draft)
+        except RtkitError as error:
+            why[text] = str(error)
+    return {n: why[e.package.text] for n, e in chosen.items() if e.package.text in why}
 
 
-def _installed(document: SystemProfile) -> dict[str, list[Offering]]:
-    if next(folders(), None) is None:
-        return {}
-    from rtkit.deployment.described import type_of
-    from rtkit.packages.offering import offerings
-
-    return offerings({type_of(each.id).id for each in document.profile.components})
-
-
-def _surplus(
+def _installer(
     session: Session,
     document: SystemProfile,
-    snapshot: Snapshot,
-    found: Mapping[str, Sequence[Offering]],
-    *,
-    is_dry: bool,
-) -> list[Installed]:
-    """Return what was installed for a system that needs it no longer; note what it needs.
+    places: Sequence[str],
+    digests: Mapping[str, Mapping[str, str]],
+    hosts: PackageHosts,
+) -> Installer:
+    from rtkit.packages.supply import LocalInstaller
 
-    What a manager beside those of the system uses, or may use, is none of it.
-    """
-    if next(folders(), None) is None:
-        return []
-    from rtkit.packages.needing import note_needed, surplus
-    from rtkit.packages.usage import users
+    system = document.profile.id
+    near = LocalInstaller(places, digests, session.timeout_s, system)
+    if hosts.names == (LOCAL,):
+        return near
+    from rtkit.hosts.package_installer import HostsInstaller
+    from rtkit.packages.bundling import pushable
 
-    needed = {each[0].package.text for each in found.values()}
-    if not is_dry:
-        note_needed(document.profile.id, needed)
-    own = {each.manager for each in (snapshot, *snapshot.others)}
-    gone = surplus(document.profile.id, needed)
-    try:
-        return [each for each in gone if own.issuperset(users(each, session.timeout_s))]
-    except Unreachable as error:
-        session.verbose(f"packages that nothing uses are not removed: {error}")
-        return []
+    def wheels(name: str, folder: str) -> Mapping[str, Sequence[str]]:
+        return pushable(name, places, digests[name], folder)
+
+    bare = {host for host in hosts.names if not hosts.is_up(host)}
+    how = (system, bare, session.verbose, session.timeout_s)
+    return HostsInstaller(LOCAL, near, wheels, *how)
 
 
 def _repositories(document: SystemProfile) -> Sequence[str]:
@@ -155,69 +214,69 @@ def _repositories(document: SystemProfile) -> Sequence[str]:
 
 
 def _chosen(
-    asking: _Asking, document: SystemProfile, found: Mapping[str, Sequence[Offering]]
+    asking: _Asking,
+    document: SystemProfile,
+    found: Mapping[str, Sequence[Offering]],
+    stated: Collection[str] = (),
 ) -> SystemProfile:
     if not found:
         return document
     from rtkit.packages.offering import chosen
 
-    return replace(document, profile=chosen(document.profile, found, asking.offers))
+    return replace(document, profile=chosen(document.profile, found, asking.offers, stated))
 
 
 def _known_types(document: SystemProfile, chosen: Mapping[str, Offering]) -> dict[str, KnownType]:
-    from rtkit.deployment.described import type_of
     from rtkit.deployment.system import KnownType
     from rtkit.rtc.create import CreateString
 
     found = {}
-    for id in {each.id for each in document.profile.components}:
-        offering = chosen.get(type_of(id).id)
+    for each in document.profile.components:
+        offering = chosen.get(each.instance_name)
         if offering is not None:
             kind = offering.type
             create = CreateString(
                 kind.type_name, kind.vendor, kind.category, kind.language, kind.version
             )
-            found[id] = KnownType(str(create), offering.module)
+            found[each.id] = KnownType(str(create), offering.module)
     return found
 
 
 class _Asking:
-    """Asks a manager what it can make; one that does not run is as one started here."""
+    """Asks managers what they can make; one that does not run is as one started there."""
 
-    def __init__(self, session: Session, snapshot: Snapshot) -> None:
+    def __init__(self, session: Session, snapshot: Snapshot, hosts: PackageHosts) -> None:
         self._session = session
         self._snapshot = snapshot
+        self._hosts = hosts
         self._managers = (snapshot, *snapshot.others)
-        self._known: dict[tuple[str, str], bool] = {}
+        self._known: dict[tuple[str, str, str], bool] = {}
 
-    def offers(self, module: str, create: str) -> bool:
-        """Return whether a module makes a type."""
-        asked = (module, create)
+    def offers(self, component: str, module: str, create: str) -> bool:
+        """Return whether a module makes a type where a component is to be."""
+        asked = (self._hosts.host_of(component), module, create)
         if asked not in self._known:
-            self._known[asked] = not self._lacks([asked])[0]
+            ((_, why),) = self._lacking(asked[0], {component: (module, create)})
+            self._known[asked] = not why
         return self._known[asked]
 
-    def pending(self, document: SystemProfile, found: Iterable[str]) -> dict[str, str]:
+    def pending(self, known: Mapping[str, KnownType], host: str, survey: Survey) -> dict[str, str]:
         """Return the types of components that do not live and cannot be made, by their names."""
-        from rtkit.api.component_profiles import known_types
-        from rtkit.deployment.described import is_same_id, type_of
-        from rtkit.deployment.extension import STAND_IN, stated_id
+        from rtkit.deployment.described import type_of
+        from rtkit.packages.bundling import is_built_in
 
-        alive = {c.instance: stated_id(c) for c in self._snapshot.components if not c.zombie}
-        known = known_types(document.profile, self._snapshot)
-        known_ids, removed = {*found}, {*self._removed()}
+        removed = {*self._removed()} if host == LOCAL else set()
         asked: dict[str, tuple[str, str]] = {}
         pending: dict[str, str] = {}
-        for each in document.profile.components:
+        for each in filter(self._hosts.is_fresh, self._hosts.components_on(host)):
             id, name = type_of(each.id).id, each.instance_name
-            is_stand_in = any(item.name == STAND_IN for item in each.properties)
-            if is_stand_in or id in known_ids or is_same_id(alive.get(name, ""), each.id):
+            if id in survey.offers or (host != LOCAL and is_built_in(each)):
                 continue
             making = _making(each, known)
             pending[name] = id
             if making is not None and id not in removed:
                 asked[name] = making
-        for name, why in zip(asked, self._lacks([*asked.values()]), strict=True):
+        for name, why in self._lacking(host, asked):
             if not why:
                 del pending[name]
         return pending
@@ -228,12 +287,26 @@ class _Asking:
             if each.file.startswith(f"{root()}/") and not os.path.exists(each.file):
                 yield from (type.id for type in each.types)
 
-    def _lacks(self, asked: Sequence[tuple[str, str]]) -> Sequence[str]:
-        """Return for each module and type why it is not made; empty where it is."""
-        if not asked:
-            return ()
-        if self._snapshot.pid:
-            return self._session.tree.at(self._snapshot.manager).lacking(asked)
+    def _lacking(
+        self, host: str, asked: Mapping[str, tuple[str, str]]
+    ) -> Iterator[tuple[str, str]]:
+        """Yield components with why they cannot be made as is asked; empty where they can."""
+        managers = {name: self._manager_of(host, name) for name in asked}
+        for manager in {each.manager: each for each in managers.values()}.values():
+            mine = [name for name in asked if managers[name].manager == manager.manager]
+            yield from zip(mine, self._lacks(host, manager, [asked[n] for n in mine]), strict=True)
+
+    def _manager_of(self, host: str, component: str) -> Snapshot:
+        return self._snapshot if host == LOCAL else self._hosts.managers[component]
+
+    def _lacks(
+        self, host: str, manager: Snapshot, asked: Sequence[tuple[str, str]]
+    ) -> Sequence[str]:
+        """Return for each module and type why a manager does not make it; empty where it does."""
+        if manager.pid:
+            return self._session.tree.at(manager.manager).lacking(asked)
+        if host != LOCAL:
+            return ["not known"] * len(asked)
         import json
 
         from rtkit.api.component_profiles import load_path

@@ -152,7 +152,6 @@ def begin(
         InvalidDocument: The profile makes no sense.
         Unreachable: No manager answers.
     """
-    from rtkit.api.component_profiles import known_types
     from rtkit.api.packaged import supplied, unpackaged
     from rtkit.api.preflight import check_reserved, look_ahead
     from rtkit.deployment.goal import DeploymentGoal
@@ -161,12 +160,12 @@ def begin(
         session, document.profile, dry_run=is_dry, starts=starts, lock=lock, mapped=mapped
     )
     packaged = (
-        unpackaged(session, document, snapshot)
+        unpackaged(session, document, snapshot, mapped)
         if way.stand_in
-        else supplied(session, document, snapshot, is_dry=is_dry)
+        else supplied(session, document, snapshot, mapped, is_dry=is_dry)
     )
     document, packages = packaged.document, packaged.packages
-    known = None if way.stand_in else known_types(document.profile, snapshot) | packaged.types
+    known = None if way.stand_in else packaged.types
     system = looking.wanted_system(
         session,
         document,

@@ -55,7 +55,7 @@ def bring_up(
     )
     with looking.managers_started(session, found, dry_run=is_dry) as before:
         creates = may_create and not stand_in
-        document = by_id(session, document, before, installs=not is_dry)
+        document = by_id(session, document, before, mapped, installs=not is_dry)
         system = looking.wanted_system(
             session,
             document,

@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import Protocol
+from collections.abc import Collection, Iterator, Mapping
+from typing import TYPE_CHECKING, Protocol
 
 from rtkit.errors import Refused
 from rtkit.fast_dataclass import dataclass, field
+from rtkit.rtc.names import LOCAL, split_manager
+
+if TYPE_CHECKING:
+    from rtkit.deployment.live_index import LiveIndex
 
 
 class Installer(Protocol):
@@ -51,3 +55,22 @@ class Packages:
 
 
 NO_PACKAGES = Packages()
+
+
+def unused(
+    packages: Packages, live: LiveIndex, ended: Collection[str]
+) -> Iterator[tuple[str, list[str]]]:
+    """Yield surplus packages of which nothing lives but what will have `ended`.
+
+    With each come the modules of it that are loaded, ``MANAGER/PATH:INIT``.
+    """
+    alive = [c for c in live.snapshot.components if not c.zombie and c.instance not in ended]
+    for package in sorted(packages.installed & packages.surplus.keys()):
+        host, folder = package.partition("/")[0], f"{packages.surplus[package]}/"
+        managers = [m for m in live.managers if (split_manager(m)[1] or LOCAL) == host]
+        if not any(f" {folder}" in c.code and live.home(c.instance) in managers for c in alive):
+            loaded = ((m, each) for m in managers for each in live.managers[m].modules)
+            yield (
+                package,
+                [f"{m}/{e.path}:{e.init}" for m, e in loaded if e.file.startswith(folder)],
+            )

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import io
 import time
 from collections.abc import Callable, Sequence
 from contextlib import suppress
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, BinaryIO
 
 from rtkit.errors import Refused, Unreachable
 
@@ -16,6 +17,8 @@ MARK = "rtkit-answer: "
 """Begins the answer of a program there: the shell of the user may write lines of its own."""
 _MOST = 1 << 20
 """How much a program there may write [bytes]."""
+_PIECE = 1 << 18
+"""How much of a file is held to be sent [bytes]."""
 _TIMES = 10
 """How many times the time for one piece all of it may take."""
 LineReader = Callable[[str], object]
@@ -25,12 +28,14 @@ LineReader = Callable[[str], object]
 def ask(
     connection: HostConnection,
     command: Sequence[str],
-    data: bytes = b"",
+    data: bytes | BinaryIO = b"",
     *,
     timeout_s: float,
     on_line: LineReader = len,
 ) -> str:
     """Run a program there; return its answer, which a mark sets apart from what the shell writes.
+
+    What it reads is `data`; a file is sent piece by piece.
 
     Raises:
         Refused: There is none; the text is the end of what it writes, without the host's name.
@@ -42,7 +47,9 @@ def ask(
         channel.settimeout(timeout_s)
         channel.set_combine_stderr(True)
         with suppress(OSError):  # then what it writes tells why it wanted no more
-            channel.sendall(data)
+            source = io.BytesIO(data) if isinstance(data, bytes) else data
+            while piece := source.read(_PIECE):
+                channel.sendall(piece)
             channel.shutdown_write()
         text, seen = b"", 0
         while (found := answer_in(text)) is None and (chunk := channel.recv(1 << 16)):

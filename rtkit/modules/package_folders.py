@@ -12,6 +12,8 @@ from typing import NamedTuple
 
 RECORD = ".rtkit-package.json"
 """File of a version's folder: what was installed."""
+FOLDER = os.path.join("rtkit", "packages")
+"""Where the packages of a user are, below the folder of his data."""
 
 
 class PackageFolder(NamedTuple):
@@ -25,7 +27,7 @@ class PackageFolder(NamedTuple):
 def root() -> str:
     """Return the folder of the user's packages, which need not be there."""
     base = os.environ.get("XDG_DATA_HOME") or os.path.expanduser("~/.local/share")
-    return os.path.join(base, "rtkit", "packages")
+    return os.path.join(base, FOLDER)
 
 
 def folders() -> Iterator[PackageFolder]:

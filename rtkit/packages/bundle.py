@@ -193,7 +193,7 @@ def _signer(path: str, signature: bytes, index: bytes) -> str:
     if not signature:
         raise Refused(f"{path} is not signed (rtpkg sign signs it)")
     try:
-        return signing.signer(signature, index, signing.BUNDLE)
+        return signing.signer(signature, hashlib.sha256(index).digest(), signing.BUNDLE)
     except RtkitError as error:
         raise Refused(f"{path} {error}") from None
 

@@ -16,9 +16,9 @@ from rtkit.deployment.extension import CREATE, MODULE, STAND_IN
 from rtkit.errors import NotFound, Refused, RtkitError
 from rtkit.modules.creatable import lacking
 from rtkit.modules.search import Search, file_of
-from rtkit.packages.installed import kept_wheels
+from rtkit.packages.installed import compare, installed, kept_wheels
 from rtkit.packages.offering import offerings
-from rtkit.packages.repository import Repositories, newest_first, offers
+from rtkit.packages.repository import Repositories, newest_first, offers, opened
 from rtkit.packages.resolving import fetch, resolve
 from rtkit.packages.signing import check
 from rtkit.packages.wheel import read_wheel
@@ -39,7 +39,7 @@ def gather(profile: RtsProfile, repositories: Repositories, folder: str) -> dict
         NotFound: A component is of no package; names it.
         Refused: A package has changed since it was installed.
     """
-    needing = {type_of(each.id).id: each for each in profile.components if not _is_built_in(each)}
+    needing = {type_of(each.id).id: each for each in profile.components if not is_built_in(each)}
     found = offerings(needing)
     packages = {all[0].package.text: kept_wheels(all[0].package) for all in found.values()}
     for id in needing.keys() - found.keys():
@@ -73,7 +73,7 @@ def fetched(wanted: Requirement, repositories: Repositories, folder: str) -> dic
     return {name: [os.path.join(there, each.file) for each in wheels]}
 
 
-def _is_built_in(component: ComponentInstance) -> bool:
+def is_built_in(component: ComponentInstance) -> bool:
     """Return whether rtkit alone makes a component."""
     own = properties_of(component.properties)
     create = readable_create(own.get(CREATE, ""))
@@ -112,6 +112,34 @@ def _check_alike(packages: Mapping[str, Sequence[str]]) -> None:
         with open(path, "rb") as stream, open(known.setdefault(file, path), "rb") as other:
             if stream.read() != other.read():
                 raise Refused(f"two packages have other bytes of {file}")
+
+
+def pushable(
+    package: str, names: Sequence[str], digests: Mapping[str, str], folder: str
+) -> dict[str, list[str]]:
+    """Return the wheels of a package as it is installed here, else of repositories, by its name.
+
+    Args:
+        package: ``NAME==VERSION``.
+        names: Repositories.
+        digests: SHA-256 that the wheels must have, by file.
+        folder: Gets wheels that are fetched.
+
+    Raises:
+        NotFound: No repository has it, or it needs what a clean rtkit has not.
+        Refused: A wheel has changed, or is not signed where that is required.
+    """
+    here = next((each for each in installed() if each.text == package), None)
+    if here is not None and {**here.wheels} == {**digests}:
+        found = {package: kept_wheels(here)}
+        check([read_wheel(each) for each in found[package]])
+    else:
+        with opened(names) as there:
+            found = fetched(Requirement(package), there, folder)
+        wheels = (read_wheel(each) for each in found[package])
+        compare({each.file: each.sha256 for each in wheels}, digests, "the plan has")
+    check_whole(found)
+    return found
 
 
 def check_whole(packages: Mapping[str, Sequence[str]]) -> None:

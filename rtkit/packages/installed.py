@@ -14,13 +14,14 @@ import tempfile
 import zipfile
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from typing import Any, NamedTuple
+from typing import Any
 
 from packaging.requirements import Requirement
 from packaging.tags import sys_tags
 from packaging.utils import canonicalize_name, parse_wheel_filename
 
 from rtkit.errors import Malformed, NotFound, Refused
+from rtkit.fast_dataclass import Record
 from rtkit.modules.package_folders import RECORD, folders, root
 from rtkit.packages.bundle import unpacked
 from rtkit.packages.repository import Repositories
@@ -32,11 +33,13 @@ from rtkit.rtc.nearest import did_you_mean
 _DRAFTS = ".drafts"
 _WHEELS = ".wheels"
 _LOCK = "rtkit.lock/1"
+SYSTEMS = ".rtkit-systems.json"
+"""File of a version's folder: the systems that plans installed it for; it goes with it."""
 Digests = dict[str, str]
 """SHA-256 in hexadecimal by the name of a wheel's file."""
 
 
-class Installed(NamedTuple):
+class Installed(Record):
     """A version of a package that is installed; `wheels` are its own and those that it needs."""
 
     name: str
@@ -44,7 +47,7 @@ class Installed(NamedTuple):
     path: str
     types: tuple[str, ...]
     requires: tuple[str, ...]
-    wheels: Digests
+    wheels: Mapping[str, str]
 
     @property
     def text(self) -> str:
@@ -88,6 +91,7 @@ def install(
     lock: Mapping[str, str] | None = None,
     *,
     must_be_signed: bool = False,
+    system: str = "",
 ) -> Installed:
     """Install a package and all that it needs; what is installed already is left as it is.
 
@@ -97,6 +101,7 @@ def install(
         lock: SHA-256 that wheels must have, by the names of files; others may have any.
         must_be_signed: Each wheel has to be; so it is where the settings require it. What is in a
             bundle is signed with that.
+        system: For which a plan installs it, noted if it is new.
 
     Raises:
         NotFound: No repository has it.
@@ -105,7 +110,7 @@ def install(
     """
     chosen = resolve(wanted, repositories)
     digests = {each.file: each.sha256 for each in chosen}
-    _compare(digests, lock or {}, "the lock has")
+    compare(digests, lock or {}, "the lock has")
     name, version = chosen[0].name, chosen[0].version
     target = os.path.join(root(), name, version)
     if not os.path.isdir(target):
@@ -113,11 +118,11 @@ def install(
             wheels = [fetch(each, draft) for each in chosen]
             if not repositories.are_bundles():
                 check(wheels, is_required=must_be_signed)
-            _keep(wheels, draft, target)
+            _keep(wheels, draft, target, system)
     found = next(each for each in installed() if each.path == target)
     if (must_be_signed or are_required()) and not repositories.are_bundles():
         check([read_wheel(each) for each in kept_wheels(found)], is_required=True)
-    _compare({chosen[0].file: chosen[0].sha256}, found.wheels, "installed is")
+    compare({chosen[0].file: chosen[0].sha256}, found.wheels, "installed is")
     return found
 
 
@@ -134,7 +139,12 @@ def install_bundle(
         return [install(Requirement(each), there, lock) for each in found.packages]
 
 
-def _compare(found: Mapping[str, str], wanted: Mapping[str, str], what: str) -> None:
+def compare(found: Mapping[str, str], wanted: Mapping[str, str], what: str) -> None:
+    """Refuse wheels, SHA-256 by file, whose bytes differ from what is wanted of those files.
+
+    Raises:
+        Refused: One differs; `what` tells which other SHA-256 is known.
+    """
     for file, digest in found.items():
         if wanted.get(file, digest) != digest:
             raise Refused(
@@ -143,7 +153,7 @@ def _compare(found: Mapping[str, str], wanted: Mapping[str, str], what: str) -> 
             )
 
 
-def install_wheels(files: Sequence[str]) -> Installed:
+def install_wheels(files: Sequence[str], system: str = "") -> Installed:
     """Install a package from its wheel and those that it needs, without pip; see `install`.
 
     Raises:
@@ -160,15 +170,18 @@ def install_wheels(files: Sequence[str]) -> Installed:
         with _draft() as draft:
             for each in files:
                 shutil.copyfile(each, os.path.join(draft, os.path.basename(each)))
-            _keep(wheels, draft, target)
+            _keep(wheels, draft, target, system)
     found = next(each for each in installed() if each.path == target)
-    _compare({wheels[0].file: wheels[0].sha256}, found.wheels, "installed is")
+    compare({wheels[0].file: wheels[0].sha256}, found.wheels, "installed is")
     return found
 
 
-def _keep(wheels: list[Wheel], draft: str, target: str) -> None:
+def _keep(wheels: list[Wheel], draft: str, target: str, system: str) -> None:
     """Unpack wheels, and have them at their place by one rename."""
     whole = _unpacked(wheels, draft)
+    if system:
+        with open(os.path.join(whole, SYSTEMS), "w", encoding="utf-8") as file:
+            json.dump([system], file)
     os.makedirs(os.path.dirname(target), exist_ok=True)
     try:
         os.rename(whole, target)
@@ -290,7 +303,7 @@ def read_lock(path: str) -> dict[str, Digests]:
         raise Malformed(f"{path} is no lock of rtpkg: {error}") from None
 
 
-def write_lock(path: str, packages: Mapping[str, Digests]) -> None:
+def write_lock(path: str, packages: Mapping[str, Mapping[str, str]]) -> None:
     """Write a lock, replaced as a whole."""
     folder = os.path.dirname(os.path.abspath(path))
     with tempfile.NamedTemporaryFile("w", dir=folder, delete=False, encoding="utf-8") as draft:

@@ -1,6 +1,7 @@
-"""Notes which systems packages were installed for, by plans; what users installed has no note.
+"""Tells what the packages of this host are to a system, and notes which systems need which.
 
-The note lies in the folder of the package, and goes with it.
+The note, of systems that plans installed a package for, lies in the folder of the package, and goes
+with it. What users installed has none.
 """
 
 from __future__ import annotations
@@ -8,37 +9,93 @@ from __future__ import annotations
 import json
 import os
 import tempfile
-from collections.abc import Collection, Iterable
+from collections.abc import Collection, Iterable, Iterator, Mapping
 
-from rtkit.packages.installed import Installed, installed
+from rtkit.errors import Unreachable
+from rtkit.fast_dataclass import Record, field
+from rtkit.packages.installed import SYSTEMS, Installed, installed
+from rtkit.packages.offering import Offering, offerings
+from rtkit.packages.usage import users
 
-_FILE = ".rtkit-systems.json"
+
+class Survey(Record):
+    """Packages of a host as a system sees them.
+
+    Attributes:
+        installed: All, ``NAME==VERSION``.
+        offers: What offers the types that were asked for, by id, the newest first.
+        surplus: What the system was installed with and needs no longer: folders by package.
+        unknown: Why some may be surplus, too.
+    """
+
+    installed: tuple[str, ...] = ()
+    offers: Mapping[str, tuple[Offering, ...]] = field(default_factory=dict)
+    surplus: Mapping[str, str] = field(default_factory=dict)
+    unknown: str = ""
 
 
-def systems(package: Installed) -> set[str]:
+class Question(Record):
+    """Question of a system about the packages of a host.
+
+    Attributes:
+        system: Id of the system.
+        types: Ids of the types that it needs on the host.
+        managers: Its managers there: what no other uses may be surplus.
+        notes: Note that it needs what was installed for others.
+    """
+
+    system: str
+    types: tuple[str, ...]
+    managers: tuple[str, ...]
+    notes: bool = False
+
+
+def survey(asked: Question, timeout_s: float) -> Survey:
+    """Look at the packages of this host."""
+    known = installed()
+    found = offerings(asked.types) if known else {}
+    needed = {each[0].package.text for each in found.values()}
+    if asked.notes:
+        _note_needed(asked.system, needed)
+    unknown: list[str] = []
+    gone = {
+        each.text: os.path.realpath(each.path)
+        for each in known
+        if each.text not in needed
+        and _systems(each) == {asked.system}
+        and {*asked.managers}.issuperset(_users(each, timeout_s, unknown))
+    }
+    offers = {id: tuple(each) for id, each in found.items()}
+    return Survey(tuple(each.text for each in known), offers, gone, "; ".join(unknown))
+
+
+def _users(package: Installed, timeout_s: float, unknown: list[str]) -> Iterator[str]:
+    try:
+        yield from users(package, timeout_s)
+    except Unreachable as error:
+        unknown.append(str(error))
+        yield ""  # perhaps one that does not answer
+
+
+def _systems(package: Installed) -> set[str]:
     """Return the ids of the systems that a package was installed for; none if a user did it."""
     try:
-        with open(os.path.join(package.path, _FILE), encoding="utf-8") as file:
+        with open(os.path.join(package.path, SYSTEMS), encoding="utf-8") as file:
             return {str(each) for each in json.load(file)}
     except (OSError, ValueError, TypeError):
         return set()
 
 
-def note(folder: str, ids: Iterable[str]) -> None:
+def _note(folder: str, ids: Iterable[str]) -> None:
     """Write for which systems the package in a folder is there, replaced as a whole."""
     with tempfile.NamedTemporaryFile("w", dir=folder, delete=False, encoding="utf-8") as draft:
         json.dump(sorted(ids), draft)
-    os.replace(draft.name, os.path.join(folder, _FILE))
+    os.replace(draft.name, os.path.join(folder, SYSTEMS))
 
 
-def surplus(system: str, needed: Collection[str]) -> list[Installed]:
-    """Return the packages that were installed for a system alone, and that it needs no longer."""
-    return [each for each in installed() if each.text not in needed and systems(each) == {system}]
-
-
-def note_needed(system: str, needed: Collection[str]) -> None:
+def _note_needed(system: str, needed: Collection[str]) -> None:
     """Note that a system needs packages too that were installed for others."""
     for each in installed() if needed else ():
-        known = systems(each)
+        known = _systems(each)
         if each.text in needed and known and system not in known:
-            note(each.path, {*known, system})
+            _note(each.path, {*known, system})

@@ -8,12 +8,11 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Collection, Mapping, Sequence
-from typing import NamedTuple
 
-from rtkit.deployment.described import properties_of, type_of
+from rtkit.deployment.described import properties_of
 from rtkit.deployment.extension import CREATE, MODULE, STAND_IN
 from rtkit.errors import Malformed
-from rtkit.fast_dataclass import replace
+from rtkit.fast_dataclass import Record, replace
 from rtkit.modules.describing import describe
 from rtkit.modules.search import versions
 from rtkit.packages.installed import Installed, installed
@@ -22,11 +21,11 @@ from rtkit.profile.rts_model import ComponentInstance, RtsProfile
 from rtkit.rtc.create import CreateString, readable_create
 from rtkit.rtc.profiles import TypeProfile, split_module
 
-Offers = Callable[[str, str], bool]
-"""Tells whether a module, ``PATH:INIT``, offers the type of a create string without options."""
+Offers = Callable[[str, str, str], bool]
+"""Tells of a component whether a module, ``PATH:INIT``, offers the type of a create string."""
 
 
-class Offering(NamedTuple):
+class Offering(Record):
     """Offer of a package to make components of a type; the module is ``NAME==VERSION:INIT``."""
 
     package: Installed
@@ -56,20 +55,34 @@ def offerings(ids: Collection[str]) -> dict[str, list[Offering]]:
 
 
 def chosen(
-    profile: RtsProfile, found: Mapping[str, Sequence[Offering]], offers: Offers
+    profile: RtsProfile,
+    found: Mapping[str, Sequence[Offering]],
+    offers: Offers,
+    stated: Collection[str] = (),
 ) -> RtsProfile:
     """Return a profile whose components name the versions that their ids choose.
 
     Args:
         profile: The system profile.
-        found: Packages by id, the preferred one first.
+        found: Packages by name of the component, the preferred one first.
         offers: Asked of modules that a profile names.
+        stated: Components of which the profile is to say how they are made, if it does not.
     """
-    made = (
-        _chosen(each, found[type_of(each.id).id], offers) if type_of(each.id).id in found else each
-        for each in profile.components
-    )
-    return replace(profile, components=tuple(made))
+
+    def made(each: ComponentInstance) -> ComponentInstance:
+        name = each.instance_name
+        if name not in found:
+            return each
+        is_bare = name in stated and not {CREATE, MODULE} & properties_of(each.properties).keys()
+        return _stated(each, found[name][0]) if is_bare else _chosen(each, found[name], offers)
+
+    return replace(profile, components=tuple(map(made, profile.components)))
+
+
+def _stated(component: ComponentInstance, offering: Offering) -> ComponentInstance:
+    making = {CREATE: offering.type.full_id, MODULE: offering.module}
+    more = (ExtensionProperty(name, value) for name, value in making.items())
+    return replace(component, properties=(*component.properties, *more))
 
 
 def _chosen(
@@ -84,7 +97,11 @@ def _chosen(
     fields = (type.vendor, type.category, type.language, type.version, create.options)
     full = CreateString(type.type_name, *fields)
     module = own.get(MODULE, "")
-    if module and module not in [e.module for e in found] and not offers(module, type.full_id):
+    if (
+        module
+        and module not in [e.module for e in found]
+        and not offers(component.instance_name, module, type.full_id)
+    ):
         module = found[0].module
     values = {CREATE: str(full), **({MODULE: module} if module else {})}
     return replace(

@@ -8,7 +8,6 @@ a wheel it is ``RECORD.jws``, the one place that wheels have for it, and which R
 from __future__ import annotations
 
 import base64
-import hashlib
 import json
 import os
 import shutil
@@ -16,6 +15,7 @@ import tempfile
 import zipfile
 from collections.abc import Sequence
 from datetime import UTC, datetime
+from hashlib import sha256
 from typing import Any
 
 from rtkit.errors import Refused, RtkitError
@@ -52,12 +52,12 @@ def signed(data: bytes, type: str) -> str:
         raise Refused(f"not a key that rtkeys made: {folder.file(folder.KEY)}")
     shown = base64.b64encode(certificate.public_bytes(serialization.Encoding.DER)).decode()
     header = json.dumps({"alg": "ES256", "typ": type, "x5c": [shown]})
-    plain = ".".join(_encoded(each) for each in (header.encode(), _payload(data)))
+    plain = ".".join(_encoded(each) for each in (header.encode(), _payload(sha256(data).digest())))
     return f"{plain}.{_encoded(_fixed(key.sign(plain.encode(), ec.ECDSA(hashes.SHA256()))))}"
 
 
-def signer(signature: bytes, data: bytes, type: str) -> str:
-    """Return who has signed data: the name of an operator of the CA that this user knows.
+def signer(signature: bytes, digest: bytes, type: str) -> str:
+    """Return who has signed what has a SHA-256: an operator of the CA that this user knows.
 
     Raises:
         NotFound: This user knows no CA.
@@ -89,7 +89,7 @@ def signer(signature: bytes, data: bytes, type: str) -> str:
         key.verify(ended, plain.encode(), ec.ECDSA(hashes.SHA256()))
     except (InvalidSignature, AssertionError):
         raise Refused(f"has a signature that is not of {owner.name}") from None
-    if payload != _payload(data):
+    if payload != _payload(digest):
         raise Refused(f"is not what {owner.name} has signed")
     return owner.name
 
@@ -115,7 +115,7 @@ def signer_of(wheel: Wheel) -> str:
     if not wheel.signature:
         raise Refused(f"{wheel.file} is not signed (rtpkg sign signs it)")
     try:
-        return signer(wheel.signature, wheel.record, WHEEL)
+        return signer(wheel.signature, sha256(wheel.record).digest(), WHEEL)
     except RtkitError as error:
         raise Refused(f"{wheel.file} {error}") from None
 
@@ -161,8 +161,7 @@ def sign_wheel(path: str) -> None:
         os.replace(made, path)
 
 
-def _payload(data: bytes) -> bytes:
-    digest = hashlib.sha256(data).digest()
+def _payload(digest: bytes) -> bytes:
     return json.dumps({"hash": f"sha256={_encoded(digest)}"}).encode()
 
 

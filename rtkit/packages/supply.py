@@ -12,7 +12,6 @@ from packaging.utils import canonicalize_name
 from rtkit.errors import RtkitError
 from rtkit.modules.package_folders import folders
 from rtkit.packages.installed import Digests, Installed, install, installed, remove
-from rtkit.packages.needing import note
 from rtkit.packages.offering import Offering
 from rtkit.packages.repository import Offer, Repositories, newest_first, offers, opened
 from rtkit.packages.resolving import fetch, resolve
@@ -33,7 +32,9 @@ class Supply(NamedTuple):
     lacks: dict[str, str]
 
 
-def supply(ids: Sequence[str], names: Sequence[str], notify: Callable[[str], object]) -> Supply:
+def supply(
+    ids: Sequence[str], names: Sequence[str], notify: Callable[[list[str]], object]
+) -> Supply:
     """Choose the newest package that offers each type and can be installed; nothing is installed.
 
     Args:
@@ -46,7 +47,7 @@ def supply(ids: Sequence[str], names: Sequence[str], notify: Callable[[str], obj
         there: list[Offer] = []
         for each in offers(repositories):
             if isinstance(each, RtkitError):
-                notify(str(each))
+                notify([str(each)])
             else:
                 there.append(each)
         choosing = _Choosing(newest_first(there), repositories, draft)
@@ -147,11 +148,8 @@ class LocalInstaller:
             RtkitError: See `rtkit.packages.installed.install`.
         """
         text = package.partition("/")[2]
-        is_new = not here([text])
         with opened(self._repositories) as there:
-            done = install(Requirement(text), there, self._digests.get(text))
-        if is_new:
-            note(done.path, [self._system])
+            install(Requirement(text), there, self._digests.get(text), system=self._system)
 
     def uninstall(self, package: str) -> None:
         """Remove a package, ``HOST/NAME==VERSION``.

@@ -2,15 +2,28 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from collections.abc import Collection, Mapping
+from contextlib import suppress
 
+from fake_manager import FakeManager
+from fake_tree import fake_tree
 from hypothesis import given, note, settings
 from hypothesis import strategies as st
 from reference_model import problem_of
 
-from rtkit.deployment.planning.deployment_plan import make_plan
+from rtkit.deployment.applying import Applier
+from rtkit.deployment.goal import DeploymentGoal
+from rtkit.deployment.packages import Packages
+from rtkit.deployment.planning.deployment_plan import DeploymentPlan, make_plan
 from rtkit.deployment.planning.model import DEFAULT_COSTS, ComponentVariable, Model
+from rtkit.deployment.wanted import wanted
+from rtkit.fast_dataclass import replace
 from rtkit.planner import plan
+from rtkit.profile import rts_model as rts
+from rtkit.profile.common import ExtensionProperty
+from rtkit.rtc.pattern import ComponentPattern
+from rtkit.rtc.profiles import TypeProfile
+from rtkit.tree.manager_set import ManagerSet
 
 PLACES = ("m:slave", "n:slave", "o:slave")
 HOSTS = {"m": "laptop", "n": "robot1", "o": "robot1"}
@@ -87,3 +100,103 @@ def test_killed_at_any_step_the_rest_costs_what_was_left(model, data):
         before = [c for move in found.moves[:n] for c in move.changes]
         is_there = model.now(needed) == "installed" if unit.package else True
         assert is_there or (needed, "installed") in before
+
+
+# whole systems over two hosts
+
+NAMES = {"localhost": "manager", "robot1": "manager@robot1"}
+TYPES = ("One", "Two", "Three")
+MODULES = {
+    f"/m/{name}.py": [ComponentPattern(TypeProfile(name), (), {"default": {}})] for name in TYPES
+}
+
+
+class Shop:
+    """Has all packages, and installs them until it is killed after so many."""
+
+    def __init__(self, there: Collection[str]) -> None:
+        self.there = {*there}
+        self.left = -1
+
+    def install(self, package: str) -> None:
+        if self.left == 0:
+            raise KeyboardInterrupt
+        self.left -= 1
+        self.there.add(package)
+
+    def uninstall(self, package: str) -> None:
+        self.there.remove(package)
+
+
+class Hosts:
+    """A system over two hosts, each with packages of its own; one that is `surplus` may go."""
+
+    def __init__(self, homes: Mapping[str, str], shop: Shop, surplus: Collection[str]) -> None:
+        self.worlds = {
+            host: FakeManager((), host="box" if host == "localhost" else host, modules=MODULES)
+            for host in NAMES
+        }
+        self.shop, self.surplus, self.homes = shop, surplus, homes
+        components = tuple(_component(name, host) for name, host in homes.items())
+        date = "2026-01-01T00:00:00"
+        profile = rts.RtsProfile("RTSystem:a:b:1", "0.2", date, date, components=components)
+        self.system = wanted(profile, "box", managers=["manager@robot1"])
+
+    def fleet(self) -> ManagerSet:
+        trees = {NAMES[host]: fake_tree(world) for host, world in self.worlds.items()}
+        return ManagerSet([*trees], trees, {f"{n}0": NAMES[h] for n, h in self.homes.items()})
+
+    def goal(self) -> DeploymentGoal:
+        of = {f"{name}0": f"{name.lower()}==1" for name in self.homes}
+        needed = {f"{host}/{name.lower()}==1" for name, host in self.homes.items()}
+        gone = {each: f"/p/{each}" for each in self.surplus if each not in needed}
+        packages = Packages(of, frozenset(self.shop.there), {}, gone, self.shop)
+        return replace(DeploymentGoal(self.system), packages=packages)
+
+    def reach(self) -> DeploymentPlan:
+        fleet, goal = self.fleet(), self.goal()
+        before = fleet.snapshot()
+        plan = goal.plan(before)
+        Applier(fleet, goal, lambda _: None, lambda _: None).run(plan, before)
+        return plan
+
+
+def _component(name: str, host: str) -> rts.ComponentInstance:
+    values = {"create": name, "module": f"/m/{name}.py:{name}Init"}
+    properties = tuple(ExtensionProperty(f"rtkit.{key}", value) for key, value in values.items())
+    return rts.ComponentInstance(
+        f"RTC:::{name}:", f"{host}/{name}0.rtc", f"{name}0", properties=properties
+    )
+
+
+ON_HOSTS = [f"{host}/{name.lower()}==1" for host in NAMES for name in TYPES]
+
+
+@given(
+    st.dictionaries(st.sampled_from(TYPES), st.sampled_from([*NAMES]), min_size=1),
+    st.sets(st.sampled_from(ON_HOSTS)),
+    st.sets(st.sampled_from(ON_HOSTS)),
+    st.integers(0, 3),
+)
+@settings(max_examples=60, deadline=None)
+def test_each_host_gets_what_it_lacks_and_is_rid_of_what_nothing_uses(homes, there, surplus, kill):
+    shop = Shop(there)
+    hosts = Hosts(homes, shop, surplus & there)
+    best = plan(problem_of(hosts.goal().survey(hosts.fleet().snapshot()).model))
+    needed = {f"{host}/{name.lower()}==1" for name, host in homes.items()}
+    gone = (surplus & there) - needed
+    planned = hosts.goal().plan(hosts.fleet().snapshot())
+    assert (planned.gap, planned.cost) == (0, best.cost)
+    packages = {m.subject: m.kind for m in planned.moves if m.subject in ON_HOSTS}
+    installs = dict.fromkeys(needed - there, "install")
+    assert packages == installs | dict.fromkeys(gone, "uninstall")
+    shop.left = kill
+    with suppress(KeyboardInterrupt):
+        hosts.reach()
+    assert kill >= len(installs) or not any(w.components for w in hosts.worlds.values())
+    shop.left = -1
+    hosts.reach()
+    assert shop.there == (there | needed) - gone
+    for host, world in hosts.worlds.items():
+        assert {*world.components} == {f"{name}0" for name in homes if homes[name] == host}
+    assert not hosts.reach().moves

@@ -59,6 +59,24 @@ def test_packages_are_pushed_used_and_removed(fleet: Shell, host: FarHost) -> No
     assert fleet.ok("rtpkg list --host robot1") == ""
 
 
+def test_the_signer_of_what_a_host_has_is_shown(fleet: Shell, host: FarHost) -> None:
+    fleet.ok("rtkeys init --name ann")
+    wheels = Path(fleet.folder) / "wheels"
+    third = made(wheels, "third", "3.0", {"third.py": ""})
+    gain = made(wheels, "high", "1.0", type="High", requires=("third==3.0",))
+    fleet.ok(f"rtpkg sign {gain}")
+    fleet.ok("rtpkg install --host robot1 high")
+    assert "signed by" not in fleet.ok("rtpkg list --host robot1")  # what it needs is not
+    fleet.ok("rtpkg uninstall --host robot1 high")
+    fleet.ok(f"rtpkg sign {third}")
+    fleet.ok("rtpkg install --host robot1 high")
+    assert fleet.ok("rtpkg list --host robot1").endswith("signed by ann\n")
+    kept = f"{FAR}/high/1.0/.wheels/{gain.name}"
+    host.run("python3", "-c", f"open({kept!r}, 'ab').write(b'#')")
+    assert "signed by" not in fleet.ok("rtpkg list --host robot1")
+    fleet.ok("rtpkg uninstall --host robot1 high")
+
+
 def test_what_cannot_be_pushed_is_told_and_leaves_nothing(fleet: Shell) -> None:
     for name, why in (
         ("lack", "lack==1.0 needs pytest, which this Python has, and a clean rtkit has not"),

@@ -11,6 +11,7 @@ from rtkit.errors import RtkitError
 
 if TYPE_CHECKING:
     from rtkit.hosts.connection import HostConnection
+    from rtkit.hosts.far_packager import PackageAnswer, Signed
     from rtkit.packages.installed import Installed
 
 HOST = "On a host of rthost list; repeatable."
@@ -19,7 +20,7 @@ HOST = "On a host of rthost list; repeatable."
 def at_hosts(
     app: App,
     names: Sequence[str],
-    work: Callable[[HostConnection], list[Installed]],
+    work: Callable[[HostConnection], Sequence[PackageAnswer]],
     is_json: bool | None,
 ) -> int:
     """Do some work at hosts, and show the packages that it is about; return the exit status.
@@ -39,7 +40,8 @@ def at_hosts(
     for host in hosts:
         try:
             with connect(host, app.timeout_s) as connection:
-                records += [_record(host.name, each) for each in work(connection)]
+                for answer in work(connection):
+                    records += [_record(host.name, each, answer) for each in answer.packages]
         except RtkitError as error:
             failures.append(error)
             app.fail(str(error))
@@ -48,7 +50,7 @@ def at_hosts(
     return app.status(failures[0]) if failures else 0
 
 
-def _record(host: str, found: Installed) -> dict[str, Any]:
+def _record(host: str, found: Installed, answer: PackageAnswer) -> dict[str, Any]:
     return record(
         found.name,
         found.version,
@@ -56,4 +58,18 @@ def _record(host: str, found: Installed) -> dict[str, Any]:
         types=found.types,
         requires=found.requires,
         wheels={**found.wheels},
+        signed_by=_signer(answer.signed.get(found.text, ())),
     )
+
+
+def _signer(wheels: Sequence[Signed]) -> str | None:
+    """Return who has signed a package and all that it needs, None where nobody known here has."""
+    from rtkit.packages.signing import WHEEL, signer
+
+    try:
+        names = [
+            signer(each.signature.encode(), bytes.fromhex(each.sha256), WHEEL) for each in wheels
+        ]
+    except (RtkitError, ValueError):
+        return None
+    return names[0] if names else None

@@ -9,7 +9,7 @@ from rtkit.deployment.creation import is_loaded
 from rtkit.deployment.facts import ComponentFacts, Snapshot
 from rtkit.deployment.live_index import LiveIndex, absence, mismatch, states_of
 from rtkit.deployment.multi_manager import homes_in
-from rtkit.deployment.packages import NO_PACKAGES, Packages
+from rtkit.deployment.packages import NO_PACKAGES, Packages, unused
 from rtkit.deployment.planning import component_settings
 from rtkit.deployment.planning import model as var
 from rtkit.deployment.planning.component_settings import ComponentSetting
@@ -32,6 +32,7 @@ from rtkit.errors import Impossible
 from rtkit.fast_dataclass import dataclass, field, replace
 from rtkit.rtc.create import CreateString, parse_create
 from rtkit.rtc.enums import LifeCycleState
+from rtkit.rtc.names import split_manager
 from rtkit.rtc.profiles import ConnectorProfile, PortProfile, PortRef, split_module
 
 
@@ -161,6 +162,7 @@ class ModelBuilder:
             self._desired,
             self.wanted.costs.values,
             slaves_need_modules=True,
+            hosts={name: host for name in managers if (host := split_manager(name)[1])},
         )
         return BuiltModel(model, tuple(self._notes), tuple(self._unmet))
 
@@ -456,18 +458,11 @@ class ModelBuilder:
 
     def _surplus_packages(self) -> None:
         """Have packages removed of which nothing will be there, and their modules unloaded."""
-        packages = self.wanted.packages
         ended = {v[4:] for v, wish in self._desired.items() if wish == var.ABSENT} | self._replaced
-        alive = [c for c in self.live.snapshot.components if not c.zombie]
-        for package in packages.installed & packages.surplus.keys():
-            folder = packages.surplus[package]
-            if any(f" {folder}/" in c.code and c.instance not in ended for c in alive):
-                continue
+        for package, modules in unused(self.wanted.packages, self.live, ended):
             self._desired[f"pkg:{package}"] = var.ABSENT
-            for manager, snapshot in self.live.managers.items():
-                for each in (m for m in snapshot.modules if m.file.startswith(f"{folder}/")):
-                    variable = f"mod:{manager}/{each.path}:{each.init}"
-                    self._live[variable], self._desired[variable] = var.LOADED, var.ABSENT
+            for each in modules:
+                self._live[f"mod:{each}"], self._desired[f"mod:{each}"] = var.LOADED, var.ABSENT
 
     def _is_gone(self, name: str) -> bool:
         facts = self.live.namesake(name)

@@ -23,6 +23,7 @@ from rtkit.errors import Malformed
 from rtkit.fast_dataclass import dataclass, field
 from rtkit.rtc.create import parse_create
 from rtkit.rtc.enums import Transition
+from rtkit.rtc.names import split_manager
 
 TABLE, MEASURED, PROFILE, USER = "table", "measured", "profile", "user"
 """Where a cost comes from."""
@@ -216,7 +217,9 @@ def subjects(
         case "start_manager":
             return {each.manager for each in (snapshot, *snapshot.others)}
         case "install" | "uninstall":
-            return {f"{HERE}/{each}" for each in packages.of.values()} | packages.installed
+            homes = {c.instance: c.manager or snapshot.manager for c in system.components}
+            needed = ((split_manager(homes[n])[1] or HERE, each) for n, each in packages.of.items())
+            return {f"{host}/{each}" for host, each in needed} | packages.installed
         case "load" | "unload":
             return set(_modules(system, snapshot))
         case "connect" | "disconnect":

@@ -30,7 +30,8 @@ def of(id: str, *, offers: bool = False, **told: str) -> dict[str, str]:
         id=id, path_uri="localhost/g.rtc", instance_name="g", properties=tuple(properties)
     )
     profile = RtsProfile("RTSystem:me:s:1", "0.2", "", "", components=(component,))
-    (after,) = chosen(profile, offerings({id}), lambda *_: offers).components
+    found = dict.fromkeys(["g"], offerings({id})[id]) if offerings({id}) else {}
+    (after,) = chosen(profile, found, lambda *_: offers).components
     return {key.removeprefix("rtkit."): v for key, v in properties_of(after.properties).items()}
 
 

@@ -14,7 +14,7 @@ from rtkit.errors import UsageProblem
 
 if TYPE_CHECKING:
     from rtkit.hosts.connection import HostConnection
-    from rtkit.packages.installed import Installed
+    from rtkit.hosts.far_packager import PackageAnswer
 
 
 @command(
@@ -64,14 +64,17 @@ def main(
         raise WrongArguments("takes names of packages, or the lock that has them")
     digests = {file: digest for wheels in locked.values() for file, digest in wheels.items()}
     bundles = [each for each in names if is_bundle(each)]
-    how = {"must_be_signed": must_be_signed}
     plain = [each for each in names or locked if each not in bundles]
     if hosts:
         return _push(app, hosts, repositories, (plain, bundles), is_json)
-    done = [package for each in bundles for package in install_bundle(each, digests, **how)]
+    done = [
+        package
+        for each in bundles
+        for package in install_bundle(each, digests, must_be_signed=must_be_signed)
+    ]
     with opened(named_repositories(repositories) if plain else ()) as there:
         for wanted in map(requirement, plain):
-            done.append(install(wanted, there, digests, **how))
+            done.append(install(wanted, there, digests, must_be_signed=must_be_signed))
     if lock:
         write_lock(lock, locked | {each.text: each.wheels for each in done})
     records = [installed_record(each) for each in done]
@@ -104,8 +107,8 @@ def _push(
             packages |= fetched(each, there, draft)
         check_whole(packages)
 
-        def work(connection: HostConnection) -> list[Installed]:
-            done = [each for path in bundles for each in push_bundle(connection, path)]
-            return done + (push(connection, packages) if packages else [])
+        def work(connection: HostConnection) -> list[PackageAnswer]:
+            done = [push_bundle(connection, path) for path in bundles]
+            return done + ([push(connection, packages)] if packages else [])
 
         return at_hosts(app, hosts, work, is_json if is_json or app.is_verbose else None)

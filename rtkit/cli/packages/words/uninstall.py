@@ -37,7 +37,7 @@ def main(
         from rtkit.hosts import far_packages
 
         return at_hosts(
-            app, hosts, lambda c: far_packages.remove(c, names, is_forced=is_forced), None
+            app, hosts, lambda c: [far_packages.remove(c, names, is_forced=is_forced)], None
         )
     found = [each for name in names for each in meant(requirement(name))]
     for each in () if is_forced else found:

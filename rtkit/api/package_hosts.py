@@ -1,0 +1,128 @@
+"""Asks the hosts of a system which packages they have; one that need not be asked is left alone."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from typing import TYPE_CHECKING
+
+from rtkit.errors import RtkitError
+from rtkit.modules.package_folders import FOLDER, folders
+from rtkit.rtc.names import LOCAL, split_manager
+
+if TYPE_CHECKING:
+    from rtkit.api.session import Session
+    from rtkit.api.system_profiles import SystemProfile
+    from rtkit.deployment.facts import Snapshot
+    from rtkit.packages.needing import Question, Survey
+    from rtkit.profile.rts_model import ComponentInstance
+
+
+class PackageHosts:
+    """The hosts on which components of a system are to be.
+
+    Attributes:
+        names: All of them, this one first; this one is `LOCAL`.
+        managers: What is known of the manager of each component, by its name.
+        far: The components that are to be on other hosts.
+    """
+
+    def __init__(
+        self,
+        session: Session,
+        document: SystemProfile,
+        snapshot: Snapshot,
+        mapped: tuple[str, ...] = (),
+    ) -> None:
+        """Find them; those that are `mapped`, ``HOST=HOST``, are none."""
+        from rtkit.api.gathering import Managers
+        from rtkit.api.looking import host_map
+
+        self._session = session
+        self._document = document
+        self._snapshot = snapshot
+        known = {each.manager: each for each in (snapshot, *snapshot.others)}
+        managers = Managers(document.profile, session.usual_manager, host_map(mapped))
+        # What belongs to none of these is made by the first, and counts as here.
+        self.managers = {name: known.get(home, snapshot) for name, home in managers.homes.items()}
+        hosts = (self.host_of(name) for name in self.managers)
+        self.names = tuple(dict.fromkeys([LOCAL, *hosts]))
+        self.far = {name for name in self.managers if self.host_of(name) != LOCAL}
+
+    def host_of(self, component: str) -> str:
+        """Return the host on which a component of the system is to be."""
+        return split_manager(self.managers[component].manager)[1] or LOCAL
+
+    def components_on(self, host: str) -> list[ComponentInstance]:
+        """Return the components that are to be on a host."""
+        all = self._document.profile.components
+        return [each for each in all if self.host_of(each.instance_name) == host]
+
+    def types_on(self, host: str) -> dict[str, str]:
+        """Return the ids of the types of the same, by their names."""
+        from rtkit.deployment.described import type_of
+
+        return {each.instance_name: type_of(each.id).id for each in self.components_on(host)}
+
+    def is_up(self, host: str) -> bool:
+        """Return whether a manager that the system needs runs on a host."""
+        return any(each.pid for each in self._on(host))
+
+    def _on(self, host: str) -> Iterator[Snapshot]:
+        for each in (self._snapshot, *self._snapshot.others):
+            if (split_manager(each.manager)[1] or LOCAL) == host:
+                yield each
+
+    def survey(self, host: str, *, notes: bool) -> Survey:
+        """Return what the packages of a host are to the system; `notes` that it needs some.
+
+        Of another host nothing is known while it need not be asked, or cannot be.
+        """
+        from rtkit.packages.needing import Question, Survey, survey
+
+        if host == LOCAL and next(folders(), None) is None:
+            return Survey()
+        types = tuple(dict.fromkeys(self.types_on(host).values()))
+        managers = tuple(split_manager(each.manager)[0] for each in self._on(host))
+        asked = Question(self._document.profile.id, types, managers, notes)
+        if host != LOCAL:
+            return self._far(host, asked) if self._is_worth_it(host, types) else Survey()
+        found = survey(asked, self._session.timeout_s)
+        if found.unknown:
+            text = f"packages that nothing uses are not removed: {found.unknown}"
+            self._session.verbose(text)
+        return found
+
+    def _is_worth_it(self, host: str, types: Sequence[str]) -> bool:
+        """Return whether something is to be made that rtkit lacks, or a package may be surplus."""
+        from rtkit.packages.bundling import is_built_in
+
+        if any(not is_built_in(each) for each in self.components_on(host) if self.is_fresh(each)):
+            return True
+        modules = (each for known in self._on(host) for each in known.modules)
+        packaged = (each for each in modules if f"/{FOLDER}/" in each.file)
+        return any({*types}.isdisjoint(type.id for type in each.types) for each in packaged)
+
+    def is_fresh(self, component: ComponentInstance) -> bool:
+        """Return whether a component is to be made by the code of a type: it does not live."""
+        from rtkit.deployment.described import is_same_id
+        from rtkit.deployment.extension import STAND_IN, stated_id
+
+        alive = (each for each in self._snapshot.components if not each.zombie)
+        ids = {each.instance: stated_id(each) for each in alive}
+        is_there = is_same_id(ids.get(component.instance_name, ""), component.id)
+        return not is_there and all(each.name != STAND_IN for each in component.properties)
+
+    def _far(self, host: str, asked: Question) -> Survey:
+        from rtkit.hosts import far_packages, far_side, inventory
+        from rtkit.hosts.connection import connect
+        from rtkit.packages.needing import Survey
+
+        try:
+            with connect(inventory.host(host), self._session.timeout_s) as connection:
+                if not self.is_up(host) and not far_side.look(connection).current:
+                    return Survey()  # there is no rtkit yet, so no package
+                return far_packages.surveyed(connection, asked)
+        except RtkitError as error:
+            notify = self._session.verbose if self.is_up(host) else self._session.fail
+            notify(f"which packages {host} has is not known: {error}")
+            return Survey()

@@ -1,0 +1,82 @@
+"""Installs on all hosts of a system what its plan says: here itself, elsewhere over SSH."""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Callable, Collection, Mapping, Sequence
+
+from rtkit import fault
+from rtkit.deployment.packages import Installer
+from rtkit.hosts import far_packages, far_side, inventory, provisioned
+from rtkit.hosts.connection import connect
+
+Wheels = Callable[[str, str], Mapping[str, Sequence[str]]]
+"""Returns the wheels of a ``NAME==VERSION``; those that are fetched are put into a folder."""
+
+
+class HostsInstaller:
+    """Installs packages, ``HOST/NAME==VERSION``, on several hosts, of which `here` is this one."""
+
+    def __init__(
+        self,
+        here: str,
+        near: Installer,
+        wheels: Wheels,
+        system: str,
+        bare: Collection[str],
+        notify: Callable[[str], object],
+        timeout_s: float,
+    ) -> None:
+        """Prepare to install.
+
+        Args:
+            here: Name of this host.
+            near: Installs on it.
+            wheels: Finds what is pushed to the others.
+            system: For which it is installed.
+            bare: Hosts on which no manager runs: they get this rtkit before, if they lack it.
+            notify: Is told what is done there.
+            timeout_s: How long a host may take to answer [s].
+        """
+        self._here = here
+        self._near = near
+        self._wheels = wheels
+        self._system = system
+        self._bare = bare
+        self._notify = notify
+        self._timeout_s = timeout_s
+
+    def install(self, package: str) -> None:
+        """Install a package; one that is there already is left as it is.
+
+        Raises:
+            RtkitError: See `rtkit.hosts.far_packages.push`; the wheels cannot be had.
+        """
+        host, _, name = package.partition("/")
+        if host == self._here:
+            self._near.install(package)
+            return
+        with (
+            tempfile.TemporaryDirectory(prefix="rtpkg-") as folder,
+            connect(inventory.host(host), self._timeout_s) as connection,
+        ):
+            wheels = self._wheels(name, folder)
+            if host in self._bare:
+                provisioned.provision(connection, far_side.look(connection), self._notify)
+            fault.point("packages.push")
+            far_packages.push(connection, wheels, self._system)
+            fault.point("packages.pushed")
+
+    def uninstall(self, package: str) -> None:
+        """Remove a package.
+
+        Raises:
+            Refused: A manager uses it.
+            Unreachable: The host does not answer.
+        """
+        host, _, name = package.partition("/")
+        if host == self._here:
+            self._near.uninstall(package)
+            return
+        with connect(inventory.host(host), self._timeout_s) as connection:
+            far_packages.remove(connection, [name], is_forced=False)
