@@ -80,6 +80,7 @@ class Observers(Closing):
         self._trees: dict[str, Tree] = {}
         self._facts: dict[str, Snapshot] = {}
         self._away: list[str] = []
+        self._far: set[str] = set()
         self._folder: FolderWatch | None = None
         self._keen_until = 0.0
         self._is_wide = is_wide and session.finds_managers
@@ -199,7 +200,8 @@ class Observers(Closing):
         from rtkit.link.places import manager_socket
 
         known = self.names.get(name, "")
-        return not known or ":" in name or os.path.exists(manager_socket(known))
+        is_far = name in self._far or ":" in name
+        return not known or is_far or os.path.exists(manager_socket(known))
 
     def _await(self, name: str) -> None:
         self._away.append(name)
@@ -224,6 +226,7 @@ class Observers(Closing):
         return True
 
     def _open(self, name: str) -> None:
+        from rtkit.link.places import host_name
         from rtkit.tree.connect import connect
         from rtkit.tree.subscription import ManagerSubscription
 
@@ -231,6 +234,8 @@ class Observers(Closing):
             tree = self._trees[name] = connect(name, self._session.timeout_s)
         else:
             tree = self._session.tree
+        if tree.host != host_name():  # no socket here shows whether it is back
+            self._far.add(name)
         self.subscriptions[name] = ManagerSubscription(tree, self._lines)
         self.names[name] = tree.manager
 
