@@ -170,8 +170,11 @@ def connect_near(address: Address, timeout_s: float = DEFAULT_TIMEOUT_S) -> tupl
         Unreachable: There is no such manager.
     """
     from rtkit.rtc.manager_address import DEFAULT_ID
+    from rtkit.rtc.names import is_local_host
 
     name = address.id or DEFAULT_ID
+    if not is_local_host(address.host, host_name()):
+        return connect_at(address, timeout_s), ""
     try:
         return connect_at(address, timeout_s), ""
     except Unreachable as error:

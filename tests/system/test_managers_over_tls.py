@@ -21,7 +21,7 @@ from shells import Outcome, Shell, opened_shell
 from waiting import until
 
 from rtkit.errors import Refused, RtkitError
-from rtkit.keys import authority
+from rtkit.keys import audit, authority
 from rtkit.keys.authority import issue, revoke
 from rtkit.link.processes import stat_of
 from rtkit.property.codes import PropertyError
@@ -172,6 +172,29 @@ def test_what_is_done_and_denied_is_on_record(robot: Robot) -> None:
     ]
     assert {each["wire"] for each in lines} == {"tls"}
     assert "hunter2" not in str(lines)
+
+
+def test_secrets_are_for_administrators(robot: Robot) -> None:
+    made = (
+        "rtmgr -c 'ConsoleIn?instance_name=X&password=hunter2&conf.default.token=h3' AT/manager.mgr"
+    )
+    robot.by("owner1", made)
+    targets = ("%40x%2Fsnapshot", "%40x%2Fpicture", "%40x%2Fevents%2FX", "%40x%2Fpart%2FX")
+    for who in ("anna", "bert"):
+        with robot.connected(who) as client:
+            texts = [str(client.ask(target).value()) for target in targets]
+        assert all("(hidden)" in text for text in texts)
+        assert not any("hunter" in text for text in texts)
+    with robot.connected("owner1") as client:
+        assert "hunter2" in str(client.ask(targets[2]).value())
+    assert robot.by("owner1", "rtmgr -d X AT/manager.mgr").err == ""
+
+
+def test_who_is_denied_often_does_not_wash_out_the_record(robot: Robot) -> None:
+    with robot.connected("carl") as client:
+        for _ in range(200):
+            assert client.ask("%40%2Fstop", "").error == "denied"
+    assert len([each for each in robot.record() if each["name"] == "carl"]) <= audit.MOST_DENIED
 
 
 def test_a_batch_takes_the_role_of_its_greatest_action(robot: Robot) -> None:
@@ -384,6 +407,22 @@ def test_what_happens_there_is_told(robot: Robot) -> None:
     out, _ = watch.communicate(timeout=BOUND_S)
     assert "ConsoleOut0.rtc 0 ACTIVE" in out
     assert robot.by("bert", "rtdeact AT/ConsoleOut0.rtc").err == ""
+
+
+def test_who_listens_is_told_when_the_manager_is_back(robot: Robot) -> None:
+    assert robot.there(f"rtmgr start manager3 -a --tls {AT}:0") == (0, "", "")
+    port = robot.port_of("manager3")
+    with robot._with(RTKIT_KEYS=robot.keys):
+        watch = robot.shell.open(f"rtwatch -v /{AT}:{port}")
+    assert watch.stderr is not None
+    assert "listening" in watch.stderr.readline()
+    assert robot.there("rtmgr stop manager3") == (0, "", "")
+    assert "waiting for it to come back" in watch.stderr.readline()
+    assert robot.there(f"rtmgr start manager3 -a --tls {AT}:{port}") == (0, "", "")
+    assert "is back" in watch.stderr.readline()
+    watch.send_signal(signal.SIGINT)
+    watch.communicate(timeout=BOUND_S)
+    assert robot.there("rtmgr stop manager3") == (0, "", "")
 
 
 def test_values_of_ports_take_a_link(robot: Robot) -> None:

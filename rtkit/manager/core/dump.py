@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import json
 import math
-import re
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from enum import Enum
@@ -26,6 +25,7 @@ from rtkit.fast_dataclass import MISSING, fields, is_record
 from rtkit.manager.core.desired import DesiredState
 from rtkit.manager.core.event_ring import Fault, Recording
 from rtkit.manager.core.events import Event
+from rtkit.manager.core.secrets import HIDDEN, hidden_in, is_secret
 from rtkit.manager.core.state import ManagerState
 from rtkit.rtc.serde import hint_of, parse_table
 from rtkit.settings.properties import Settings
@@ -126,13 +126,6 @@ _ROOTS = (
 _OBJECTS = (DesiredState, Settings)
 """Classes that are no records: their attributes are plain data, set from outside."""
 _DEPTH = 64
-_SECRET = re.compile(r"passw|secret|token|credential|private.?key", re.IGNORECASE)
-_SECRET_IN_TEXT = re.compile(
-    r"(?i)((?:passw|secret|token|credential|private.?key)[\w.-]*[\"']?\s*[=:]\s*[\"']?)[^\s&\"',;]+"
-    r"|(?<=://)[^/\s@]+(?=@)"
-)
-HIDDEN = "(hidden)"
-"""Stands for what may be a password or another secret."""
 
 
 def to_plain(value: object) -> Any:
@@ -157,7 +150,7 @@ def to_plain(value: object) -> Any:
     name = type(value).__name__
     if type(value) is _classes().get(name):
         return {"~": name} | {
-            field: HIDDEN if _is_secret(field, item) else to_plain(item)
+            field: HIDDEN if is_secret(field, item) else to_plain(item)
             for field, item in _content(value)
         }
     if isinstance(value, tuple):
@@ -198,19 +191,15 @@ _SCALARS = (NoneType, bool, int, float, str)
 
 def _scalar(value: object) -> object:
     if isinstance(value, str):
-        return _SECRET_IN_TEXT.sub(lambda found: (found[1] or "") + HIDDEN, value)
+        return hidden_in(value)
     if isinstance(value, float) and not math.isfinite(value):
         return {"~float": str(value)}
     return value
 
 
-def _is_secret(key: object, value: object) -> bool:
-    return isinstance(key, str) and isinstance(value, str) and bool(_SECRET.search(key))
-
-
 def _mapping(value: Mapping[Any, Any]) -> Any:
     if all(type(key) is str and not key.startswith("~") for key in value):
-        return {k: HIDDEN if _is_secret(k, item) else to_plain(item) for k, item in value.items()}
+        return {k: HIDDEN if is_secret(k, item) else to_plain(item) for k, item in value.items()}
     return {"~dict": [[to_plain(key), to_plain(item)] for key, item in value.items()]}
 
 

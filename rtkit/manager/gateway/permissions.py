@@ -16,6 +16,7 @@ from rtkit.deployment.actions import Action
 from rtkit.deployment.batch import batch_from_text
 from rtkit.errors import Malformed, Refused
 from rtkit.keys.roles import includes
+from rtkit.rtc.far_ends import peer_of
 
 VIEWER, OPERATOR, ADMINISTRATOR = "viewer", "operator", "administrator"
 _OF_OPERATORS = (
@@ -91,6 +92,8 @@ def _of_action(action: Action) -> Permission:
         return Permission(role, f"{action.transition} {_shown(action.instance)}")
     if isinstance(action, act.Connect):
         ports = " and ".join(str(each) for each in action.connector.ports)
+        # The manager at the other end has not been asked who this is.
+        role = ADMINISTRATOR if peer_of(action.connector) else role
         return Permission(role, f"connect {_shown(ports)}")
     verb = re.sub(r"(?<=[a-z])(?=[A-Z])", " ", type(action).__name__).lower()
     # Properties behind the type of what is made may be secrets.

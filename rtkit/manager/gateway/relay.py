@@ -21,7 +21,8 @@ from rtkit.keys.tls import Trust
 from rtkit.link import zenoh_keys
 from rtkit.link.tcp_endpoint import Identity
 from rtkit.link.zenoh import ZenohLink
-from rtkit.manager.gateway.permissions import VIEWER, Permission, permission
+from rtkit.manager.core.secrets import HIDDEN, hidden_in_json, is_secret
+from rtkit.manager.gateway.permissions import ADMINISTRATOR, VIEWER, Permission, permission
 from rtkit.property.access import EndpointLimits
 from rtkit.property.codes import PropertyError
 from rtkit.property.exchange import Reply
@@ -118,15 +119,19 @@ class ManagerRelay(PropertyProvider):
         self._check(wanted, caller)
         self._pass_on(ask, name, payload, wanted)
 
+    @staticmethod
+    def _may(caller: GatewayConnection, role: str) -> bool:
+        return caller.peer is not None and includes(caller.peer.role, role)
+
     def _check(self, wanted: Permission, caller: GatewayConnection) -> None:
         """Refuse what is too much for the role of a caller.
 
         Raises:
             PropertyError: ``denied``.
         """
-        peer = caller.peer
-        if peer is not None and includes(peer.role, wanted.role):
+        if self._may(caller, wanted.role):
             return
+        peer = caller.peer
         who = f"{peer.name} ({peer.role})" if peer is not None else "nobody"
         caller.record(f"{wanted.what} at {self._identity.manager}", "denied")
         raise PropertyError("denied", f"{who} may not {wanted.what}: it takes {wanted.role}")
@@ -142,6 +147,8 @@ class ManagerRelay(PropertyProvider):
                 result = f"{reply.error}: {reply.text}" if reply.error else "done"
                 caller.record(f"{wanted.what} at {self._identity.manager}", result)
             text = " ".join(reply.text.split()) if reply.error else reply.text
+            if not self._may(caller, ADMINISTRATOR):
+                text = HIDDEN if is_secret(name, text) else hidden_in_json(text)
             ask.answer(Answer(text, reply.error))
 
         def answered(reply: Reply) -> None:
@@ -182,9 +189,12 @@ class ManagerRelay(PropertyProvider):
         if topic is None:
             return
         topic.count += 1
+        shown = hidden_in_json(text)
         for listener in topic.listeners:
-            listener.push(PropertyEvent(listener.name, text, time(), topic.count))
-            listener.caller.wake()
+            caller = cast(GatewayConnection, listener.caller)
+            sent = text if self._may(caller, ADMINISTRATOR) else shown
+            listener.push(PropertyEvent(listener.name, sent, time(), topic.count))
+            caller.wake()
 
     def _leave(self, name: str, caller: Requester) -> None:
         topic = self._topics[name] if name in self._topics else _Topic()

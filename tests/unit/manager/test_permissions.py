@@ -16,6 +16,7 @@ from rtkit.rtc.enums import Transition
 from rtkit.rtc.profiles import ConnectorProfile, PortRef
 
 CONNECTOR = ConnectorProfile("c1", "c", (PortRef("A", "out"), PortRef("B", "in")))
+FAR = ConnectorProfile("c1", "c", (PortRef("A", "out"), PortRef("m2.mgr/B", "in")))
 ROLES: list[tuple[Action, str, str]] = [
     (act.Load("./Arm.py", "init"), "administrator", "load ./Arm.py"),
     (act.Unload("Arm"), "administrator", "unload Arm"),
@@ -25,6 +26,7 @@ ROLES: list[tuple[Action, str, str]] = [
     (act.Unregister("a/Arm0.rtc"), "administrator", "unregister a/Arm0.rtc"),
     (act.Register("Arm0", "a/b.rtc"), "administrator", "register Arm0"),
     (act.Connect(CONNECTOR), "operator", "connect A.out and B.in"),
+    (act.Connect(FAR), "administrator", "connect A.out and m2.mgr/B.in"),
     (act.Disconnect("c1"), "operator", "disconnect c1"),
     (act.SetParameters("Arm0", "default", {"pin": "hunter2"}), "operator", "set parameters Arm0"),
     (act.RemoveSet("Arm0", "fast"), "operator", "remove set Arm0"),
