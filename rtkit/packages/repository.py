@@ -21,7 +21,7 @@ from packaging.version import Version
 
 from rtkit.errors import Malformed, NotFound, Refused, RtkitError, Unreachable
 from rtkit.packages.bundle import is_bundle, unpacked
-from rtkit.packages.tools import git, git_head
+from rtkit.packages.tools import git, git_head, is_git_empty
 from rtkit.packages.wheel import Wheel, named, read_wheel
 
 VARIABLE = "RTKIT_REPOSITORIES"
@@ -110,15 +110,22 @@ def opened(names: Sequence[str]) -> Iterator[Repositories]:
 
 
 @contextmanager
-def _cloned(name: str) -> Iterator[str]:
+def _cloned(name: str, *, is_begun: bool = False) -> Iterator[str]:
+    """Check a git repository out; one that `is_begun` here may be empty, or lack the folder."""
     url, revision, below = _git_place(name)
     with tempfile.TemporaryDirectory(prefix="rtpkg-") as folder:
         git("init", "-q", folder=folder)
-        git("fetch", "-q", "--depth", "1", "--", url, revision or "HEAD", folder=folder)
-        git("checkout", "-q", "FETCH_HEAD", folder=folder)
+        if is_git_empty(url):
+            if not is_begun:
+                raise NotFound(f"nothing is in the git repository yet: {name}")
+        else:
+            git("fetch", "-q", "--depth", "1", "--", url, revision or "HEAD", folder=folder)
+            git("checkout", "-q", "FETCH_HEAD", folder=folder)
         inside = os.path.realpath(os.path.join(folder, below))
         if not f"{inside}/".startswith(f"{os.path.realpath(folder)}/"):
             raise Refused(f"folder leaves the git repository: {below}")
+        if is_begun:
+            os.makedirs(inside, exist_ok=True)
         if not os.path.isdir(inside):
             raise NotFound(f"no folder {below} in {name}")
         yield inside
@@ -211,14 +218,19 @@ def publish(path: str, repository: str) -> None:
         )
     if is_bundle(repository):
         raise Refused(f"a bundle takes no wheels: {repository} (rtpkg bundle makes another)")
-    with opened([repository]) as found:
-        (folder,) = found.folders.values()
-        is_new = _put(path, folder)
-        if repository.startswith("git+") and is_new:
+    if not repository.startswith("git+"):
+        with opened([repository]) as found:
+            (folder,) = found.folders.values()
+            _put(path, folder)
+        return
+    with _cloned(repository, is_begun=True) as folder:
+        if _put(path, folder):
             url, revision, _ = _git_place(repository)
             file = os.path.basename(path)
             git("add", "-f", "--", file, folder=folder)
             git("commit", "-q", "-m", f"Publish {file}", folder=folder)
+            if revision and is_git_empty(url):
+                revision = f"refs/heads/{revision}"
             git("push", "-q", "--", url, f"HEAD:{revision or git_head(url)}", folder=folder)
 
 

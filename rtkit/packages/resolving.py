@@ -65,7 +65,7 @@ def resolve(wanted: Requirement, repositories: Repositories) -> list[Chosen]:
         what = ("--dry-run", "--report", report.name)
         output, error = pip("install", *what, *options, "--", str(wanted))
         if error:
-            raise _failure(wanted, f"{output}\n{error}")
+            raise _failure(wanted, f"{output}\n{error}", repositories)
         items = json.load(report)["install"]
     chosen = []
     for each in items:
@@ -94,14 +94,15 @@ def _check_environment(own: str, chosen: Chosen) -> None:
         )
 
 
-def _failure(wanted: Requirement, text: str) -> RtkitError:
+def _failure(wanted: Requirement, text: str, repositories: Repositories) -> RtkitError:
     lines = [line.strip() for line in text.splitlines()]
     if "The conflict is caused by:" in lines:
         rest = lines[lines.index("The conflict is caused by:") + 1 :]
         causes = rest[: rest.index("")] if "" in rest else rest
         return Refused(f"conflict: {'; '.join(causes)}")
     if "connection broken by" in text:
-        return Unreachable(f"no answer of a repository, asked for {wanted}")
+        asked = ", or of ".join(repositories.indexes)
+        return Unreachable(f"no answer of {asked}, asked for {wanted}")
     lacking = re.findall(r"satisfies the requirement (.*) \(from versions: (.*)\)", text)
     if lacking:
         name, versions = lacking[0]

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
+import tempfile
 
 from rtkit.errors import Refused
 
@@ -38,15 +39,32 @@ def git(*words: str, folder: str) -> None:
 
 
 def git_head(url: str) -> str:
-    """Return the branch of a git repository that a clone would check out.
+    """Return the branch of a git repository that a clone would check out, ``refs/heads/main``.
 
     Raises:
         Refused: It cannot be asked.
     """
     out, error = _run(["git", "ls-remote", "--symref", "--", url, "HEAD"])
-    if error or not out.startswith("ref: "):
-        raise Refused(f"git ls-remote: {error or f'{url} has no branch'}")
+    if not error and not out.startswith("ref: "):
+        with tempfile.TemporaryDirectory(prefix="rtpkg-") as folder:  # only a clone learns it then
+            git("clone", "-q", "--", url, folder, folder=folder)
+            out, error = _run(["git", "-C", folder, "symbolic-ref", "HEAD"])
+            out = f"ref: {out}"
+    if error:
+        raise Refused(f"git ls-remote: {error}")
     return out.split()[1]
+
+
+def is_git_empty(url: str) -> bool:
+    """Return whether a git repository has no commit yet.
+
+    Raises:
+        Refused: It cannot be asked.
+    """
+    out, error = _run(["git", "ls-remote", "--", url])
+    if error:
+        raise Refused(f"git ls-remote: {error}")
+    return not out
 
 
 def _run(command: list[str]) -> tuple[str, str]:

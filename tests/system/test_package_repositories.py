@@ -157,6 +157,29 @@ def test_a_git_repository_is_read_at_a_revision_and_published_to(
     assert "leaves the git repository" in left.err
 
 
+def test_publishing_begins_an_empty_git_repository(shell: Any, tmp_path: Path) -> None:
+    for who in ("AUTHOR", "COMMITTER"):
+        shell.environment |= {f"GIT_{who}_NAME": "a", f"GIT_{who}_EMAIL": "a@b"}
+    assert shell.run("rtnew Scale --vendor me").status == 0
+    (built,) = jsonrecords.checked(shell.ok("rtpkg build Scale -o out --json"))
+    for branch, at in (("trunk", ""), ("trunk", "@v1")):
+        bare = tmp_path / f"g{at}.git"
+        subprocess.run(["git", "init", "-q", "--bare", "-b", branch, bare], check=True)
+        place = f"git+file://{bare}{at}#subdirectory=pk/new"
+        empty = shell.run(f"rtpkg search --repository '{place}'")
+        assert f"nothing is in the git repository yet: {place}" in empty.err
+        for _ in range(2):  # again changes nothing
+            shell.ok(f"rtpkg publish {built['place']} '{place}'")
+        assert "Scale" in shell.ok(f"rtpkg search --repository '{place}'")
+
+
+def test_a_place_that_does_not_answer_is_named(shell: Any) -> None:
+    url = "http://127.0.0.1:9/"
+    for words in ("search --repository", "install gain --repository"):
+        refused = shell.run(f"rtpkg {words} {url}")
+        assert (refused.status, f"no answer of {url}" in refused.err) == (1, True)
+
+
 def test_conflicts_name_both_sides(shell: Any, tmp_path: Path) -> None:
     wheels = tmp_path / "wheels"
     for version in ("1", "2"):

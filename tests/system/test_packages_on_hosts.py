@@ -77,6 +77,22 @@ def test_the_signer_of_what_a_host_has_is_shown(fleet: Shell, host: FarHost) -> 
     fleet.ok("rtpkg uninstall --host robot1 high")
 
 
+def test_a_host_without_room_or_cut_off_keeps_nothing(fleet: Shell, host: FarHost) -> None:
+    fill = "f = open('/root/big', 'wb', 0)\nwhile f.write(bytes(1 << 20)): pass"
+    host.run("python3", "-c", f"try:\n exec({fill!r})\nexcept OSError: pass")
+    refused = fleet.run("rtpkg install --host robot1 gain")
+    host.run("rm", "/root/big")
+    assert (refused.status, "robot1: " in refused.err) == (1, True)
+    assert "No space left on device" in refused.err
+    assert fleet.ok("rtpkg list --host robot1") == ""
+    host.link("down")
+    refused = fleet.run("rtpkg install --host robot1 loss")
+    host.link("up")
+    assert (refused.status, "robot1 (" in refused.err) == (1, True)
+    fleet.ok("rtpkg install --host robot1 loss")
+    fleet.ok("rtpkg uninstall --host robot1 --force loss")
+
+
 def test_what_cannot_be_pushed_is_told_and_leaves_nothing(fleet: Shell) -> None:
     for name, why in (
         ("lack", "lack==1.0 needs pytest, which this Python has, and a clean rtkit has not"),

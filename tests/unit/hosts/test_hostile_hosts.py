@@ -50,6 +50,17 @@ class Answering:
         )
 
 
+def test_what_a_program_reads_is_sent_piece_by_piece() -> None:
+    connection, sizes = Answering(f"{MARK}done\n"), list[int]()
+    opened = connection.open(())
+    opened.sendall = lambda data: sizes.append(len(data))
+    connection.open = lambda _command: opened  # type: ignore[method-assign]
+    with open("/dev/zero", "rb") as zeros:
+        file = SimpleNamespace(read=lambda most: zeros.read(most) if sum(sizes) < 9 << 20 else b"")
+        assert far_program.ask(connection, (), file, timeout_s=1.0) == "done"  # type: ignore[arg-type]
+    assert (sum(sizes) >= 9 << 20, max(sizes) <= 1 << 20) == (True, True)
+
+
 @pytest.mark.parametrize(
     "machine", ["x/../../../../root/.ssh/id", "../x", "", "x" * 99, "x86_64\n", "--pre"]
 )

@@ -72,8 +72,9 @@ def main(
         for each in bundles
         for package in install_bundle(each, digests, must_be_signed=must_be_signed)
     ]
+    asked = [requirement(each) for each in plain]
     with opened(named_repositories(repositories) if plain else ()) as there:
-        for wanted in map(requirement, plain):
+        for wanted in asked:
             done.append(install(wanted, there, digests, must_be_signed=must_be_signed))
     if lock:
         write_lock(lock, locked | {each.text: each.wheels for each in done})
