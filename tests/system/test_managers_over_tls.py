@@ -307,6 +307,14 @@ def test_who_is_revoked_is_cut_and_comes_in_no_more(robot: Robot) -> None:
     assert robot.is_alive()
 
 
+def test_a_certificate_that_has_expired_is_denied(robot: Robot) -> None:
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("RTKIT_KEYS", robot.keys)
+        issue("old", "administrator", [], 0, f"{robot.keys}.old")
+    until(lambda: "has expired" in robot.by("old", "rtls AT").err, "the certificate ends")
+    assert robot.is_alive()
+
+
 def test_the_port_is_open_to_nobody_who_is_not_named_in_its_certificate(robot: Robot) -> None:
     """127.0.0.3 leads nowhere; ``localhost`` is not what robot1 was issued for."""
     with pytest.MonkeyPatch.context() as patch:

@@ -44,11 +44,11 @@ def main(
 ) -> int:
     """Tell what is wrong with this set-up, and what helps.
 
-    Looked at are versions, variables, limits, the clock, folders and their rights, what killed
-    processes left, TCP doors, managers, slaves and components; a large value is sent over a
-    connection as it is made between two processes. Nothing is changed, and a manager that hangs
-    holds nothing up. What is in order is told with -v only, and by --json; the exit
-    status is 1 when something is wrong, which warnings and notes are not.
+    Looked at are versions, variables, limits, the clock, folders and their rights, keys and
+    inventories of hosts, what killed processes left, TCP doors, managers, slaves and components;
+    a large value is sent over a connection as it is made between two processes. Nothing is
+    changed, and a manager that hangs holds nothing up. What is in order is told with -v only, and
+    by --json; the exit status is 1 when something is wrong, which warnings and notes are not.
     """
     if words:
         raise WrongArguments(f"takes no arguments: {' '.join(words)}")
@@ -62,11 +62,13 @@ def main(
 
 
 def _looked(timeout_s: float) -> Iterator[Diagnosis]:
-    from rtkit.cli.managers.doctor import data_link, folders, installation, live
+    from rtkit.cli.managers.doctor import data_link, folders, installation, keys, live
 
     yield from installation.installation(os.environ)
     yield from data_link.data_link()
     yield from folders.folders()
+    yield from keys.own_keys()
+    yield from keys.hosts()
     if folders.is_trusted():
         yield from folders.remains()
         yield from folders.stores()

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import re
 import socket
+from datetime import timedelta
 from pathlib import Path
 
 import jsonrecords
@@ -19,6 +20,7 @@ from rtkit.cli.managers.doctor import (
     data_link,
     folders,
     installation,
+    keys,
     live,
 )
 from rtkit.cli.managers.rtdoctor import main
@@ -26,6 +28,7 @@ from rtkit.deployment.facts import ComponentFacts, ProcessFacts, Snapshot
 from rtkit.deployment.listing import Listing, ListingRow
 from rtkit.errors import Unreachable
 from rtkit.fast_dataclass import replace
+from rtkit.keys import authority
 from rtkit.rtc.profiles import TypeProfile
 from rtkit.version import __version__
 
@@ -290,3 +293,96 @@ def test_the_command_without_a_manager(
     assert main([]) == 0
     assert main(["--strict"]) == 1
     assert main(["x"]) == 1
+
+
+@pytest.fixture
+def owner(place: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """Keys of this test alone, made with the most open of all umasks."""
+    monkeypatch.setenv("RTKIT_KEYS", str(place / "keys"))
+    monkeypatch.setenv("XDG_CONFIG_HOME", str(place / "config"))
+    before = os.umask(0)
+    try:
+        authority.init("owner1")
+    finally:
+        os.umask(before)
+    return place / "keys"
+
+
+def _cures() -> list[tuple[str, str, str]]:
+    return [
+        (e.severity, e.text, e.cure) for e in [*keys.own_keys(), *keys.hosts()] if e.severity != OK
+    ]
+
+
+def test_keys_are_in_order_whatever_the_umask(owner: Path) -> None:
+    assert _cures() == []
+    modes = {each.stat().st_mode & 0o077 for each in owner.rglob("*")}
+    assert modes == {0}
+
+
+@pytest.mark.parametrize("name", ["ca.key", "own.key"])
+def test_a_key_that_others_can_read_is_an_error(owner: Path, name: str) -> None:
+    (owner / name).chmod(0o640)
+    (found,) = _cures()
+    text = f"others can read it (mode 640): {owner / name}"
+    assert found == (ERROR, text, "chmod 600 if none has, else revoke")
+
+
+@pytest.mark.parametrize("name", ["ca.crt", "own.crt", "revoked.crl"])
+def test_who_is_trusted_is_for_nobody_else_to_write(owner: Path, name: str) -> None:
+    (owner / name).chmod(0o622)
+    assert [each[:2] for each in _cures()] == [
+        (ERROR, f"others can write it (mode 622): {owner / name}")
+    ]
+
+
+def test_a_folder_of_keys_that_others_can_write_in(owner: Path) -> None:
+    owner.chmod(0o777)
+    assert _cures()[0] == (ERROR, f"others can write in {owner} (mode 777)", f"chmod go= {owner}")
+
+
+@pytest.mark.parametrize("name", ["own.key", "own.crt", "ca.crt", "revoked.crl"])
+def test_keys_that_are_missing_or_do_not_fit(owner: Path, name: str) -> None:
+    content = (owner / name).read_bytes()
+    (owner / name).write_bytes(content[:-60])
+    assert [each[0] for each in _cures()] == [ERROR]
+    (owner / name).unlink()
+    assert [each[0] for each in _cures()] == [ERROR]
+    (owner / name).symlink_to("/dev/zero")
+    assert [each[0] for each in _cures()] == [ERROR]
+
+
+def test_the_key_of_somebody_else_does_not_fit(owner: Path) -> None:
+    authority.issue("anna", "viewer", [], 5, str(owner.parent / "anna"))
+    (owner / "own.key").write_bytes((owner.parent / "anna/own.key").read_bytes())
+    assert "cannot be used" in _cures()[0][1]
+
+
+def test_times_of_a_certificate(owner: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    own = authority.own()
+    for moment, severity in (
+        (own.begins - timedelta(days=1), ERROR), (own.begins, OK), (own.ends, WARNING),
+        (own.ends + timedelta(days=1), ERROR),
+    ):  # fmt: skip
+        assert keys.judge(own, moment).severity == severity
+    authority.revoke("owner1")
+    assert _cures()[0][1] == "the certificate of owner1 is revoked"
+
+
+def test_a_record_and_an_inventory_that_others_can_reach(owner: Path, place: Path) -> None:
+    record = place / "STATE/audit.jsonl"
+    record.touch(0o600)
+    assert _cures() == []
+    record.chmod(0o644)
+    inventory = place / "config/rtkit/hosts.toml"
+    inventory.parent.mkdir(parents=True, exist_ok=True)
+    inventory.write_text('[robot1]\naddress = "robot1"\n', encoding="ascii")
+    inventory.chmod(0o666)
+    assert [each[0] for each in _cures()] == [ERROR, ERROR]
+    assert _cures()[0][1:] == (f"others can read {record} (mode 644)", f"chmod go= {record}")
+    assert "may be written by everybody" in _cures()[1][1]
+
+
+def test_without_keys_nobody_is_let_in(place: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("RTKIT_KEYS", str(place / "none"))
+    assert [each.text for each in keys.own_keys()] == ["no keys: nobody on another host is let in"]
