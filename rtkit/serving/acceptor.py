@@ -56,7 +56,7 @@ class Acceptor(IOHandler):
             return  # it has gone again, or there is no descriptor left: the next one may fit
         self._forget()
         most = self._quota.limits.connections
-        is_full = len(self._clients) >= most and not self._drop_unknown()
+        is_full = len(self._clients) >= most and not self._make_room()
         admitted = f"busy there are {most} connections" if is_full else self.admit(client)
         if not isinstance(admitted, str):
             self._clients.append(admitted)
@@ -74,7 +74,7 @@ class Acceptor(IOHandler):
         """See `IOHandler.check`."""
         self._forget()
 
-    def _drop_unknown(self) -> bool:
+    def _make_room(self) -> bool:
         """Close the oldest client that has not shown who it is; return whether there was one."""
         unknown = next((each for each in self._clients if not each.identity), None)
         if unknown is not None:

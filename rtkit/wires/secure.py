@@ -9,6 +9,7 @@ from __future__ import annotations
 import socket
 import ssl
 from abc import ABC, abstractmethod
+from collections import Counter
 from collections.abc import Callable
 from logging import getLogger
 from time import monotonic
@@ -273,6 +274,17 @@ class SecureAcceptor(Acceptor):
         made = self._client(SecureStream(tls), self._quota)
         made.trust, made.address, made.wire = self._trust, address, self._wire
         return made
+
+    def _make_room(self) -> bool:
+        """See `Acceptor._make_room`; else whoever has most connections loses his oldest one."""
+        if super()._make_room():
+            return True
+        counts = Counter(each.identity for each in self._clients)
+        name, most = counts.most_common(1)[0]
+        if most > 1:
+            next(each for each in self._clients if each.identity == name).close()
+            self._forget()
+        return most > 1
 
     def reject(self, why: str) -> bytes:
         """See `Acceptor.reject`: before TLS there are no words."""

@@ -24,6 +24,7 @@ from rtkit.errors import Refused, RtkitError
 from rtkit.keys import audit, authority
 from rtkit.keys.authority import issue, revoke
 from rtkit.link.processes import stat_of
+from rtkit.manager.gateway.relay import LIMITS
 from rtkit.property.codes import PropertyError
 from rtkit.property.messages import Answer
 from rtkit.tree.secure_link import IDENTITY
@@ -379,6 +380,34 @@ def test_a_handshake_byte_by_byte_holds_up_nobody(robot: Robot) -> None:
         assert robot.is_alive()
         over.set()
         thread.join()
+
+
+def test_whoever_has_most_connections_makes_room_for_others(robot: Robot) -> None:
+    with contextlib.ExitStack() as ends:
+        held = [ends.enter_context(robot.connected("carl")) for _ in range(LIMITS.connections + 5)]
+        assert robot.by("owner1", "rtls AT").err == ""
+        assert robot.by("owner1", "rtmgr -s port.a=b AT/manager.mgr").err == ""
+        assert held[-1].ask("%40%2Fmanager.instance_name") == Answer("manager")
+
+
+def _resident_kb(pid: int) -> int:
+    text = Path(f"/proc/{pid}/status").read_text(encoding="ascii")
+    return int(text.partition("VmRSS:")[2].split()[0])
+
+
+def test_who_asks_much_and_reads_nothing_fills_no_memory(robot: Robot) -> None:
+    """Each answer has 100 kB; all that are asked for at once would be 50 MB."""
+    assert robot.by("owner1", f"rtmgr -s port.a={'x' * 100_000} AT/manager.mgr").err == ""
+    gateway = _gateway(robot)
+    before = _resident_kb(gateway)
+    with robot.connected("anna") as client:
+        end = client.detach()
+        ask = "".join(f"#{number} GET %40%2Fget_configuration\n" for number in range(480))
+        end.sendall(ask.encode())
+        for _ in range(3):
+            assert robot.is_alive()
+        assert _resident_kb(gateway) - before < 30_000
+    assert robot.by("owner1", "rtmgr -s port.a= AT/manager.mgr").err == ""
 
 
 def _pid(robot: Robot) -> int:

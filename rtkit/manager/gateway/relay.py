@@ -38,9 +38,11 @@ from rtkit.wires.secure import SecureAcceptor, SecureStream
 NAME = "manager"
 IDENTITY = "~identity"
 """Target of the first request of a client: which manager of which realm it is."""
-LIMITS = EndpointLimits(connections=128, listeners=8, door_listeners=256, rate=500, size=1 << 22)
+LIMITS = EndpointLimits(connections=128, listeners=8, door_listeners=1024, rate=500, size=1 << 22)
 """What there is room for; a batch of 10,000 creations has 2 MB."""
 _LISTEN = ".listen"
+_MOST_UNDER_WAY = 32
+"""Requests of one client that are passed on at a time."""
 _TIMEOUT_S = 10.0
 _LONGEST_S = 7 * 86_400.0
 _QUEUE = SubscriptionOptions(queue=256, is_all=True)
@@ -53,6 +55,10 @@ class GatewayConnection(SecureConnection):
     def audited(self, ask: PropertyRequest, service: str) -> PropertyRequest:
         """See `Requester.audited`."""
         return ask
+
+    def _is_full(self) -> bool:
+        # Whoever reads no answers, of which each may be large, is asked for no further request.
+        return self._order.waiting >= _MOST_UNDER_WAY or super()._is_full()
 
     def record(self, what: str, result: str) -> None:
         """Put on record what the client has done, or tried to do."""
