@@ -77,20 +77,42 @@ class PackageHosts:
 
         Of another host nothing is known while it need not be asked, or cannot be.
         """
-        from rtkit.packages.needing import Question, Survey, survey
+        from rtkit.packages.needing import Survey, survey
 
         if host == LOCAL and next(folders(), None) is None:
             return Survey()
         types = tuple(dict.fromkeys(self.types_on(host).values()))
+        if host == LOCAL:
+            found = survey(self._question(host, types, notes=notes), self._session.timeout_s)
+            if found.unknown:
+                text = f"packages that nothing uses are not removed: {found.unknown}"
+                self._session.verbose(text)
+            return found
+        if not self._is_worth_it(host, types):
+            return Survey()
+        try:
+            return self._far(host, self._question(host, types, notes=notes))
+        except RtkitError as error:
+            notify = self._session.verbose if self.is_up(host) else self._session.fail
+            notify(f"which packages {host} has is not known: {error}")
+            return Survey()
+
+    def leftovers(self, host: str) -> Survey:
+        """Return what the packages of a host are to the system when it needs none any more.
+
+        Raises:
+            RtkitError: The host cannot be asked.
+        """
+        from rtkit.packages.needing import survey
+
+        asked = self._question(host, (), notes=False)
+        return survey(asked, self._session.timeout_s) if host == LOCAL else self._far(host, asked)
+
+    def _question(self, host: str, types: tuple[str, ...], *, notes: bool) -> Question:
+        from rtkit.packages.needing import Question
+
         managers = tuple(split_manager(each.manager)[0] for each in self._on(host))
-        asked = Question(self._document.profile.id, types, managers, notes)
-        if host != LOCAL:
-            return self._far(host, asked) if self._is_worth_it(host, types) else Survey()
-        found = survey(asked, self._session.timeout_s)
-        if found.unknown:
-            text = f"packages that nothing uses are not removed: {found.unknown}"
-            self._session.verbose(text)
-        return found
+        return Question(self._document.profile.id, types, managers, notes)
 
     def _is_worth_it(self, host: str, types: Sequence[str]) -> bool:
         """Return whether something is to be made that rtkit lacks, or a package may be surplus."""
@@ -117,12 +139,7 @@ class PackageHosts:
         from rtkit.hosts.connection import connect
         from rtkit.packages.needing import Survey
 
-        try:
-            with connect(inventory.host(host), self._session.timeout_s) as connection:
-                if not self.is_up(host) and not far_side.look(connection).current:
-                    return Survey()  # there is no rtkit yet, so no package
-                return far_packages.surveyed(connection, asked)
-        except RtkitError as error:
-            notify = self._session.verbose if self.is_up(host) else self._session.fail
-            notify(f"which packages {host} has is not known: {error}")
-            return Survey()
+        with connect(inventory.host(host), self._session.timeout_s) as connection:
+            if not self.is_up(host) and not far_side.look(connection).current:
+                return Survey()  # there is no rtkit yet, so no package
+            return far_packages.surveyed(connection, asked)

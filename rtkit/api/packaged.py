@@ -37,43 +37,51 @@ class Packaged(NamedTuple):
     lacks: Mapping[str, str]
 
 
-def by_id(
+def bundled(
     session: Session,
     document: SystemProfile,
     snapshot: Snapshot,
-    mapped: tuple[str, ...] = (),
+    mapped: tuple[str, ...],
     *,
-    installs: bool = False,
-) -> SystemProfile:
-    """Return a profile whose components on this host name the versions that their ids choose.
-
-    Of a bundle what is missing is installed before, where that is allowed.
+    installs: bool,
+) -> Packaged:
+    """Return a profile as `unpackaged`; of a bundle what its hosts lack is installed before.
 
     Raises:
-        Unreachable: The manager does not answer.
-        Refused: The bundle has changed.
+        RtkitError: See `supplied`; a package cannot be installed.
     """
-    if installs and document.source.endswith(BUNDLE):
-        from rtkit.packages.installed import install_bundle
-
-        for each in install_bundle(document.source):
-            session.verbose(f"{each.text} is installed")
-    if next(folders(), None) is None:
-        return document
-    from rtkit.packages.offering import offerings
-
+    if not document.source.endswith(BUNDLE):
+        return unpackaged(session, document, snapshot, mapped)
+    found = supplied(session, document, snapshot, mapped, is_dry=not installs)
     hosts = PackageHosts(session, document, snapshot, mapped)
-    types = hosts.types_on(LOCAL)
-    found = offerings({*types.values()})
-    chosen = {name: found[id] for name, id in types.items() if id in found}
-    return _chosen(_Asking(session, snapshot, hosts), document, chosen)
+    needed = (f"{hosts.host_of(name)}/{text}" for name, text in found.packages.of.items())
+    for each in dict.fromkeys(needed) if installs else ():
+        found.packages.installer.install(each)
+        session.verbose(f"{each} is installed")
+    return found
 
 
 def unpackaged(
     session: Session, document: SystemProfile, snapshot: Snapshot, mapped: tuple[str, ...] = ()
 ) -> Packaged:
-    """Return a profile for which nothing is to be installed; see `by_id`."""
-    return Packaged(by_id(session, document, snapshot, mapped), NO_PACKAGES, {}, {})
+    """Return a profile whose components on this host name the versions that their ids choose.
+
+    Nothing is to be installed for it.
+
+    Raises:
+        Unreachable: The manager does not answer.
+    """
+    from rtkit.api.component_profiles import known_types
+
+    if next(folders(), None) is not None:
+        from rtkit.packages.offering import offerings
+
+        hosts = PackageHosts(session, document, snapshot, mapped)
+        types = hosts.types_on(LOCAL)
+        found = offerings({*types.values()})
+        chosen = {name: found[id] for name, id in types.items() if id in found}
+        document = _chosen(_Asking(session, snapshot, hosts), document, chosen)
+    return Packaged(document, NO_PACKAGES, known_types(document.profile, snapshot), {})
 
 
 def supplied(
@@ -141,6 +149,22 @@ def _packages(
         if text in digests or text in survey.surplus
     }
     return Packages(of, frozenset(there), digests, surplus, installer)
+
+
+def leftover(
+    session: Session,
+    document: SystemProfile,
+    snapshot: Snapshot,
+    mapped: tuple[str, ...],
+) -> Packages:
+    """Return the packages that plans installed for a system alone, as it needs them no longer.
+
+    Raises:
+        RtkitError: A host cannot be asked.
+    """
+    hosts = PackageHosts(session, document, snapshot, mapped)
+    surveys = {host: hosts.leftovers(host) for host in hosts.names}
+    return _packages(surveys, {}, {}, _installer(session, document, (), {}, hosts))
 
 
 def _supply(

@@ -44,8 +44,7 @@ def bring_up(
 ) -> Sequence[LayeredPlan]:
     """Bring a system up, see `rtkit.Tree.bring_up`; a dry run returns the plans of that."""
     from rtkit.api import states
-    from rtkit.api.component_profiles import known_types
-    from rtkit.api.packaged import by_id
+    from rtkit.api.packaged import bundled
     from rtkit.api.preflight import check_reserved, missing
     from rtkit.deployment.creation import bring_up_plans
 
@@ -55,7 +54,8 @@ def bring_up(
     )
     with looking.managers_started(session, found, dry_run=is_dry) as before:
         creates = may_create and not stand_in
-        document = by_id(session, document, before, mapped, installs=not is_dry)
+        packaged = bundled(session, document, before, mapped, installs=not is_dry)
+        document = packaged.document
         system = looking.wanted_system(
             session,
             document,
@@ -63,7 +63,7 @@ def bring_up(
             stand_in=stand_in,
             transmit=transmit,
             mapped=mapped,
-            known_types=known_types(document.profile, before) if creates else None,
+            known_types=packaged.types if creates else None,
         )
         check_reserved(session, system, before)
         lacks = missing(session, system, before) if may_create else {}
@@ -190,9 +190,13 @@ def teardown(
     mapped: tuple[str, ...] = (),
     *,
     ends_components: bool,
+    uninstalls: bool = False,
     is_dry: bool = False,
-) -> LayeredPlan:
+) -> tuple[LayeredPlan, list[str]]:
     """Remove the connections of a system, perhaps its components too; return the plan of that.
+
+    With the components packages that plans installed for it alone are uninstalled on request,
+    unless something uses them; the second result tells these steps.
 
     Raises:
         Refused: It was broken off; the message tells how far it went.
@@ -217,7 +221,33 @@ def teardown(
             step_times.noting(session, system, snapshot) as taken,
         ):
             looking.runner(session, taken=taken).run(plan)
-    return plan
+    if not (uninstalls and ends_components):
+        return plan, []
+    return plan, _uninstall(session, document, system, mapped, is_dry=is_dry)
+
+
+def _uninstall(
+    session: Session,
+    document: SystemProfile,
+    system: WantedSystem,
+    mapped: tuple[str, ...],
+    *,
+    is_dry: bool,
+) -> list[str]:
+    from rtkit.api.packaged import leftover
+    from rtkit.deployment.applying import Applier
+    from rtkit.deployment.goal import DeploymentGoal
+    from rtkit.tree.grace import uninterrupted
+
+    snapshot = looking.remains(session)
+    names = frozenset(component.instance for component in system.components)
+    packages = leftover(session, document, snapshot, mapped)
+    goal = DeploymentGoal(system, absent=names, packages=packages)
+    plan = goal.plan(snapshot)
+    if not is_dry:
+        report = session.verbose
+        Applier(session.tree, goal, report, report, careful=uninterrupted).run(plan, snapshot)
+    return [move.text for move in plan.moves if move.kind == "uninstall"]
 
 
 @contextmanager

@@ -274,7 +274,12 @@ class Tree(DataTree):
             return made(profile, f"{name} as it lives")
 
     def teardown(
-        self, profile: Source, *, end: bool = False, hosts: Mapping[str, str] = NO_MAP
+        self,
+        profile: Source,
+        *,
+        end: bool = False,
+        uninstall: bool = False,
+        hosts: Mapping[str, str] = NO_MAP,
     ) -> None:
         """Remove every connection of a profile, with `end` its components too.
 
@@ -283,13 +288,14 @@ class Tree(DataTree):
         Args:
             profile: The profile.
             end: Also end the components, in reverse order.
+            uninstall: With `end`, also remove packages that plans installed for it alone.
             hosts: See `plan`.
         """
         from rtkit.api.starting import teardown
 
         document = load(profile)
         with self._session("tear down", document) as session:
-            teardown(session, document, mapped(hosts), ends_components=end)
+            teardown(session, document, mapped(hosts), ends_components=end, uninstalls=uninstall)
 
     # States of a system
 

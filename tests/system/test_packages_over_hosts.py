@@ -101,6 +101,29 @@ def test_what_a_host_lacks_is_planned_pushed_and_used(
     assert not [each for each in steps(shell, file) if "install" in each]
     shell.ok("rtmgr stop --host robot1")
     assert not [each for each in steps(shell, file) if "install" in each]
+    assert shell.run(f"rtapply {file}").status == 0
+    assert shell.run(f"rtteardown --uninstall {file}").status == 2
+    shown = shell.ok(f"rtteardown --exit --uninstall --dry-run {file}").splitlines()[-2:]
+    assert shown == ["uninstall gain==1.0 from localhost", "uninstall loss==1.0 from robot1"]
+    for _ in range(2):  # again changes nothing
+        assert shell.run(f"rtteardown --exit --uninstall {file}").status == 0
+        assert (shell.ok("rtpkg list"), installed(shell)) == ("", [])
+
+
+def test_a_bundle_brings_hosts_up_without_a_repository(shell: Shell, wheels: Path) -> None:
+    file = profile(shell, *BOTH)
+    shell.ok("rtmgr start --host robot1")
+    shell.ok("rtpkg install gain loss")
+    shell.ok(f"rtpkg bundle {file} -o pair.rtbundle")
+    shell.ok("rtpkg uninstall gain loss")
+    del shell.environment["RTKIT_REPOSITORIES"]
+    assert "install loss==1.0 on robot1" in steps(shell, "pair.rtbundle")
+    assert shell.run("rtapply pair.rtbundle").status == 0
+    assert installed(shell) == ["loss 1.0"]
+    shell.ok("rtcheck pair.rtbundle")
+    shell.ok("rtteardown --exit --uninstall pair.rtbundle")
+    assert shell.run("rtresurrect pair.rtbundle").status == 0
+    shell.ok("rtcheck pair.rtbundle")
 
 
 def test_a_step_that_fails_takes_far_packages_along_on_the_way_back(

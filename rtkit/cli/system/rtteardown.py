@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from rtkit.cli.shared import terminal
 from rtkit.cli.shared.app import App
 from rtkit.cli.shared.command import command
 from rtkit.cli.shared.options import flag, together
 from rtkit.cli.system import shared
 from rtkit.cli.system.document import read_document
+from rtkit.errors import UsageProblem
 
 
 @command(
@@ -14,22 +16,37 @@ from rtkit.cli.system.document import read_document
     examples=(
         ("rtteardown robot.xml", "Remove the connections of a profile."),
         ("rtteardown --exit robot.xml", "End its components too."),
+        ("rtteardown --exit --uninstall robot.xml", "And remove what rtapply installed."),
     ),
 )
 def main(
     app: App,
     ends: bool = flag("--exit", "Also end the components, in reverse order."),
+    uninstalls: bool = flag(
+        "--uninstall", "With --exit, also packages that plans installed for it alone."
+    ),
     dry_run: bool = shared.DRY_RUN,
     asked: shared.DocumentOptions = together(shared.DocumentOptions),
 ) -> None:
     """Remove every connection of an RTS profile (FILE, or stdin).
 
     What is missing is reported; the rest is removed all the same. A system that its manager
-    follows (rtstate) is followed no more.
+    follows (rtstate) is followed no more. Packages stay where another system was applied that needs
+    them, or something that lives is of them.
     """
     from rtkit.api.starting import teardown
 
     document = read_document(app, asked.files)
-    plan = teardown(app, document, asked.mapped, ends_components=ends, is_dry=dry_run)
+    if uninstalls and not ends:
+        raise UsageProblem("--uninstall goes with --exit: what lives needs its package")
+    plan, more = teardown(
+        app,
+        document,
+        asked.mapped,
+        ends_components=ends,
+        uninstalls=uninstalls,
+        is_dry=dry_run,
+    )
     if dry_run:
         shared.show(plan)
+        terminal.write(more)
