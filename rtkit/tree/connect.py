@@ -30,9 +30,6 @@ def connect(
         Unreachable: It does not run, or does not answer within `timeout_s` [s].
         Refused: Another user can have laid its socket.
     """
-    from rtkit.link.running import why_absent
-    from rtkit.link.zenoh import ZenohLink, open_client, unix_endpoint
-
     if not manager and "RTKIT_MANAGER" not in os.environ:
         from rtkit.settings import layers
 
@@ -45,6 +42,9 @@ def connect(
     if "/" in name:
         host, _, manager = name.partition("/")
         return connect_far(host, manager, timeout_s, kind)
+    from rtkit.link.running import why_absent
+    from rtkit.link.zenoh import ZenohLink, open_client, unix_endpoint
+
     path = manager_socket(name)
     if not os.path.exists(path):
         raise Unreachable(why_absent(name))
@@ -111,12 +111,13 @@ def connect_at(
         Refused: The secret or certificate of this user cannot be used.
         NotFound: It takes a certificate, and there is none.
     """
-    from rtkit.link import secret, tcp_endpoint
-    from rtkit.link.zenoh import ZenohLink
     from rtkit.rtc.names import is_local_host
 
     if not is_local_host(address.host, host_name()):
         return _connect_secure(address, timeout_s, kind)
+    from rtkit.link import secret, tcp_endpoint
+    from rtkit.link.zenoh import ZenohLink
+
     try:
         session = tcp_endpoint.log_in(address.port, secret.read(), bounded(timeout_s))
     except Unreachable as error:

@@ -131,7 +131,7 @@ def connected(
         PropertyError: ``denied``: it is not who it should be.
         NotFound: There are no keys.
     """
-    trust = Trust(is_server=False)
+    trust = Trust(is_server=False, is_brief=True)
     host = host.strip("[]")
     where = f"{host}:{port}"
     try:

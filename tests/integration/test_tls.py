@@ -260,6 +260,40 @@ def test_a_server_of_another_ca_or_name_is_not_trusted(own: str, served: ServedO
         _at_other_name(served)
 
 
+def test_a_server_that_is_revoked_is_not_trusted(own: str, served: ServedObject) -> None:
+    keys = _handed(own, "anna", "viewer")
+    authority.revoke("owner1")
+    with _as(keys, served) as client:  # nobody has told anna
+        assert client.ask("robot/count").payload == "7"
+    shutil.copy(f"{own}/{folder.REVOKED}", keys)
+    with (
+        pytest.raises(PropertyError, match="is not trusted: certificate revoked"),
+        _as(keys, served),
+    ):
+        pass
+
+
+@pytest.mark.parametrize("how", ["cut", "empty", "forged", "absent"])
+def test_a_client_trusts_nobody_without_a_good_list_of_the_revoked(
+    own: str, served: ServedObject, how: str
+) -> None:
+    keys = _handed(own, "anna", "viewer")
+    listed = Path(keys, folder.REVOKED)
+    if how == "forged":
+        with pytest.MonkeyPatch.context() as patch:
+            patch.setenv("RTKIT_KEYS", f"{own}.2")
+            authority.init("owner1", ["localhost"])
+        shutil.copy(f"{own}.2/{folder.REVOKED}", listed)
+    elif how == "absent":
+        listed.unlink()
+    else:
+        listed.write_bytes(listed.read_bytes()[:-100] if how == "cut" else b"")
+    with pytest.raises(RtkitError) as raised, _as(keys, served):
+        pass
+    assert not isinstance(raised.value, Unreachable), raised.value
+    assert _is_alive(own, served)
+
+
 def _at_other_name(served: ServedObject) -> None:
     with pytest.MonkeyPatch.context() as patch:
         real = socket.create_connection
