@@ -76,6 +76,9 @@ class PackageHosts:
         """Return what the packages of a host are to the system; `notes` that it needs some.
 
         Of another host nothing is known while it need not be asked, or cannot be.
+
+        Raises:
+            RtkitError: It cannot be, and is to be started.
         """
         from rtkit.packages.needing import Survey, survey
 
@@ -93,6 +96,8 @@ class PackageHosts:
         try:
             return self._far(host, self._question(host, types, notes=notes))
         except RtkitError as error:
+            if notes and not self.is_up(host):
+                raise  # it is to be started, too
             notify = self._session.verbose if self.is_up(host) else self._session.fail
             notify(f"which packages {host} has is not known: {error}")
             return Survey()

@@ -11,6 +11,8 @@ from typing import TYPE_CHECKING, BinaryIO
 from rtkit.errors import Refused, Unreachable
 
 if TYPE_CHECKING:
+    from paramiko.channel import Channel
+
     from rtkit.hosts.connection import HostConnection
 
 MARK = "rtkit-answer: "
@@ -46,11 +48,7 @@ def ask(
     try:
         channel.settimeout(timeout_s)
         channel.set_combine_stderr(True)
-        with suppress(OSError):  # then what it writes tells why it wanted no more
-            source = io.BytesIO(data) if isinstance(data, bytes) else data
-            while piece := source.read(_PIECE):
-                channel.sendall(piece)
-            channel.shutdown_write()
+        _send(channel, io.BytesIO(data) if isinstance(data, bytes) else data)
         text, seen = b"", 0
         while (found := answer_in(text)) is None and (chunk := channel.recv(1 << 16)):
             text += chunk
@@ -68,9 +66,26 @@ def ask(
             raise Refused(_shown(text) or f"exit status {channel.exit_status}")
         return found
     except TimeoutError as error:
-        raise Unreachable(f"{name}: nothing from {command[0]} in {timeout_s:g} s") from error
+        raise Unreachable(f"{name}: no answer in {timeout_s:g} s") from error
     finally:
         channel.close()
+
+
+def _send(channel: Channel, source: BinaryIO) -> None:
+    """Send what a program reads, piece by piece, as far as it wants it.
+
+    Raises:
+        TimeoutError: It takes nothing, and does not end.
+    """
+    while piece := source.read(_PIECE):
+        try:
+            channel.sendall(piece)
+        except TimeoutError:
+            raise
+        except OSError:
+            return  # what it writes tells why it wanted no more
+    with suppress(OSError):
+        channel.shutdown_write()
 
 
 def answer_in(text: bytes) -> str | None:

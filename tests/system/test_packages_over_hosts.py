@@ -110,6 +110,19 @@ def test_what_a_host_lacks_is_planned_pushed_and_used(
         assert (shell.ok("rtpkg list"), installed(shell)) == ("", [])
 
 
+def test_a_host_that_cannot_be_asked_is_named_before_anything_is_done(
+    shell: Shell, wheels: Path, hosts: list[FarHost]
+) -> None:
+    file = profile(shell, *BOTH)
+    hosts[0].link("down")
+    planned, refused = shell.run(f"rtplan {file}"), shell.run(f"rtapply {file}")
+    hosts[0].link("up")
+    assert "install loss==1.0 on robot1" in planned.out
+    assert "which packages robot1 has is not known: robot1 (" in planned.err
+    assert (refused.status, "robot1 (" in refused.err) == (1, True)
+    assert shell.ok("rtpkg list") == ""
+
+
 def test_a_bundle_brings_hosts_up_without_a_repository(shell: Shell, wheels: Path) -> None:
     file = profile(shell, *BOTH)
     shell.ok("rtmgr start --host robot1")

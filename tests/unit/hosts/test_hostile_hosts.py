@@ -61,6 +61,21 @@ def test_what_a_program_reads_is_sent_piece_by_piece() -> None:
     assert (sum(sizes) >= 9 << 20, max(sizes) <= 1 << 20) == (True, True)
 
 
+def test_a_program_that_takes_nothing_is_waited_for_once() -> None:
+    connection, waits = Answering(""), list[int]()
+
+    def take_nothing(_data: bytes) -> None:
+        waits.append(1)
+        raise TimeoutError
+
+    opened = connection.open(())
+    opened.sendall, opened.recv = take_nothing, take_nothing
+    connection.open = lambda _command: opened  # type: ignore[method-assign]
+    with pytest.raises(Unreachable, match="robot1: no answer in 1 s"):
+        far_program.ask(connection, (), bytes(9), timeout_s=1.0)  # type: ignore[arg-type]
+    assert len(waits) == 1
+
+
 @pytest.mark.parametrize(
     "machine", ["x/../../../../root/.ssh/id", "../x", "", "x" * 99, "x86_64\n", "--pre"]
 )
