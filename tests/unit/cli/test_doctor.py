@@ -107,7 +107,7 @@ def test_a_clock_before_the_installation() -> None:
 
 
 def test_every_variable_that_rtkit_reads_is_known() -> None:
-    package = Path(installation.__file__).parents[2]
+    package = Path(installation.__file__).parents[3]
     named = {
         name
         for file in package.rglob("*.py")
