@@ -11,6 +11,7 @@ from rtkit.hosts.connection import shake_hands
 from rtkit.hosts.host import Host
 from rtkit.hosts.known_hosts import UnknownKey, fingerprint
 from rtkit.hosts.ssh_config import SshRoute, way_to
+from rtkit.link import places
 
 
 def accept(host: Host, expected: str, timeout_s: float) -> str:
@@ -43,7 +44,7 @@ def _append(way: SshRoute, key: paramiko.PKey) -> None:
     name = paramiko.HostKeys.hash_host(way.place) if way.hashes_names else way.place
     path = way.known_hosts[0]
     try:
-        os.makedirs(os.path.dirname(path), mode=0o700, exist_ok=True)
+        places.make_folders(os.path.dirname(path))
         with open(path, "a+b", opener=lambda file, flags: os.open(file, flags, 0o600)) as stream:
             stream.seek(max(0, stream.seek(0, os.SEEK_END) - 1))
             end = b"" if stream.read(1) in (b"", b"\n") else b"\n"

@@ -129,7 +129,7 @@ def _edited() -> Iterator[Any]:
     from rtkit.link.atomic import write_output
 
     path = user_file()
-    os.makedirs(os.path.dirname(path), mode=0o700, exist_ok=True)
+    places.make_folders(os.path.dirname(path))
     folder = os.open(os.path.dirname(path), os.O_RDONLY | os.O_CLOEXEC)
     try:
         fcntl.flock(folder, fcntl.LOCK_EX)

@@ -201,10 +201,27 @@ def make_private(path: str) -> str:
         Refused: It cannot be made, is not ours, or is open to others.
     """
     try:
-        os.makedirs(path, mode=0o700, exist_ok=True)
+        make_folders(path)
     except OSError as error:
         raise Refused(f"cannot use folder {path}: {error.strerror}{_elsewhere(path)}") from error
     return check_private(path)
+
+
+def make_folders(path: str) -> None:
+    """Make a folder and those above it that lack, for this user alone, whatever the umask.
+
+    Raises:
+        OSError: One cannot be made, or something else is there.
+    """
+    if os.path.isdir(path):
+        return
+    if above := os.path.dirname(os.path.abspath(path)):
+        make_folders(above)
+    try:
+        os.mkdir(path, 0o700)
+    except FileExistsError:
+        if not os.path.isdir(path):
+            raise
 
 
 def check_private(path: str) -> str:

@@ -65,12 +65,16 @@ class Robot:
 
     def there(self, line: str) -> Outcome:
         """Run a command on the robot."""
+        with self.at_home():
+            return self.shell.run(line)
+
+    def at_home(self) -> contextlib.AbstractContextManager[None]:
+        """Have commands of the shell run on the robot."""
         folder = self.shell.folder
-        with self._with(
+        return self._with(
             RTKIT_HOSTNAME="robot1", RTKIT_KEYS=f"{self.keys}.robot1",
             RTKIT_RUNTIME_DIR=f"{folder}/robot.run", RTKIT_STATE_DIR=f"{folder}/robot.state",
-        ):  # fmt: skip
-            return self.shell.run(line)
+        )  # fmt: skip
 
     def port_of(self, manager: str) -> int:
         told = json.loads(self.there(f"rtmgr status --json {manager}").out)["tls"]
@@ -83,10 +87,11 @@ class Robot:
             return self.shell.run(line.replace("AT", self.path))
 
     @contextlib.contextmanager
-    def connected(self, who: str) -> Iterator[LineClient]:
+    def connected(self, who: str, port: int = 0) -> Iterator[LineClient]:
         with pytest.MonkeyPatch.context() as patch:
             patch.setenv("RTKIT_KEYS", self.keys + (f".{who}" if who != "owner1" else ""))
-            client = LineClient(connected(AT, self.port, BOUND_S), BOUND_S)  # type: ignore[arg-type]
+            end = connected(AT, port or self.port, BOUND_S)
+            client = LineClient(end, BOUND_S)  # type: ignore[arg-type]
         with client:
             yield client
 
@@ -522,3 +527,22 @@ def test_who_is_refused_is_told_so_to_scripts(robot: Robot) -> None:
             assert "ConsoleIn0.rtc" in str(tree.ls(robot.path))
             with pytest.raises(Refused, match=r"denied: anna \(viewer\) may not activate"):
                 tree.activate(f"{robot.path}/ConsoleIn0.rtc")
+
+
+def test_what_a_manager_makes_is_for_this_user_alone_whatever_the_umask(robot: Robot) -> None:
+    """Its sockets take the umask: the folder they lie in shuts out others."""
+    line = f"rtmgr start open -a --tls {AT}:0"
+    with robot.at_home():
+        assert robot.shell.open(line, "import os; os.umask(0); ").wait(BOUND_S) == 0
+    try:
+        assert robot.there("rtmgr -c 'ConsoleIn?manager_name=s' /localhost/open.mgr").err == ""
+        with robot.connected("anna", robot.port_of("open")) as client:
+            assert client.ask("%40%2Fstop", "").error == "denied"
+        for name in ("robot.run", "robot.state"):
+            folder = robot.shell.folder / name
+            assert folder.stat().st_mode & 0o077 == 0
+            files = [each for each in folder.rglob("*") if each.is_file() and not each.is_symlink()]
+            assert any(each.name.startswith("open.") for each in files)
+            assert [each for each in files if each.stat().st_mode & 0o077] == []
+    finally:
+        assert robot.there("rtmgr stop open") == (0, "", "")

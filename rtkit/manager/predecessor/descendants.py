@@ -47,11 +47,15 @@ class Descendants:
         self._written = present
         text = json.dumps({"boot": boot_id(), "began": present})
         try:
-            with open(f"{self._path}.new", "w", encoding="ascii") as file:
+            with open(f"{self._path}.new", "w", encoding="ascii", opener=_opened) as file:
                 file.write(text)
             os.replace(f"{self._path}.new", self._path)
         except OSError as error:
             _log.warning("what components here have started cannot be noted: %s", error)
+
+
+def _opened(path: str, flags: int) -> int:
+    return os.open(path, flags, 0o600)
 
 
 def end_descendants(manager: str) -> list[int]:

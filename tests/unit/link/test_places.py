@@ -200,3 +200,14 @@ def test_services_of_a_path_are_those_that_its_first_steps_name(
     for name in ("robots%2Fr1", "robots%2Fr1%2Farm", "lamp", "lampion"):
         (tmp_path / f"{name}.ps").touch()
     assert places.services_of(path) == found
+
+
+def test_folders_above_are_for_this_user_alone_whatever_the_umask(tmp_path: Path) -> None:
+    (tmp_path / "there").mkdir(mode=0o755)
+    before = os.umask(0)
+    try:
+        places.make_private(str(tmp_path / "there/state/rtkit"))
+    finally:
+        os.umask(before)
+    modes = [(tmp_path / each).stat().st_mode & 0o777 for each in ("there", "there/state")]
+    assert modes == [0o755, 0o700]
