@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import io
 import os
-import tempfile
 from collections.abc import Mapping, Sequence
 from typing import BinaryIO
 
@@ -16,6 +15,7 @@ from rtkit.hosts import far_program, provisioned
 from rtkit.hosts.connection import HostConnection
 from rtkit.hosts.far_packager import PackageAnswer
 from rtkit.packages import bundle
+from rtkit.packages.installed import work_folder
 from rtkit.packages.needing import Question, Survey
 from rtkit.rtc.serde import decode_text, encode_text
 
@@ -36,7 +36,7 @@ def push(
         Refused: A wheel does not fit there, or its bytes were lost on the way; names the host.
         Unreachable: The connection ended; each package is there as a whole, or not at all.
     """
-    with tempfile.TemporaryDirectory(prefix="rtpkg-") as folder:
+    with work_folder() as folder:
         path = os.path.join(folder, f"push{bundle.SUFFIX}")
         bundle.write(path, b"", packages)
         with open(path, "rb") as stream:

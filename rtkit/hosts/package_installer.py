@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import tempfile
 from collections.abc import Callable, Collection, Mapping, Sequence
 
 from rtkit import fault
 from rtkit.deployment.packages import Installer
 from rtkit.hosts import far_packages, far_side, inventory, provisioned
 from rtkit.hosts.connection import connect
+from rtkit.packages.installed import work_folder
 
 Wheels = Callable[[str, str], Mapping[str, Sequence[str]]]
 """Returns the wheels of a ``NAME==VERSION``; those that are fetched are put into a folder."""
@@ -57,7 +57,7 @@ class HostsInstaller:
             self._near.install(package)
             return
         with (
-            tempfile.TemporaryDirectory(prefix="rtpkg-") as folder,
+            work_folder() as folder,
             connect(inventory.host(host), self._timeout_s) as connection,
         ):
             wheels = self._wheels(name, folder)

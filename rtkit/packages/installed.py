@@ -114,7 +114,7 @@ def install(
     name, version = chosen[0].name, chosen[0].version
     target = os.path.join(root(), name, version)
     if not os.path.isdir(target):
-        with _draft() as draft:
+        with work_folder() as draft:
             wheels = [fetch(each, draft) for each in chosen]
             if not repositories.are_bundles():
                 check(wheels, is_required=must_be_signed)
@@ -167,7 +167,7 @@ def install_wheels(files: Sequence[str], system: str = "") -> Installed:
     wheels = [read_wheel(each) for each in files]
     target = os.path.join(root(), wheels[0].name, wheels[0].version)
     if not os.path.isdir(target):
-        with _draft() as draft:
+        with work_folder() as draft:
             for each in files:
                 shutil.copyfile(each, os.path.join(draft, os.path.basename(each)))
             _keep(wheels, draft, target, system)
@@ -245,7 +245,7 @@ def kept_wheels(package: Installed) -> list[str]:
 
 def remove(package: Installed) -> None:
     """Remove a version of a package; it is gone at once, or there as a whole."""
-    with _draft() as draft:
+    with work_folder() as draft:
         try:
             os.rename(package.path, os.path.join(draft, "gone"))
         except FileNotFoundError:
@@ -253,8 +253,11 @@ def remove(package: Installed) -> None:
 
 
 @contextmanager
-def _draft() -> Iterator[str]:
-    """Make a folder to work in, and clear away those whose processes have died."""
+def work_folder() -> Iterator[str]:
+    """Make a folder to work in, and clear away those whose processes have died.
+
+    It is beside the packages, so that what is made there can be renamed to be one.
+    """
     top = os.path.join(root(), _DRAFTS)
     os.makedirs(top, mode=0o700, exist_ok=True)
     with _locked(top, fcntl.LOCK_EX):

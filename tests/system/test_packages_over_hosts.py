@@ -192,3 +192,5 @@ def test_killed_while_it_installs_it_goes_on(
     assert shell.run(f"rtapply {file}").status == 0
     assert installed(shell) == ["loss 1.0"]
     shell.ok(f"rtcheck {file}")
+    shell.ok(f"rtteardown --exit --uninstall {file}")
+    assert not list((shell.folder / "data/rtkit/packages/.drafts").iterdir())
