@@ -14,7 +14,7 @@ from typing import NamedTuple
 from rtkit.deployment import actions as act
 from rtkit.deployment.actions import Action
 from rtkit.deployment.batch import batch_from_text
-from rtkit.errors import Malformed, Refused
+from rtkit.errors import Malformed, Refused, Unreachable
 from rtkit.keys.roles import includes
 from rtkit.rtc.far_ends import peer_of
 
@@ -26,7 +26,6 @@ _OF_OPERATORS = (
 _VIEWS = ("listing", "snapshot", "part", "picture", "events", "lease", "line")
 _NOT_FROM_AFAR = {
     "@/restart": "rtmgr restart",
-    "@x/lease": "a plan of several steps",
     "@x/half": "a half of a connector",
 }
 """What a manager does only for programs of its own host, whose processes it watches."""
@@ -57,6 +56,7 @@ def permission(name: str, payload: str | None) -> Permission:
     Raises:
         Malformed: It is none.
         Refused: It is for nobody on another host.
+        Unreachable: So is the lock of plans: whoever is refused that waits for its holder.
     """
     if len(name) > _LONGEST or not _NAME.fullmatch(name):
         raise Malformed(f"not a property of a manager: {name[:80]!r}")
@@ -64,6 +64,8 @@ def permission(name: str, payload: str | None) -> Permission:
     mark, _, rest = name.partition("/")
     if name in _NOT_FROM_AFAR and (payload is not None or name == "@x/half"):
         raise Refused(f"{_NOT_FROM_AFAR[name]} can be had on the manager's own host only")
+    if name == "@x/lease" and payload is not None:
+        raise Unreachable("a plan of several steps takes its lock, which its own host gives only")
     if name == "@/batch" and payload is not None:
         return _of_batch(batch_from_text(payload).actions)
     if mark == "@x":
