@@ -101,7 +101,7 @@ class LiveValues:
         node = place.node
         has_parts = node is not None and node.source is None and node.spec is not EMPTY_PLACE
         is_known = node is not None and (not place.path or has_parts)
-        is_new = self.on_new is not None and not place.extension and not is_known
+        is_new = not (place.extension or is_known or name.endswith(".listen"))
         made = self.on_new(name) if is_new and self.on_new else None
         if made is None and unknown is not None:
             raise unknown

@@ -80,16 +80,17 @@ class Upload:
     """File that is not whole yet, under another name; locked, so that nobody takes it for left.
 
     Attributes:
+        path: Of the file that it is to be.
         whole: How much it is to hold [bytes].
         size: How much it holds [bytes].
         touched: When something was written last.
     """
 
-    def __init__(self, parent: int, whole: int, *, is_synced: bool) -> None:
+    def __init__(self, parent: int, path: Path, whole: int, *, is_synced: bool) -> None:
         self._parent = os.dup(parent)
         self._name = f"{TEMPORARY}{token_hex(8)}"
         self._is_synced = is_synced
-        self.whole, self.size, self.touched = whole, 0, monotonic()
+        self.path, self.whole, self.size, self.touched = path, whole, 0, monotonic()
         try:
             self._file = os.open(self._name, _NEW, 0o666, dir_fd=self._parent)
         except OSError:
@@ -218,7 +219,7 @@ class Directory:
         """Begin a file that takes its place when it is whole."""
         with self._within(path[:-1]) as parent:
             _check_replaceable(path[-1], parent)
-            return Upload(parent, whole, is_synced=self._is_synced)
+            return Upload(parent, path, whole, is_synced=self._is_synced)
 
     def remove(self, path: Path) -> None:
         """Remove a file, or a directory that is empty."""

@@ -335,12 +335,13 @@ class Storage(Names):
                 return
             if digest and digest.lower() != upload.digest():
                 raise PropertyError("bad-value", "the SHA-256 is another one")
+            growth = self._growth(path, upload.whole)
             upload.commit(path[-1])
         except PropertyError:
             self._uploads.pop(key).close()
             raise
         self._uploads.pop(key).close()
-        self._used = (self._used[0], self._used[1] + upload.whole)
+        self._used = (self._used[0], self._used[1] + growth)
 
     def _begin(self, key: tuple[str, str], path: Path, size: int) -> None:
         if size < 0:
@@ -352,10 +353,19 @@ class Storage(Names):
             before.close()
         if len(self._uploads) >= MOST_UPLOADS:
             raise PropertyError("busy", f"there are {MOST_UPLOADS} uploads")
-        coming = sum(each.whole for each in self._uploads.values())
-        if self.quota and self._now_used() + coming + size > self.quota:
+        uploads = self._uploads.values()
+        coming = sum(max(0, self._growth(each.path, each.whole)) for each in uploads)
+        growth = self._growth(path, size)
+        if self.quota and growth > 0 and self._now_used() + coming + growth > self.quota:
             raise PropertyError("too-large", f"{size} bytes more than fit in {self.quota}")
         self._uploads[key] = self._files().upload(path, size)
+
+    def _growth(self, path: Path, size: int) -> int:
+        """Return how much more is used when a file has a size [bytes]; it may replace one."""
+        try:
+            return size - self._files().status(path).st_size
+        except PropertyError:
+            return size  # there is none
 
     def _end_idle(self) -> None:
         for key, each in list(self._uploads.items()):

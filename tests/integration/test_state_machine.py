@@ -329,6 +329,7 @@ def test_a_machine_is_got_from_storage_edited_and_saved_there(
         ("variables.visits", "many", "bad-value", ""),
         ("run", "go", "bad-value", "expected one of start stop pause step"),
         ("run", "step", "conflict", "cannot step: it is running"),
+        ("event", "", "bad-value", "an event has a name"),
         ("source", "nobody/files.x", "no-service", ""),
         ("save", "()", "bad-value", "save where?"),
         ("other", "1", "unknown", ""),

@@ -272,6 +272,34 @@ def test_limits(root: Path) -> None:
     files.storage.__exit__()
 
 
+def test_a_file_is_replaced_where_there_is_no_room_for_two(root: Path) -> None:
+    files = Files(root, quota=100)
+    files.set("a", b"x" * 90)
+    files.set("a", b"y" * 95)
+    assert files.get("used") == "95"
+    assert files.code("a", b"z" * 101) == "too-large"
+    assert files.code("b", b"z" * 6) == "too-large"
+    files.set("a?offset=0&size=20", b"z" * 10)
+    assert files.code("b", b"z" * 81) == "too-large"  # what is to come counts
+    assert files.code("b", b"z" * 6) == "too-large"  # until then the old one is there
+    files.set("a?offset=10", b"z" * 10)
+    files.set("b", b"z" * 80)
+    assert files.get("used") == "100"
+    files.set("a?offset=0&size=20", b"z" * 10)
+    files.set("a?delete=1", b"")
+    assert files.code("b", b"z" * 81) == "too-large"  # it no longer replaces one
+    files.storage.__exit__()
+
+
+def test_what_is_over_the_quota_may_shrink(root: Path) -> None:
+    (root / "a").write_bytes(b"x" * 90)
+    (root / "b").write_bytes(b"x" * 90)
+    files = Files(root, quota=100)
+    files.set("a", b"x" * 89)
+    assert files.code("a", b"x" * 90) == "too-large"
+    files.storage.__exit__()
+
+
 def test_errors_of_the_system_tell_no_path(files: Files, root: Path) -> None:
     files.set("f", b"1")
     if os.getuid():
@@ -397,6 +425,13 @@ def test_changes_from_outside_are_told(
         (root / "a.txt").unlink()
         assert names.get(timeout=20) == (("added",), ("removed", "a.txt"))
         assert texts.get(timeout=20)[1] == "unknown"  # type: ignore[index]
+
+
+def test_who_listens_to_a_file_that_is_not_there_hears_so(place: str, root: Path) -> None:
+    with rtkit.serve(Storage(str(root)), "files"), rtkit.Client(20.0) as client:
+        with pytest.raises(PropertyError, match=r"no such property: b\.txt") as caught:
+            client.listen("files.b.txt", print)
+        assert caught.value.code == "unknown"
 
 
 _KILLED = """

@@ -183,6 +183,8 @@ class StateMachine(rtkit.Names):
 
     def set_event(self, name: str) -> None:
         """Have the machine take a named event."""
+        if not name:
+            raise ValueError("an event has a name")
         self._done(lambda now: self._interpreter.take(MachineEvent(name), now))
 
     @property
