@@ -260,6 +260,7 @@ class MarkerFusion:
         if "count" not in marker.features and sure is not None:  # else it is weighted already
             estimate = _weighted(estimate, sure)
         time = now if marker.time is None else marker.time
+        time = now if time > now else time  # a clock that is ahead would never let it age
         if not math.isfinite(time) or not isinstance(count, int) or count < 1:
             raise PropertyError("bad-value", "a time is finite, and a count 1 at least")
         doubt = None if sure is None else 1.0 - sure

@@ -75,7 +75,7 @@ def test_identity_is_kept() -> None:
 def test_a_moved_object_is_followed() -> None:
     model = MarkerFusion(drift=0.02)
     for step in range(100):
-        model.observe([ball(0.05 * step, 0.0, time=0.1 * step)], 0.0)
+        model.observe([ball(0.05 * step, 0.0, time=0.1 * step)], 100.0)
     assert told(model) == [("ball-1", 100)]
     thing = only(model)
     assert thing.location is not None
@@ -96,10 +96,20 @@ def test_what_comes_late_counts_for_its_time() -> None:
 def test_what_was_not_seen_for_long_is_forgotten() -> None:
     model = MarkerFusion(most=2)
     for number in range(4):
-        model.observe([ball(float(number), 0.0, time=float(number))], 0.0)
+        model.observe([ball(float(number), 0.0, time=float(number))], 100.0)
     assert [each.time for each in model.things()] == [2.0, 3.0]
     model.forget(2.5)
     assert [each.time for each in model.things()] == [3.0]
+
+
+def test_what_a_clock_that_is_ahead_tells_is_seen_now_and_ages() -> None:
+    model = MarkerFusion(drift=0.01)
+    model.observe([ball(0.0, 0.0, time=1e99)], 10.0)
+    model.observe([ball(0.1, 0.0, time=10.0)], 10.0)
+    assert only(model).location == (0.05, 0.0)
+    assert only(model).time == 10.0
+    model.forget(10.5)
+    assert told(model) == []
 
 
 @pytest.mark.parametrize(
@@ -144,8 +154,8 @@ def test_a_model_that_is_merged_again_counts_once() -> None:
 def test_a_thing_that_drifts_is_merged_by_what_is_new() -> None:
     one, other = MarkerFusion(drift=0.1), MarkerFusion(drift=0.1)
     for step in range(20):
-        one.observe([ball(0.1 * step, 0.0, time=float(step))], 0.0)
-        other.merge("one", one.things(), 0.0)
+        one.observe([ball(0.1 * step, 0.0, time=float(step))], 100.0)
+        other.merge("one", one.things(), 100.0)
     assert told(other) == [("ball-1", 20)]
     assert only(other).location[0] == pytest.approx(1.9, abs=0.2)  # type: ignore[index]
     assert only(other).variance > 0.5 * only(one).variance  # type: ignore[operator]
