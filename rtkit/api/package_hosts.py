@@ -36,10 +36,13 @@ class PackageHosts:
         """Find them; those that are `mapped`, ``HOST=HOST``, are none."""
         from rtkit.api.gathering import Managers
         from rtkit.api.looking import host_map
+        from rtkit.deployment.extension import stated_id
 
         self._session = session
         self._document = document
         self._snapshot = snapshot
+        alive = (each for each in snapshot.components if not each.zombie)
+        self._alive = {each.instance: stated_id(each) for each in alive}
         known = {each.manager: each for each in (snapshot, *snapshot.others)}
         managers = Managers(document.profile, session.usual_manager, host_map(mapped))
         # What belongs to none of these is made by the first, and counts as here.
@@ -132,11 +135,9 @@ class PackageHosts:
     def is_fresh(self, component: ComponentInstance) -> bool:
         """Return whether a component is to be made by the code of a type: it does not live."""
         from rtkit.deployment.described import is_same_id
-        from rtkit.deployment.extension import STAND_IN, stated_id
+        from rtkit.deployment.extension import STAND_IN
 
-        alive = (each for each in self._snapshot.components if not each.zombie)
-        ids = {each.instance: stated_id(each) for each in alive}
-        is_there = is_same_id(ids.get(component.instance_name, ""), component.id)
+        is_there = is_same_id(self._alive.get(component.instance_name, ""), component.id)
         return not is_there and all(each.name != STAND_IN for each in component.properties)
 
     def _far(self, host: str, asked: Question) -> Survey:
