@@ -16,6 +16,7 @@ from rtkit.profile.parse import MAX_BYTES
 from rtkit.profile.tree_read import MAX_DEPTH, MAX_NODES, ListNode, Node, ScalarNode, TableNode
 
 _SYNTAX, _LARGE, _TAGS, _KEYS = "not-well-formed", "too-large", "tag-or-alias", "repeated-key"
+_TOO_DEEP = "too-deep", f"nested deeper than {MAX_DEPTH}"
 _CORE = "tag:yaml.org,2002:"
 _SCALAR_TAGS = frozenset(f"{_CORE}{name}" for name in ("str", "int", "float", "bool", "null"))
 _ALLOWED = {
@@ -42,6 +43,8 @@ def read_yaml(text: str, source: str) -> Node:
         mark = error.problem_mark or error.context_mark
         why = " ".join(f"{error.context or ''} {error.problem or ''}".split())
         line = mark.line + 1 if mark else 1
+        if "nesting depth" in why:  # Some builds of libyaml read ahead, to a bound of their own.
+            raise refused(source, line, *_TOO_DEEP) from error
         raise refused(source, line, _SYNTAX, f"not YAML: {why}") from error
     except yaml.reader.ReaderError as error:
         line = text.count("\n", 0, error.position) + 1
@@ -92,7 +95,7 @@ class _Reader:
             self._check(kind, event, line)
             self._remember(event.anchor, None)
             if len(self._open) >= MAX_DEPTH:
-                self._refuse(line, "too-deep", f"nested deeper than {MAX_DEPTH}")
+                self._refuse(line, *_TOO_DEEP)
             if self._open and self._open[-1].is_table and self._open[-1].key is None:
                 self._refuse(line, _SYNTAX, "a key is a table or list; it must be a text")
             self._open.append(_Open(line, kind == "MappingStartEvent"))

@@ -118,8 +118,8 @@ def test_a_strict_start_leaves_nothing(shell: Any) -> None:
         (
             "",
             "-o corba.endpoints:0.0.0.0:2810",
-            "corba.endpoints: other hosts could reach 0.0.0.0:2810, which needs TLS and is not"
-            " there yet; localhost:2810 can be had",
+            "corba.endpoints: other hosts could reach 0.0.0.0:2810, which takes TLS"
+            " (net.tls, rtmgr start --tls); localhost:2810 can be had",
         ),
     ],
 )
