@@ -68,8 +68,23 @@ def HangInit(manager):
 
 
 def parent_of(pid: int) -> int:
+    return int(stat(pid)[1])
+
+
+def state_of(pid: int) -> str:
+    return stat(pid)[0]
+
+
+def stat(pid: int) -> list[str]:
     with open(f"/proc/{pid}/stat", encoding="ascii") as file:
-        return int(file.read().rpartition(")")[2].split()[1])
+        return file.read().rpartition(")")[2].split()
+
+
+def go_on(shell: Any, zygote: int) -> None:
+    """Continue a stopped zygote, and wait until the manager knows its children."""
+    os.kill(zygote, signal.SIGCONT)
+    until(lambda: state_of(zygote) == "S", "the zygote has told them")
+    shell.run("rtls /localhost")  # answered after what was told before
 
 
 def kill_manager(shell: Any) -> None:
@@ -232,16 +247,40 @@ def test_a_zygote_is_found_by_no_manager_of_its_own(shell: Any) -> None:
 def test_a_stopped_zygote_does_not_hold_up_the_next_manager(shell: Any) -> None:
     shell.ok("rtmgr start")
     shell.ok(f"rtmgr {MANAGER} -c 'ConsoleIn?instance_name=A&manager_name=a'")
-    zygote = parent_of(told_pid(shell, "a"))
+    slave = told_pid(shell, "a")
+    zygote = parent_of(slave)
     kill_manager(shell)
     os.kill(zygote, signal.SIGSTOP)
     try:
         shell.ok("rtmgr start")
         assert shell.ok("rtls /localhost").split() == ["A.rtc", "manager.mgr/"]
+        assert told_pid(shell, "a") == slave, "it is taken up, not made again"
     finally:
-        os.kill(zygote, signal.SIGCONT)
-    os.kill(told_pid(shell, "a"), signal.SIGKILL)
+        go_on(shell, zygote)
+    os.kill(slave, signal.SIGKILL)
     until(lambda: "*A.rtc  (signal 9)" in shell.ok("rtls -l /localhost"), "the zombie")
+
+
+def test_a_zygote_found_late_says_how_a_slave_ended(shell: Any) -> None:
+    """The manager hears of the end at once, but waits for the reason that the zygote knows."""
+    points = Points(shell.folder / "points")
+    shell.environment.update(points.variable)
+    shell.ok("rtmgr start --allow-faults")
+    for name in "ab":  # a zygote ends with its last child
+        shell.ok(f"rtmgr {MANAGER} -c 'ConsoleIn?instance_name={name}&manager_name={name}'")
+    slave = told_pid(shell, "a")
+    zygote = parent_of(slave)
+    kill_manager(shell)
+    os.kill(zygote, signal.SIGSTOP)
+    try:
+        shell.ok("rtmgr start --allow-faults")
+    finally:
+        go_on(shell, zygote)
+    points.arm(Order("zygote.reaped", 1, "delay", "1.5"))
+    os.kill(slave, signal.SIGKILL)
+    until(lambda: points.has_struck(1), "the zygote's look")
+    until(lambda: "*a.rtc" in shell.ok("rtls -l /localhost"), "the end")
+    assert "*a.rtc  (signal 9)" in shell.ok("rtls -l /localhost")
 
 
 @pytest.mark.parametrize("is_zygote_killed", [False, True])

@@ -171,7 +171,8 @@ class SlaveConnections:
         if self._slave_supervisor.pidfd_of(key) != pidfd:
             return  # it said just before that it leaves, and both were ready in one turn
         self._selector.unregister(pidfd)
-        self._lost(key)
+        if self._slave_supervisor.is_orphan(key):  # else its zygote, found since, says the reason
+            self._lost(key)
 
     def _lost(self, key: int) -> None:
         event = self._slave_supervisor.lost(key)
@@ -187,10 +188,10 @@ class SlaveConnections:
 
     def settle(self, settled: Callable[[], object]) -> None:
         """Call `settled` when the slaves of earlier managers are back, or their time is up."""
+        self._find_former_zygotes()
+        self._slave_supervisor.look_for_absent()  # before it is asked whether all are back
         self._settled = settled
         self._settle_by = time.monotonic() + SETTLE_S
-        self._find_former_zygotes()
-        self._slave_supervisor.look_for_absent()
         self.check_settled()
 
     def _find_former_zygotes(self) -> None:

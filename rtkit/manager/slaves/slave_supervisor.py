@@ -200,11 +200,12 @@ class SlaveSupervisor:
 
     def orphans(self) -> list[tuple[int, int]]:
         """Return key and pidfd of the slaves whose end neither zygote nor kernel will report."""
-        return [
-            (key, self._pidfds[key])
-            for key, pid in self._pids.items()
-            if key in self._adopted and key in self._pidfds and not self.former_zygotes.has(pid)
-        ]
+        return [(key, self._pidfds[key]) for key in self._pids if self.is_orphan(key)]
+
+    def is_orphan(self, key: int) -> bool:
+        """Return whether only its pidfd tells the end of an adopted slave."""
+        is_watched = key in self._adopted and key in self._pidfds
+        return is_watched and not self.former_zygotes.has(self._pids[key])
 
     @property
     def processes(self) -> set[int]:
