@@ -178,8 +178,10 @@ def test_managers_die_in_any_order_and_meet_again(
 
 
 def test_a_component_made_again_is_joined_again(joined: Shell, hosts: list[FarHost]) -> None:
-    hosts[0].run("sh", "-c", "kill -9 $(pgrep -x 'rtkit b')")
-    until(lambda: half(joined, OUT, "there") != "", "the end of the receiver is noticed")
+    found = lambda: hosts[0].run("sh", "-c", "pgrep -x 'rtkit b' || true").strip()  # noqa: E731
+    before = found()
+    hosts[0].run("kill", "-9", before)
+    until(lambda: found() not in ("", before), "the receiver made again")
     awaited(joined, OUT, "there", "")
     flowing(joined, hosts)
 
