@@ -55,6 +55,9 @@ class OneGuest:
     def pidfd_of(self, key: int) -> int | None:
         return self._pidfds.get(key)
 
+    def is_orphan(self, key: int) -> bool:
+        return key in self._pidfds
+
     def lost(self, key: int) -> ev.Event | None:
         known = self._pidfds.pop(key, None)
         return None if known is None else ev.SlaveEnded(key, "exit status unknown")
