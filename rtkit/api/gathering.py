@@ -284,13 +284,14 @@ class _Starter:
     def _start_far(self, name: str) -> None:
         from rtkit.fast_dataclass import replace
         from rtkit.hosts import bring_up, inventory
+        from rtkit.hosts.progress import by_lines
 
         session = self._session
         manager, host = split_manager(name)
         far = replace(inventory.host(host), manager=manager)
-        timeout_s = max(session.timeout_s, bring_up.LEAST_S)
-        with _connected(session.usual_manager, session.timeout_s) as near:
-            done = bring_up.start(far, near, session.verbose, replaces=False, timeout_s=timeout_s)
+        show, timeout_s = by_lines(session.verbose), session.timeout_s
+        with _connected(session.usual_manager, timeout_s) as near:
+            done = bring_up.start(far, near, show, replaces=False, timeout_s=timeout_s)
         if done.was_running:
             self._left.add(name)
 

@@ -8,17 +8,19 @@ from contextlib import closing
 from typing import NamedTuple
 
 from rtkit import fault
-from rtkit.errors import Malformed, Refused, Unreachable
-from rtkit.fast_dataclass import Record
+from rtkit.errors import Malformed, Refused, RtkitError, Unreachable
+from rtkit.fast_dataclass import Record, replace
 from rtkit.hosts import far_program, far_side, provisioned
 from rtkit.hosts.connection import HostConnection, connect
 from rtkit.hosts.host import Host
-from rtkit.hosts.provisioned import Notify, Progress, Provisioned, unshown
+from rtkit.hosts.progress import HostStep, Progress
+from rtkit.hosts.provisioned import Provisioned
 from rtkit.link import host_links, places
 from rtkit.link.folder_watch import FolderWatch
 from rtkit.rtc.names import is_local_host
 from rtkit.rtc.serde import decode_text, encode_text
 from rtkit.tree.client import Tree
+from rtkit.version import __version__
 
 _FAR_S = 40.0
 LEAST_S = 60.0
@@ -26,61 +28,103 @@ LEAST_S = 60.0
 
 
 class _Found(Record):
-    """Answer of `rtkit.hosts.far_manager`: the manager there, and the version it would have."""
+    """Answer of `rtkit.hosts.far_manager`.
+
+    Attributes:
+        was_running: Whether the manager ran before.
+        here: The version of rtkit that a manager there is started with.
+        build: The same with the fingerprint of its wheels.
+        version: The version of the manager that runs, empty if none does.
+        its_build: The same with the fingerprint, empty if that is not known.
+        host: The name by which the manager knows its host.
+        error: Why nothing was done.
+    """
 
     was_running: bool = False
     here: str = ""
+    build: str = ""
     version: str = ""
+    its_build: str = ""
     host: str = ""
     error: str = ""
 
 
 class BroughtUp(NamedTuple):
-    """Outcome at a host: what was provisioned, and whether its manager ran already."""
+    """Outcome at a host.
+
+    Attributes:
+        provisioned: The version of rtkit there.
+        was_running: Whether its manager ran already.
+        old_build: The build of rtkit that this one runs with, if that is another one.
+    """
 
     provisioned: Provisioned
     was_running: bool
+    old_build: str
 
 
-def start(
-    host: Host,
-    near: Tree,
-    notify: Notify,
-    *,
-    replaces: bool,
-    timeout_s: float,
-    show: Progress = unshown,
-) -> BroughtUp:
+def start(host: Host, near: Tree, show: Progress, *, replaces: bool, timeout_s: float) -> BroughtUp:
     """Have the manager of a host run, of this version of rtkit, and linked to `near`.
 
     Each step finds what an earlier run has done: it can be run again wherever it was interrupted.
-    It may run in several threads, for a host each.
+    It may run in several threads, for a host each. The host may take `timeout_s` to answer [s].
 
     Raises:
         RtkitError: A step failed; names host and step. What was done before stays.
     """
     if is_local_host(host.name, near.host):
         raise Refused(f"{host.name} is the name of this host")
+    show(host.name, HostStep("connecting"))
     with connect(host, timeout_s) as connection:
+        show(host.name, HostStep("checking"))
         look = far_side.look(connection)
         fault.point("provision.looked")
-        done = provisioned.provision(connection, look, notify, show)
+
+        def check() -> None:
+            if look.current and not replaces:
+                _check_running(connection)
+
+        done = provisioned.provision(connection, look, show, check)
         fault.point("provision.used")
+        show(host.name, HostStep("starting its manager"))
         found = _ask(connection, "start")
         fault.point("provision.started")
-        if found.version != found.here or found.host != host.name:
-            found = _replace(connection, found, replaces=replaces)
-    link(host, near, timeout_s)
-    return BroughtUp(done, found.was_running)
+        if (why := _misfit(host, found)) or (replaces and _is_old(found)):
+            if not replaces:
+                raise Refused(why)
+            show(host.name, HostStep("replacing its manager"))
+            _ask(connection, "stop")
+            found = _ask(connection, "start")
+    show(host.name, HostStep("linking"))
+    link(host, near, max(timeout_s, LEAST_S))
+    show(host.name, HostStep("linked"))
+    return BroughtUp(done, found.was_running, found.its_build if _is_old(found) else "")
 
 
 def stop(host: Host, near: Tree | None, timeout_s: float) -> bool:
-    """Stop the manager of a host, and end the link to it; return whether it ran."""
-    with connect(host, timeout_s) as connection:
-        found = _ask(connection, "stop")
-    if near is not None and host.name in near.get("get_hosts").splitlines():
+    """End the link to a host, then the manager there; return whether it ran.
+
+    Raises:
+        RtkitError: The host cannot be reached, or its manager does not end; the link has ended.
+    """
+    is_linked = near is not None and host.name in near.get("get_hosts").splitlines()
+    if near is not None and is_linked:
         near.set("unlink_host", host.name)
-    return found.was_running
+    try:
+        with connect(host, timeout_s) as connection:
+            return _stop(connection)
+    except RtkitError as error:
+        ended = "; the link to it has ended" if is_linked else ""
+        raise type(error)(f"{error}{ended}; its manager may still run") from error
+
+
+def _stop(connection: HostConnection) -> bool:
+    try:
+        return _ask(connection, "stop").was_running
+    except Refused:
+        if not far_side.look(connection).current:
+            return False  # there is no rtkit yet, so no manager
+        raise
 
 
 def link(host: Host, near: Tree, timeout_s: float) -> None:
@@ -107,21 +151,34 @@ def _why(name: str) -> str:
         return str(error)
 
 
-def _replace(connection: HostConnection, found: _Found, *, replaces: bool) -> _Found:
-    """Restart a manager of another version, or of another name of its host.
+def _check_running(connection: HostConnection) -> None:
+    """Refuse a manager of another version before this one is brought there.
 
     Raises:
-        Refused: That is not wanted.
+        Refused: One runs there.
     """
-    host = connection.host
-    other = f"rtkit {found.version}, as host {found.host}"
-    if not replaces:
-        raise Refused(
-            f"{host.name}: manager {host.manager} runs there with {other}; here is"
-            f" {found.here}: --replace has it end, with its components, and starts this one"
-        )
-    _ask(connection, "stop")
-    return _ask(connection, "start")
+    try:
+        found = _ask(connection, "look")
+    except RtkitError:
+        return  # what is there does not run any more: it gets this version
+    if found.version and (why := _misfit(connection.host, replace(found, here=__version__))):
+        raise Refused(why)
+
+
+def _misfit(host: Host, found: _Found) -> str:
+    """Return why a manager is not to be linked, empty if it is of this version and this host."""
+    if (found.version, found.host) == (found.here, host.name):
+        return ""
+    return (
+        f"{host.name}: manager {host.manager} runs there with rtkit {found.version}, as host"
+        f" {found.host}; here is {found.here}: --replace has it end, with its components, and"
+        " starts this one"
+    )
+
+
+def _is_old(found: _Found) -> bool:
+    """Return whether a manager runs with another build of this version."""
+    return bool(found.its_build) and found.its_build != found.build
 
 
 def _ask(connection: HostConnection, word: str) -> _Found:

@@ -7,7 +7,9 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import sys
+from contextlib import suppress
 
 from rtkit.errors import RtkitError
 from rtkit.hosts.far_program import MARK
@@ -34,15 +36,26 @@ def main() -> int:
             launch.start(name, CommandLineSettings(), _START_S)
         elif word == "stop" and is_running:
             managers.stop(name, _START_S)
-        found = {"was_running": is_running, "here": __version__}
+        build = os.path.basename(os.path.realpath(sys.prefix))
+        found = {"was_running": is_running, "here": __version__, "build": build}
         if word != "stop" and places.owner(name) is not None:
             with connect(name, _START_S) as tree:
-                found |= {"version": tree.get("rtkit.version"), "host": tree.host}
+                its_build = _build_of(tree.get("manager.pid"))
+                found |= {"version": tree.get("rtkit.version"), "its_build": its_build}
+                found["host"] = tree.host
     except RtkitError as error:
         print(MARK + json.dumps({"error": str(error)}))
         return 1
     print(MARK + json.dumps(found))
     return 0
+
+
+def _build_of(pid: str) -> str:
+    """Return the folder of the version that a process runs with, by what it has mapped."""
+    with suppress(OSError), open(f"/proc/{pid}/maps", errors="replace", encoding="utf-8") as file:
+        found = re.search(r"/rtkit/versions/([^/]+)/", file.read())
+        return found[1] if found else ""
+    return ""
 
 
 if __name__ == "__main__":

@@ -8,6 +8,7 @@ from rtkit import fault
 from rtkit.deployment.packages import Installer
 from rtkit.hosts import far_packages, far_side, inventory, provisioned
 from rtkit.hosts.connection import connect
+from rtkit.hosts.progress import by_lines
 from rtkit.packages.installed import work_folder
 
 Wheels = Callable[[str, str], Mapping[str, Sequence[str]]]
@@ -43,7 +44,7 @@ class HostsInstaller:
         self._wheels = wheels
         self._system = system
         self._bare = bare
-        self._notify = notify
+        self._show = by_lines(notify)
         self._timeout_s = timeout_s
 
     def install(self, package: str) -> None:
@@ -62,7 +63,7 @@ class HostsInstaller:
         ):
             wheels = self._wheels(name, folder)
             if host in self._bare:
-                provisioned.provision(connection, far_side.look(connection), self._notify)
+                provisioned.provision(connection, far_side.look(connection), self._show)
             fault.point("packages.push")
             far_packages.push(connection, wheels, self._system)
             fault.point("packages.pushed")

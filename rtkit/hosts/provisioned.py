@@ -9,16 +9,16 @@ from __future__ import annotations
 import json
 import os
 import posixpath
-import time
 from collections.abc import Callable
 from typing import NamedTuple
 
 from rtkit import fault
-from rtkit.errors import Malformed, Refused, Unreachable
+from rtkit.errors import Malformed, NotFound, Refused, Unreachable
 from rtkit.fast_dataclass import Record
 from rtkit.hosts import far_program, far_side, quiet_sftp, wheels
 from rtkit.hosts.connection import HostConnection
 from rtkit.hosts.far_side import FarSide
+from rtkit.hosts.progress import HostStep, Progress, unshown
 from rtkit.hosts.wheels import WheelSet
 from rtkit.rtc.serde import decode_text
 
@@ -28,9 +28,6 @@ _SILENT_S = 60.0
 _CHUNK = 1 << 15
 _TIMES = 2
 """How often what is lacking is sent: it may stand behind the beginning of another file."""
-Notify = Callable[[str], object]
-Progress = Callable[[str, int, int, str], object]
-"""Is told the host, how much is done, of how much, and a few words."""
 
 
 class Provisioned(NamedTuple):
@@ -64,17 +61,16 @@ def python(connection: HostConnection) -> list[str]:
     return ["env", f"RTKIT_HOSTNAME={host.name}", f"{_CURRENT}/bin/python", "-P"]
 
 
-def unshown(_host: str, _done: int, _total: int, _text: str) -> None:
-    """Show no progress."""
-
-
 def provision(
-    connection: HostConnection, far: FarSide, notify: Notify, show: Progress = unshown
+    connection: HostConnection,
+    far: FarSide,
+    show: Progress = unshown,
+    check: Callable[[], object] = bool,
 ) -> Provisioned:
     """Have this rtkit on a host; what is there already is used.
 
     Interrupted anywhere it can be done again: a version counts when it is complete, and of what was
-    sent nothing is sent twice.
+    sent nothing is sent twice. What is to `check` is so before anything changes there.
 
     Raises:
         Refused: The host does not do; tells all that is wrong.
@@ -82,13 +78,14 @@ def provision(
         Malformed: What it answers makes no sense.
         Unreachable: The connection ended.
     """
-    name, began, sent = connection.host.name, time.monotonic(), 0
+    name, sent = connection.host.name, 0
     # What has a version needs no room for another, if that is the one.
     far_side.check(far.obstacles(needs_room=not far.current), name)
-    chosen = wheels.wheels_for(far.kind)
+    chosen = _chosen(name, far, show)
     if far.current == chosen.id:
         return Provisioned(chosen.id, False, 0)
     far_side.check(far.obstacles(), name)
+    check()
     answer = _install(connection, chosen, show)
     for _ in range(_TIMES):
         if not answer.lacking:
@@ -96,18 +93,24 @@ def provision(
         fault.point("provision.asked")
         sizes = {each: os.path.getsize(chosen.files[each]) for each in answer.lacking}
         there = {each: min(size, max(answer.lacking[each], 0)) for each, size in sizes.items()}
-        size = sum(sizes.values()) - sum(there.values())
-        sent += size
-        notify(f"{name}: {len(sizes)} wheels are sent, {size / 1e6:.1f} MB")
+        sent += sum(sizes.values()) - sum(there.values())
         _send(connection, chosen, there, answer.wheels, show)
         fault.point("provision.sent")
         answer = _install(connection, chosen, show)
     if answer.lacking:
         raise Refused(f"{name}: damaged on the way: {', '.join(answer.lacking)}")
     for each in answer.removed:
-        notify(f"{name}: rtkit {each} is removed, nothing uses it")
-    notify(f"{name}: rtkit {chosen.id} is in use (in {time.monotonic() - began:.1f} s)")
+        show(name, HostStep(f"rtkit {each} is removed, nothing uses it"))
     return Provisioned(chosen.id, answer.made, sent)
+
+
+def _chosen(name: str, far: FarSide, show: Progress) -> WheelSet:
+    """Return the wheels for a host; a missing one is told with its name before all else."""
+    show(name, HostStep("choosing wheels"))
+    try:
+        return wheels.wheels_for(far.kind)
+    except (NotFound, Refused) as error:
+        raise type(error)(f"{name}: {error}") from None
 
 
 def _install(connection: HostConnection, chosen: WheelSet, show: Progress) -> _Installed:
@@ -118,7 +121,9 @@ def _install(connection: HostConnection, chosen: WheelSet, show: Progress) -> _I
     def show_step(line: str) -> None:
         word, *rest = line.split()[:4] or [""]
         if word == "installing" and len(rest) == 3 and rest[0].isdigit() and rest[1].isdigit():
-            show(host.name, int(rest[0]), int(rest[1]), f"installs {rest[2]}")
+            show(host.name, HostStep("installing", int(rest[0]), int(rest[1]), "wheels"))
+        elif word == "waiting":
+            show(host.name, HostStep("waiting for another command that installs there"))
 
     command = [host.python, "-", wanted]
     program = far_program.text_of("far_install.py")
@@ -163,7 +168,7 @@ def _send(
                     while data := near.read(_CHUNK):
                         far.write(data)
                         at += len(data)
-                        show(name, at, total, f"sends {each.split('-')[0]}")
+                        show(name, HostStep("sending", at, total, "MB"))
                 files.posix_rename(draft, posixpath.join(folder, each))
                 fault.point("provision.wheel")
     except (paramiko.SSHException, EOFError, ConnectionError, TimeoutError) as error:

@@ -6,8 +6,8 @@ import getpass
 import os
 import sys
 import threading
-from collections.abc import Iterator
-from contextlib import suppress
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
 
 import paramiko
 from paramiko.agent import AgentSSH
@@ -18,8 +18,25 @@ from rtkit.link import unix
 
 _USUAL = ("id_ed25519", "id_ecdsa", "id_rsa")
 _asking = threading.Lock()
+_asker: Callable[[str], str] | None = None
 _unlocked: dict[str, paramiko.PKey | str] = {}
 """Keys whose passphrase was asked for, or why there is none: asked once, for all hosts."""
+
+
+def ask(prompt: str) -> str:
+    """Ask the user on the terminal for something that is not shown."""
+    return getpass.getpass(prompt)
+
+
+@contextmanager
+def asked_by(asker: Callable[[str], str]) -> Iterator[None]:
+    """Have the user be asked by `asker` while inside."""
+    global _asker
+    former, _asker = _asker, asker
+    try:
+        yield
+    finally:
+        _asker = former
 
 
 def log_in(transport: paramiko.Transport, way: SshRoute, where: str) -> None:
@@ -168,7 +185,7 @@ class _Keys(AgentSSH):
         if not (sys.stdin and sys.stdin.isatty() and sys.stderr.isatty()):
             return f"{file} has a passphrase and no agent holds it: ssh-add {file}"
         try:
-            text = getpass.getpass(f"Passphrase of {file}: ")
+            text = (_asker or ask)(f"Passphrase of {file}: ")
             return self._certified(file, paramiko.PKey.from_path(file, text.encode()))  # type: ignore[arg-type]
         except (EOFError, ValueError, paramiko.SSHException):
             return f"that is not the passphrase of {file}"

@@ -115,9 +115,9 @@ def test_a_bare_host_is_made_ready_linked_and_used_from_here(fleet: Shell) -> No
 
 def test_start_is_done_once_however_often_it_is_asked_for(fleet: Shell) -> None:
     told = fleet.run("rtmgr start --host robot1 -v")
-    assert told.status == 0
-    assert "ran already" in told.err
-    assert "sent" not in told.err
+    assert told.out == "robot1: linked, manager ran already\n"
+    steps = ("connecting", "checking", "choosing wheels", "starting its manager", "linking")
+    assert told.err.splitlines() == [f"robot1: {each}" for each in (*steps, "linked")]
 
 
 def test_who_is_linked_commands_nobody_here(fleet: Shell, hosts: list[FarHost]) -> None:

@@ -77,6 +77,20 @@ def far(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[FarHost]:
         yield host
 
 
+@pytest.fixture
+def shell_to(commands: Commands, far: FarHost) -> Iterator[Shell]:
+    """A shell with a manager, whose user may log in at the host, which it knows."""
+    with opened_shell(commands) as shell:
+        _log_in(shell.folder / "home", far)
+        shell.environment |= {key: os.environ[key] for key in ("XDG_CACHE_HOME",)}
+        shell.environment["HOME"] = str(shell.folder / "home")
+        shell.environment.pop("SSH_AUTH_SOCK", None)
+        shell.ok(f"rthost add bare root@{far.address}")
+        shell.ok("rtmgr start")
+        yield shell
+        shell.ok("rtmgr stop")
+
+
 def _log_in(home: Path, host: FarHost) -> None:
     (home / ".ssh").mkdir(parents=True, mode=0o700)
     shutil.copy(host.key, home / ".ssh" / "id_ed25519")
@@ -87,7 +101,7 @@ def _log_in(home: Path, host: FarHost) -> None:
 
 def _make(connection: HostConnection) -> Provisioned:
     look = far_side.look(connection)
-    return provisioned.provision(connection, look, lambda _: None)
+    return provisioned.provision(connection, look)
 
 
 def _versions(far: FarHost) -> tuple[str, list[str]]:
@@ -192,21 +206,11 @@ def test_a_stranger_for_python_and_a_full_disk_are_told(
     assert "nothing can be written" in refusal()
 
 
-def test_a_command_that_is_killed_at_any_step_is_typed_again(
-    commands: Commands, far: FarHost
-) -> None:
-    with opened_shell(commands) as shell:
-        _log_in(shell.folder / "home", far)
-        shell.environment |= {key: os.environ[key] for key in ("XDG_CACHE_HOME",)}
-        shell.environment["HOME"] = str(shell.folder / "home")
-        shell.environment.pop("SSH_AUTH_SOCK", None)
-        shell.ok(f"rthost add bare root@{far.address}")
-        shell.ok("rtmgr start")
-        _kill_at_each_step(shell, far)
-        shell.ok("rtmgr start --host bare")
-        assert shell.ok("rtls /bare").split() == ["manager.mgr/"]
-        shell.ok("rtmgr stop --host bare")
-        shell.ok("rtmgr stop")
+def test_a_command_that_is_killed_at_any_step_is_typed_again(shell_to: Shell, far: FarHost) -> None:
+    _kill_at_each_step(shell_to, far)
+    shell_to.ok("rtmgr start --host bare")
+    assert shell_to.ok("rtls /bare").split() == ["manager.mgr/"]
+    shell_to.ok("rtmgr stop --host bare")
 
 
 def _kill_at_each_step(shell: Shell, far: FarHost) -> None:
@@ -221,3 +225,60 @@ def _kill_at_each_step(shell: Shell, far: FarHost) -> None:
         current, complete = _versions(far)
         assert complete == ([current] if step in ("used", "started") else [])
     del shell.environment["RTKIT_FAULT"]
+
+
+def test_a_manager_of_another_build_runs_on_until_it_is_to_be_replaced(
+    shell_to: Shell, far: FarHost, tmp_path: Path
+) -> None:
+    shell_to.ok("rtmgr start --host bare")
+    old, _ = _versions(far)
+    shutil.copytree(wheels.cache_folder(), tmp_path / "rtkit" / "wheels")
+    (own,) = (tmp_path / "rtkit" / "wheels" / "rtkit").glob("*.whl")
+    with zipfile.ZipFile(own, "a") as wheel:
+        wheel.writestr("rtkit/next", "")
+    shell_to.environment["XDG_CACHE_HOME"] = str(tmp_path)
+    told = shell_to.ok("rtmgr start --host bare")
+    new, _ = _versions(far)
+    assert f"manager ran already; it runs with rtkit {old} until --replace has it end" in told
+    assert f"rtkit {new} is new there" in told
+    assert shell_to.ok("rtmgr start --host bare --replace") == "bare: linked, manager started\n"
+    assert shell_to.ok("rtmgr start --host bare") == "bare: linked, manager ran already\n"
+    shell_to.ok("rtmgr stop --host bare")
+
+
+def test_a_manager_of_another_version_is_refused_before_anything_is_sent(
+    shell_to: Shell, far: FarHost
+) -> None:
+    with connect(Host("bare", far.address, "root"), 10.0) as connection:
+        made = _make(connection)
+    text = f"""
+        cd {_BASE}; rm -r wheels; mv versions/{made.id} versions/0.0.9
+        sed -i s/0.1.0/0.0.9/ versions/0.0.9/lib/python3*/site-packages/rtkit/version.py
+        ln -sfn versions/0.0.9 current
+        cd; export RTKIT_HOSTNAME=bare
+        {_BASE}/current/bin/python -P -m rtkit.hosts.far_manager start manager
+    """
+    far.run("sh", "-c", text)
+    refused = shell_to.run("rtmgr start --host bare")
+    assert refused.status == 1
+    assert "bare: manager manager runs there with rtkit 0.0.9, as host bare; here is" in refused.err
+    assert far.run("ls", _BASE).split() == ["current", "lock", "versions"]
+    assert "is new there" in shell_to.ok("rtmgr start --host bare --replace")
+    shell_to.ok("rtmgr stop --host bare")
+
+
+def test_a_host_that_is_lost_is_let_go_at_once(shell_to: Shell, far: FarHost) -> None:
+    shell_to.ok("rtmgr start --host bare")
+    far.link("down")
+    told = shell_to.run("rtmgr stop --host bare --timeout 1")
+    assert told.status == 1
+    assert "bare" in told.err
+    assert "the link to it has ended; its manager may still run" in told.err
+    assert not [*(shell_to.folder / "run").glob("bare.*")]
+    far.link("up")
+    assert shell_to.ok("rtmgr stop --host bare") == "bare: manager ended\n"
+    assert shell_to.ok("rtmgr stop --host bare") == "bare: manager did not run\n"
+
+
+def test_a_bare_host_runs_no_manager(shell_to: Shell) -> None:
+    assert shell_to.ok("rtmgr stop --host bare") == "bare: manager did not run\n"

@@ -3,85 +3,123 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Sequence
-from concurrent.futures import ThreadPoolExecutor
+from collections.abc import Callable, Sequence
+from contextlib import nullcontext
 from typing import TYPE_CHECKING
 
+from rtkit.cli.shared import terminal
 from rtkit.cli.shared.app import App
 from rtkit.errors import RtkitError, Unreachable, UsageProblem
 from rtkit.fast_dataclass import replace
 
 if TYPE_CHECKING:
-    from rtkit.cli.shared.progress import Show
+    from rtkit.cli.shared.progress import Meter
+    from rtkit.hosts.bring_up import BroughtUp
     from rtkit.hosts.host import Host
-    from rtkit.hosts.provisioned import Progress
+    from rtkit.hosts.progress import HostStep, Progress
     from rtkit.tree.client import Tree
 
 
 def run_at_hosts(app: App, word: str, names: Sequence[str], manager: str, *, replaces: bool) -> int:
     """Start or stop the manager of each host; return the exit status.
 
-    All are tried, at the same time; those that failed are told, each with its step.
+    All are tried, at the same time. Each that failed is told at once, with its step, and each that
+    did not in the end; the status is that of the first that was named and failed.
     """
-    from rtkit.cli.shared.progress import metered
-    from rtkit.hosts import inventory, ssh_config
+    from rtkit.hosts import ssh_config
 
     if word not in ("start", "stop"):
         raise UsageProblem(f"--host is for rtmgr start and stop, not {word}")
-    hosts = [inventory.host(name) for name in dict.fromkeys(names)]
-    if manager:
-        hosts = [replace(host, manager=manager) for host in hosts]
+    hosts = _hosts(word, [*dict.fromkeys(names)], manager)
     app.warn(ssh_config.remarks(hosts))
     near = _near(app) if word == "start" else _near_if_running(app)
-    failures: list[RtkitError] = []
-
-    def one(host: Host) -> None:
-        try:
-            _do(app, word, host, near, show, replaces=replaces)
-        except RtkitError as error:
-            failures.append(error)
-            app.fail(str(error))
-
     try:
-        with (
-            metered(app, word, is_asking=True) as meter,
-            ThreadPoolExecutor(max_workers=len(hosts)) as pool,
-        ):
-            show = _summed(meter)
-            list(pool.map(one, hosts))
+        found = _at_all(app, hosts, _work(app, word, near, replaces=replaces))
     finally:
         if near is not None:
             near.close()
-    return app.status(failures[0]) if failures else 0
+    failures = (each for host in hosts if isinstance(each := found[host.name], RtkitError))
+    return next((app.status(each) for each in failures), 0)
 
 
-def _summed(meter: Show) -> Progress:
-    """Return what shows the progress of several hosts as one."""
-    counts: dict[str, tuple[int, int]] = {}
+def _hosts(word: str, names: Sequence[str], manager: str) -> list[Host]:
+    """Return the hosts of these names, each with the manager that is meant.
 
-    def show(name: str, done: int, total: int, text: str) -> None:
-        counts[name] = done, total
-        dones, totals = zip(*list(counts.values()), strict=True)
-        meter(sum(dones), sum(totals), f"{name} {text}")
+    Raises:
+        NotFound: A host is not known.
+        UsageProblem: The name of the manager is that of a host.
+    """
+    from rtkit.hosts import inventory
 
-    return show
+    hosts = [inventory.host(name) for name in names]
+    if manager in inventory.read():
+        line = " ".join(f"--host {each}" for each in (*names, manager))
+        raise UsageProblem(f"{manager} is a host: rtmgr {word} {line} (--host before each)")
+    return [replace(host, manager=manager) for host in hosts] if manager else hosts
 
 
-def _do(
-    app: App, word: str, host: Host, near: Tree | None, show: Progress, *, replaces: bool
-) -> None:
+def _work(
+    app: App, word: str, near: Tree | None, *, replaces: bool
+) -> Callable[[Host, Progress], str]:
+    """Return what is done for a host, and returns what was done."""
     from rtkit.hosts import bring_up
 
-    timeout_s = max(app.timeout_s, bring_up.LEAST_S)
-    if word == "stop":
+    def stop(host: Host, show: Progress) -> str:
         was_running = bring_up.stop(host, near, app.timeout_s)
-        app.verbose(f"{host.name}: {'ended' if was_running else 'did not run'}")
-        return
-    assert near is not None
-    done = bring_up.start(
-        host, near, app.verbose, replaces=replaces, timeout_s=timeout_s, show=show
-    )
-    app.verbose(f"{host.name}: linked, {'ran already' if done.was_running else 'started'}")
+        return f"{host.manager} {'ended' if was_running else 'did not run'}"
+
+    def start(host: Host, show: Progress) -> str:
+        assert near is not None
+        done = bring_up.start(host, near, show, replaces=replaces, timeout_s=app.timeout_s)
+        return _summary(host, done)
+
+    return stop if word == "stop" else start
+
+
+def _summary(host: Host, done: BroughtUp) -> str:
+    made = done.provisioned
+    parts = [f"linked, {host.manager} {'ran already' if done.was_running else 'started'}"]
+    if done.old_build:
+        parts.append(f"it runs with rtkit {done.old_build} until --replace has it end")
+    if made.is_new:
+        parts.append(f"rtkit {made.id} is new there, {made.sent_bytes / 1e6:.1f} MB sent")
+    return "; ".join(parts)
+
+
+def _at_all(
+    app: App, hosts: Sequence[Host], work: Callable[[Host, Progress], str]
+) -> dict[str, str | RtkitError]:
+    """Do work at all hosts, with progress, and tell what was done; return that by their names."""
+    from rtkit.cli.shared.progress import metered_each
+    from rtkit.hosts.at_once import at_once
+
+    found: dict[str, str | RtkitError] = {}
+    try:
+        with metered_each(app, [host.name for host in hosts]) as meter:
+            show = _progress(app, meter)
+            asking = meter.hidden if meter else nullcontext
+            for host, outcome in at_once(hosts, lambda host: work(host, show), asking):
+                found[host.name] = outcome
+                if isinstance(outcome, RtkitError):
+                    app.fail(str(outcome))
+    except KeyboardInterrupt:
+        raise KeyboardInterrupt("the same command goes on where this one was") from None
+    finally:
+        done = ((host.name, found.get(host.name)) for host in hosts)
+        terminal.write(f"{name}: {each}" for name, each in done if isinstance(each, str))
+    return found
+
+
+def _progress(app: App, meter: Meter | None) -> Progress:
+    from rtkit.hosts.progress import by_lines
+
+    if meter is None:
+        return by_lines(app.verbose)
+
+    def show(name: str, step: HostStep) -> None:
+        meter.show(name, step.done, step.total or None, str(step))
+
+    return show
 
 
 def _near(app: App) -> Tree:

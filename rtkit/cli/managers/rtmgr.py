@@ -139,6 +139,11 @@ def main(
     can read it; it holds what components, properties and configurations hold, but for texts that
     are named like a password, a secret or a token.
 
+    With --host start brings rtkit and its manager up on hosts of rthost list, all at the same time,
+    and links them to the manager here; what is there is used, and what was interrupted is typed
+    again. Each host has a line of what was done. -v tells its steps, as a terminal does. stop ends
+    the link first, so it lets a lost host go, too. A NAME is that of the manager there.
+
     With --tls managers are reached from other hosts, as /ADDRESS:PORT, by who shows a certificate
     (rtkit keys): a viewer looks, an operator changes states, configurations and connections of what
     is there, an administrator makes and ends things.

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import sys
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from typing import Protocol
 
@@ -22,46 +22,89 @@ Show = Callable[[float, float | None, str], None]
 """Is told how much is done, of how much (None when that is open), and a few words."""
 
 
-@contextmanager
-def metered(
-    app: Errors, title: str, *, is_writing: bool = False, is_asking: bool = False
-) -> Iterator[Show]:
-    """Show progress on stderr while inside, if that is a terminal; lines go above it.
+class Meter:
+    """Shows progress on a terminal, by a line for each of several titles."""
 
-    A command that `is_writing` its results on a terminal shows its progress by them. One that
-    `is_asking` the user something at first has its question alone there until there is progress.
+    def __init__(self, app: Errors, titles: Sequence[str]) -> None:
+        from rich.console import Console
+        from rich.progress import BarColumn, Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
+
+        self._console = Console(stderr=True, highlight=False)
+        columns = (
+            SpinnerColumn(),
+            TextColumn("{task.description}"),
+            BarColumn(),
+            TextColumn("{task.fields[text]}"),
+            TimeElapsedColumn(),
+        )
+        self._bar = Progress(*columns, console=self._console, transient=True)
+        self._tasks = {each: self._bar.add_task(each, total=None, text="") for each in titles}
+        self._due: dict[str, float] = {}
+        self._is_hidden = False
+        self._app = app
+
+    @contextmanager
+    def shown(self) -> Iterator[None]:
+        """Have lines of the app go above."""
+        from rich.text import Text
+
+        former = self._app.write_error
+        self._app.write_error = lambda line: self._console.print(Text(line), soft_wrap=True)
+        try:
+            yield
+        finally:
+            self._bar.stop()
+            self._app.write_error = former
+
+    def begin(self) -> None:
+        """Show the lines from now on."""
+        if not self._is_hidden:
+            self._bar.start()
+
+    def show(self, title: str, done: float, total: float | None, text: str) -> None:
+        """Show how much is done of a title, of how much (None when that is open)."""
+        now = time.monotonic()  # thousands a second may come
+        if now >= self._due.get(title, 0.0) or done == total:
+            self._due[title] = now + _PERIOD_S
+            self.begin()
+            self._bar.update(self._tasks[title], completed=done, total=total, text=text)
+
+    @contextmanager
+    def hidden(self) -> Iterator[None]:
+        """Leave the terminal to a question to the user while inside."""
+        self._is_hidden = True
+        self._bar.stop()
+        try:
+            yield
+        finally:
+            self._is_hidden = False
+
+
+@contextmanager
+def metered_each(
+    app: Errors, titles: Sequence[str], *, is_writing: bool = False
+) -> Iterator[Meter | None]:
+    """Show progress by a line for each title on stderr while inside; None if it is no terminal.
+
+    A command that `is_writing` its results on a terminal shows its progress by them.
     """
     if not _is_terminal() or (is_writing and sys.stdout.isatty()):
-        yield _nothing
+        yield None
         return
-    from rich.console import Console
-    from rich.progress import BarColumn, Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
-    from rich.text import Text
+    meter = Meter(app, titles)
+    with meter.shown():
+        yield meter
 
-    console = Console(stderr=True, highlight=False)
-    columns = (
-        SpinnerColumn(),
-        TextColumn("{task.description}"),
-        BarColumn(),
-        TextColumn("{task.fields[text]}"),
-        TimeElapsedColumn(),
-    )
-    bar = Progress(*columns, console=console, transient=True)
-    task = bar.add_task(title, total=None, text="")
-    former = app.write_error
-    app.write_error = lambda line: console.print(Text(line), soft_wrap=True)
 
-    def show(done: float, total: float | None, text: str) -> None:
-        bar.start()
-        bar.update(task, completed=done, total=total, text=text)
-
-    try:
-        if not is_asking:
-            bar.start()
-        yield _paced(show)
-    finally:
-        bar.stop()
-        app.write_error = former
+@contextmanager
+def metered(app: Errors, title: str, *, is_writing: bool = False) -> Iterator[Show]:
+    """Show progress on stderr while inside, see `metered_each`; lines go above it."""
+    with metered_each(app, [title], is_writing=is_writing) as meter:
+        if meter is None:
+            yield _nothing
+            return
+        meter.begin()
+        yield lambda done, total, text: meter.show(title, done, total, text)
 
 
 def counted(show: Show) -> Callable[[int, int], None]:
@@ -74,20 +117,6 @@ def counting(app: Errors, title: str) -> Iterator[Callable[[int, int], None]]:
     """Show a count out of a total while inside, as `metered` does."""
     with metered(app, title) as show:
         yield counted(show)
-
-
-def _paced(show: Show) -> Show:
-    """Return a function that shows progress at a readable rate: thousands a second may come."""
-    due = 0.0
-
-    def paced(done: float, total: float | None, text: str) -> None:
-        nonlocal due
-        now = time.monotonic()
-        if now >= due or done == total:
-            due = now + _PERIOD_S
-            show(done, total, text)
-
-    return paced
 
 
 def _nothing(_done: float, _total: float | None, _text: str) -> None:

@@ -12,11 +12,12 @@ from typing import Any
 
 import pytest
 
-from rtkit.errors import Malformed, Refused, Unreachable
+from rtkit.errors import Malformed, NotFound, Refused, Unreachable
 from rtkit.hosts import bring_up, far_program, far_side, link_process, provisioned, wheels
 from rtkit.hosts.far_program import MARK
 from rtkit.hosts.far_side import FarSide
 from rtkit.hosts.host import Host
+from rtkit.hosts.progress import unshown
 from rtkit.hosts.relay import READY
 from rtkit.hosts.wheels import WheelSet
 from rtkit.link import unix
@@ -97,7 +98,7 @@ def test_what_makes_no_sense_is_told_of_its_host(text: str, monkeypatch: Any) ->
     with pytest.raises(Malformed, match="robot1"):
         far_side.look(connection)
     with pytest.raises(Malformed, match="robot1"):
-        provisioned.provision(connection, GOOD, print)
+        provisioned.provision(connection, GOOD)
 
 
 def test_only_wheels_of_rtkit_are_sent(monkeypatch: Any) -> None:
@@ -106,7 +107,17 @@ def test_only_wheels_of_rtkit_are_sent(monkeypatch: Any) -> None:
     lacking = '{"wheels": "/x", "lacking": {"/etc/shadow": 0}, "made": false, "removed": []}'
     connection: Any = Answering(f"{MARK}{lacking}\n")
     with pytest.raises(Malformed, match="no wheel of rtkit"):
-        provisioned.provision(connection, GOOD, print)
+        provisioned.provision(connection, GOOD)
+
+
+def test_the_host_for_which_there_is_no_wheel_is_named(monkeypatch: Any) -> None:
+    def none(_kind: object) -> WheelSet:
+        raise NotFound("no wheels for cp399-glibc2.36-riscv64: none of lxml")
+
+    monkeypatch.setattr(wheels, "wheels_for", none)
+    connection: Any = SimpleNamespace(host=HOST)  # nothing is asked there, and nothing copied
+    with pytest.raises(NotFound, match="robot1: no wheels for cp399"):
+        provisioned.provision(connection, GOOD)
 
 
 def test_a_machine_that_is_no_name_is_refused_also_where_a_version_is(monkeypatch: Any) -> None:
@@ -114,7 +125,7 @@ def test_a_machine_that_is_no_name_is_refused_also_where_a_version_is(monkeypatc
     connection: Any = Answering("")
     far = replace(GOOD, machine="../x", current="1", free_bytes=0)
     with pytest.raises(Refused, match="no machine with wheels"):
-        provisioned.provision(connection, far, print)
+        provisioned.provision(connection, far)
 
 
 def test_wheels_that_others_may_change_are_sent_nowhere(tmp_path: Any, monkeypatch: Any) -> None:
@@ -129,7 +140,7 @@ def test_wheels_that_others_may_change_are_sent_nowhere(tmp_path: Any, monkeypat
 def test_a_host_that_bears_the_name_of_this_one_is_not_even_asked() -> None:
     near: Any = SimpleNamespace(host="robot1.local")
     with pytest.raises(Refused, match="the name of this host"):
-        bring_up.start(HOST, near, print, replaces=True, timeout_s=1.0)
+        bring_up.start(HOST, near, unshown, replaces=True, timeout_s=1.0)
 
 
 def test_what_a_host_writes_without_end_is_broken_off() -> None:

@@ -9,7 +9,7 @@ from rtkit.cli.shared import json_records, terminal
 from rtkit.cli.shared.app import App
 from rtkit.cli.shared.command import command
 from rtkit.cli.shared.options import arguments, json_flag
-from rtkit.cli.shared.progress import counted, metered
+from rtkit.cli.shared.progress import metered_each
 from rtkit.errors import Refused, RtkitError
 
 if TYPE_CHECKING:
@@ -18,6 +18,8 @@ if TYPE_CHECKING:
     from rtkit.hosts.host import Host
 
     Found = tuple[FarSide, ClockOffset]
+
+_TITLE = "Looking at hosts"
 
 
 @command(
@@ -41,7 +43,8 @@ def main(
     from rtkit.hosts import inventory, ssh_config
 
     known = inventory.read()
-    hosts = [inventory.host(name) for name in names] if names else [*known.values()]
+    names = names or tuple(known)
+    hosts = [inventory.host(name) for name in dict.fromkeys(names)]
     app.warn(ssh_config.remarks(hosts))
     failed: list[RtkitError] = []
     for host, found in _looks(app, hosts):
@@ -61,27 +64,28 @@ def main(
 
 
 def _looks(app: App, hosts: list[Host]) -> Iterator[tuple[Host, Found | RtkitError]]:
-    """Look at all at once; tell each as soon as it and those before it have been looked at."""
-    from concurrent.futures import ThreadPoolExecutor
+    """Look at all at once; yield each as soon as it and those before it have been looked at."""
+    from contextlib import nullcontext
 
+    from rtkit.hosts.at_once import at_once
     from rtkit.hosts.clock import compare
     from rtkit.hosts.connection import connect
     from rtkit.hosts.far_side import look
 
-    def one(host: Host) -> Found | RtkitError:
-        try:
-            with connect(host, app.timeout_s) as connection:
-                return look(connection), compare(connection)
-        except RtkitError as error:
-            return error
+    def one(host: Host) -> Found:
+        with connect(host, app.timeout_s) as connection:
+            return look(connection), compare(connection)
 
-    with (
-        metered(app, "Looking at hosts", is_writing=True, is_asking=True) as meter,
-        ThreadPoolExecutor(max_workers=max(1, len(hosts))) as pool,
-    ):
-        for number, (host, found) in enumerate(zip(hosts, pool.map(one, hosts), strict=True)):
-            counted(meter)(number + 1, len(hosts))
-            yield host, found
+    done: dict[str, Found | RtkitError] = {}
+    pending = [*hosts]
+    with metered_each(app, [_TITLE], is_writing=True) as meter:
+        for host, found in at_once(hosts, one, meter.hidden if meter else nullcontext):
+            done[host.name] = found
+            if meter:
+                meter.show(_TITLE, len(done), len(hosts), f"{len(done)}/{len(hosts)}")
+            while pending and pending[0].name in done:
+                first = pending.pop(0)
+                yield first, done[first.name]
 
 
 def _lines(host: Host, far: FarSide, clock: ClockOffset) -> list[str]:
