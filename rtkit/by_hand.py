@@ -41,7 +41,7 @@ if TYPE_CHECKING:
 Value = str | int | float | bool
 _log = logging.getLogger("rtkit")
 _running: dict[tuple[str, str], RunningComponent] = {}
-"""What this process runs, by type and the name that was asked for: a cell that is run again
+"""Components of this process, by type and the name that was asked for: a cell that is run again
 replaces what it made before."""
 
 
@@ -368,7 +368,7 @@ def _is_script(component_class: type[Component]) -> bool:
 
 
 def _is_in_loop() -> bool:
-    asyncio = sys.modules.get("asyncio")  # who has not imported it runs no loop
+    asyncio = sys.modules.get("asyncio")  # without that import no loop runs
     if asyncio is None:
         return False
     try:

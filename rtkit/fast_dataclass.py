@@ -338,7 +338,7 @@ class _RecordType(type):
 
 
 class Record(metaclass=_RecordType):
-    """Base of records: what derives from it is a frozen dataclass with slots, as it stands."""
+    """Base of records: a class derived from it is a frozen dataclass with slots, as it stands."""
 
     if TYPE_CHECKING:
         __dataclass_fields__: ClassVar[dict[str, Any]]

@@ -30,7 +30,7 @@ def point(name: str) -> None:
 
 @contextmanager
 def unheeded() -> Iterator[None]:
-    """Have points do nothing: what is done here is done for practice, at no certain time."""
+    """Have points do nothing: steps of the warm-up are done at no certain time."""
     global _FOLDER
     folder, _FOLDER = _FOLDER, ""
     try:

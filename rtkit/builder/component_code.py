@@ -359,7 +359,7 @@ def _servant(
     types: TypesCode,
 ) -> Iterator[str]:
     yield f"class {offer.servant}:"
-    yield f'{INDENT}"""What a service port offers; `component` is the one that it is part of."""'
+    yield f'{INDENT}"""Operations of a service port; `component` is the one that it is part of."""'
     yield ""
     yield f"{INDENT}def __init__(self, component: {subject.class_name}) -> None:"
     yield f"{BODY}self.component = component"

@@ -44,7 +44,7 @@ class Built:
 
     Attributes:
         files: By path within the project, ``/`` between folders.
-        notes: What could not be taken over as it is.
+        notes: Elements that could not be taken over as they are.
         has_idl: IDL files go with it.
         has_mirror: Its mirror does.
     """
@@ -67,7 +67,7 @@ def build(
 
     Args:
         profile: Its RTC profile.
-        sources: What there is beside it.
+        sources: Files beside it.
         made_of: Names of the IDL files that were read.
         has_mirror: Also generate its mirror, and a system of both.
 
@@ -128,7 +128,7 @@ def build_types(definitions: Definitions, name: str) -> tuple[dict[str, File], l
     """Return the module of the IDL declarations that rtkit can carry, and notes on all others.
 
     Args:
-        definitions: What it declares.
+        definitions: Its declarations.
         name: Its name.
     """
     wanted, notes = [], []

@@ -9,7 +9,7 @@ from rtkit.builder.regions import fingerprint, is_placeholder, joined, split, st
 from rtkit.errors import Malformed
 
 _EVENT, _FORMER, _STATES = "on_event", ["return None"], "(rt.State):"
-"""A region, what it held in the beginning before states had classes, and what tells them."""
+"""A region, its first content before states had classes, and the pattern that tells them."""
 
 
 class MergeOutcome(Enum):
@@ -25,7 +25,7 @@ class Merged(NamedTuple):
     """The result of merging one file.
 
     Attributes:
-        text: What it is to hold; of one that is kept, what it would.
+        text: Its new content; of a file that is kept, the content it would get.
         why: For a conflict, and for one that is kept: why.
         line: Of the file as it is, where that has one; from 1.
 

@@ -70,7 +70,7 @@ def with_entries(text: str, lines: Mapping[str, str]) -> str:
     """Return a ``pyproject.toml`` of users with the entry points that it lacks; "" where it can't.
 
     Args:
-        text: What is there.
+        text: Its present content.
         lines: The line of each entry point, by its target.
     """
     heading = f'[project.entry-points."{ENTRY_POINTS}"]\n'

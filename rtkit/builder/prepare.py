@@ -51,7 +51,7 @@ class Sources:
 
     Attributes:
         stem: Name of the profile's file, for one that does not say whom it describes.
-        definitions: What its IDL files declare.
+        definitions: Declarations of its IDL files.
         drawn: States of its machine, where a drawing is at hand.
     """
 

@@ -94,7 +94,7 @@ def system_of(
 
     Args:
         subjects: Each component, and the folder of its module, which ends in a slash.
-        abstract: What the system is.
+        abstract: Description of the system.
         data: Connectors of data ports.
         services: Connectors of service ports.
     """

@@ -1,6 +1,6 @@
 """Expressions laid out in lines: on one where they fit, else an item a line.
 
-The form is that of ``ruff format``: what is split ends in a comma, so that it stays split.
+The form is that of ``ruff format``: a split list ends in a comma, so that it stays split.
 """
 
 from __future__ import annotations

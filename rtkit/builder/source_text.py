@@ -131,9 +131,9 @@ def docstring(
 
     Args:
         neutral: Its first line where `text` does not fit there.
-        text: What it says.
+        text: Its text.
         paragraphs: What follows.
-        indent: What each line begins with.
+        indent: Indentation of each line.
         sections: Lines of our own that end it.
     """
     room = WIDTH - width(indent)

@@ -106,7 +106,7 @@ class GeneratedStateMachine(NamedTuple):
     Attributes:
         port: Name of its event port.
         states: State, event, next state.
-        conditions: What the profile says of when a transition is taken, a line for each.
+        conditions: Conditions of transitions by the profile, a line for each.
         classes: A class for each state, outer ones first.
     """
 
@@ -128,7 +128,7 @@ class GeneratedComponent:
         description: One line, if there is one.
         rate: Of a periodic execution context [Hz]; 0 where none is given.
         has_types: Whether a module of interface definitions goes with it.
-        notes: What could not be taken over as it is.
+        notes: Elements that could not be taken over as they are.
         working: Code that does the work of a period in the beginning.
     """
 

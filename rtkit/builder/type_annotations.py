@@ -62,7 +62,7 @@ class Annotations:
 
     Attributes:
         names: By path.
-        uses: What the code so far needs to import.
+        uses: Names that the code so far needs to import.
         pending: Blocks of code that have to come before what is annotated now.
     """
 

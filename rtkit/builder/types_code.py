@@ -54,7 +54,7 @@ class TypesCode:
 
     def __init__(self, definitions: Definitions, wanted: Iterable[Path]) -> None:
         self._definitions = definitions
-        # What a method declares to raise has to be there before it, and is often declared inside.
+        # Exceptions of a method have to stand before it, and are often declared inside.
         needed = closure(definitions, wanted)
         self._order = sorted(
             needed, key=lambda p: isinstance(definitions.by_path[p], InterfaceDeclaration)

@@ -58,7 +58,7 @@ class Component(Callbacks):
         rate: Of that context if it is periodic [Hz].
         composite_type: Name of this kind of composite in profiles; empty where it is none.
         has_machine: Whether it is a `rtkit.component.fsm.FsmComponent`.
-        own_attributes: What the base class keeps on each instance, by name.
+        own_attributes: Names of the attributes that the base class keeps on each instance.
         is_stand_in: Whether it has the outside of another component and no code of its own.
         instance: Its name.
         type: Identity of its type.
@@ -133,7 +133,7 @@ class Component(Callbacks):
         )
 
     def __dir__(self) -> list[str]:
-        """Return what authors use; what containers call is found by its name alone."""
+        """Return the names that authors use; those that containers call are left out."""
         return [name for name in super().__dir__() if name not in _FOR_CONTAINERS]
 
     @property

@@ -63,7 +63,7 @@ class Callbacks:
 
 
 escaping: tuple[type[BaseException], ...] = ()
-"""What callbacks may raise to end the process: set only where a component is run by hand."""
+"""Exceptions with which callbacks may end the process; set only for components run by hand."""
 
 CALLBACKS = tuple(name for name in vars(Callbacks) if name.startswith("on_"))
 
@@ -113,7 +113,7 @@ class Failure(str):
     """The failure of a callback in one line; an empty text when there was none.
 
     Attributes:
-        error: What it raised; None when it returned a code, or did well.
+        error: Exception that it raised; None when it returned a code, or did well.
     """
 
     __slots__ = ("error",)

@@ -476,4 +476,4 @@ _HELPERS = {
     "_unit": _unit,
     "_unpack": struct.unpack_from,
 }
-"""What the code that is written refers to by name."""
+"""Objects to which the written code refers by name."""

@@ -24,7 +24,7 @@ def refuse_collisions(cls: type, own_attributes: Collection[str]) -> None:
 
     Args:
         cls: A class that is being defined; its bases have been looked at already.
-        own_attributes: What the base class keeps on each instance, by name.
+        own_attributes: Names of the attributes that the base class keeps on each instance.
 
     Raises:
         Refused: It does; one sentence with file, line, name and what it collides with.

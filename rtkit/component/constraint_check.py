@@ -33,7 +33,7 @@ class Declared(NamedTuple):
 
     Attributes:
         type: Its type, in the free words of profiles.
-        rule: Its constraint in one line; what is shown.
+        rule: Its constraint in one line, as it is shown.
         constraint: The same, as far as a machine can read it.
         is_list: It may have several values, whatever its type says.
     """

@@ -12,7 +12,7 @@
         def on_entry(self, state):
             self.logger.info("now %s", state)
 
-What is to be done in a state may be written as a class of its own, with a method for each event::
+The actions of a state may be written as a class of its own, with a method for each event::
 
     class Open(State):
         def on_entry(self):

@@ -313,7 +313,7 @@ class OutPort(DataPort[T]):
     limit_key = "dataport.fan_out"
 
     def _begin(self) -> None:
-        # What tests a value and what takes it, replaced together while another thread writes.
+        # Test and receiver of a value, replaced together while another thread writes.
         self._way: tuple[Callable[[T], bool], tuple[Sink[T], ...]] = (self._compile, ())
         self._encoding: set[str] = set()
         self._by_id: dict[str, Sink[T]] = {}

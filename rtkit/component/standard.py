@@ -34,7 +34,7 @@ class StandardType(NamedTuple):
     Attributes:
         home: Module of `rtkit.component` that has it.
         kind: ``struct``, ``enum`` or ``typedef``.
-        body: What stands between its braces; of a type definition, what it defines.
+        body: Text between its braces; of a type definition, the type that it defines.
     """
 
     home: str

@@ -29,7 +29,7 @@ class StateTable:
     """The states of one machine; immutable.
 
     Attributes:
-        table: What it was made from, outer states that are only implied added.
+        table: Table that it was made from, with the outer states that this only implies.
         initial: The innermost state that it begins in.
     """
 

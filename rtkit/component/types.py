@@ -51,7 +51,7 @@ BASIC_TYPES: Mapping[str, Any] = {
     "int64": LongLong,
     "uint64": ULongLong,
 }
-"""What stands for each basic type of interface definitions; the usual names come first."""
+"""Names of each basic type of interface definitions; the usual names come first."""
 
 _NANOSECONDS = 1_000_000_000
 

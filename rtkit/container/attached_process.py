@@ -59,7 +59,7 @@ class AttachedProcess:
         """Show the manager in which callbacks this process is, before it enters.
 
         Raises:
-            OSError: What shows it cannot be written.
+            OSError: Its marker file cannot be written.
         """
         # Tools do without, so they do not wait for these imports.
         from rtkit.container.heartbeats import Heartbeats

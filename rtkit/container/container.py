@@ -187,7 +187,7 @@ class ComponentContainer:
                 self.answer(message, value)
 
     def answer(self, message: Message, value: Any) -> None:
-        """Answer a message, whose operation was done."""
+        """Answer a message after its operation was done."""
         if message.get("instance") in self._components:
             self._asked.note(message)
         if "call" in message:
@@ -289,7 +289,7 @@ class ComponentContainer:
 
     @contextmanager
     def _watched(self, name: str, callback: str) -> Iterator[None]:
-        """Show by a heartbeat, and in logs, whose code runs on this thread."""
+        """Name the component whose code runs on this thread, in a heartbeat and in logs."""
         before = current.set("" if callback == "import" else name)
         if self._own_slot is not None:
             self._own_slot.watch(name, callback)
@@ -461,7 +461,7 @@ class ComponentContainer:
         return self._take_over(component, message)
 
     def _set_back(self, message: Message) -> None:
-        """Undo what was asked for by somebody who has given up; what was set since stays."""
+        """Undo a change whose requester has given up; later changes stay."""
         component, set_id = self.component(message["instance"]), message["set_id"]
         configuration = component.configuration
         if message.get("is_added") and set_id in configuration.sets:

@@ -67,7 +67,7 @@ class ControlChannel:
         """Wait for bytes and return the messages that they complete; None when the other closed.
 
         Raises:
-            Malformed: What came is no message.
+            Malformed: The bytes are no message.
         """
         try:
             chunk = self.socket.recv(1 << 18)

@@ -131,7 +131,7 @@ class ExecutionContexts:
 
 
 def _of_component(code: ReturnCode, why: str, component: Component) -> str:
-    """Return why a component refused, with its name; what was done needs none."""
+    """Return why a component refused, with its name; empty if it did not refuse."""
     return why if code is ReturnCode.OK else f"{why}: {component.instance}"
 
 

@@ -1,7 +1,7 @@
 """Connects a slave or an attached process to its manager, and to the next one after that.
 
 When the manager is gone the process runs on, waits for the next one and reports what it holds.
-What there is to report meanwhile is dropped: the next manager gets the whole state at once.
+Reports of that time are dropped: the next manager gets the whole state at once.
 
 See decision 1.
 """
@@ -46,7 +46,7 @@ class Ending(Protocol):
         """Return the descriptor that turns readable, for selectors."""
 
     def has_come(self) -> bool:
-        """Return whether the end was requested; what made the descriptor readable is read."""
+        """Return whether the end was requested; empty the descriptor that has become readable."""
 
 
 class ManagerConnection:

@@ -14,7 +14,7 @@ from rtkit.errors import Refused, RtkitError
 from rtkit.rtc.enums import ReturnCode
 
 LATER = object()
-"""What an operation returns that answers later."""
+"""Result of an operation that answers later."""
 
 Operations = Mapping[str, Callable[[Message], Any]]
 

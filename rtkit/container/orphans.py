@@ -91,7 +91,7 @@ def end_sessions(
     while clean_looks < (_LOOKS if is_ancestor else 1):
         processes = _descendants(own) if is_ancestor else _processes()
         present = [process for process in processes if not process.is_over]
-        # Who lives under the pid of one that has ended is a stranger, with a session of its own.
+        # A process that reuses the pid of an ended one is a stranger, with a session of its own.
         strangers = {leader for leader in leaders if leader != own and _is_alive(leader)}
         ended = set(leaders) - strangers
         for leader in ended - {own}:

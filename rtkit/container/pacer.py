@@ -45,7 +45,7 @@ class Pacer:
 
     Args:
         context: The one that is driven.
-        name: What its thread is called.
+        name: Name of its thread.
         grant: Grants the callback that is under way more time [ns].
         start: Starts its work; by default on a thread of its own.
     """

@@ -51,7 +51,7 @@ class PortWiring:
     Args:
         host: Name of this host.
         streams: To other processes of it.
-        manager: Whose router passes on data from and to other hosts.
+        manager: Manager whose router passes on data from and to other hosts.
     """
 
     def __init__(self, host: str, streams: Streams, manager: str = "") -> None:

@@ -32,7 +32,7 @@ LAST_S = 5
 
 
 class Slave:
-    """Slave before the fork: what does not depend on which slave it becomes.
+    """Slave before the fork: all that does not depend on which slave it becomes.
 
     The zygote has one, and every fork is a copy of it: what is made here costs time once, and
     memory once for all of them.

@@ -20,7 +20,7 @@ from types import FrameType
 from rtkit.container.heartbeats import STACKS_AT, heartbeats_path
 
 STACK_SIGNAL = signal.SIGUSR1
-"""At which a slave writes its stacks, whoever holds the interpreter lock."""
+"""Signal at which a slave writes its stacks, whichever thread holds the interpreter lock."""
 
 ASK = "stacks"
 """Operation by which a slave is asked to write its stacks."""
@@ -103,7 +103,7 @@ def place_of(stacks: str, thread: int, *, must_be_own: bool = False) -> str:
 
 
 def is_in_debugger(stacks: str, thread: int) -> bool:
-    """Return whether a debugger has stopped a thread in a callback; what runs it does not count."""
+    """Return whether a debugger has stopped a thread in a callback; its own frames do not count."""
     for file, _, name in _frames(stacks, thread):
         if name == "attempt" and file.startswith(_OURS):
             break

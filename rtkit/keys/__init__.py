@@ -1,1 +1,1 @@
-"""Keys of users and hosts: a private CA, what it issued and revoked, and TLS made of them."""
+"""Keys of users and hosts: a private CA, its certificates and revocations, and TLS made of them."""

@@ -1,4 +1,4 @@
-"""Folder of keys: what this user shows to others and, where the CA is, what that has issued.
+"""Folder of keys: certificates of this user and, where the CA is, those that it has issued.
 
 Nobody else can read what lies in it: a key that others could read is refused.
 """
@@ -33,7 +33,7 @@ def file(name: str) -> str:
 
 
 def opened(name: str) -> int:
-    """Open a file of the folder, or at a path, to read; what is checked is what is read.
+    """Open a file of the folder, or at a path, to read; the open file itself is checked.
 
     Raises:
         NotFound: There is none; tells what makes it.

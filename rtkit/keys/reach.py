@@ -13,7 +13,7 @@ HERE = ("", "localhost", "127.0.0.1")
 BEHIND_TLS = frozenset({"tcps", "https", "mqtts", "tls"})
 """Schemes of which both sides show certificates."""
 ON_LOOPBACK = frozenset({"ice"})
-"""Schemes that stay on this host whatever is told: what is said over them is not even signed."""
+"""Schemes that stay on this host whatever is told: their messages are not even signed."""
 
 
 def is_here(host: str) -> bool:

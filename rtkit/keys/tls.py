@@ -1,6 +1,6 @@
 """Mutual TLS with the keys of this user: TLS 1.3, where both sides show a certificate of the CA.
 
-Version 1.3 has no renegotiation, and no tickets are given: whoever comes again shows it again.
+Version 1.3 has no renegotiation, and no tickets are given: each connection shows it again.
 """
 
 from __future__ import annotations
@@ -49,7 +49,7 @@ class Trust:
 
     def __init__(self, *, is_server: bool, is_brief: bool = False) -> None:
         self._protocol = ssl.PROTOCOL_TLS_SERVER if is_server else ssl.PROTOCOL_TLS_CLIENT
-        # Later the process may be told of another folder: what is served stays what it was.
+        # Later the process may be told of another folder: what it serves keeps this one.
         self._files = tuple(map(folder.file, _FILES))
         self._is_brief = is_brief
         self._stamp: tuple[object, ...] = ()
@@ -109,7 +109,7 @@ class Trust:
 
 
 def peer_of(tls: ssl.SSLSocket) -> Peer:
-    """Return who is on the other side of a connection, whose certificate is of the CA."""
+    """Return the identity on the other side of a connection, by a certificate of the CA."""
     shown: Any = tls.getpeercert() or {}
     pairs = [pair for part in shown.get("subject", ()) for pair in part]
     names = [value for key, value in pairs if key == "commonName"]
@@ -134,7 +134,7 @@ def _context(protocol: ssl._SSLMethod, ca: str, shown: str, secret: str) -> ssl.
         key = folder.opened(secret)
         try:
             context.load_verify_locations(cadata=authority.decode("ascii"))
-            # What was checked is what is read; a key that wants a password is none of ours.
+            # The checked file is read; a key that wants a password is none of ours.
             files = (f"/proc/self/fd/{certificate}", f"/proc/self/fd/{key}")
             context.load_cert_chain(*files, password=str)
         finally:

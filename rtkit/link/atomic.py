@@ -27,7 +27,7 @@ def write_output(
     must be new, what is there is never touched. A new file may be given a mode of its own.
 
     Raises:
-        NotFound: It cannot be written; what was there before is unchanged.
+        NotFound: It cannot be written; an earlier file is unchanged.
         Refused: It must be new and is not.
     """
     if output == STDOUT:

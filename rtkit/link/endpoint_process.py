@@ -40,7 +40,7 @@ def serve_manager(open_: Callable[[str, str, ExitStack], object], arguments: Seq
         arguments: Descriptor of the socket to the manager, and that endpoint.
     """
     for number in (signal.SIGINT, signal.SIGHUP):
-        signal.signal(number, signal.SIG_IGN)  # meant for the manager, who says when to end
+        signal.signal(number, signal.SIG_IGN)  # meant for the manager, which says when to end
     with open("/proc/self/comm", "w", encoding="ascii") as comm:
         comm.write(SERVANT)
     descriptor, inner = arguments

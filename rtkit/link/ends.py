@@ -18,7 +18,7 @@ from rtkit.link.zenoh import ask
 Deliver = Callable[[bytes], object]
 _NUMBER = struct.Struct("<Q")
 _TOTAL = b"="
-"""What stands before a number that is a total, not that of a value."""
+"""Prefix of a number that is a total, not that of a value."""
 
 
 def _question(key: object) -> str:
@@ -222,7 +222,7 @@ class ProviderEnd:
 
     def _run(self) -> None:
         while (query := self._queue.get()) is not None:
-            with query, contextlib.suppress(zenoh.ZError):  # who asked may be gone
+            with query, contextlib.suppress(zenoh.ZError):  # the requester may be gone
                 request = query.payload.to_bytes() if query.payload is not None else b""
                 query.reply(self._key, self._reply_to(request))
             del query  # one that is kept lets its caller wait

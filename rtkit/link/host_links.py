@@ -62,7 +62,7 @@ def hosts() -> list[str]:
 
 
 def read(host: str) -> HostLink:
-    """Return the state of a link; what its process can no longer tell is looked up.
+    """Return the state of a link; look up what its process can no longer tell.
 
     Raises:
         Unreachable: There is none.

@@ -1,7 +1,7 @@
 """Notes of what listens to other hosts without TLS: ``rtls -l`` shows them to this user.
 
-A file ``PORT-PID.insecure`` beside the sockets holds an address; who listens has it locked, so that
-the note of a process that was killed counts no more.
+A file ``PORT-PID.insecure`` beside the sockets holds an address; the listening process locks it, so
+that the note of a process that was killed counts no more.
 """
 
 from __future__ import annotations

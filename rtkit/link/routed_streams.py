@@ -25,7 +25,7 @@ class RoutedStreams:
     """Opens streams to other hosts, by the router that leads to each.
 
     Args:
-        manager: Whose router that is, where this host has no link there itself.
+        manager: Manager of that router, where this host has no link there itself.
     """
 
     def __init__(self, manager: str) -> None:

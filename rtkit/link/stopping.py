@@ -13,7 +13,7 @@ class Stopped(KeyboardInterrupt):
 
 
 class StopRequest:
-    """One request to stop, from any thread; whoever waits within `heeding` ends."""
+    """One request to stop, from any thread; each wait within `heeding` ends."""
 
     def __init__(self) -> None:
         from rtkit.link.wakeup import Wakeup  # commands check, but request no stop
@@ -37,7 +37,7 @@ class StopRequest:
             call()
 
     def take(self) -> bool:
-        """Return whether it was rung, once: what ends in order afterwards is left to end."""
+        """Return whether it was rung, once: an orderly end that follows is left to end."""
         if self._is_rung and not self._is_taken:
             self._is_taken = self._wakeup.hush()
             return True

@@ -172,7 +172,7 @@ class Streams:
                 self._endpoint, "peer", has_shared_memory=has_shared_memory
             )
         except Unreachable:
-            remove_socket(self._path)  # what is half made keeps its lock till we end
+            remove_socket(self._path)  # a half-made end keeps its lock until this process ends
             raise
 
     def _fastest(

@@ -113,7 +113,7 @@ def _in_background(work: Callable[[], zenoh.Session]) -> zenoh.Session | zenoh.Z
 
 
 def _without_panic(work: Callable[[], zenoh.Session]) -> zenoh.Session:
-    """Open a session; what zenoh panics about, threads that cannot be had, is an error too."""
+    """Open a session; a panic of zenoh, for lack of threads, is an error too."""
     try:
         return work()
     except Exception:

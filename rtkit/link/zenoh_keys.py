@@ -31,7 +31,7 @@ def escape(chunk: str) -> str:
 
 
 def unescape(chunk: str) -> str:
-    """Return the name that `escape` turned into this chunk; what is no escape stays as it is."""
+    """Return the name that `escape` turned into this chunk; other characters stay as they are."""
     head, *rest = chunk.split("%")
     return head + "".join(_unescaped(part) for part in rest)
 

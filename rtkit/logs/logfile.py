@@ -1,7 +1,7 @@
 """Log targets: a file that is kept short, or a terminal; neither ever blocks the logger.
 
-What cannot be written is dropped and counted; the first record that can be written again is
-preceded by one with the number of those missing.
+Records that cannot be written are dropped and counted; the first one that can be written again
+follows one with the number of those missing.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """Opens the log of this process, which takes what is logged, printed or raised.
 
-Components log with ``self.logger``, which bears their name; what their code prints becomes records
-of the loggers ``stdout`` and ``stderr``. What programs and C code write to the descriptors
+Components log with ``self.logger``, which bears their name; output of their code becomes records
+of the loggers ``stdout`` and ``stderr``. Text that programs and C code write to the descriptors
 themselves passes by here.
 """
 
@@ -265,7 +265,7 @@ _start = threading.Thread.start
 
 
 def _start_labelled(thread: threading.Thread) -> None:
-    """Start a thread; what it prints or raises bears the name of the component that starts it."""
+    """Start a thread; its output and errors bear the name of the component that starts it."""
     instance = current.get()
     if instance and not isinstance(thread, OwnThread):
         run = thread.run

@@ -20,7 +20,7 @@ def instead(
     """Return the end of the message that a type is not known.
 
     Args:
-        type_name: What was asked for.
+        type_name: Type that was asked for.
         registered: The types that are offered already.
         standard: Those that are there without a module.
         search: Where modules are found by the names of their types; None where they are not.

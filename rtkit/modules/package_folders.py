@@ -1,6 +1,6 @@
 """Finds the folders of installed packages: NAME/VERSION, several versions side by side.
 
-They are made by ``rtpkg install``, renamed last: what is there is whole. A folder without the
+They are made by ``rtpkg install``, renamed last: a folder that is there is whole. One without the
 record of an installation, or a link to another folder, is none of them.
 """
 
@@ -11,7 +11,7 @@ from collections.abc import Iterator
 from typing import NamedTuple
 
 RECORD = ".rtkit-package.json"
-"""File of a version's folder: what was installed."""
+"""File of a version's folder, which records the installation."""
 FOLDER = os.path.join("rtkit", "packages")
 """Where the packages of a user are, below the folder of his data."""
 

@@ -1,6 +1,6 @@
 """Finds modules: by name inside the load paths, by absolute path where that is allowed.
 
-A name leads to no other place: neither by ``..`` nor by a link. What is checked is what is read.
+A name leads to no other place: neither by ``..`` nor by a link. The checked file is read.
 One that no load path has may be that of a module of an installed package: as that package names
 it for components or, where absolute paths are allowed, as Python does (``robot.arm``). Packages
 declare entry points of the group ``rtkit.components``, ``NAME = MODULE:INIT``: the module is

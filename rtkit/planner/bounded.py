@@ -23,7 +23,7 @@ def plan_within(
     """Return a plan that costs at most `factor` times the cheapest; it states what is proved.
 
     Args:
-        problem: What is to be solved.
+        problem: Problem to solve.
         factor: At least 1.
         guide: Guess of what is left to be paid; it may be too high.
         heuristic: Never too high; 0 if None. It alone decides what is proved.

@@ -25,7 +25,7 @@ class Command:
     Attributes:
         name: States what is done; costs and messages refer to it.
         effect: From a state in which all conditions hold to the state after.
-        parameters: What it is done with, shown behind the name.
+        parameters: Arguments of the command, shown behind the name.
     """
 
     name: str

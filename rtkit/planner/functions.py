@@ -167,9 +167,9 @@ class Evaluator:
         """Return the cheapest way to a goal within a cross-section, as a function.
 
         Args:
-            problem: What its commands and costs are taken from.
+            problem: Problem from which commands and costs are taken.
             free: Variables that may change.
-            goal: What is desired of them.
+            goal: Values desired of them.
             heuristic: Never too high, and consistent; 0 if None.
             key: By what the cache knows the leg; see `Evaluator`.
 

@@ -34,8 +34,8 @@ class Problem:
     Attributes:
         variables: Domain of each variable; a state has their values in this order.
         start: The state in which plans begin.
-        goal: What is desired.
-        commands: What can be done; their order breaks ties between plans.
+        goal: Desired values, or a test of a state.
+        commands: Possible commands; their order breaks ties between plans.
         costs: Of each command, in numbers greater than 0: a table, or a function.
         frozen: Places of the variables that no command may change (see `restrict`).
     """

@@ -41,7 +41,7 @@ class Execution:
         facts: All that was found out; to be given to the next execution.
         plans: The first plan, and each one that was made on the way.
         done: The steps that came out as planned.
-        surprises: What was seen instead, for each plan that was broken off.
+        surprises: States seen instead, one for each plan that was broken off.
     """
 
     facts: set[Hashable] = field(default_factory=set)
@@ -68,7 +68,7 @@ def execute(
         problem: Makes the problem from a state and from what is known; its goal stays the same.
         world: Where.
         solve: Makes a plan.
-        facts: What is known from before.
+        facts: Facts known from before.
         most_plans: How often it is planned, before a world that never behaves is given up.
 
     Raises:

@@ -28,7 +28,7 @@ Ties = Literal["first", "any"]
 
 NO_LIMITS = Limits()
 _SLACK = 1e-9
-"""What rounding may take from the consistency of a heuristic, as a part."""
+"""Part by which rounding may violate the consistency of a heuristic."""
 
 
 def plan(
@@ -41,7 +41,7 @@ def plan(
     """Return the cheapest plan; of several that of fewest steps, then of first commands.
 
     Args:
-        problem: What is to be solved.
+        problem: Problem to solve.
         heuristic: Never too high, and consistent; 0 if None.
         limits: How far the search may go.
         ties: ``"any"`` for any of the cheapest plans, though the same one each time. The search
@@ -159,7 +159,7 @@ class _Search:
         if best is None:
             raise Impossible(f"no goal among all {len(nodes)} states that can be reached")
         cost: float = nodes[self._goals[0]].cost
-        # Who gave floats gets one; fractions of his own stay.
+        # Costs given as floats give a float; fractions given by the caller stay.
         return float(cost) if self._decimals else cost
 
     def _expand(self, state: State, node: _Node) -> None:
@@ -232,7 +232,7 @@ class _Search:
             self._decimals[number] = found
         return found
 
-    # what comes of it
+    # the results
 
     def any_way(self) -> tuple[Step, ...]:
         """Return the way by which the goal was met."""

@@ -33,7 +33,7 @@ from rtkit.idl.read import read_idl
 from rtkit.rtc.data_types import scoped_name
 
 _MOST_ITEMS = 1 << 20
-"""How many items arrays may have: what rubbish asks for would take all the memory."""
+"""Greatest number of items of an array: rubbish could ask for all the memory."""
 UNFIT = (TypeError, ValueError, RecursionError)
 """Errors of classes that cannot be made, since rubbish defines them."""
 _HIDDEN = ("mro", "name", "value")

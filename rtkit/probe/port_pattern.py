@@ -42,7 +42,7 @@ def expanded(
     named first. A name that has * or ? in it is no pattern.
 
     Args:
-        snapshot: What the manager knows.
+        snapshot: Facts of the manager.
         specs: As the user gave them.
         wanted: The kind of ports that patterns match.
         is_patient: Whether a pattern may match nothing as yet.

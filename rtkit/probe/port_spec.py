@@ -21,7 +21,7 @@ _FORMATTER = r"[A-Za-z_][\w.]*"
 _STREAM = r"\w+"
 WORDS = {PortType.OUT: "output", PortType.IN: "input"}
 _STREAMS = {PortType.OUT: "input", PortType.IN: "output"}
-"""What the tool's own port is to a component's: streams that are not named are numbered so."""
+"""Role of the tool's own port towards a component's: unnamed streams are numbered so."""
 
 
 class PortSpec(NamedTuple):

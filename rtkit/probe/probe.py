@@ -49,7 +49,7 @@ class Tool(Component):
     """A tool's end of connections.
 
     Attributes:
-        arrived: What has arrived, in batches.
+        arrived: Arrived values, in batches.
         notify: Called when something has.
     """
 
@@ -307,7 +307,7 @@ def _perform(tree: Tree, named: Sequence[tuple[str, Action]], refused: Refusal |
 
 
 def tap_ports(streams: Sequence[Stream]) -> list[Tap]:
-    """Return a port for each stream, whose buffer counts what it drops."""
+    """Return a port for each stream, whose buffer counts dropped values."""
     counted = {
         "dataport.inport.buffer.length": "4096",
         "dataport.inport.buffer.read.empty_policy": "block",

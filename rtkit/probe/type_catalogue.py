@@ -266,7 +266,7 @@ def _example(layout: Layout) -> Any:
 
 
 def lines_of(page: TypePage, source: str) -> Iterator[str]:
-    """Yield a page as IDL; what else is known is in comments."""
+    """Yield a page as IDL; further facts are in comments."""
     yield f"// {page.type.name}, {source}"
     yield from page.definition.splitlines() or ["// nothing here has its IDL"]
     if page.size_bytes is not None:

@@ -8,7 +8,7 @@ from rtkit.fast_dataclass import dataclass, field
 
 P = TypeVar("P")
 _LONGEST = 1000
-"""Longer texts of notes are clipped: what a document holds must not flood who reads about it."""
+"""Longer texts of notes are clipped: a document must not flood its reader."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,8 +57,8 @@ class Note:
         path: XPath of the element or attribute in the document as it was read, with the usual
             prefixes; empty where there is none.
         rule: Which rule of `rtkit.profile.rules` it is about.
-        found: What stands there; None where nothing does.
-        allowed: What may stand there, in words.
+        found: Text that stands there; None where nothing does.
+        allowed: Allowed values, in words.
     """
 
     line: int

@@ -42,8 +42,8 @@ def allows(
     ``*`` names all others, the empty one a text that begins with a brace and is no JSON object.
 
     Args:
-        constraint: What must hold.
-        value: What is tested.
+        constraint: Constraint to check.
+        value: Value to test.
         wants_number: Nothing but numbers can be values, so words test nothing.
     """
     items = (value,) if isinstance(value, str) else tuple(value)

@@ -65,7 +65,7 @@ class _Number(str):
 
 
 def _node(value: Any, line: int) -> Node:
-    """Wrap what the library made; what is in an object has the line of that object."""
+    """Wrap the result of the library; members of an object have the line of that object."""
     if isinstance(value, TableNode):
         return value
     if isinstance(value, list):

@@ -93,7 +93,7 @@ def _respell(element: Any, attribute: Attr, value: str, found: Findings) -> bool
         name = short(attribute.name)
         message = f"{name} is {value!r}; allowed: {attribute.allowed}"
         if "${" in value:
-            # Other tools read this document, too: what they see must be a value.
+            # Other tools read this document, too: they must find a value.
             message += f", and beside it rtkit:{split(attribute.name)[1]}={value!r}"
         found.wrong(element, "bad-value", message, **details)
     return True

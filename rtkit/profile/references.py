@@ -87,7 +87,7 @@ class _Ports:
     """The ports that components list, and where more of them go.
 
     Attributes:
-        names: What each component lists, with the kind of port.
+        names: Ports that each component lists, with their kind.
     """
 
     def __init__(self) -> None:

@@ -18,7 +18,7 @@ class ComponentRef:
     """A component named by another part of the profile: participant, group member.
 
     Attributes:
-        around: What else stood in ``rts:Participants``, the element around a participant.
+        around: Further content of ``rts:Participants``, the element around a participant.
     """
 
     component_id: str

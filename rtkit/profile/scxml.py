@@ -26,7 +26,7 @@ class StateChart(NamedTuple):
 
     Attributes:
         states: State to event to next state; the initial one is the first at every level.
-        notes: What was left out.
+        notes: Elements that were left out.
     """
 
     name: str

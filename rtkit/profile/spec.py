@@ -56,12 +56,12 @@ def _finite(text: str) -> float:
 
 @dataclass(frozen=True, slots=True)
 class Attr:
-    """One attribute: its model field, its name, what it may hold.
+    """One attribute: its model field, its name, its allowed values.
 
     Attributes:
         supply: Value to fill in, with a note, where a required attribute is absent.
         words: The allowed values of an enumeration.
-        allowed: What may be written, in words for a message.
+        allowed: Allowed values, in words for a message.
         respellings: Old or wrong spellings in lower case, and what they mean.
         check: Tests whether a text is valid; None accepts any.
         read: Turns the text into the model's value; None keeps the text.
@@ -146,7 +146,7 @@ def required(*names: str) -> list[Attr]:
 
 @dataclass(frozen=True, slots=True)
 class Child:
-    """One child element: its model field, its tag, what it is; None is a text element.
+    """One child element: its model field, its tag, its spec; None is a text element.
 
     Attributes:
         least: How many there must be; children of one field count together.

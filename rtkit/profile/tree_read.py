@@ -342,7 +342,7 @@ class _Filler:
 
 
 def _parts(body: TableNode, spec: ElementSpec) -> Iterator[tuple[ScalarNode, Node]]:
-    """Yield the keys of a table; what a target waits for is one level further down."""
+    """Yield the keys of a table; the conditions of a target are one level further down."""
     for key, value in body.items:
         if spec.make is OrderStep and key.text == form.CONDITION and isinstance(value, TableNode):
             yield from value.items

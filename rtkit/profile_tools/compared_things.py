@@ -68,7 +68,7 @@ class Collector:
 
 
 def fields_of(model: Any, without: Container[str] = (), prefix: str = "") -> dict[str, str]:
-    """Return all values of a model as text, by name; what is absent is left out.
+    """Return all values of a model as text, by name; absent ones are left out.
 
     Properties are fields of their own, nested models have theirs behind a dot.
     """

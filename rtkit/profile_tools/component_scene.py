@@ -12,7 +12,7 @@ _KINDS = {"DataInPort": IN, "DataOutPort": OUT, "EventPort": EVENT}
 
 
 def component_pins(profile: RtcProfile) -> list[Pin]:
-    """Return the ports: what comes in at the left, what goes out at the right.
+    """Return the ports: inputs at the left, outputs at the right.
 
     Service ports are where the profile has them, those above and below at the left.
     """

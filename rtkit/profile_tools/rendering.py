@@ -95,7 +95,7 @@ class _PageForm(ABC):
     def _heading(self, title: str, level: int) -> Iterator[str]: ...
 
     def _paragraphs(self, text: str) -> list[str]:
-        """Return the paragraphs of a text: what blank lines part."""
+        """Return the paragraphs of a text, which blank lines part."""
         found = re.split(r"\n[ \t]*\n", with_line_breaks(text))
         return [each.strip() for each in found if each.strip()]
 
@@ -196,7 +196,7 @@ class _Markdown(_PageForm):
         yield f"{'#' * min(level + 2, 6)} {self._line(title)}"
 
     def _paragraph(self, text: str) -> str:
-        """Return a paragraph: what would begin a list or a heading is escaped, line breaks stay."""
+        """Return a paragraph: marks of lists and headings are escaped, line breaks stay."""
         lines = [self._escaped(line.strip()) for line in text.split("\n")]
         return "\\\n".join(_LINE_START.sub(r"\1\\\2", line) for line in lines)
 

@@ -106,8 +106,8 @@ class EndpointLimits(NamedTuple):
 
     Attributes:
         connections: Clients at a time.
-        listeners: What one client may listen to.
-        door_listeners: What all its clients together may listen to.
+        listeners: Number of properties that one client may listen to.
+        door_listeners: Number of properties that all its clients together may listen to.
         rate: Requests of one client in a second, as many at once; 0 for any number.
         size: Bytes of a request.
     """
@@ -158,7 +158,7 @@ def read_policy(
         endpoints: Names of endpoints that there are; None for any.
 
     Raises:
-        Malformed: ``ORIGIN:LINE: what is wrong``.
+        Malformed: ``ORIGIN:LINE: REASON``.
     """
     rules: list[AccessRule] = []
     limits: list[tuple[str, str, int]] = []

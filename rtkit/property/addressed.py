@@ -65,7 +65,7 @@ def addressed_reply(message: bytes, address: str) -> bytes:
 
 
 class AddressedRequests(CheckedRequests):
-    """Reads what is meant for one device; what is for others, or damaged, is nothing.
+    """Reads lines that are meant for one device; passes over lines for others, or damaged ones.
 
     Args:
         wanted: Whether there have to be checks; None: if the client makes them.
@@ -103,7 +103,7 @@ class AddressedRequests(CheckedRequests):
 
 
 class AddressedReplies(CheckedReplies):
-    """Reads the replies of one device; what others say, and what is sent to them, is nothing.
+    """Reads the replies of one device; passes over all other lines.
 
     Args:
         has_checks: Whether the lines of the device have a check.

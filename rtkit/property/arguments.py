@@ -15,7 +15,7 @@ from rtkit.property.property_spec import RequestParameter
 from rtkit.property.values import Value
 
 Taken = Mapping[str, tuple[tuple[RequestParameter, ...], dict[str, Any]]]
-"""What getter and setter take, with the hints, by their names."""
+"""Arguments of getter and setter, with the hints, by their names."""
 
 
 def accepted(thing: object, member: Member, own: tuple[int, int] = (0, 1)) -> Taken:

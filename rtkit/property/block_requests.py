@@ -1,4 +1,4 @@
-"""Requests about blocks of bytes: what the owner of a property takes and joins."""
+"""Requests about blocks of bytes, which the owner of a property takes and joins."""
 
 from __future__ import annotations
 

@@ -21,17 +21,17 @@ from rtkit.property.line import LONGEST_LINE, LineRequest, Replies, Requests, Sp
 from rtkit.property.messages import Answer, PropertyEvent
 
 HELLO = b"GET properties"
-"""What begins a conversation without checks."""
+"""First request of a conversation without checks."""
 QUIET_S = 0.5
 """After how long a silence a line begins anew, where nobody knows where one begins [s]."""
 
 CHECK = re.compile(rb"(.*) ~([0-9A-Fa-f]{4})", re.DOTALL)
-"""What looks as a line with a check does."""
+"""Pattern of a line with a check."""
 _CHECK_SIZE = len(" ~XXXX")
 _SPECIAL = re.compile(rb"[\n\r\x10\x11\x13]")
 _STUFFED = re.compile(rb"\x10(.)", re.DOTALL)
 NOTHING = LineRequest("", "", None)
-"""What stands for a line that is no request."""
+"""Placeholder of a line that is no request."""
 
 
 def frame(message: bytes) -> bytes:
@@ -116,7 +116,7 @@ class CheckedRequests(Requests):
             pass
         if asked is None or not asked.is_last:
             return asked
-        # What follows may be the bytes of a value: they are not to be taken for requests.
+        # The next bytes may belong to a value: they are not to be taken for requests.
         self._splitter, self._block = self._new_splitter(), None
         self._is_lost = True
         return asked._replace(is_last=False)

@@ -1,7 +1,7 @@
 """Reads elements from text: the part of XML that values use.
 
 No document types, no processing instructions, no CDATA, no mixed content, five named entities.
-A leaf is read as a value once its entities are decoded; what is no value is a string.
+A leaf is read as a value once its entities are decoded; a text that is no value is a string.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Extensions of a property: what is asked about it, and who listens to it.
+"""Extensions of a property: requests about it, and its listeners.
 
 Source: `property-service` reference, section 2.
 """

@@ -147,7 +147,7 @@ def _one_of(hints: tuple[Any, ...], value: Content, present: object) -> Any:
             return from_value(value, hint, present)
         except PropertyError as error:
             reasons.append(str(error))
-    # What is wrong inside the value comes before the kinds that it is not at all.
+    # An error inside the value comes before the kinds that it is not at all.
     raise PropertyError("bad-value", "; or ".join(sorted(reasons, key=lambda why: _FOUND in why)))
 
 

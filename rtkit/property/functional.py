@@ -79,10 +79,10 @@ class FunctionalProperty:
     coroutine can be stopped whenever it waits.
 
     Args:
-        function: What is called.
+        function: Function to call.
         parameters: Its arguments, in order.
         convert: Makes a value of what it returns.
-        run: Who calls it; None for whom the service has for it.
+        run: Runner that calls it; None for that of the service.
         is_open: It takes any arguments, by place only.
         is_behavior: See `behavior`.
         fit: Raises what is wrong with an argument beyond its declared type.
@@ -296,7 +296,7 @@ class FunctionalProperty:
             call.changed()
 
     def stop(self) -> None:
-        """Have it end at its next step; what does not run stays as it is.
+        """Have it end at its next step; an action that does not run stays as it is.
 
         Raises:
             PropertyError: ``conflict``: it cannot be stopped.

@@ -33,7 +33,7 @@ class IdempotencyCache:
     def first(self, key: Hashable, answer: Answering) -> Answering | None:
         """Return how to answer a request that is new; None if it was made before.
 
-        A repetition is answered when the first is. What failed in passing was not made.
+        A repetition is answered when the first is. A request that failed in passing was not made.
         """
         known = self._answers.get(key)
         if isinstance(known, Answer):

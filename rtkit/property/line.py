@@ -65,7 +65,7 @@ class Splitter:
         if self._buffer or self._whole or self._is_skipping or data[-1:] != b"\n":
             self._buffer += data
         elif len(data) <= self._longest:
-            # What comes are nearly always whole lines: they need not pass the buffer.
+            # Nearly always whole lines arrive: they need not pass the buffer.
             self._whole.extend(data[:-1].split(b"\n"))
         else:
             self._buffer += data

@@ -59,7 +59,7 @@ class Listeners:
         """Register a caller as listener; one that listens already gets the new options and lease.
 
         Args:
-            place: What is listened to.
+            place: Place that is listened to.
             options: How.
             caller: Whoever listens.
             read: Has a property hold its present value, where the first event is to carry it.

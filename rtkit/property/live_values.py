@@ -1,6 +1,6 @@
 """Live values of a service: read anew or kept, put in force, changes sent to who listens.
 
-Whoever calls has looked whether the caller may. Readers, writers and what lists names are code of
+Callers have checked access before. Readers, writers and what lists names are code of
 users: while one runs, others may be inside (see `rtkit.property.user_code`).
 """
 
@@ -250,7 +250,7 @@ class LiveValues:
         """Put a checked value in force, and notify its listeners.
 
         Raises:
-            PropertyError: What the writer raised; the old value is in force.
+            PropertyError: The writer raised it; the old value is in force.
         """
         writer, returning = node.writer, node.returning
         if returning is not None:

@@ -99,8 +99,8 @@ class Marker:
         variance: Of each coordinate [square of the unit of the location].
         covariance: Rows of it, in place of the variance.
         size: Diameter, or the extent along each axis [m].
-        source: Who saw it.
-        **features: What else is known: numbers, texts, sequences of them, elements.
+        source: Name of the observer.
+        **features: Further features: numbers, texts, sequences of them, elements.
 
     Raises:
         PropertyError: ``bad-value``: it is no marker; the message names the part.

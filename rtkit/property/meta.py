@@ -20,7 +20,7 @@ def meta(
     Args:
         values: Of the service.
         place: The property, or the part of one.
-        caller: Who asks: what it may not set is told as read-only.
+        caller: Requester; properties that it may not set are shown as read-only.
         calls_user_code: It is read anew even where that takes user code.
 
     Raises:

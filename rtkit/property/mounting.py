@@ -16,7 +16,7 @@ class MountTable(Protocol):
         """Pass on what is asked about a name, and about all below it, while the object has it."""
 
     def remove(self, name: str) -> None:
-        """Pass nothing on any more; who listens there is told that it is gone."""
+        """Pass nothing on any more; tell listeners there that it is gone."""
 
     def takes(self, ask: PropertyRequest, *, is_again: bool = False) -> bool:
         """Answer a request, now or later, if it is about what is mounted; return whether it is.

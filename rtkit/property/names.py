@@ -109,7 +109,7 @@ class NameListing(NamedTuple):
     """Names that an owner was found to have; it holds once the table is set to it.
 
     Attributes:
-        listed: What the owner returned.
+        listed: Names that the owner returned.
         present: The names, each once.
         hints: The annotations of new ones.
     """
@@ -123,7 +123,7 @@ class NameTable:
     """Names of one owner as they were listed last.
 
     Args:
-        prefix: What stands before each name in the service.
+        prefix: Prefix of each name in the service.
         owner: Returns it.
     """
 

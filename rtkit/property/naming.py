@@ -1,6 +1,6 @@
 """Names of properties and their suffixes: segments, escapes, parameters.
 
-A name is segments joined by dots; what is no letter, digit, ``_ - + ~`` is escaped as ``%XX``.
+A name is segments joined by dots; all but letters, digits and ``_ - + ~`` is escaped as ``%XX``.
 Two spellings of one name are the same name. Source: `property-service` reference, section 2.
 """
 
@@ -32,7 +32,7 @@ class RequestTarget(NamedTuple):
     Attributes:
         name: In its one canonical spelling.
         parameters: Value texts by key, escapes resolved; None where no ``=`` was given.
-        service: What stood before the last slash.
+        service: Text before the last slash.
     """
 
     name: str

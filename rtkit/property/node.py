@@ -119,7 +119,7 @@ class PropertyNode:
         self._line = self._pair = None
         if has_changed:
             self.revision += 1
-        # What is computed is looked at again and again; what is kept here was set once more.
+        # Computed values are read again and again; a kept value was set once more.
         if self.history is not None and (has_changed or self.reader is None):
             self.history.append((time, quality, self.payload))
         return has_changed

@@ -54,7 +54,7 @@ class _Found(NamedTuple):
         is_plain: Neither it nor what holds it takes user code to read.
         method: The bound method, of a method.
         takes: Returns arguments of getter and setter, with their hints, by their names.
-        names: What was found to come and go below it, in place of all else.
+        names: Names found to come and go below it, in place of all else.
     """
 
     holder: Callable[[], Any]
@@ -108,7 +108,7 @@ class Exported:
         scan = lambda: self._scan(lambda: self._thing, self._thing, "", (), found, is_plain=True)  # noqa: E731
         result_of(self._service.values.user_code.call(scan))
         if look < self._seen:
-            return  # who has looked later was ready sooner
+            return  # a later look was ready sooner
         self._seen = look
         with self._service.listeners.together():
             self._apply(found)

@@ -13,7 +13,7 @@ from rtkit.property.values import Element, Value
 
 
 def payload_to_plain(payload: Payload) -> Any:
-    """Return what a reply carries: what is no value is a text, bytes are ``{"base64": …}``."""
+    """Return the content of a reply: a text if it is no value, bytes as ``{"base64": …}``."""
     if isinstance(payload, bytes):
         from base64 import b64encode
 

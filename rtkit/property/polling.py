@@ -17,7 +17,7 @@ class Poller:
     """Polls the properties of one service.
 
     Attributes:
-        remembered: What is computed and has a history, by name.
+        remembered: Computed properties with a history, by name.
     """
 
     def __init__(self, values: LiveValues) -> None:
@@ -34,7 +34,7 @@ class Poller:
         return has_listeners or bool(self.remembered)
 
     def poll(self) -> None:
-        """Read anew what is to be; what calls user code is read once at a time."""
+        """Read the due properties anew; one reading at a time where user code is called."""
         values = self._values
         for node in dict.fromkeys([*values.listeners.computed(), *self.remembered.values()]):
             if not node.calls_user_code:
@@ -67,7 +67,7 @@ class Poller:
             self._values.keep(node, node.value, "bad")
 
     def _look(self) -> None:
-        with suppress(PropertyError):  # who asks for the names is told
+        with suppress(PropertyError):  # a request for the names tells
             if result_of(self._values.user_code.call(self._values.may_differ)):
                 self._values.names_now()
         self._is_looking = False

@@ -109,4 +109,4 @@ def presented(holder: Callable[[], Any], name: str) -> Gui:
 
 
 EMPTY = PropertySpec(access="r")
-"""What is declared of a place that has no value."""
+"""Declaration of a place that has no value."""

@@ -51,12 +51,12 @@ class PropertySpec:
         unit: Of each number, as the field writes it: ``m/s``.
         minimum: Smallest number allowed, in a vector for each of them.
         maximum: Largest number allowed.
-        step: What a slider moves by; not checked.
+        step: Step of a slider; not checked.
         choices: The only values allowed, all when empty.
         warn: Numbers outside of these deserve a look.
         alarm: Numbers outside of these are wrong.
         labels: Names of the parts of a vector, where they are not the usual ones.
-        parameters: What may follow the question mark; arguments of a functional property.
+        parameters: Parameters allowed behind the question mark; arguments of a functional property.
         gui: Code of a component by kind of client (``text``, ``html``, ``json`` …).
         widget: Attributes of its ``<gui>`` that are declared; ``kind`` stands for the usual one.
     """
@@ -123,7 +123,7 @@ def _numbers(value: Content | None) -> tuple[float, ...]:
 
 
 EMPTY_PLACE = PropertySpec(parse_type("list"), "r")
-"""What is declared of a place below which there is nothing just now."""
+"""Declaration of a place below which there is nothing just now."""
 _SHARED: dict[str, PropertySpec] = {}
 
 

@@ -1,7 +1,7 @@
 """Reads values from text: the grammar, in one pass without recursion into brackets.
 
 Source: `property-service` reference, section 3. Nothing is repaired: what cannot be read is
-``syntax OFFSET WHAT WAS EXPECTED``, what goes over a limit is ``too-large``.
+``syntax OFFSET WHAT WAS EXPECTED``; a value over a limit is ``too-large``.
 """
 
 from __future__ import annotations

@@ -22,8 +22,8 @@ class NameEntry(NamedTuple):
         name: Of the property, or of the inner node, that the rest belongs to.
         node: The property, None for an inner node.
         path: Part of the value of the property.
-        extension: What is asked about it, empty for the value itself.
-        field: What stood behind the extension.
+        extension: Reserved extension that is asked for, empty for the value itself.
+        field: Text behind the extension.
     """
 
     name: str

@@ -21,7 +21,7 @@ class Requester:
     Attributes:
         identity: A name that the endpoint has made sure of; empty for anybody.
         origin: Whose requests, repeated with their id, are the same ones.
-        access: What the endpoint lets whom do.
+        access: Access rules of the endpoint.
     """
 
     access = Access()

@@ -81,7 +81,7 @@ class Returning:
         try:
             self._apply(self._to)
         except PropertyError:
-            self._plan()  # what moves is not to move on: once more
+            self._plan()  # a moving value is not to move on: once more
         finally:
             self._is_returning = False
 

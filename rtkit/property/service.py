@@ -95,7 +95,7 @@ class Service:
     Attributes:
         values: Reads them and puts them in force.
         registry: Their names.
-        listeners: Who is sent changes.
+        listeners: Receivers of changes.
         extensions: Answers what is asked about them.
         on_refusal: Hears of each request that was denied: who, method, target.
         quick: Answers a request line of the kind that most are.
@@ -133,7 +133,7 @@ class Service:
         self._id = f"s{uuid.uuid4().hex[:12]}"
         self._has_user_code = False
 
-    # What the owner does.
+    # Methods for the owner.
 
     def add(
         self,
@@ -151,7 +151,7 @@ class Service:
         Args:
             name: Segments joined by dots.
             value: The first one, where it is kept here.
-            spec: What is declared, or the name of its type.
+            spec: Its declaration, or the name of its type.
             read: Computes the value instead.
             write: Puts a value in force.
             function: Makes it a functional property.
@@ -197,7 +197,7 @@ class Service:
 
         Args:
             name: Segments joined by dots.
-            only: What is below it stays.
+            only: Properties below it stay.
 
         Raises:
             PropertyError: ``unknown``.
@@ -252,7 +252,7 @@ class Service:
             raise PropertyError("busy", f"not answered at once: {target}")
         return answers[0].value()
 
-    # What endpoints do.
+    # Methods for endpoints.
 
     def revision(self, name: str) -> int | None:
         """Return the revision of a property, None of what is none."""
@@ -340,7 +340,7 @@ class Service:
         method = "GET" if ask.payload is None else "SET"
         last = target.name.rpartition(".")[2]
         if last == "listen":
-            method = "GET"  # who listens reads
+            method = "GET"  # listening is reading
         if last != "properties" or method == "GET":
             self.permit(ask.caller, method, target.name)
         # Of several that are set at once each is looked at by itself.

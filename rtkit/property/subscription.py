@@ -44,7 +44,7 @@ class SubscriptionOptions(NamedTuple):
 
 
 class EventReceiver(Protocol):
-    """Requester as a listener knows it: whoever its events are for."""
+    """Requester as a listener knows it: the receiver of its events."""
 
     identity: str
 

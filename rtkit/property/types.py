@@ -17,7 +17,7 @@ from rtkit.property.values import Element, Value, Word, is_number, is_vector, ki
 from rtkit.property.writing import write
 
 Content = Value | bytes
-"""What a property holds: a value, or the bytes of an opaque one."""
+"""Content of a property: a value, or the bytes of an opaque one."""
 
 _NUMERIC = frozenset({"number", "integer", "vector"})
 _TEXTUAL = frozenset({"word", "string", "text", "bytes"})
@@ -33,7 +33,7 @@ class Type(NamedTuple):
         name: As it was declared.
         base: The word without size or item type.
         size: How many numbers a vector has, None for any.
-        item: What a list holds, None for anything.
+        item: Type of the items of a list, None for any.
     """
 
     name: str
@@ -150,7 +150,7 @@ def from_payload(kind: Type, payload: str | bytes) -> Content:
         return str(_bounded(payload))
     value = read(payload)
     if kind.base == "string" and not isinstance(value, str | tuple | Element):
-        return payload.strip()  # who wants a string of it need not quote what looks like a number
+        return payload.strip()  # a string need not be quoted where it looks like a number
     return check(kind, value)
 
 

@@ -36,7 +36,7 @@ class UserCode:
 
         Args:
             lane: Of several in one lane each begins when the one before has ended.
-            work: What is done; it owns the service but while it calls user code.
+            work: Work to do; it owns the service but while it calls user code.
             refuse: Takes the reason when it cannot be done, or has not ended in time.
             wait: How long that is [s]; 0 for as long as usual.
         """
@@ -65,7 +65,7 @@ class UserCode:
         """Await a coroutine on a loop of the service, and wait until it has ended.
 
         Args:
-            coroutine: What is awaited.
+            coroutine: Coroutine to await.
             cancellable: Is given what cancels it; then it returns None.
         """
         import asyncio
@@ -82,7 +82,7 @@ def result_of(outcome: GuardedResult, bad: tuple[type[BaseException], ...] = ())
     """Return the result of a call.
 
     Args:
-        outcome: What the call led to.
+        outcome: Result of the call.
         bad: Errors that say that the value is wrong.
 
     Raises:

@@ -83,7 +83,7 @@ def bridge(
             endpoint cannot be opened.
     """
     host = PropertyEventLoop()
-    # What may be set has been decided here: endpoints let anybody set what passes.
+    # SETs have been allowed or denied here: endpoints pass on all that comes through.
     settings = WireSettings(host, timeout_s, settable=("*",), is_insecure=is_insecure)
     status = _OwnerStatus(on_status)
     try:

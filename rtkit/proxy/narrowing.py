@@ -37,8 +37,8 @@ def narrowed(
     """Return an answer of that kind with read-only access to what may not be set.
 
     Args:
-        name: What was asked for.
-        text: What the owner answered.
+        name: Name that was asked for.
+        text: Answer of the owner.
         may_set: Whether a property may be set, named as `name` is.
         outward: Returns the name here of what the owner calls otherwise.
     """

@@ -86,7 +86,7 @@ class Relay(PropertyProvider):
         self.uplink = Uplink(host, connect, self._judge, self._came, self._went)
         self._listenings = RelayedSubscriptions(self.uplink, names.outward, monotonic)
 
-    # What the loop does
+    # Methods for the loop
 
     def tick(self) -> None:
         """See `PropertyProvider.tick`."""
@@ -100,7 +100,7 @@ class Relay(PropertyProvider):
         self._listenings.forget(caller)
 
     def end(self) -> None:
-        """Stand for nobody any more: who listens is told so."""
+        """Stand for nobody any more, and tell the listeners so."""
         self.uplink.close()
         self._listenings.end("unknown")
 
@@ -220,7 +220,7 @@ class Relay(PropertyProvider):
         else:
             self._listenings.begin(name, given | self._way(ask), ask.caller, ask.answer)
 
-    # What it answers itself
+    # Requests that it answers itself
 
     def _answer_own(self, target: RequestTarget, ask: PropertyRequest) -> None:
         if ask.payload is not None:

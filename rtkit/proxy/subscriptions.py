@@ -100,7 +100,7 @@ class RelayedSubscription:
         has_begun: The owner has said yes.
         is_asked: The owner has not answered yet.
         again_at: From when on it may be asked anew [s, monotonic].
-        last: What the owner sent last.
+        last: Last value that the owner sent.
     """
 
     def __init__(self, name: str, options: RelayedOptions) -> None:
@@ -345,7 +345,7 @@ class RelayedSubscriptions:
         self._end_all(listening)
 
     def _end_all(self, listening: RelayedSubscription) -> None:
-        """Forget a listening that the owner has ended; what waits is still sent."""
+        """Forget a listening that the owner has ended; queued events are still sent."""
         for relayed in listening.relayed:
             relayed.has_ended = True
             self._strike(relayed)

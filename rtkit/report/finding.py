@@ -20,12 +20,12 @@ class Finding(NamedTuple):
     Attributes:
         severity: One of `SEVERITIES`; only errors decide the verdict.
         rule: Id of the rule that it is about.
-        text: What was found, in one line, as a person reads it.
+        text: The finding in one line, as a person reads it.
         file: Where, as the user typed it.
         line: From 1; 0 where there is none.
         path: XPath of the element or attribute; empty where there is none.
-        found: What stands there; None where nothing does.
-        allowed: What may stand there, in words.
+        found: Text that stands there; None where nothing does.
+        allowed: Allowed values, in words.
     """
 
     severity: str

@@ -25,7 +25,7 @@ def report_lines(
 
     Args:
         form: One of `FORMS`.
-        checked: What was checked; text, JSON and annotations come one by one as these do.
+        checked: Checked things; text, JSON and annotations come one by one as these do.
         rules: Subject of each rule, for the forms that explain rules.
         tool: The name under which it was checked.
         timestamp: When, for JUnit: ``2024-01-31T12:00:00``; empty for now.

@@ -69,7 +69,7 @@ def differing(wanted: Mapping[str, str], present: Mapping[str, str]) -> list[str
     """Return the keys of `wanted` whose value means another one in `present`.
 
     Numbers compare as numbers. Interface, data flow and subscription types go by any of their
-    names; what is left out is what is usual.
+    names; an absent one has its usual value.
     """
     return sorted(
         key

@@ -3,7 +3,7 @@
 CREATE = "rtkit.create"
 """Property: the create string of a component."""
 STATE = "rtkit.state."
-"""Property of a system, with a state's name: what is wished in it, ``NAME=VALUE; …``."""
+"""Property of a system, with a state's name: its desired values, ``NAME=VALUE; …``."""
 EVENT = "rtkit.event."
 """Property of a system, with an event's name: when it happens: ``lost Motor0``."""
 SLAVE_RESTART = "rtkit.restart.slave."

@@ -24,7 +24,7 @@ class ContextPattern:
 
 @dataclass(frozen=True, slots=True)
 class ComponentPattern:
-    """A component type described by data instead of code: what a stand-in is generated from.
+    """A component type described by data instead of code, from which a stand-in is generated.
 
     Attributes:
         script: Values that each out port transmits one after another while active, as JSON text.

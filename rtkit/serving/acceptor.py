@@ -21,7 +21,7 @@ class Acceptor(IOHandler):
 
     Args:
         end: Bound; it is listened at from now on.
-        endpoint: What it is called in rules.
+        endpoint: Name of the endpoint in rules.
         limits: Where no rule says anything else.
     """
 
@@ -61,7 +61,7 @@ class Acceptor(IOHandler):
         if not isinstance(admitted, str):
             self._clients.append(admitted)
             return
-        with contextlib.suppress(OSError):  # whoever does not wait for the word goes without
+        with contextlib.suppress(OSError):  # a client that does not wait for the word goes without
             client.setblocking(False)
             client.send(self.reject(admitted))
         client.close()

@@ -28,7 +28,7 @@ class Coroutines:
         """Await a coroutine; None if it is cancelled.
 
         Args:
-            coroutine: What is awaited.
+            coroutine: Coroutine to await.
             cancellable: Is given what cancels it, from any thread.
         """
         import asyncio  # 39 ms, for services that have coroutine functions only
@@ -51,7 +51,7 @@ class Coroutines:
 
         def cancel() -> None:
             cancelled.set()
-            # Not the future: who waits for that is to wait until the coroutine has ended.
+            # Not the future: its waiters are to wait until the coroutine has ended.
             with suppress(RuntimeError):  # the loop is closed, and all has ended
                 loop.call_soon_threadsafe(cancel_all)
 

@@ -1,7 +1,7 @@
 """Dedicated workers: threads for the few clients that ask one thing after another.
 
-Who waits at one socket is woken sooner, and has less to do, than a loop that looks at all of them:
-so a request costs not twice, but half as much again as a bare echo. A dedicated worker answers
+A thread that waits at one socket wakes sooner, and has less to do, than a loop that watches all:
+a request costs not twice, but half as much again as a bare echo. A dedicated worker answers
 only requests that need no wait, by the same rules and with the lock of the host; for anything else
 (another request, a reply that is not read, a pause) the client goes back to the loop.
 
@@ -29,7 +29,7 @@ class WorkerExit(NamedTuple):
     """Reason for which a dedicated worker leaves a client.
 
     Attributes:
-        data: What came and is not answered; empty if the client has hung up, None at a pause.
+        data: Bytes received and not answered; empty if the client has hung up, None at a pause.
         unsent: The rest of a reply that was not read.
     """
 

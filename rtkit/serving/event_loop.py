@@ -1,6 +1,6 @@
 """Event loop that owns the properties of a process: its sockets, calls of other threads, time.
 
-Whoever touches a service holds the lock of the host; user code runs on workers, beside the loop.
+A thread that touches a service holds the lock of the host; user code runs on workers.
 """
 
 from __future__ import annotations
@@ -73,7 +73,7 @@ class PropertyEventLoop:
     Attributes:
         services: By name.
         lock: To be held by who touches a service.
-        policy: What may be done through which endpoint.
+        policy: Access rules of each endpoint.
         user_code: Calls what is not ours.
     """
 

@@ -53,13 +53,13 @@ class EndpointQuota:
 
     Args:
         policy: Of all endpoints.
-        endpoint: What it is called there.
+        endpoint: Name of the endpoint there.
         clients: Those there are now.
         last: Rules of the endpoint itself, behind those of the policy.
         limits: Where the policy says nothing else.
 
     Attributes:
-        access: What may be done.
+        access: Access rules.
         limits: How much there is room for.
     """
 

@@ -1,4 +1,4 @@
-"""Client behind a socket of an endpoint: what came is read, what it gets is sent as it takes it."""
+"""Client behind a socket of an endpoint: reads requests, sends replies as the client takes them."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ class SocketClient(IOHandler, SubscribingClient):
     """Client behind a socket, or behind something that behaves as one.
 
     Args:
-        host: Whose loop serves it.
+        host: Host whose loop serves it.
         end: The socket.
         quota: How much there is room for, and what may be done.
 

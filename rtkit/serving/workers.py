@@ -1,8 +1,8 @@
 """Worker threads for user code, the queue before them, and the time-outs of its requests.
 
-Whoever owns a service holds the lock of its host; a worker holds it, too, but while it calls user
-code. One worker runs at a time, so that objects of users are seldom called by two threads; where
-it is not back soon, another one takes over what waits.
+A thread that owns a service holds the lock of its host, as a worker does but while it calls
+user code. One worker runs at a time, so that objects of users are seldom called by two threads;
+where it is not back soon, another one takes over the queue.
 
 See decision 38.
 """
@@ -72,7 +72,7 @@ class Workers(UserCode):
         self._is_closed = False
         self._coroutines = Coroutines()
 
-    # What services do
+    # Methods for services
 
     def call(self, work: Work) -> GuardedResult:
         """See `UserCode.call`; a worker lets go of the lock meanwhile."""
@@ -135,7 +135,7 @@ class Workers(UserCode):
         """See `UserCode.awaited`."""
         return self._coroutines.run(coroutine, cancellable)
 
-    # What the loop does
+    # Methods for the loop
 
     def check(self, now: float) -> float | None:
         """Refuse what takes too long, have others go on; return when to look again."""
@@ -162,7 +162,7 @@ class Workers(UserCode):
         return min(times, default=None)
 
     def _give_up(self, job: _Job) -> None:
-        """Refuse what has not ended in time; what has not begun by now never does."""
+        """Refuse work that has not ended in time; work that has not begun by now never does."""
         refuse, job.refuse = job.refuse, None
         if refuse is not None:
             refuse(LATE)
@@ -180,7 +180,7 @@ class Workers(UserCode):
             assert thread.ident is not None
             self._threads[thread.ident] = thread
 
-    # What workers do
+    # Methods of workers
 
     def _run(self) -> None:
         with self._lock:

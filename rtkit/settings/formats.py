@@ -18,7 +18,7 @@ _LETTER = re.compile(r"%(.?)", re.DOTALL)
 _LETTERS = "ntmvVchMp%"
 _OF_MANAGERS = "nhMp%"
 _EARLY = "nhM%"
-"""What is known before a component is made."""
+"""Names known before a component is made."""
 
 
 def check(text: str) -> tuple[str, ...]:

@@ -1,6 +1,6 @@
 """Reads a file of settings, which is TOML.
 
-What stands at the top is a setting of all commands, and gets the value of its environment variable
+A key at the top is a setting of all commands, and gets the value of its environment variable
 where that is not set; a table as ``[rtls]`` has defaults of that command's options. The variables
 of the environment carry on to the processes that a command starts.
 """

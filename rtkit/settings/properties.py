@@ -24,7 +24,7 @@ NONE = "no effect"
 
 LEVELS = ("SILENT", "FATAL", "ERROR", "WARN", "INFO", "DEBUG", "TRACE", "VERBOSE", "PARANOID")
 INHERITED = ("exec_cxt.", "execution_contexts", "ec.", "logger.", "naming.", "os.", "sdo.", "port.")
-"""What components inherit begins with one of these."""
+"""Prefixes of properties that components inherit."""
 
 _TRUE = ("YES", "TRUE", "ON", "1")
 _FALSE = ("NO", "FALSE", "OFF", "0")

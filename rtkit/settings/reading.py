@@ -24,7 +24,7 @@ def read_private(path: str, *, must_be_ours: bool = False) -> bytes:
 
 
 def find_private(path: str, *, must_be_ours: bool = False) -> Private:
-    """Return the content of a file, and its place; what is checked is what is read.
+    """Return the content of a file, and its place; the open file itself is checked.
 
     Args:
         path: The file; symbolic links are followed.

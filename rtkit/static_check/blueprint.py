@@ -20,7 +20,7 @@ from rtkit.rtc.profiles import PortInterfaceProfile, TypeProfile
 
 INTERFACE, DATAFLOW, SUBSCRIPTION = "interface_type", "dataflow_type", "subscription_type"
 OFFERS = (INTERFACE, DATAFLOW, SUBSCRIPTION)
-"""What connectors ask of data ports."""
+"""Properties that connectors require of data ports."""
 _REMEMBERED = 1024  # the same few texts stand at thousands of ports
 _ANYTHING = frozenset(("any", ""))
 _LIST_WIDGETS = ("checkbox", "ordered_list")
@@ -105,7 +105,7 @@ def words(key: str, text: str | None) -> frozenset[str]:
 def offered(key: str, text: str | None) -> frozenset[str]:
     """Return the words that a connector may use where a port offers these."""
     found, known = _split(text), words(key, text)
-    # What a port offers to other processes it offers within its own too.
+    # A port offers within its own process all that it offers to others.
     is_remote = key == INTERFACE and "zenoh" in known
     return found | known | ({"direct"} if is_remote else set())
 

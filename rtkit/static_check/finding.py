@@ -38,7 +38,7 @@ RULES: dict[str, str] = {
     "unreadable-profile": "An RTC profile cannot be read",
     "version": "The RTC profile is of another version than the component",
 }
-"""What each rule is about, by its id."""
+"""Subject of each rule, by its id."""
 
 
 class ProfileLocation(NamedTuple):
@@ -70,9 +70,9 @@ class StaticFinding(NamedTuple):
     Attributes:
         severity: ``error``, ``warning`` or ``note``.
         rule: Id of the rule that it is about, one of `rtkit.static_check.finding.RULES`.
-        text: What was found, in one line.
-        found: What stands there; None where nothing does.
-        allowed: What may stand there, in words.
+        text: The finding in one line.
+        found: Text that stands there; None where nothing does.
+        allowed: Allowed values, in words.
     """
 
     severity: str

@@ -29,7 +29,7 @@ def stocked(
     """Return the catalogue of these component types, and verdicts on profiles that are unreadable.
 
     Args:
-        documents: Of any kind; what is no RTC profile is passed over.
+        documents: Of any kind; all but RTC profiles are passed over.
         types: Names of the types that are wanted; profiles of others are not even read.
         options: How severe the verdicts are.
     """

@@ -52,9 +52,9 @@ class DataEnd(NamedTuple):
     """A data port at the end of a connector.
 
     Attributes:
-        ports: What may stand behind the name; none where nobody knows.
+        ports: Allowed names behind the colon; none where nobody knows.
         is_declared: An RTC profile states it, not only the system profile.
-        stated: What the port offers by the system profile.
+        stated: Offers of the port by the system profile.
     """
 
     name: str

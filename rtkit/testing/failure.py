@@ -1,4 +1,4 @@
-"""Describes what a failed test was about: its trials, what lived in its realm, what was logged."""
+"""Describes a failed test: its trials, the live things of its realm, its log."""
 
 from __future__ import annotations
 

@@ -38,7 +38,7 @@ class Tree(ByPath, Closing):
     actions of `rtkit.deployment.actions`.
 
     Attributes:
-        link: What carries the calls.
+        link: Link that carries the calls.
         host: Host name of the manager.
         manager: Its name.
         timeout_s: Bound on every call [s].
@@ -198,7 +198,7 @@ class Tree(ByPath, Closing):
     ) -> tuple[Result, ...]:
         """Have the manager perform a batch and return the result of each action.
 
-        In order, what follows a failure is not done and has no result; else all are tried at once.
+        In order, actions after a failure are not done and have no result; else all are tried.
 
         Raises:
             Unreachable: The manager does not answer in time.

@@ -92,7 +92,7 @@ class _LiveService(ABC):
 
 
 def _subscription(tree: Tree) -> ManagerSubscription:
-    """Listen to all that properties are made of; who only asks once does without."""
+    """Listen to all that properties are made of; a single request does without."""
     from rtkit.tree.subscription import ManagerSubscription
 
     return ManagerSubscription(tree, (TREE, METRICS))

@@ -133,7 +133,7 @@ class ManagerSet(Tree):
         return left
 
     def snapshot(self) -> Snapshot:
-        """See `Tree.snapshot`: what all of them know."""
+        """See `Tree.snapshot`: the facts of all of them."""
         return self._joined([self._look(name) for name in self.names])
 
     def remains(self) -> Snapshot:

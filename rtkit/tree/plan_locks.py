@@ -29,7 +29,7 @@ class PlanLocks(Closing):
         """Prepare to take locks.
 
         Args:
-            command: What they are for, as others see it.
+            command: Command that takes them, as others see it.
             wait_s: How long to wait for those who have them [s].
             notify: Receives for whom it waits, and who gives none.
         """

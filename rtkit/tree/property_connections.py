@@ -33,7 +33,7 @@ class PropertyTarget(NamedTuple):
     Attributes:
         service: Where it is, empty if no service fits.
         name: Of the property, as a target without parameters; empty for the service itself.
-        parameters: What was typed behind the question mark, None for nothing.
+        parameters: Text behind the question mark, None for nothing.
     """
 
     typed: str

@@ -73,7 +73,7 @@ class PropertySubscription(Closing):
         """
         if not self._come:
             self._wakeup.hush()
-        # What came between the two has rung again.
+        # A change between the two has rung again.
         if not self._come:
             return None
         typed, received = self._come.popleft()

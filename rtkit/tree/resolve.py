@@ -20,7 +20,7 @@ def find(root: TreeNode, path: Path, hostname: str) -> TreeNode | None:
 
 
 def _first(root: TreeNode, host: str, hostname: str) -> str:
-    """Return the name of a host in a tree: who was asked at an address is the local one there."""
+    """Return the name of a host in a tree: the one asked at an address is the local one there."""
     if is_local_host(host, hostname):
         return LOCAL
     return LOCAL if host not in root.children and is_address(host) else host
@@ -69,7 +69,7 @@ def _meant(path: Path, element: str, node: TreeNode) -> str:
         return ""
     word = _stem(element)
     known = {_stem(child.name): child.name for child in node.entries()}
-    # Who asks for Motor1 where there is Motor0 did not mistype it.
+    # Motor1, asked for where there is Motor0, is not mistyped.
     apart = [each for each in known if each == word or _letters(each) != _letters(word)]
     return did_you_mean(word, apart, 1, lambda stem: f"{head}{known[stem]}{tail}")
 

@@ -25,8 +25,8 @@ def resurrect(
     """Make what lives (`before`) the wanted system; `lacks` states why some cannot be made.
 
     Raises:
-        Refused: Something required is missing or failed; what was made is removed again.
-        KeyboardInterrupt: Interrupted; what was made is removed again. Its text has what remains.
+        Refused: Something required is missing or failed; new components are removed again.
+        KeyboardInterrupt: Interrupted; new components are removed again. Its text names the rest.
     """
 
     def look() -> LiveIndex:

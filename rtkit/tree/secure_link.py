@@ -102,7 +102,7 @@ class SecureLink(Link, Closing):
         return lambda: self._loop.post(partial(self._connection.leave, target))
 
     def notice(self, key: str, found: Callable[[bool], object]) -> Callable[[], object]:
-        """See `Link.notice`: who is served there ends with the connection."""
+        """See `Link.notice`: a requester there is served until the connection ends."""
         self._noticing.append(found)
         found(not self._why)
         return lambda: self._noticing.remove(found)

@@ -59,7 +59,7 @@ class ManagerSubscription(Closing):
 
     Attributes:
         tree: The connection to it.
-        facts: What the manager knows, as of what was taken last.
+        facts: Facts of the manager, as of the change taken last.
     """
 
     def __init__(self, tree: Tree, lines: Iterable[str] = (TREE,)) -> None:

@@ -29,7 +29,7 @@ class TreeNode:
     """An entry of the tree.
 
     Attributes:
-        row: What the listing states of a component; None for what is a directory.
+        row: Row of a component in the listing; None for a directory.
         process: Name of the process behind a manager or slave; empty for others.
         trouble: Why that process does not answer; empty when it does. Of the root: why the
             manager in use did not.

@@ -39,7 +39,7 @@ class SystemReading(NamedTuple):
     """A resolved system profile.
 
     Attributes:
-        data: What it says, as a document without parameters in the form `form`.
+        data: Its content, as a document without parameters in the form `form`.
         notes: Repairs and remarks of all files, each with the name of the file.
         position: Where a part stands, by the fields that lead to it and one of its own.
         files: All that was read, without links, the first one first.
@@ -66,7 +66,7 @@ def read_system(
 
     Args:
         data: The document.
-        source: Its file; what is none counts as lying in the working directory.
+        source: Its file; a text from elsewhere counts as lying in the working directory.
         parameters: Values, and what stands before all names.
         form: As `rtkit.profile.read.read_rts` takes it.
         strict: Refuse what would need repair.

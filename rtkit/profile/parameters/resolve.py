@@ -1,6 +1,6 @@
-"""Resolves a system profile: values for its variables, what it includes, names behind prefixes.
+"""Resolves a system profile: values of its variables, included files, names behind prefixes.
 
-A pure function: what included files hold comes from a function that the caller supplies.
+A pure function: the content of included files comes from a function that the caller supplies.
 """
 
 from __future__ import annotations
@@ -438,7 +438,7 @@ class _System:
         def followed(value: Reference) -> Reference | None:
             name = value.instance_name
             if name in ids:
-                # Who names a component of another file need not know of which type it is.
+                # A name of a component of another file needs no type.
                 known = value.component_id in ids[name]
                 return value if known else replace(value, component_id=ids[name][0])
             if name in self.left_out or name.startswith(tuple(self.left_prefixes)):
