@@ -24,15 +24,15 @@ class Ask(NamedTuple):
         target: The property, as `Client.get` takes it.
         value: To set it to; a GET without.
         parameters: Of the request.
-        in_turn: The owner may ask back what asks it here, as a group does that is in a group. What
-            comes back to a property that waits for it is then refused at once; a member of
-            another make may take that for a parameter that it does not know.
+        in_turn: Id of who asks, in letters and digits, where the owner may ask back, as a group
+            does that is in a group: see `Client.ask_all`. An owner of another make may take it for
+            a parameter that it does not know.
     """
 
     target: str
     value: Any = UNSET
     parameters: Mapping[str, Any] = MappingProxyType({})
-    in_turn: bool = False
+    in_turn: str = ""
 
 
 class RequestsAtOnce:

@@ -178,7 +178,11 @@ class Client(Closing):
 
         Returns:
             For each request the value (empty for what was set) or its `PropertyError`: ``timeout``
-            of an owner that has not answered by then.
+            of an owner that has not answered by then; None of one asked in turn that could only
+            have asked who waits for it.
+
+        Raises:
+            PropertyError: ``conflict``: this answers a request that its asker made in turn itself.
         """
         via, until = UNDER_WAY.get()
         latest = inf
@@ -186,12 +190,9 @@ class Client(Closing):
         if 0.0 < (left_s := until - (now := monotonic())) < inf:
             bound_s = max(0.0, round(left_s - min(0.1, left_s * 0.2), 3))
             latest, deadline_s = now + bound_s, min(deadline_s, bound_s)
-        if via and any(each.in_turn for each in asks):
-            more = {VIA: ".".join(via)}
-            asks = [each._replace(parameters={**each.parameters, **more}) if each.in_turn else each
-                    for each in asks]  # fmt: skip
+        asks = [_in_turn(each, via) if each.in_turn else each for each in asks]
         return [
-            answer if isinstance(answer, PropertyError) else _object(answer)
+            answer if answer is None or isinstance(answer, PropertyError) else _object(answer)
             for answer in self._answers(asks, deadline_s, latest if is_shared else 0.0)
         ]
 
@@ -248,6 +249,7 @@ class Client(Closing):
         answer = self._answers((ask,), timeout_s)[0]
         if isinstance(answer, PropertyError):
             raise answer
+        assert answer is not None
         return answer
 
     def close(self) -> None:
@@ -266,7 +268,7 @@ class Client(Closing):
 
     def _answers(
         self, asks: Sequence[Ask], bound_s: float, latest: float = 0.0
-    ) -> list[Payload | PropertyError]:
+    ) -> list[Payload | PropertyError | None]:
         """Return the answers that come in time; with a latest one, in a round that is shared."""
         if not asks:
             return []
@@ -347,9 +349,11 @@ class Client(Closing):
         target = place.target("&".join(more)) if more or not mark else f"{place.target()}?"
         return owner, target
 
-    def _outcome(self, ask: Ask, answer: Answer) -> Payload | PropertyError:
+    def _outcome(self, ask: Ask, answer: Answer) -> Payload | PropertyError | None:
         if not answer.error:
             return answer.payload
+        if ask.in_turn and str(answer.payload).startswith(PropertyError.CAME_BACK):
+            return None
         if answer.error in ("no-service", "unknown"):
             self._owners.forget(ask.target.partition("?")[0])
         try:
@@ -357,6 +361,18 @@ class Client(Closing):
         except RtkitError as error:
             return printed_error(ask.target, error)
         raise AssertionError
+
+
+def _in_turn(ask: Ask, via: tuple[str, ...]) -> Ask:
+    """Return a request that tells who waits for its answer.
+
+    Raises:
+        PropertyError: ``conflict``: who makes it waits already.
+    """
+    own = f"-{ask.in_turn}"  # ids of proxies have no such mark
+    if own in via:
+        raise PropertyError("conflict", f"{PropertyError.CAME_BACK} who waits for the answer")
+    return ask._replace(parameters={**ask.parameters, VIA: ".".join((*via, own))})
 
 
 def _parameter(given: Any) -> str:

@@ -5,7 +5,7 @@ Source: `property-service` reference, section 5. An error reply is ``code`` blan
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Final, NamedTuple
 
 from rtkit import errors
 
@@ -54,7 +54,10 @@ class PropertyError(errors.RtkitError):
 
     Attributes:
         code: One of `CODES`.
+        CAME_BACK: How the text of a ``conflict`` begins where a request would wait for itself.
     """
+
+    CAME_BACK: Final = "the request has come back to"
 
     def __init__(self, code: str, text: str) -> None:
         super().__init__(text)

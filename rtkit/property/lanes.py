@@ -28,6 +28,11 @@ ALONE = "*"
 _count = itertools.count()
 
 
+def alone() -> str:
+    """Return a lane of one request."""
+    return f"{ALONE}{next(_count)}"
+
+
 def lane_of(values: LiveValues, ask: PropertyRequest) -> str | None:
     """Return the lane of a request, None of one that calls no user code."""
     nodes, is_set = values.registry.nodes, ask.payload is not None
@@ -42,7 +47,7 @@ def lane_of(values: LiveValues, ask: PropertyRequest) -> str | None:
     if node is not None:
         if not (_is_called(node, is_set=is_set) and node.calls_user_code):
             return None
-        return f"{ALONE}{next(_count)}" if node.is_concurrent and not is_set else node.name
+        return alone() if node.is_concurrent and not is_set else node.name
     segments = name.split(".")
     if segments[-1] == "listen":
         return _lane_of_listening(values, segments[:-1], tail)

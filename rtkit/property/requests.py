@@ -125,7 +125,7 @@ class UnderWay(NamedTuple):
     """Request that user code answers, for those that it makes to do so.
 
     Attributes:
-        via: What waits for the answer: each of a service, and of what is done in turn there.
+        via: Ids of those who ask in turn, and wait for the answer.
         until: When nobody does any more [s], by the monotonic clock.
     """
 

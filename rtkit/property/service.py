@@ -51,14 +51,12 @@ Source: `property-service` reference.
 from __future__ import annotations
 
 import time as _time
-import uuid
 from collections.abc import Callable
 from dataclasses import replace
 from fnmatch import fnmatchcase
 from functools import partial
 from math import inf
 from typing import Any
-from zlib import crc32
 
 from rtkit.property import block_requests, functional_requests
 from rtkit.property.codes import PropertyError
@@ -66,7 +64,7 @@ from rtkit.property.extensions import Extensions
 from rtkit.property.fast_path import FastPath
 from rtkit.property.functional import FunctionalProperty
 from rtkit.property.idempotency import IdempotencyCache, identity_of
-from rtkit.property.lanes import first_only, lane_of, wait_of
+from rtkit.property.lanes import alone, first_only, lane_of, wait_of
 from rtkit.property.live_values import LiveValues
 from rtkit.property.messages import DONE, Answer, Payload, failed
 from rtkit.property.mounting import MountTable
@@ -130,7 +128,6 @@ class Service:
         self._fast_path = FastPath(self.values)
         self.quick = self._fast_path.reply
         self._started = wall()
-        self._id = f"s{uuid.uuid4().hex[:12]}"
         self._has_user_code = False
 
     # Methods for the owner.
@@ -293,16 +290,13 @@ class Service:
         if lane is None:
             self._answer(ask)
             return
-        mark = f"{self._id}-{crc32(lane.encode()):x}"
-        if mark in ask.via:  # it would wait in its lane for itself
-            text = f"the request has come back to {self.name or 'here'}, which waits for the answer"
-            ask.answer(Answer(text, "conflict"))
-            return
         asked, now = ask._replace(answer=first_only(ask.answer)), self.values.clock()
         wait = wait_of(ask, now)
-        # A service may be passed anew by what user code asks; only what waits for itself may not.
-        via = (*(each for each in ask.via if "-" in each), mark)
-        under_way = UnderWay(via, now + (wait or inf))
+        # A proxy may be passed anew by what user code asks; who asks in turn is not asked again.
+        in_turn = tuple(each for each in ask.via if each.startswith("-"))
+        if in_turn:  # what went round from elsewhere may be in its lane, and wait for this
+            lane = alone()
+        under_way = UnderWay(in_turn, now + (wait or inf))
         work = partial(under_way.call, partial(self._answer, asked))
         self.values.user_code.later(lane, work, asked.answer, wait)
 

@@ -68,6 +68,14 @@ class PrefixedNames:
         rest = self.prefix[len(place) :].lstrip(".")
         return write((as_value(rest.partition(".")[0]),))
 
+    def shown_of_owner(self, place: str, options: dict[str, Value]) -> str:
+        """Return the parameter for a listing of what of the owner is shown, empty for nothing."""
+        depth = options.get("depth", 1)
+        if options.get("all") or "names" in options or not is_number(depth):
+            return "all"
+        below = depth - self.prefix[len(place) :].lstrip(".").count(".") - 1  # type: ignore[operator]
+        return f"depth={below}" if below > 0 else ""
+
     def widened(self, place: str, listing: str, options: dict[str, Value]) -> str:
         """Return a listing of all that the owner has, as it is seen from an inner name.
 

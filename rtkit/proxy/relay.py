@@ -296,10 +296,15 @@ class Relay(PropertyProvider):
             answer(reply)
 
         answer = self._narrowing(target.name, ask) if _is(options.get("meta")) else ask.answer
+        shown = self._names.shown_of_owner(place, options)
+        if not shown:
+            answered(Answer("()"))
+            return
         more = "".join(f"&{key}" for key in ("values", "meta") if _is(options.get(key)))
         if way := self._way(ask):
             more += f"&{VIA}={way[VIA]}" + (f"&timeout={timeout}" if timeout else "")
-        self.uplink.ask(f"properties?all{more}", None, "", answered)
+        listing = self._names.inward(self._names.prefix)
+        self.uplink.ask(f"{listing}?{shown}{more}", None, "", answered)
 
     # The connection
 

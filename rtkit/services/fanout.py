@@ -7,6 +7,7 @@ import operator
 import threading
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from contextlib import suppress
+from secrets import token_hex
 from time import monotonic
 from typing import Any, NamedTuple
 
@@ -64,6 +65,7 @@ class Members:
         self._names: tuple[str, ...] = _NAMES
         self._lock = threading.Lock()
         self._client: rtkit.Client | None = None
+        self._id = token_hex(6)
 
     def begin(self) -> None:
         """Connect to members when they are asked."""
@@ -179,10 +181,14 @@ class Members:
         name: str,
         parameters: Mapping[str, Any],
         bound_s: float,
-    ) -> list[MemberFailure]:
-        """Set a property of some members at once, each to its value, in so long [s]."""
+    ) -> tuple[Collection[str], list[MemberFailure]]:
+        """Set a property of some members at once, each to its value, in so long [s].
+
+        Returns:
+            Those that did it, and those that failed.
+        """
         sent = {each: (_sent(value),) for each, value in values.items()}
-        return self._ask(sent, name, parameters, round(max(0.0, bound_s), 3))[1]
+        return self._ask(sent, name, parameters, round(max(0.0, bound_s), 3))
 
     def _ask(
         self,
@@ -191,7 +197,10 @@ class Members:
         parameters: Mapping[str, Any],
         bound_s: float,
     ) -> tuple[dict[str, Any], list[MemberFailure]]:
-        """Make a request of each member, with the value to set, if there is one."""
+        """Make a request of each member, with the value to set, if there is one.
+
+        A group that waits for this answer, as one that holds this one does, is left out.
+        """
         if self._client is None:
             raise rtkit.PropertyError("no-service", "the group is not served yet")
         until = monotonic() + bound_s
@@ -203,7 +212,7 @@ class Members:
         asks = [
             ask(f"{targets.get(each, each)}.{name}", *value)._replace(
                 parameters=of_group if kinds.get(each) else parameters,
-                in_turn=kinds.get(each, False),
+                in_turn=self._id if kinds.get(each) else "",
             )
             for each, value in values.items()
         ]
@@ -213,9 +222,9 @@ class Members:
             for each, answer in answers.items()
             if isinstance(answer, error)
         ]
-        for each in failures:
-            del answers[each.name]
-        return answers, failures
+        left_out = (error, type(None))
+        found = {name: each for name, each in answers.items() if not isinstance(each, left_out)}
+        return found, failures
 
     def _find_groups(self, new: Collection[str], bound_s: float) -> None:
         """Find out which members are groups; of one that does not tell by then, another time."""
@@ -239,12 +248,14 @@ def _sent(value: Any) -> Any:
 
 
 def error_of(failures: Sequence[MemberFailure], count: int) -> rtkit.PropertyError:
-    """Return the error that names all who failed, of so many."""
+    """Return the error that names all who failed, of so many; if none did, none was asked."""
+    if not failures:
+        waiting = f"{rtkit.PropertyError.CAME_BACK} all members, which wait for the answer"
+        return rtkit.PropertyError("conflict", waiting if count else "there are no members")
     codes = {each.code for each in failures}
     code = codes.pop() if len(codes) == 1 else "conflict"
     each_why = "; ".join(f"{each.name}: {each.code}: {each.text}" for each in failures)
-    text = f"{len(failures)} of {count} failed: {each_why}" if count else "there are no members"
-    return rtkit.PropertyError(code, text)
+    return rtkit.PropertyError(code, f"{len(failures)} of {count} failed: {each_why}")
 
 
 # Answers

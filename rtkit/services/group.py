@@ -91,9 +91,9 @@ class _Led(rtkit.Names):
             is_route = isinstance(value, list | tuple)
             values = {each: tuple(way) if is_route else way[0] for each, way in targets.items()}
         parameters = {"frame": frame} if frame else {}
-        failures += members.set(values, name, parameters, until - monotonic())
-        members.failures = failures
-        if failures or not selected:
+        done, failed = members.set(values, name, parameters, until - monotonic())
+        members.failures = failures = [*failures, *failed]
+        if failures or not done:
             raise error_of(failures, len(selected))
 
 

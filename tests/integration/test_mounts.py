@@ -215,6 +215,20 @@ def test_widgets_of_what_is_mounted_are_named_as_they_are_there(
             assert "away" not in widgets("g.gui")["robots.a"]
 
 
+def test_a_listing_above_shows_of_a_place_what_is_there(place: str, client: rtkit.Client) -> None:
+    with serve(Robot(2.0), "r"), serve(Group(a="r.arm", b="r", c="gone"), "g"):
+        until(lambda: client.ask_all([rtkit.Ask("g.robots.b.x")], 5.0) == [2.0])
+        names = client.get("g.properties", all=True)
+        assert [each for each in names if each.startswith("robots.a.")] == ["robots.a.angle"]
+        assert dict(client.get("g.properties", all=True, values=True))["robots.a.angle"] == 0.5
+        deep = ("size", "robots", "robots.a", "robots.b", "robots.c", "robots.a.angle")
+        assert client.get("g.properties", depth=3)[:6] == deep
+        assert "robots.b.arm.angle" not in client.get("g.properties", depth=3)
+        assert client.get("g.properties", values=True) == (("size", 2),)
+        (wrong,) = client.ask_all([rtkit.Ask("g.properties", parameters={"depth": "x"})], 5.0)
+        assert wrong.code == "bad-parameter"
+
+
 @pytest.mark.parametrize("scheme", ["", "zenoh:", "tcp:", "http:"])
 def test_services_mount_each_other_in_any_order_and_again(
     scheme: str, place: str, client: rtkit.Client

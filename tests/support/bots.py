@@ -121,7 +121,7 @@ def in_processes(**groups: str) -> Iterator[dict[str, subprocess.Popen[str]]]:
 def _serve_group(name: str, robots: str) -> None:
     from rtkit.services.group import Group
 
-    with rtkit.serve(Group(robots=robots), name, is_on_zenoh=False):
+    with rtkit.serve(Group(robots=robots, deadline=10.0), name, is_on_zenoh=False):
         print("ready", flush=True)
         sys.stdin.read()
 

@@ -76,6 +76,24 @@ def test_listings_seen_from_above(
     assert PrefixedNames("left.hand").widened(place, listing, options) == told
 
 
+@pytest.mark.parametrize(
+    ("place", "options", "asked"),
+    [
+        ("", {"all": True}, "all"),
+        ("", {"names": ("left.hand.b",)}, "all"),
+        ("", {"match": "*"}, ""),
+        ("", {"depth": 2, "values": True}, ""),
+        ("", {"depth": 3}, "depth=1"),
+        ("left", {"depth": 3}, "depth=2"),
+        ("left", {"depth": -1}, ""),
+    ],
+)
+def test_the_owner_is_asked_for_what_is_shown_of_it(
+    place: str, options: dict[str, Value], asked: str
+) -> None:
+    assert PrefixedNames("left.hand").shown_of_owner(place, options) == asked
+
+
 def test_what_is_asked_for_above_and_is_not_there() -> None:
     with pytest.raises(PropertyError, match=r"left\.hand\.c"):
         PrefixedNames("left.hand").widened("", "(a b)", {"names": ("left.hand.c",)})
