@@ -11,6 +11,7 @@ from rtkit.property.codes import PropertyError
 from rtkit.property.conversion import to_value
 from rtkit.property.fitting import from_value
 from rtkit.property.members import Member, is_data
+from rtkit.property.parameters import no_parameter
 from rtkit.property.property_spec import RequestParameter
 from rtkit.property.values import Value
 
@@ -43,7 +44,7 @@ def given_to(accessor: str, takes: Taken, given: dict[str, Value]) -> dict[str, 
     named = {}
     for key, value in given.items():
         if all(each.key != key for each in known):
-            raise PropertyError("bad-parameter", f"{accessor} has no parameter {key}")
+            raise no_parameter(accessor, key, (each.key for each in known))
         try:
             named[key] = from_value(value, hints.get(key), None)
         except PropertyError as error:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 from rtkit.property.codes import PropertyError
 from rtkit.property.naming import RequestTarget
 from rtkit.property.property_spec import RequestParameter
@@ -37,7 +39,7 @@ def checked_parameters(
     for key, text in target.parameters.items():
         parameter = known.get(key)
         if parameter is None:
-            raise PropertyError("bad-parameter", f"{target.name} has no parameter {key}")
+            raise no_parameter(target.name, key, known)
         try:
             value: Value = True if text is None else _given(parameter, text)
             checked = check(parameter.type, value)
@@ -49,6 +51,14 @@ def checked_parameters(
             raise PropertyError("bad-parameter", f"{key}: {error}") from None
         values[key] = checked
     return values
+
+
+def no_parameter(what: str, key: str, known: Iterable[str]) -> PropertyError:
+    """Return the error that something takes no parameter of that name; names those like it."""
+    from rtkit.rtc.nearest import did_you_mean
+
+    text = f"{what} has no parameter {key}{did_you_mean(key, known)}"
+    return PropertyError("bad-parameter", text)
 
 
 def _given(parameter: RequestParameter, text: str) -> Value:

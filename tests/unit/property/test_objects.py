@@ -304,6 +304,8 @@ def test_parameters_reach_getters_and_setters() -> None:
         with pytest.raises(PropertyError) as refused:
             service.get(wrong)
         assert refused.value.code == "bad-parameter", wrong
+    with pytest.raises(PropertyError, match=r"no parameter digts \(did you mean digits\?\)$"):
+        service.get("length?digts=1")
     service.set("length?is_relative", "1")
     assert service.get("length") == "3.0"
     with pytest.raises(PropertyError) as refused:
