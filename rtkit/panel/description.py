@@ -43,6 +43,11 @@ class Panel(NamedTuple):
         """Return whether nothing can be set."""
         return self.attributes.get("access") == "r"
 
+    @property
+    def is_round(self) -> bool:
+        """Return whether it stands for a service whose widgets are among those above."""
+        return "round" in self.attributes
+
     def words(self, key: str) -> tuple[Value, ...]:
         """Return the items of an attribute that is a list."""
         value = _read(self.attributes.get(key, ""))

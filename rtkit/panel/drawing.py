@@ -27,8 +27,9 @@ SIGNS = {
     "uncertain": "? uncertain",
     "stale": "◷ stale",
     "gone": "⊘ gone",
+    "round": "↻ above",
 }
-STYLES = {"alarm": "alarm", "bad": "alarm", "gone": "alarm"}
+STYLES = {"alarm": "alarm", "bad": "alarm", "gone": "alarm", "round": "dim"}
 _BARS = "▁▂▃▄▅▆▇█"
 _MOST_LINES = _MOST_PARTS = 12
 _LONGEST_TEXT = 4096
@@ -40,7 +41,7 @@ def lines(panel: Panel, shown: WidgetState, width: int, part: int = 0) -> list[L
     """Return a value as it is drawn in so many columns; `part` of a vector is marked."""
     value = shown.value
     if value is None:
-        return [[("…", "dim")]]
+        return [[("" if panel.is_round else "…", "dim")]]
     is_bytes = isinstance(value, bytes) or panel.attributes.get("type") == "bytes"
     if is_bytes and isinstance(value, bytes | str):
         value = value if isinstance(value, bytes) else value.encode("utf-8", "surrogateescape")

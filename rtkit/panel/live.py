@@ -80,15 +80,15 @@ class LiveService(Closing):
         panel = read_panel(str(self._client.payload(Ask(f"{self.target}.gui"), 5.0)))
         self.name = self.target[: len(self.target) - len(panel.name)].rstrip("./")
         self.panel = self._dressed(panel)
-        wanted = {each.name: each for each in self.panel.all() if each.kind != "group"}
-        self.is_partial = any("away" in each.attributes for each in wanted.values())
+        drawn = [each for each in self.panel.all() if each.kind != "group"]
+        self.shown = {each.name: self.shown.get(each.name) or WidgetState() for each in drawn}
+        self.is_partial = any("away" in each.attributes for each in drawn)
+        wanted = {each.name: each for each in drawn if not each.is_round}
         groups = [each.name for each in panel.all() if each.kind == "group"]
         for name in set(self._listened) - set(wanted):
             self._listened.pop(name).close()
-            self.shown.pop(name, None)
         new: deque[str] = deque()
         for name, each in wanted.items():
-            self.shown.setdefault(name, WidgetState())
             is_known = name in self._listened or name in self._asked
             if not is_known and each.attributes.get("access") != "w":
                 new.append(name)

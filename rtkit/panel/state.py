@@ -41,6 +41,8 @@ class WidgetState:
 
     def state(self, panel: Panel) -> str:
         """Return the worst of quality and alarms: a key of `drawing.SIGNS`, empty if it is well."""
+        if panel.is_round:
+            return "round"
         if self.quality != "good":
             return self.quality
         if isinstance(self.value, bytes):

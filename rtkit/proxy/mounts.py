@@ -28,7 +28,7 @@ from rtkit.property.user_code import UserCode
 from rtkit.property.values import Element, Value
 from rtkit.property.writing import write
 from rtkit.proxy.addresses import source_of
-from rtkit.proxy.narrowing import GUI, describes_widgets, joined
+from rtkit.proxy.narrowing import GUI, ROUND, describes_widgets, joined
 from rtkit.proxy.prefix import Allowed, PrefixedNames
 from rtkit.proxy.relay import ITSELF, MOST_HOPS, ROUTE, Relay, route_answer, route_target
 from rtkit.serving.event_loop import PropertyEventLoop
@@ -230,9 +230,7 @@ class Mounts:
             gathered[owner] = reply
             if len(gathered) > len(below):
                 own = gathered.pop("")
-                texts = {
-                    at: None if each.error else str(each.payload) for at, each in gathered.items()
-                }
+                texts = {at: _widgets_in(each) for at, each in gathered.items()}
                 ask.answer(own if own.error else Answer(joined(str(own.payload), texts)))
 
         until = min(wait_of(ask, monotonic()) or _LISTING_S, _LISTING_S)
@@ -357,6 +355,13 @@ def _joined(
             entries.setdefault(str(head), item)
     chosen = entries.values() if wanted is None else [entries[each] for each in wanted]
     return Answer(write(tuple(chosen)))
+
+
+def _widgets_in(reply: Answer) -> str:
+    """Return the widgets of an owner; ``ROUND`` where it is one that has asked for them."""
+    if reply.error:
+        return ROUND if reply.payload == ITSELF else ""
+    return str(reply.payload)
 
 
 def _group(text: str) -> tuple[Value, ...]:

@@ -15,6 +15,7 @@ from rtkit.property.writing import write
 
 _META, _ACCESS, _LISTED = ".meta", ".meta.access", "properties"
 GUI = "gui"
+ROUND = "round"
 
 MaySet = Callable[[str], bool]
 
@@ -56,19 +57,21 @@ def narrowed(
     return write(tuple(_row(each, place, may_set) for each in rows))
 
 
-def joined(text: str, mounted: Mapping[str, str | None]) -> str:
+def joined(text: str, mounted: Mapping[str, str]) -> str:
     """Return the widgets of a service with those of its mounts, by name, in their places.
 
-    Where there is None for one, its owner is away; that of the mount point stays, and says so.
+    Where there are none the widget of the mount point stays, and says why: ``ROUND`` where it leads
+    back to a service whose widgets are among those, else its owner is away.
     """
 
     def whole(gui: Element) -> Element:
         name = gui.attributes.get("name", "") if "argument" not in gui.attributes else ""
-        found = _read(mounted.get(name) or "")
+        given = mounted.get(name)
+        found = None if given is None else _read(given)
         if isinstance(found, Element):
             return found
-        away = {"away": "true"} if name in mounted else {}
-        return Element(gui.name, {**gui.attributes, **away}, tuple(map(whole, gui.children)))
+        why = {} if given is None else {ROUND if given == ROUND else "away": "true"}
+        return Element(gui.name, {**gui.attributes, **why}, tuple(map(whole, gui.children)))
 
     own = _read(text)
     return write(whole(own)) if isinstance(own, Element) else text

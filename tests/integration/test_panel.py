@@ -370,6 +370,18 @@ def test_a_mounted_place_has_its_widgets_also_when_its_owner_comes_later(place: 
         assert page.troubles() == []
 
 
+def test_what_leads_back_says_so_and_what_is_away_is_gone(place: str) -> None:
+    with rtkit.serve({"w": 2.0, "back": rtkit.Mount("robots/r1")}, "peer", is_on_zenoh=False):  # type: ignore[arg-type]
+        thing = {"v": 1.5, "peer": rtkit.Mount("peer"), "lost": rtkit.Mount("nobody")}
+        with shown(thing, place, "/ps/robots/r1") as (_, page):
+            page.wait_for(widget("peer.w", "input") + "?.value === '2.0'")
+            back, lost = widget("peer.back", ".state"), widget("lost", ".state")
+            page.wait_for(f"{back}.textContent === '↻ above'")
+            page.wait_for(f"{lost}.textContent === '⊘ gone'")
+            assert "no-service" in page.evaluate(widget("lost", ".problem") + ".textContent")
+            assert page.troubles() == []
+
+
 def test_who_is_not_known_any_more_is_told_so_and_asked_once(
     place: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -11,6 +11,7 @@ from typing import Annotated, Final, Literal
 import pytest
 from textual import events
 from textual.widgets import Input, Static
+from waiting import until as awaited
 
 import rtkit
 from rtkit.panel.live import LiveService
@@ -296,6 +297,23 @@ def test_a_mounted_place_has_its_widgets_also_when_its_owner_comes_later(place: 
             await until(lambda: "⊘ gone" in row(app, "far.arm.angle"))
 
     with rtkit.serve({"lamp": True, "far": rtkit.Mount("far")}, "robots/r1", is_on_zenoh=False):
+        run(work)
+
+
+def test_what_leads_back_says_so_and_is_not_asked_again(place: str) -> None:
+    async def work(app: PanelApp) -> None:
+        await until(lambda: "2.5" in row(app, "peer.w"))
+        await until(lambda: row(app, "peer.back").split() == ["back", "↻", "above"])
+        assert not app.live.is_partial
+
+    back = {"w": 2.5, "back": rtkit.Mount("robots/r1")}
+    with (
+        rtkit.serve(back, "peer", is_on_zenoh=False),  # type: ignore[arg-type]
+        rtkit.serve({"v": 1, "peer": rtkit.Mount("peer")}, "robots/r1", is_on_zenoh=False),  # type: ignore[arg-type]
+    ):
+        with rtkit.Client(timeout_s=10.0) as client:
+            there = [rtkit.Ask("robots/r1.peer.back.v")]
+            awaited(lambda: client.ask_all(there, 5.0) == [1], "both are connected")
         run(work)
 
 

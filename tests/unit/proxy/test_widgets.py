@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from rtkit.proxy.narrowing import joined, narrowed
+from rtkit.proxy.narrowing import ROUND, joined, narrowed
 from rtkit.proxy.prefix import PrefixedNames
 
 ROBOT = (
@@ -42,10 +42,10 @@ def test_widgets_of_owners_take_the_places_of_their_mounts() -> None:
         '<gui kind="number" name="robots.a" argument="true"/></gui></gui>'
     )
     a = '<gui kind="group" name="robots.a"><gui kind="label" name="robots.a.x"/></gui>'
-    found = joined(own, {"robots.a": a, "robots.b": "<<"})
-    assert found == (
-        f'<gui kind="group" name=""><gui kind="group" name="robots">{a}'
-        '<gui kind="table" name="robots.b" away="true"/></gui>'
-        '<gui kind="button" name="job"><gui kind="number" name="robots.a" argument="true"/></gui>'
-        "</gui>"
-    )
+    for told, why in (("<<", "away"), ("", "away"), (ROUND, "round")):
+        found = joined(own, {"robots.a": a, "robots.b": told})
+        assert found == (
+            f'<gui kind="group" name=""><gui kind="group" name="robots">{a}'
+            f'<gui kind="table" name="robots.b" {why}="true"/></gui><gui kind="button" name="job">'
+            '<gui kind="number" name="robots.a" argument="true"/></gui></gui>'
+        )

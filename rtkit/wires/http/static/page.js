@@ -170,8 +170,10 @@ function listen(service, part, gui) {
     panel.show(told(event).name, new TextDecoder().decode(raw), {...told(event), isRaw: true});
   });
   stream.addEventListener("bytes", (event) => panel.show(told(event).name, `${event.data} bytes`, {...told(event), isRaw: true}));
-  stream.addEventListener("refused", (event) =>
-    panel.show(told(event).name, event.data, {quality: "bad", isRaw: true}));
+  stream.addEventListener("refused", (event) => {
+    const code = /^(?:no-service|timeout)\b/.exec(event.data)?.[0];
+    panel.show(told(event).name, code ? "" : event.data, {code, why: code && event.data, quality: "bad", isRaw: true});
+  });
   stream.addEventListener("end", (event) => panel.show(told(event).name, "", {code: event.data, isRaw: true}));
   stream.onerror = () => lost("the connection is lost");
 }

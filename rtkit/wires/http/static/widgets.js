@@ -6,7 +6,7 @@ import {child, isVector, itemTexts, read, write} from "./values.js";
 
 const SVG = "http://www.w3.org/2000/svg";
 const WORDS = {alarm: "▲ alarm", warn: "△ warning", bad: "✕ bad", uncertain: "? uncertain",
-               stale: "◷ stale", gone: "⊘ gone"};
+               stale: "◷ stale", gone: "⊘ gone", round: "↻ above"};
 const KEPT_S = 60;
 let ids = 0;
 
@@ -53,6 +53,7 @@ export class Widget extends HTMLElement {
     this.append(this.caption, this.body, make("span", {class: "unit"}, this.is.unit ?? ""),
                 this.state, this.problem);
     this.draw(this.body);
+    if (this.is.round) this.state.textContent = WORDS[this.dataset.state = "round"];
   }
 
   draw(body) {
@@ -60,14 +61,16 @@ export class Widget extends HTMLElement {
     body.append(this.out);
   }
 
-  // Shows a value; `told` is what came with it: quality, and the code of what is no longer there.
+  // Shows a value; `told` is what came with it: quality, and the code of what is no longer there, and why.
   show(text, told = {}) {
+    if (this.is.round) return;  // it leads back to a service that is shown: nothing of it is shown again
     this.text = text;
     this.value = told.isRaw ? text : read(text);
     const severity = this.severity();
     const state = told.code ? "gone" : told.quality && told.quality !== "good" ? told.quality : severity;
     this.dataset.state = state;
     this.state.textContent = WORDS[state] ?? "";
+    if (told.why) this.problem.textContent = told.why;
     if (Boolean(told.code) !== Boolean(this.isGone)) this.lock(this.isGone = Boolean(told.code));
     if (!this.isHeld && !this.isLate(text)) this.display(this.value, text);
   }
