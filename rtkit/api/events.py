@@ -191,11 +191,13 @@ class Watch:
                     yield from heartbeats(facts, [c.id for c in component.contexts if c.is_running])
 
     def _record(self, manager: str, moment: float, user_event: UserEvent) -> Record:
-        name = self._subscriptions.names[manager]
+        name, places = self._subscriptions.names[manager], self._subscriptions.places
         return {
             "time": moment,
             "kind": user_event.kind,
-            "path": place_of(name, user_event, self._host, is_usual=not manager),
+            "path": place_of(
+                name, user_event, self._host, is_usual=not manager, local=places[manager]
+            ),
             "manager": name,
             "process": user_event.process,
             "instance": user_event.instance,

@@ -52,6 +52,7 @@ class Observers(Closing):
         subscriptions: By the name of the manager, as `connect` takes it; "" for the one that paths
             lead to.
         names: The name of each manager, by the same.
+        places: What paths to each begin with, by the same.
         why: The error of the last manager that did not answer.
     """
 
@@ -85,6 +86,7 @@ class Observers(Closing):
         self._keen_until = 0.0
         self._is_wide = is_wide and session.finds_managers
         self.names: dict[str, str] = {}
+        self.places: dict[str, str] = {}
         self.why: RtkitError | None = None
         self.subscriptions: dict[str, ManagerSubscription] = {}
         try:
@@ -237,7 +239,7 @@ class Observers(Closing):
         if tree.host != host_name():  # no socket here shows whether it is back
             self._far.add(name)
         self.subscriptions[name] = ManagerSubscription(tree, self._lines)
-        self.names[name] = tree.manager
+        self.names[name], self.places[name] = tree.manager, tree.place
 
     def _leave(self, name: str) -> None:
         subscription, tree = self.subscriptions.pop(name, None), self._trees.pop(name, None)
@@ -259,15 +261,21 @@ def _quietly(end: Callable[[], object]) -> None:
 
 
 def place_of(
-    manager: str, what: UserEvent | ComponentFacts, hostname: str, *, is_usual: bool
+    manager: str,
+    what: UserEvent | ComponentFacts,
+    hostname: str,
+    *,
+    is_usual: bool,
+    local: str = LOCAL,
 ) -> str:
     """Return where a component, or a process, of a manager is in the tree.
 
-    Names of components are paths only at the manager that is usually asked.
+    Names of components are paths only at the manager that is usually asked. Paths to its host
+    begin with `local`.
     """
     if what.names and is_usual:
-        return shown_path(what.names[0], hostname)
-    place = f"/{LOCAL}/{manager}{MANAGER_SUFFIX}"
+        return shown_path(what.names[0], hostname, local)
+    place = f"/{local}/{manager}{MANAGER_SUFFIX}"
     if what.instance:
         return f"{place}/{what.instance}{COMPONENT_SUFFIX}"
     is_slave = what.process not in ("", manager)

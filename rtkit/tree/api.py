@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 
     class _Calls(Protocol):
         ticks: dict[tuple[str, int | str], Action]
+        place: str
 
         def listing(self) -> Listing: ...
 
@@ -106,7 +107,7 @@ class ByPath:
         instance = self.perform(Create(as_text(text, "create string")))
         listing = self.listing()
         row = next(each for each in listing.rows if each.instance == instance)
-        return _path_of(row, listing)
+        return _path_of(row, listing, self.place)
 
     def delete(self: _Calls, path: str) -> None:
         """Finalise a component, or forget a zombie: ``tree.delete("/localhost/In0.rtc")``.
@@ -264,15 +265,15 @@ def value_text(value: object, name: str) -> str:
     return str(value) if isinstance(value, int | float) else as_text(value, f"value of {name}")
 
 
-def _path_of(row: ListingRow, listing: Listing) -> str:
+def _path_of(row: ListingRow, listing: Listing, place: str) -> str:
     """Return where a component is found: its first name, else the place below its manager."""
     from rtkit.rtc.names import COMPONENT_SUFFIX, LOCAL, MANAGER_SUFFIX
     from rtkit.tree.view import shown_path
 
     if row.names:
-        return shown_path(row.names[0], listing.host)
+        return shown_path(row.names[0], listing.host, place)
     usual = f"{LOCAL}/{listing.manager}{MANAGER_SUFFIX}"
-    manager = shown_path(listing.names[0] if listing.names else usual, listing.host)
+    manager = shown_path(listing.names[0] if listing.names else usual, listing.host, place)
     return f"{manager}/{row.instance}{COMPONENT_SUFFIX}"
 
 

@@ -12,6 +12,7 @@ from rtkit import fault
 from rtkit.closing import Closing
 from rtkit.errors import Malformed, Refused, Unreachable
 from rtkit.link import zenoh_keys
+from rtkit.rtc.names import LOCAL
 from rtkit.tree.api import ByPath, as_text
 
 if TYPE_CHECKING:
@@ -43,6 +44,7 @@ class Tree(ByPath, Closing):
         manager: Its name.
         timeout_s: Bound on every call [s].
         has_ended: Whether the manager's process is known to have ended.
+        place: What paths to it begin with: ``localhost``, the name of its host, or its address.
         on_start: Is called with a manager that is started, before any request to it.
         ticks: The actions of `tick` by path and context.
     """
@@ -55,6 +57,7 @@ class Tree(ByPath, Closing):
         self.manager = manager
         self.timeout_s = timeout_s
         self.has_ended: Callable[[], bool] = lambda: False
+        self.place = LOCAL
         self.on_start: Callable[[Tree], object] = lambda _tree: None
         self.ticks: dict[tuple[str, int | str], Action] = {}
         self._service = zenoh_keys.service(host, manager)

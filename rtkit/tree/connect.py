@@ -79,7 +79,9 @@ def connect_far(
             f" its manager {link.far_manager}"
         )
     near = connect(link.manager, timeout_s, kind)
-    return kind(near.link, host, manager or link.far_manager, timeout_s)
+    tree = kind(near.link, host, manager or link.far_manager, timeout_s)
+    tree.place = host
+    return tree
 
 
 def near_of(tree: Tree) -> Tree:
@@ -158,7 +160,9 @@ def _connect_secure(address: Address, timeout_s: float, kind: type[Tree]) -> Tre
     if address.id not in ("", id, manager):
         link.close()
         raise Unreachable(f"the manager at {address} is {manager}, not {address.id}")
-    return kind(link, host, manager, timeout_s)
+    tree = kind(link, host, manager, timeout_s)
+    tree.place = f"{address.host}:{address.port}"
+    return tree
 
 
 def connect_near(address: Address, timeout_s: float = DEFAULT_TIMEOUT_S) -> tuple[Tree, str]:

@@ -78,6 +78,8 @@ class PlanLocks(Closing):
                 self._taken.append(tree)
             except Refused as error:
                 self._give(self._taken[known:])
+                if str(error).startswith("denied: "):  # by the role of this user, not by a holder
+                    raise
                 return tree, f"manager {tree.manager!r} is in use by {error}"
             except (NotFound, Malformed) as error:
                 self._notify(f"manager {tree.manager!r} keeps no others off meanwhile: {error}")

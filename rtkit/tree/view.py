@@ -159,10 +159,13 @@ def manager_node(listing: Listing, slave: str = "") -> TreeNode | None:
     return node.children.get(slave + MANAGER_SUFFIX) if slave else node
 
 
-def shown_path(name: str, hostname: str) -> str:
-    """Return where a registered name shows in the tree of a manager on the host `hostname`."""
+def shown_path(name: str, hostname: str, place: str = LOCAL) -> str:
+    """Return where a registered name shows in the tree of a manager on the host `hostname`.
+
+    Paths here begin with the `place` of that host.
+    """
     host, slash, rest = name.partition("/")
-    return f"/{LOCAL if is_local_host(host, hostname) else host}{slash}{rest}"
+    return f"/{place if is_local_host(host, hostname) else host}{slash}{rest}"
 
 
 def _fill(manager: TreeNode, listing: Listing) -> None:

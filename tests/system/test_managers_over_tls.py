@@ -1,7 +1,4 @@
-"""Managers reached from another host over mutual TLS: who may do what, and that the port lives on.
-
-The other host is one by its name, folders and keys; its manager listens at 127.0.0.2.
-"""
+"""Managers reached from another host over mutual TLS: who may do what, and that the port lives."""
 
 from __future__ import annotations
 
@@ -17,7 +14,7 @@ from pathlib import Path
 
 import pytest
 from forked import Commands
-from shells import Outcome, Shell, opened_shell
+from robotkit import AT, BOUND_S, Robot, opened_robot
 from waiting import until
 
 from rtkit.errors import Refused, RtkitError
@@ -28,96 +25,15 @@ from rtkit.manager.gateway.relay import LIMITS
 from rtkit.property.codes import PropertyError
 from rtkit.property.messages import Answer
 from rtkit.tree.secure_link import IDENTITY
-from rtkit.wires.line.client import LineClient
 from rtkit.wires.secure import connected
 
-AT = "127.0.0.2"
-BOUND_S = 20.0
 FLOOD = 300
-
-
-class Robot:
-    """The other host: commands there, and at its port as somebody."""
-
-    def __init__(self, shell: Shell) -> None:
-        self.shell = shell
-        self.keys = str(shell.folder / "keys")
-        self.port = 0
-        for name in ("robot.run", "robot.state"):
-            (shell.folder / name).mkdir(mode=0o700)
-        with pytest.MonkeyPatch.context() as patch:
-            patch.setenv("RTKIT_KEYS", self.keys)
-            authority.init("owner1", ["localhost"])
-            issue("robot1", "component", [AT], 30, f"{self.keys}.robot1")
-            for name, role in (("anna", "viewer"), ("bert", "operator"), ("carl", "component")):
-                issue(name, role, [], 30, f"{self.keys}.{name}")
-
-    @property
-    def path(self) -> str:
-        return f"/{AT}:{self.port}"
-
-    @contextlib.contextmanager
-    def _with(self, **more: str) -> Iterator[None]:
-        before = dict(self.shell.environment)
-        self.shell.environment.update(more)
-        yield
-        self.shell.environment = before
-
-    def there(self, line: str) -> Outcome:
-        """Run a command on the robot."""
-        with self.at_home():
-            return self.shell.run(line)
-
-    def at_home(self) -> contextlib.AbstractContextManager[None]:
-        """Have commands of the shell run on the robot."""
-        folder = self.shell.folder
-        return self._with(
-            RTKIT_HOSTNAME="robot1", RTKIT_KEYS=f"{self.keys}.robot1",
-            RTKIT_RUNTIME_DIR=f"{folder}/robot.run", RTKIT_STATE_DIR=f"{folder}/robot.state",
-        )  # fmt: skip
-
-    def port_of(self, manager: str) -> int:
-        told = json.loads(self.there(f"rtmgr status --json {manager}").out)["tls"]
-        return int(told.rpartition(":")[2])
-
-    def by(self, who: str, line: str) -> Outcome:
-        """Run a command on this host, with the keys of somebody; AT stands for the robot."""
-        keys = self.keys + (f".{who}" if who != "owner1" else "")
-        with self._with(RTKIT_KEYS=keys):
-            return self.shell.run(line.replace("AT", self.path))
-
-    @contextlib.contextmanager
-    def connected(self, who: str, port: int = 0) -> Iterator[LineClient]:
-        with pytest.MonkeyPatch.context() as patch:
-            patch.setenv("RTKIT_KEYS", self.keys + (f".{who}" if who != "owner1" else ""))
-            end = connected(AT, port or self.port, BOUND_S)
-            client = LineClient(end, BOUND_S)  # type: ignore[arg-type]
-        with client:
-            yield client
-
-    def raw(self) -> socket.socket:
-        end = socket.create_connection((AT, self.port), BOUND_S)
-        end.settimeout(BOUND_S)
-        return end
-
-    def is_alive(self) -> bool:
-        done = self.by("anna", "rtls AT/manager.mgr/")
-        return (done.status, done.err) == (0, "")
-
-    def record(self) -> list[dict[str, str]]:
-        text = (self.shell.folder / "robot.state/audit.jsonl").read_text(encoding="utf-8")
-        return [json.loads(line) for line in text.splitlines()]
 
 
 @pytest.fixture(scope="module")
 def robot(commands: Commands) -> Iterator[Robot]:
-    with opened_shell(commands) as shell:
-        robot = Robot(shell)
-        assert robot.there(f"rtmgr start -a --tls {AT}:0") == (0, "", "")
-        robot.port = robot.port_of("manager")
-        assert robot.there("rtmgr -c ConsoleIn -c ConsoleOut /localhost/manager.mgr").err == ""
+    with opened_robot(commands) as robot:
         yield robot
-        assert robot.there("rtmgr stop") == (0, "", "")
 
 
 # Who may do what
@@ -233,19 +149,11 @@ def test_odd_requests_are_answered_and_no_more(robot: Robot, target: str) -> Non
         assert client.ask("%40%2Fmanager.instance_name") == Answer("manager")
 
 
-@pytest.mark.parametrize("name", ["restart", "x/half", "x/lease"])
+@pytest.mark.parametrize("name", ["restart", "x/half"])
 def test_what_is_for_programs_of_its_own_host_is_for_nobody_else(robot: Robot, name: str) -> None:
     target = f"%40{'%2F' * (name == 'restart')}{name.replace('/', '%2F')}"
     with robot.connected("owner1") as client:
         assert client.ask(target, "{}").error in ("refused", "unreachable")
-
-
-def test_a_plan_takes_a_lock_that_is_not_given_over_tls(robot: Robot) -> None:
-    with robot._with(RTKIT_MANAGER=robot.path[1:]):
-        saved = robot.by("owner1", "rtcryo --all -o saved.xml")
-        done = robot.by("owner1", "rtapply saved.xml")
-    assert (saved.status, done.status) == (0, 1)
-    assert "a plan of several steps takes its lock, which its own host gives only" in done.err
 
 
 RUBBISH = {
@@ -449,20 +357,21 @@ def test_a_gateway_that_is_killed_comes_again(robot: Robot) -> None:
 
 
 def test_what_happens_there_is_told(robot: Robot) -> None:
-    with robot._with(RTKIT_KEYS=f"{robot.keys}.anna"):
+    with robot.keys_of("anna"):
         watch = robot.shell.open(f"rtwatch -v -n 1 {robot.path}/ConsoleOut0.rtc")
     assert watch.stderr is not None
     assert "listening" in watch.stderr.readline()
     assert robot.by("bert", "rtact AT/ConsoleOut0.rtc").err == ""
     out, _ = watch.communicate(timeout=BOUND_S)
-    assert "ConsoleOut0.rtc 0 ACTIVE" in out
+    assert f" {robot.path}/ConsoleOut0.rtc 0 ACTIVE" in out
+    assert f"{robot.path[1:]}/ConsoleOut0.rtc" in robot.by("anna", "rttop --once AT").out
     assert robot.by("bert", "rtdeact AT/ConsoleOut0.rtc").err == ""
 
 
 def test_who_listens_is_told_when_the_manager_is_back(robot: Robot) -> None:
     assert robot.there(f"rtmgr start manager3 -a --tls {AT}:0") == (0, "", "")
     port = robot.port_of("manager3")
-    with robot._with(RTKIT_KEYS=robot.keys):
+    with robot.keys_of("owner1"):
         watch = robot.shell.open(f"rtwatch -v /{AT}:{port}")
     assert watch.stderr is not None
     assert "listening" in watch.stderr.readline()
@@ -519,7 +428,7 @@ def test_without_keys_or_port_no_manager_starts(robot: Robot) -> None:
 
 
 def test_a_port_of_this_host_is_reached_by_its_certificate(robot: Robot) -> None:
-    with robot._with(RTKIT_KEYS=robot.keys):
+    with robot.keys_of("owner1"):
         robot.shell.ok("rtmgr start other -a --tls 0")
         port = json.loads(robot.shell.ok("rtmgr status --json other"))["tls"].rpartition(":")[2]
         assert robot.shell.ok(f"rtls /localhost:{port}") == "other.mgr/\n"

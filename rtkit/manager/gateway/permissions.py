@@ -14,11 +14,13 @@ from typing import NamedTuple
 from rtkit.deployment import actions as act
 from rtkit.deployment.actions import Action
 from rtkit.deployment.batch import batch_from_text
-from rtkit.errors import Malformed, Refused, Unreachable
+from rtkit.errors import Malformed, Refused
 from rtkit.keys.roles import includes
 from rtkit.rtc.far_ends import peer_of
 
 VIEWER, OPERATOR, ADMINISTRATOR = "viewer", "operator", "administrator"
+LOCK = "@x/lease"
+"""Lock of a manager, which whoever carries a plan out takes."""
 _OF_OPERATORS = (
     act.ActivateSet, act.ChangeState, act.Connect, act.Disconnect, act.RemoveSet,
     act.SetParameters, act.SetRate, act.Tick,
@@ -56,7 +58,6 @@ def permission(name: str, payload: str | None) -> Permission:
     Raises:
         Malformed: It is none.
         Refused: It is for nobody on another host.
-        Unreachable: So is the lock of plans: whoever is refused that waits for its holder.
     """
     if len(name) > _LONGEST or not _NAME.fullmatch(name):
         raise Malformed(f"not a property of a manager: {name[:80]!r}")
@@ -64,13 +65,14 @@ def permission(name: str, payload: str | None) -> Permission:
     mark, _, rest = name.partition("/")
     if name in _NOT_FROM_AFAR and (payload is not None or name == "@x/half"):
         raise Refused(f"{_NOT_FROM_AFAR[name]} can be had on the manager's own host only")
-    if name == "@x/lease" and payload is not None:
-        raise Unreachable("a plan of several steps takes its lock, which its own host gives only")
+    if name == LOCK and payload is not None:
+        return Permission(OPERATOR, "take the lock of plans")
     if name == "@/batch" and payload is not None:
         return _of_batch(batch_from_text(payload).actions)
     if mark == "@x":
         is_view = payload is None and rest.partition("/")[0] in _VIEWS
-        return Permission(VIEWER if is_view else ADMINISTRATOR, f"get {rest}")
+        what = "look for modules" if rest == "lacking" else f"get {rest}"
+        return Permission(VIEWER if is_view else ADMINISTRATOR, what)
     if payload is None or rest == "get_components_by_name":
         return Permission(VIEWER, f"get {rest}")
     return Permission(ADMINISTRATOR, f"set {rest}")

@@ -9,6 +9,7 @@ from __future__ import annotations
 import json
 import socket
 from collections.abc import Callable
+from contextlib import suppress
 from functools import partial
 from math import inf
 from time import monotonic, time
@@ -22,7 +23,8 @@ from rtkit.link import zenoh_keys
 from rtkit.link.tcp_endpoint import Identity
 from rtkit.link.zenoh import ZenohLink
 from rtkit.manager.core.secrets import HIDDEN, hidden_in_json, is_secret
-from rtkit.manager.gateway.permissions import ADMINISTRATOR, VIEWER, Permission, permission
+from rtkit.manager.gateway.permissions import ADMINISTRATOR, LOCK, VIEWER, Permission, permission
+from rtkit.manager.gateway.plan_locks import PlanLocksOfClients
 from rtkit.property.access import EndpointLimits
 from rtkit.property.codes import PropertyError
 from rtkit.property.exchange import Reply
@@ -93,6 +95,7 @@ class ManagerRelay(PropertyProvider):
         self._identity = identity
         self._service = zenoh_keys.service(identity.host, identity.manager)
         self._topics: dict[str, _Topic] = {}
+        self._locks = PlanLocksOfClients(identity.host)
 
     def handle(self, ask: PropertyRequest) -> None:
         """See `PropertyProvider.handle`."""
@@ -123,6 +126,8 @@ class ManagerRelay(PropertyProvider):
         payload = ask.payload.decode() if isinstance(ask.payload, bytes) else ask.payload
         wanted = permission(name, payload)
         self._check(wanted, caller)
+        if name == LOCK and payload is not None:
+            payload = self._locks.stated(payload, caller, f"{caller.identity} at {caller.address}")
         self._pass_on(ask, name, payload, wanted)
 
     @staticmethod
@@ -149,6 +154,8 @@ class ManagerRelay(PropertyProvider):
         left_s = _TIMEOUT_S if ask.until == inf else min(ask.until - monotonic(), _LONGEST_S)
 
         def give(reply: Reply) -> None:
+            if name == LOCK and reply.error and payload is not None:
+                self._locks.refused(caller, payload)
             if wanted.role != VIEWER:
                 result = f"{reply.error}: {reply.text}" if reply.error else "done"
                 caller.record(f"{wanted.what} at {self._identity.manager}", result)
@@ -216,7 +223,11 @@ class ManagerRelay(PropertyProvider):
         return
 
     def forget(self, caller: Requester) -> None:
-        """See `PropertyProvider.forget`."""
+        """See `PropertyProvider.forget`: what it listens to ends, and the locks that it has."""
+        for given in self._locks.left_by(caller):
+            with suppress(Unreachable):
+                key = f"{self._service}/{LOCK}"
+                self._link.ask_later(key, given, _TIMEOUT_S, lambda _reply: None)
         for name in list(self._topics):
             self._leave(name, caller)
 

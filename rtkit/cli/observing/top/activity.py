@@ -74,8 +74,11 @@ class Top:
 
     def _rows(self, manager: str) -> Iterator[RateRow]:
         facts = self.subscriptions.subscriptions[manager].facts
+        place = self.subscriptions.places[manager]
         paths = {
-            each.instance: place_of(facts.manager, each, self._host, is_usual=not manager)
+            each.instance: place_of(
+                facts.manager, each, self._host, is_usual=not manager, local=place
+            )
             for each in facts.components
             if is_covered(self._scopes, manager, each, self._host)
         }
