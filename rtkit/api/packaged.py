@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from rtkit.deployment.system import KnownType
     from rtkit.packages.needing import Survey
     from rtkit.packages.offering import Offering
+    from rtkit.packages.wheel_target import WheelTarget
     from rtkit.profile.rts_model import ComponentInstance
 
 
@@ -222,8 +223,8 @@ def _installer(
     from rtkit.hosts.package_installer import HostsInstaller
     from rtkit.packages.bundling import pushable
 
-    def wheels(name: str, folder: str) -> Mapping[str, Sequence[str]]:
-        return pushable(name, places, digests[name], folder)
+    def wheels(name: str, folder: str, target: WheelTarget) -> Mapping[str, Sequence[str]]:
+        return pushable(name, places, digests[name], folder, target)
 
     bare = {host for host in hosts.names if not hosts.is_up(host)}
     how = (system, bare, session.verbose, session.timeout_s)

@@ -4,6 +4,7 @@ It is sent as text to the interpreter there, so it uses the standard library onl
 syntax of later versions.
 """
 
+import glob
 import json
 import os
 import platform
@@ -52,6 +53,12 @@ def found() -> dict:  # type: ignore[type-arg]
         "memory_bytes": int(memory[0]) * 1024 if memory else 0,
         "processors": os.cpu_count() or 0,
         "time_s": time.time(),
+        "distributions": [
+            os.path.basename(each)
+            for each in glob.glob(
+                os.path.join(current, "lib", "python3*", "site-packages", "*.dist-info")
+            )
+        ],
         "current": os.path.basename(os.readlink(current)) if os.path.islink(current) else "",
     }
 

@@ -5,10 +5,12 @@ from __future__ import annotations
 import re
 from typing import TYPE_CHECKING
 
+from packaging.utils import canonicalize_name
+
 from rtkit.errors import Malformed, Refused
 from rtkit.fast_dataclass import Record
 from rtkit.hosts import far_program
-from rtkit.hosts.wheels import Kind
+from rtkit.packages.wheel_target import WheelKind, WheelTarget
 from rtkit.rtc.serde import decode_text
 
 if TYPE_CHECKING:
@@ -16,6 +18,7 @@ if TYPE_CHECKING:
 
 OLDEST = (3, 11)
 _KIND = re.compile(r"[A-Za-z0-9_]{1,32} [0-9]{1,3}\.[0-9]{1,3}")
+_DISTRIBUTION = re.compile(r"(\w[\w.]{0,99})-(\w[\w.+!]{0,99})\.dist-info")
 _ROOM = 300 << 20
 """How much room a version of rtkit takes at most [bytes]."""
 _LOOK_S = 10.0
@@ -41,6 +44,7 @@ class FarSide(Record):
     processors: int
     time_s: float
     current: str
+    distributions: tuple[str, ...] = ()
 
     @property
     def version(self) -> str:
@@ -48,9 +52,15 @@ class FarSide(Record):
         return ".".join(map(str, self.python[:2]))
 
     @property
-    def kind(self) -> Kind:
+    def kind(self) -> WheelKind:
         """Kind of its wheels."""
-        return Kind(self.version, self.machine, self.libc[1] if len(self.libc) > 1 else "")
+        return WheelKind(self.version, self.machine, self.libc[1] if len(self.libc) > 1 else "")
+
+    @property
+    def target(self) -> WheelTarget:
+        """What packages are chosen for: its kind, and what its rtkit brings along."""
+        pairs = (found for each in self.distributions if (found := _DISTRIBUTION.fullmatch(each)))
+        return WheelTarget(self.kind, {canonicalize_name(found[1]): found[2] for found in pairs})
 
     def obstacles(self, *, needs_room: bool = True) -> list[str]:
         """Return why rtkit cannot be made there, a line each."""

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
-from rtkit.errors import Malformed
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+from rtkit.errors import Malformed, RtkitError
 from rtkit.fast_dataclass import Record
 from rtkit.rtc.manager_address import is_port
 from rtkit.rtc.names import check_host_name
@@ -35,6 +38,19 @@ class Host(Record):
         user = f"{self.user}@" if self.user else ""
         address = f"[{self.address}]" if ":" in self.address else self.address
         return f"{user}{address}{f':{self.port}' if self.port else ''}"
+
+
+@contextmanager
+def named(host: str) -> Iterator[None]:
+    """Have errors inside name a host that they are about.
+
+    Raises:
+        RtkitError: As inside.
+    """
+    try:
+        yield
+    except RtkitError as error:
+        raise type(error)(f"{host}: {error}") from error
 
 
 def host_at(name: str, typed: str) -> Host:

@@ -8,11 +8,14 @@ from rtkit import fault
 from rtkit.deployment.packages import Installer
 from rtkit.hosts import far_packages, far_side, inventory, provisioned
 from rtkit.hosts.connection import connect
+from rtkit.hosts.host import named
 from rtkit.hosts.progress import by_lines
+from rtkit.hosts.wheels import wheels_for
 from rtkit.packages.installed import work_folder
+from rtkit.packages.wheel_target import WheelTarget
 
-Wheels = Callable[[str, str], Mapping[str, Sequence[str]]]
-"""Returns the wheels of a ``NAME==VERSION``; those that are fetched are put into a folder."""
+Wheels = Callable[[str, str, WheelTarget], Mapping[str, Sequence[str]]]
+"""Returns the wheels of a ``NAME==VERSION`` for a target; the folder gets those it fetches."""
 
 
 class HostsInstaller:
@@ -61,9 +64,12 @@ class HostsInstaller:
             work_folder() as folder,
             connect(inventory.host(host), self._timeout_s) as connection,
         ):
-            wheels = self._wheels(name, folder)
-            if host in self._bare:
-                provisioned.provision(connection, far_side.look(connection), self._show)
+            look, is_bare = far_side.look(connection), host in self._bare
+            with named(host):
+                has = wheels_for(look.kind).versions if is_bare else look.target.has
+                wheels = self._wheels(name, folder, WheelTarget(look.kind, has))
+            if is_bare:
+                provisioned.provision(connection, look, self._show)
             fault.point("packages.push")
             far_packages.push(connection, wheels, self._system)
             fault.point("packages.pushed")

@@ -13,11 +13,12 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 from rtkit import fault
-from rtkit.errors import Malformed, NotFound, Refused, Unreachable
+from rtkit.errors import Malformed, Refused, Unreachable
 from rtkit.fast_dataclass import Record
 from rtkit.hosts import far_program, far_side, quiet_sftp, wheels
 from rtkit.hosts.connection import HostConnection
 from rtkit.hosts.far_side import FarSide
+from rtkit.hosts.host import named
 from rtkit.hosts.progress import HostStep, Progress, unshown
 from rtkit.hosts.wheels import WheelSet
 from rtkit.rtc.serde import decode_text
@@ -107,10 +108,8 @@ def provision(
 def _chosen(name: str, far: FarSide, show: Progress) -> WheelSet:
     """Return the wheels for a host; a missing one is told with its name before all else."""
     show(name, HostStep("choosing wheels"))
-    try:
+    with named(name):
         return wheels.wheels_for(far.kind)
-    except (NotFound, Refused) as error:
-        raise type(error)(f"{name}: {error}") from None
 
 
 def _install(connection: HostConnection, chosen: WheelSet, show: Progress) -> _Installed:

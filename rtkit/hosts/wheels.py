@@ -18,26 +18,15 @@ import zipfile
 from functools import lru_cache
 from typing import NamedTuple
 
+from packaging.utils import parse_wheel_filename
+
 from rtkit.errors import NotFound, Refused
 from rtkit.link.places import check_trusted
 from rtkit.packages.tools import pip
+from rtkit.packages.wheel_target import WheelKind
 from rtkit.version import __version__
 
-_NEWEST_GLIBC, _OLDEST_GLIBC = 45, 17
 _SUMS = "digests.json"
-
-
-class Kind(NamedTuple):
-    """Kind of host, as far as wheels go: ``cp311``, ``x86_64``, ``2.36``."""
-
-    python: str
-    machine: str
-    glibc: str
-
-    @property
-    def name(self) -> str:
-        """The name of the kind in folders and messages."""
-        return f"cp{self.python.replace('.', '')}-glibc{self.glibc}-{self.machine}"
 
 
 def cache_folder() -> str:
@@ -59,8 +48,13 @@ class WheelSet(NamedTuple):
     files: dict[str, str]
     digests: dict[str, str]
 
+    @property
+    def versions(self) -> dict[str, str]:
+        """Version of each, by canonical name."""
+        return {name: str(version) for name, version, *_ in map(parse_wheel_filename, self.files)}
 
-def wheels_for(kind: Kind) -> WheelSet:
+
+def wheels_for(kind: WheelKind) -> WheelSet:
     """Return the wheels for a kind of host; they are fetched unless they are there, undamaged.
 
     Who asks at the same time, in this command or in another, waits for those that are fetched.
@@ -78,7 +72,7 @@ def wheels_for(kind: Kind) -> WheelSet:
 
 
 @lru_cache
-def _wheels_in(cache: str, kind: Kind) -> WheelSet:
+def _wheels_in(cache: str, kind: WheelKind) -> WheelSet:
     own = own_wheel()
     key = hashlib.sha256("\n".join(sorted(requirements())).encode()).hexdigest()[:8]
     folder = os.path.join(cache, f"{kind.name}-{key}")
@@ -109,12 +103,12 @@ def _digests(folder: str) -> dict[str, str] | None:
     return known if found == known else None
 
 
-def _fetch(kind: Kind, folder: str) -> dict[str, str]:
+def _fetch(kind: WheelKind, folder: str) -> dict[str, str]:
     """Fetch the wheels into a new folder, which is there when all are; return their SHA-256."""
     with tempfile.TemporaryDirectory(dir=os.path.dirname(folder)) as draft:
         target = os.path.join(draft, "wheels")
         os.mkdir(target)
-        words = ("-q", "-d", target, *_choice(kind), *requirements())
+        words = ("-q", "-d", target, *kind.pip_options(), *requirements())
         _, text = pip("download", *words, is_isolated=False)  # the index is the user's own
         if text:
             raise NotFound(f"no wheels for {kind.name}: {_reason(text)}")
@@ -123,18 +117,6 @@ def _fetch(kind: Kind, folder: str) -> dict[str, str]:
             json.dump(digests, file)
         os.rename(target, folder)
     return digests
-
-
-def _choice(kind: Kind) -> list[str]:
-    """Return the options of pip that choose wheels for a kind of host."""
-    digits = kind.python.replace(".", "")
-    words = ["--only-binary=:all:", "--implementation", "cp", "--python-version", kind.python]
-    for abi in (f"cp{digits}", "abi3", "none"):
-        words += ["--abi", abi]
-    newest = int(kind.glibc.partition(".")[2] or _OLDEST_GLIBC)
-    for minor in range(min(newest, _NEWEST_GLIBC), _OLDEST_GLIBC - 1, -1):
-        words += ["--platform", f"manylinux_2_{minor}_{kind.machine}"]
-    return [*words, "--platform", f"manylinux2014_{kind.machine}"]
 
 
 def _reason(text: str) -> str:

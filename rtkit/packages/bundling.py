@@ -22,6 +22,7 @@ from rtkit.packages.repository import Repositories, newest_first, offers, opened
 from rtkit.packages.resolving import fetch, resolve
 from rtkit.packages.signing import check
 from rtkit.packages.wheel import read_wheel
+from rtkit.packages.wheel_target import WheelTarget
 from rtkit.profile.rts_model import ComponentInstance, RtsProfile
 from rtkit.rtc.create import readable_create
 from rtkit.rtc.profiles import split_module
@@ -51,23 +52,29 @@ def gather(profile: RtsProfile, repositories: Repositories, folder: str) -> dict
     return packages
 
 
-def fetched(wanted: Requirement, repositories: Repositories, folder: str) -> dict[str, list[str]]:
+def fetched(
+    wanted: Requirement,
+    repositories: Repositories,
+    folder: str,
+    target: WheelTarget | None = None,
+) -> dict[str, list[str]]:
     """Return the wheels of a package and of all that it needs, by its ``NAME==VERSION``.
 
     Args:
         wanted: The package.
         repositories: Where it is found.
         folder: Gets the wheels.
+        target: The host that it is for, None for this one.
 
     Raises:
         NotFound: No repository has it.
         Refused: Versions exclude each other, or a wheel is not signed where that is required.
     """
-    chosen = resolve(wanted, repositories)
+    chosen = resolve(wanted, repositories, target)
     name = f"{chosen[0].name}=={chosen[0].version}"
     there = os.path.join(folder, name)
     os.mkdir(there)
-    wheels = [fetch(each, there) for each in chosen]
+    wheels = [fetch(each, there, target) for each in chosen]
     if not repositories.are_bundles():
         check(wheels)
     return {name: [os.path.join(there, each.file) for each in wheels]}
@@ -115,7 +122,11 @@ def _check_alike(packages: Mapping[str, Sequence[str]]) -> None:
 
 
 def pushable(
-    package: str, names: Sequence[str], digests: Mapping[str, str], folder: str
+    package: str,
+    names: Sequence[str],
+    digests: Mapping[str, str],
+    folder: str,
+    target: WheelTarget | None = None,
 ) -> dict[str, list[str]]:
     """Return the wheels of a package as it is installed here, else of repositories, by its name.
 
@@ -124,20 +135,24 @@ def pushable(
         names: Repositories.
         digests: SHA-256 that the wheels must have, by file.
         folder: Gets wheels that are fetched.
+        target: The host that it is for; None while that is not known, so for one as this one.
 
     Raises:
         NotFound: No repository has it, or it needs what a clean rtkit has not.
         Refused: A wheel has changed, or is not signed where that is required.
     """
     here = next((each for each in installed() if each.text == package), None)
-    if here is not None and {**here.wheels} == {**digests}:
+    is_kept = here is not None and {**here.wheels} == {**digests}
+    if here is not None and is_kept and (target is None or target.kind.fits(here.wheels)):
         found = {package: kept_wheels(here)}
         check([read_wheel(each) for each in found[package]])
     else:
         with opened(names) as there:
-            found = fetched(Requirement(package), there, folder)
+            found = fetched(Requirement(package), there, folder, target)
         wheels = (read_wheel(each) for each in found[package])
         compare({each.file: each.sha256 for each in wheels}, digests, "the plan has")
+        if target is not None:
+            return found  # with all that the host lacks
     check_whole(found)
     return found
 

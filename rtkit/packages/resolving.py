@@ -19,6 +19,10 @@ from rtkit.errors import Malformed, NotFound, Refused, RtkitError, Unreachable
 from rtkit.packages.repository import Repositories
 from rtkit.packages.tools import pip
 from rtkit.packages.wheel import Wheel, read_wheel
+from rtkit.packages.wheel_target import WheelTarget
+
+_CONSTRAINT = "The user requested (constraint)"
+"""How pip names what a target has."""
 
 
 class Chosen(NamedTuple):
@@ -52,8 +56,15 @@ def requirement(text: str) -> Requirement:
     return found
 
 
-def resolve(wanted: Requirement, repositories: Repositories) -> list[Chosen]:
-    """Return the wheel that is wanted, and those of all it needs that this Python has not.
+def resolve(
+    wanted: Requirement, repositories: Repositories, target: WheelTarget | None = None
+) -> list[Chosen]:
+    """Return the wheel that is wanted, and those of all it needs that a Python has not.
+
+    Args:
+        wanted: The package.
+        repositories: Where it is looked for.
+        target: The host whose Python it is, None for the Python here.
 
     Raises:
         NotFound: No repository has one that fits; says which versions there are.
@@ -61,22 +72,28 @@ def resolve(wanted: Requirement, repositories: Repositories) -> list[Chosen]:
         Refused: Packages need versions of a third that exclude each other; names them.
     """
     options = ["--only-binary=:all:", "--retries", "1", *repositories.pip_options()]
-    with tempfile.NamedTemporaryFile("r", prefix="rtpkg-") as report:
-        what = ("--dry-run", "--report", report.name)
+    with tempfile.TemporaryDirectory(prefix="rtpkg-") as folder:
+        report = os.path.join(folder, "report.json")
+        if target is not None:
+            options += target.pip_options(folder)
+        what = ("--dry-run", "--report", report)
         output, error = pip("install", *what, *options, "--", str(wanted))
         if error:
-            raise _failure(wanted, f"{output}\n{error}", repositories)
-        items = json.load(report)["install"]
+            raise _failure(wanted, f"{output}\n{error}", repositories, target)
+        with open(report, encoding="utf-8") as file:
+            items = json.load(file)["install"]
     chosen = []
     for each in items:
         metadata, info = each["metadata"], each["download_info"]
         digest = info["archive_info"]["hashes"]["sha256"]
         name = canonicalize_name(metadata["name"])
         chosen.append(Chosen(name, metadata["version"], urldefrag(info["url"])[0], digest))
+    if target is not None:
+        chosen = [each for each in chosen if each.name not in target.has]
     own = canonicalize_name(wanted.name)
     if own not in [each.name for each in chosen]:
         raise Refused(f"{own} is part of this Python already (pip uninstall {own} removes it)")
-    for each in chosen:
+    for each in chosen if target is None else ():
         _check_environment(own, each)
     return sorted(chosen, key=lambda each: each.name != own)
 
@@ -94,11 +111,14 @@ def _check_environment(own: str, chosen: Chosen) -> None:
         )
 
 
-def _failure(wanted: Requirement, text: str, repositories: Repositories) -> RtkitError:
+def _failure(
+    wanted: Requirement, text: str, repositories: Repositories, target: WheelTarget | None
+) -> RtkitError:
     lines = [line.strip() for line in text.splitlines()]
     if "The conflict is caused by:" in lines:
         rest = lines[lines.index("The conflict is caused by:") + 1 :]
         causes = rest[: rest.index("")] if "" in rest else rest
+        causes = [each.replace(_CONSTRAINT, "the rtkit there has") for each in causes]
         return Refused(f"conflict: {'; '.join(causes)}")
     if "connection broken by" in text:
         asked = ", or of ".join(repositories.indexes)
@@ -109,13 +129,14 @@ def _failure(wanted: Requirement, text: str, repositories: Repositories) -> Rtki
         there = f"; there is {versions}" if versions != "none" else ""
         needs = re.findall(r"\(from (.*?)\)", name)
         by = f", which {', '.join(needs)} needs" if needs else ""
-        return NotFound(f"no repository has {name.partition(' (from')[0]}{by}{there}")
+        kind = f" for {target.kind.name}" if target is not None else ""
+        return NotFound(f"no repository has {name.partition(' (from')[0]}{kind}{by}{there}")
     errors = [line.removeprefix("ERROR: ") for line in lines if line.startswith("ERROR: ")]
     return Refused(f"{wanted}: {errors[0] if errors else lines[-1]}")
 
 
-def fetch(chosen: Chosen, folder: str) -> Wheel:
-    """Fetch a wheel into a folder, and return it.
+def fetch(chosen: Chosen, folder: str, target: WheelTarget | None = None) -> Wheel:
+    """Fetch a wheel, which was chosen for `target`, into a folder, and return it.
 
     Raises:
         Refused: It is not what pip has chosen, or is not safe; says why.
@@ -126,7 +147,9 @@ def fetch(chosen: Chosen, folder: str) -> Wheel:
         shutil.copyfile(unquote(parts.path), path)
     else:
         link = f"{chosen.url}#sha256={chosen.sha256}"
-        _, error = pip("download", "-q", "--no-deps", "--no-index", "-d", folder, "--", link)
+        kind = target.kind.pip_options() if target is not None else []
+        words = ("-q", "--no-deps", "--no-index", *kind, "-d", folder)
+        _, error = pip("download", *words, "--", link)
         if error:
             raise Refused(f"{chosen.file}: {error.splitlines()[-1]}")
     wheel = read_wheel(path)

@@ -13,8 +13,12 @@ from rtkit.cli.shared.options import arguments, flag, json_flag, option, several
 from rtkit.errors import UsageProblem
 
 if TYPE_CHECKING:
+    from packaging.requirements import Requirement
+
     from rtkit.hosts.connection import HostConnection
     from rtkit.hosts.far_packager import PackageAnswer
+    from rtkit.packages.repository import Repositories
+    from rtkit.packages.wheel_target import WheelTarget
 
 
 @command(
@@ -50,7 +54,8 @@ def main(
     by name the newest version, by RTC:vendor:category:type:language:version the one with that id.
 
     With --host packages are looked for here and pushed over SSH to a host that rtmgr start --host
-    has brought up, with all that they need: it asks no repository, and needs no network.
+    has brought up, with all that they need: it asks no repository, and needs no network. Wheels are
+    chosen for its Python and machine; one that no repository has is told before anything is sent.
     """
     from rtkit.packages.bundle import is_bundle
     from rtkit.packages.installed import install, install_bundle, read_lock, write_lock
@@ -94,22 +99,54 @@ def _push(
     import tempfile
 
     from rtkit.hosts.far_packages import push, push_bundle
-    from rtkit.packages.bundling import check_whole, fetched
     from rtkit.packages.repository import named_repositories, opened
     from rtkit.packages.resolving import requirement
 
     plain, bundles = wanted
+    asked = [requirement(each) for each in dict.fromkeys(plain)]
     with (
         opened(named_repositories(repositories) if plain else ()) as there,
         tempfile.TemporaryDirectory(prefix="rtpkg-") as draft,
     ):
-        packages: dict[str, list[str]] = {}
-        for each in map(requirement, dict.fromkeys(plain)):
-            packages |= fetched(each, there, draft)
-        check_whole(packages)
+        fetching = _Fetching(asked, there, draft)
 
         def work(connection: HostConnection) -> list[PackageAnswer]:
+            packages = fetching.for_host(connection) if asked else {}
             done = [push_bundle(connection, path) for path in bundles]
             return done + ([push(connection, packages)] if packages else [])
 
         return at_hosts(app, hosts, work, is_json if is_json or app.is_verbose else None)
+
+
+class _Fetching:
+    """Fetches packages for hosts, once for each kind of host."""
+
+    def __init__(self, asked: list[Requirement], there: Repositories, draft: str) -> None:
+        self._asked = asked
+        self._there = there
+        self._draft = draft
+        self._known: list[tuple[WheelTarget, dict[str, list[str]]]] = []
+
+    def for_host(self, connection: HostConnection) -> dict[str, list[str]]:
+        """Return the wheels of all packages, with what a host lacks for them."""
+        import os
+
+        from rtkit.errors import Refused
+        from rtkit.hosts.far_side import look
+        from rtkit.hosts.host import named
+        from rtkit.packages.bundling import fetched
+
+        host, found = connection.host.name, look(connection)
+        if not found.current:
+            raise Refused(f"{host}: no rtkit is there yet: rtmgr start --host {host} brings it")
+        for target, packages in self._known:
+            if target == found.target:
+                return packages
+        folder = os.path.join(self._draft, str(len(self._known)))
+        os.mkdir(folder)
+        packages = {}
+        with named(host):
+            for each in self._asked:
+                packages |= fetched(each, self._there, folder, found.target)
+        self._known.append((found.target, packages))
+        return packages
