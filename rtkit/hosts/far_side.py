@@ -58,7 +58,7 @@ class FarSide(Record):
 
     @property
     def target(self) -> WheelTarget:
-        """What packages are chosen for: its kind, and what its rtkit brings along."""
+        """Target that packages are chosen for: its kind, and what its rtkit brings along."""
         pairs = (found for each in self.distributions if (found := _DISTRIBUTION.fullmatch(each)))
         return WheelTarget(self.kind, {canonicalize_name(found[1]): found[2] for found in pairs})
 

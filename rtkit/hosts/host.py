@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ipaddress
 from collections.abc import Iterator
 from contextlib import contextmanager
 
@@ -69,7 +70,16 @@ def host_at(name: str, typed: str) -> Host:
     bare = address.removeprefix("[").removesuffix("]")
     if not bare or (at and not user) or not _is_word(bare) or (user and not _is_word(user)):
         raise Malformed(f"not [USER@]ADDRESS[:PORT]: {typed!r}")
+    if ":" in bare:
+        _check_ipv6(bare, typed)
     return Host(name, bare, user, int(port or 0))
+
+
+def _check_ipv6(address: str, typed: str) -> None:
+    try:
+        ipaddress.IPv6Address(address)
+    except ValueError as error:
+        raise Malformed(f"not an IPv6 address: {address} (in {typed}): {error}") from None
 
 
 def _is_word(text: str) -> bool:

@@ -14,7 +14,7 @@ from contextlib import contextmanager
 from typing import Any
 
 from rtkit.errors import Malformed, NotFound, Refused
-from rtkit.hosts.host import Host, host_at
+from rtkit.hosts.host import Host, host_at, named
 from rtkit.link import places
 from rtkit.rtc.names import check_host_name
 from rtkit.rtc.nearest import did_you_mean
@@ -165,7 +165,8 @@ def _host(name: str, table: Any) -> Host:
     tags = table.get("tags", [])
     if not isinstance(tags, list) or not all(isinstance(each, str) for each in tags):
         raise Malformed(f"{name}: tags: not a list of texts")
-    at = host_at(name, str(texts["address"]))
+    with named(f"{name}: address"):
+        at = host_at(name, str(texts["address"]))
     usual = Host("", "")
     return Host(
         at.name,

@@ -48,6 +48,10 @@ _IDLE = re.findall(
 )
 """Keywords of the terminal and of forwarded ports: nothing of them is missed."""
 
+_MATCHES = ("all", "canonical", "final", "host", "originalhost", "user", "localuser", "exec")
+"""Words of ``Match`` that paramiko knows; the first three have no value."""
+_LATER_ALL, _ALONE = re.compile(r"\b(final|canonical)\s+all\b"), r"\1"
+"""``final all``, which paramiko refuses, means the same as ``final``."""
 _MARK = "rtkit_"
 _NEVER = "Host !*"
 _DEEPEST = 16
@@ -115,8 +119,14 @@ class ExpandedConfig:
             self._begin("Host *")
             self._note(f"Match exec ({where}), of which nothing is run")
             self._begin(_NEVER)
+        elif key == "match" and (alien := _alien(value)):
+            self._begin("Host *")
+            self._note(f"Match {alien} ({where}), which is taken for not met")
+            self._begin(_NEVER)
         elif key in ("host", "match"):
-            self._begin(f"{key} {value}")
+            self._begin(f"{key} {_LATER_ALL.sub(_ALONE, value)}")
+            if key == "match":
+                self._lookup(where=where)
         elif key == "include":
             header = self._header
             if _MARK in self._lookup(f"{_MARK} here", where):
@@ -146,6 +156,21 @@ class ExpandedConfig:
 
 
 _HONOURED = frozenset(each.lower() for each in HONOURED)
+
+
+def _alien(value: str) -> str:
+    """Return the first word of a ``Match`` that paramiko takes for met, empty if there is none."""
+    try:
+        words = iter(shlex.split(value))
+    except ValueError:
+        return ""  # the look-up tells
+    for word in words:
+        name = word.removeprefix("!")
+        if name not in _MATCHES:
+            return name
+        if name not in _MATCHES[:3]:
+            next(words, "")
+    return ""
 
 
 def expanded_path(text: str) -> str:

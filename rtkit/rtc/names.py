@@ -102,7 +102,10 @@ def check_host_name(name: str) -> str:
     Raises:
         Malformed: It cannot be an element of a path, or means this host.
     """
-    check_instance_name(name)
+    try:
+        check_instance_name(name)
+    except Malformed as error:
+        raise Malformed(str(error).replace("instance name", "name of a host", 1)) from None
     if name == LOCAL or name.startswith(("-", ".")):
         raise Malformed(f"not a name for a host: {name}")
     if name.endswith((COMPONENT_SUFFIX, MANAGER_SUFFIX)):

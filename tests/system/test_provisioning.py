@@ -6,18 +6,17 @@ import json
 import os
 import shutil
 import signal
-import socket
-import threading
 import zipfile
 from collections.abc import Iterator
-from contextlib import suppress
 from pathlib import Path
 
 import farkit
 import pytest
 from farkit import FarHost, far_hosts
 from forked import Commands
+from forwarding import Forwarder
 from shells import ROOT, Shell, opened_shell
+from waiting import until
 
 from rtkit.errors import RtkitError, Unreachable
 from rtkit.hosts import clock, far_program, far_side, link_process, provisioned, wheels
@@ -27,43 +26,6 @@ from rtkit.hosts.provisioned import Provisioned
 
 pytestmark = pytest.mark.skipif(bool(farkit.missing()), reason=farkit.missing())
 _BASE = "/root/.local/share/rtkit"
-
-
-class _Cut:
-    """A port here that leads to a host's sshd; it ends each connection after so many bytes."""
-
-    def __init__(self, host: FarHost) -> None:
-        self._to = (host.address, 22)
-        self.after = 0
-        self._opened: list[socket.socket] = []
-        self._socket = socket.create_server(("127.0.0.1", 0))
-        self.port = self._socket.getsockname()[1]
-        threading.Thread(target=self._serve, daemon=True).start()
-
-    def _serve(self) -> None:
-        with suppress(OSError):
-            while True:
-                near, _ = self._socket.accept()
-                far = socket.create_connection(self._to)
-                self._opened += [near, far]
-                for source, sink, most in ((near, far, self.after), (far, near, 1 << 40)):
-                    words = (source, sink, most)
-                    threading.Thread(target=self._pass, args=words, daemon=True).start()
-
-    @staticmethod
-    def _pass(source: socket.socket, sink: socket.socket, left: int) -> None:
-        with suppress(OSError):
-            while left > 0 and (data := source.recv(min(left, 1 << 16))):
-                sink.sendall(data)
-                left -= len(data)
-        for each in (source, sink):
-            with suppress(OSError):
-                each.shutdown(socket.SHUT_RDWR)
-
-    def close(self) -> None:
-        self._socket.shutdown(socket.SHUT_RDWR)
-        for each in (self._socket, *self._opened):
-            each.close()
 
 
 @pytest.fixture
@@ -112,7 +74,7 @@ def _versions(far: FarHost) -> tuple[str, list[str]]:
 
 
 def test_a_cut_connection_leaves_no_half_version_and_nothing_is_sent_twice(far: FarHost) -> None:
-    cut = _Cut(far)
+    cut = Forwarder(far.address)
     known = Path(os.environ["HOME"], ".ssh", "known_hosts")
     known.write_text(known.read_text().replace("*", str(cut.port)))
     host = Host("bare", "127.0.0.1", "root", cut.port)
@@ -213,18 +175,80 @@ def test_a_command_that_is_killed_at_any_step_is_typed_again(shell_to: Shell, fa
     shell_to.ok("rtmgr stop --host bare")
 
 
+_STEPS = ("looked", "asked", "wheel", "sent", "used", "started")
+
+
 def _kill_at_each_step(shell: Shell, far: FarHost) -> None:
+    for step, folder in _at_each_step(shell, "kill"):
+        killed = shell.open("rtmgr start --host bare")
+        assert killed.wait(60.0) == -signal.SIGKILL, step
+        assert (folder / "struck").exists()
+        current, complete = _versions(far)
+        assert complete == ([current] if step in ("used", "started") else [])
+
+
+def _at_each_step(shell: Shell, action: str) -> Iterator[tuple[str, Path]]:
+    """Order an action for the first pass of each step; yield it, and the folder of faults."""
     folder = shell.folder / "faults"
     folder.mkdir(mode=0o700)
     shell.environment["RTKIT_FAULT"] = str(folder)
-    for step in ("looked", "asked", "wheel", "sent", "used", "started"):
-        (folder / "orders").write_text(f"provision.{step} 1 kill\n")
-        (folder / "passed").unlink(missing_ok=True)
-        killed = shell.open("rtmgr start --host bare")
-        assert killed.wait(60.0) == -signal.SIGKILL, step
-        current, complete = _versions(far)
-        assert complete == ([current] if step in ("used", "started") else [])
+    for step in _STEPS:
+        (folder / "orders").write_text(f"provision.{step} 1 {action}\n")
+        for name in ("passed", "struck"):
+            (folder / name).unlink(missing_ok=True)
+        yield step, folder
     del shell.environment["RTKIT_FAULT"]
+
+
+def test_a_session_that_the_sshd_drops_at_any_step_is_told_and_done_again(
+    shell_to: Shell, far: FarHost
+) -> None:
+    for step, folder in _at_each_step(shell_to, "stop"):
+        dropped = shell_to.open("rtmgr start --host bare")
+        until((folder / "struck").exists, f"{step}: the command stands still")
+        far.run("sh", "-c", "pkill -f '[s]shd: root'; true")
+        os.kill(dropped.pid, signal.SIGCONT)
+        if step == "started":  # all is done there, and the link has a connection of its own
+            assert dropped.wait(60.0) == 0
+            break
+        assert dropped.wait(60.0) == 1, step
+        assert dropped.stderr is not None
+        told = dropped.stderr.read()
+        assert "rtmgr: bare" in told or "rtmgr: the connection to bare has ended" in told
+        assert "Traceback" not in told
+        current, complete = _versions(far)
+        assert complete == ([current] if step == "used" else [])
+    assert shell_to.ok("rtls /bare").split() == ["manager.mgr/"]
+    shell_to.ok("rtmgr stop --host bare")
+
+
+def test_a_link_goes_neither_to_somebody_in_between_nor_in_without_a_key(
+    shell_to: Shell, far: FarHost
+) -> None:
+    far.run("ssh-keygen", "-q", "-t", "ed25519", "-N", "", "-f", "/root/another")
+    far.sshd(2203, key="/root/another")
+    between = Forwarder(far.address)
+    known = shell_to.folder / "home" / ".ssh" / "known_hosts"
+    known.write_text(known.read_text().replace("*", str(between.port)))
+    shell_to.ok(f"rthost add bare root@127.0.0.1:{between.port} --force")
+    shell_to.ok("rtmgr start --host bare")
+    for there, back, why in (
+        (lambda: between.lead(2203), lambda: between.lead(22), "its key has changed: ssh-ed25519"),
+        (
+            lambda: far.run("mv", "/root/.ssh/authorized_keys", "/root/keys"),
+            lambda: far.run("mv", "/root/keys", "/root/.ssh/authorized_keys"),
+            "user root is not let in: it takes none of the keys",
+        ),
+    ):
+        there()
+        between.cut()
+        until(lambda why=why: why in shell_to.run("rtls /bare").err, why)
+        assert why in shell_to.run("rtmgr start --host bare").err
+        back()
+        shell_to.ok("rtmgr start --host bare")
+        shell_to.ok("rtls /bare")
+    shell_to.ok("rtmgr stop --host bare")
+    between.close()
 
 
 def test_a_manager_of_another_build_runs_on_until_it_is_to_be_replaced(

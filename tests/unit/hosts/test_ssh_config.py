@@ -99,6 +99,26 @@ def test_no_command_of_a_match_is_run(home: Path) -> None:
     assert "nothing is run" in way.unused[0]
 
 
+def test_what_matches_in_the_end_comes_last(home: Path) -> None:
+    config = "Match final all\nUser late\nPort 7\nMatch !final originalhost robot\nUser first\n"
+    way = _way(config)
+    assert (way.user, way.port, way.unused) == ("first", 7, ())
+    assert _way("Match canonical all\nPort 7\n").port == 22
+
+
+def test_a_word_of_match_that_is_not_known_is_not_met_and_named(home: Path) -> None:
+    for line in ("localnetwork 10.0.0.0/8", "host robot tagged x", "!sessiontype shell"):
+        way = _way(f"Match {line}\nPort 7\nHost *\nUser u\n")
+        (told,) = way.unused
+        assert (way.port, way.user) == (22, "u")
+        assert "config:1), which is taken for not met" in told
+
+
+def test_a_match_that_makes_no_sense_is_told_with_its_line(home: Path) -> None:
+    with pytest.raises(Malformed, match=r"config:2: Missing parameter"):
+        _way("Port 7\nMatch host\nPort 8\n")
+
+
 def test_the_file_of_the_machine_comes_last(home: Path) -> None:
     (home / "system").mkdir()
     (home / "system" / "ssh_config").write_text("Include more\nUser no\n")
