@@ -343,11 +343,10 @@ class Client(Closing):
         place, owner = self._owners.find(path)
         owner.begin()
         _, mark, tail = ask.target.partition("?")
-        given: dict[str, str | None]
-        given = {key: _parameter(each) for key, each in ask.parameters.items()}
-        more = [each for each in (tail, write_parameters(given)) if each]
-        target = place.target("&".join(more)) if more or not mark else f"{place.target()}?"
-        return owner, target
+        if ask.parameters:
+            given = {key: _parameter(each) for key, each in ask.parameters.items()}
+            tail = "&".join(filter(None, (tail, write_parameters(given))))
+        return owner, place.target(tail) if tail or not mark else f"{place.target()}?"
 
     def _outcome(self, ask: Ask, answer: Answer) -> Payload | PropertyError | None:
         if not answer.error:
@@ -413,7 +412,7 @@ def _object(payload: Payload) -> Any:
 
 def _of_value(value: Value) -> Any:
     if isinstance(value, tuple):
-        return tuple(map(_of_value, value))
+        return value if {*map(type, value)} <= {float} else tuple(map(_of_value, value))
     if isinstance(value, Element) and value.name == "marker":
         from rtkit.property.marker import Marker
 

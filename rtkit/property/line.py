@@ -309,7 +309,8 @@ class Replies:
             if raw is None:
                 return None
             head, payload = self._read(raw.decode("utf-8", "replace"))
-            announced = _BLOCK.fullmatch(payload.encode("utf-8", "replace"))
+            is_block = payload[:1] == "{"  # most are none
+            announced = _BLOCK.fullmatch(payload.encode("utf-8", "replace")) if is_block else None
             if head[1].startswith("!") or announced is None:
                 return _made(head, payload)
             self._head, self._length = head, int(announced[1])

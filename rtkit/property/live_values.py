@@ -13,6 +13,7 @@ from rtkit.property import components
 from rtkit.property.codes import PropertyError
 from rtkit.property.listeners import Listeners
 from rtkit.property.messages import Payload
+from rtkit.property.names import NameSource
 from rtkit.property.node import PropertyNode
 from rtkit.property.presenting import EMPTY, Gui
 from rtkit.property.property_spec import EMPTY_PLACE, PropertySpec
@@ -263,7 +264,7 @@ class LiveValues:
         if returning is not None:
             returning.was_set()
         if node.source is not None:
-            self._apply_names(node.name)
+            self._apply_names(node.name, node.source)
             return
         if "r" not in node.spec.access:
             return
@@ -274,9 +275,10 @@ class LiveValues:
                 return
         self.keep(node, value)
 
-    def _apply_names(self, name: str) -> None:
+    def _apply_names(self, name: str, source: NameSource) -> None:
         """Tell what came of a value that its owner was given: the name may have come or gone."""
-        self.names_now()
+        if result_of(self.user_code.call(source.has_other_names)):
+            self.names_now()
         node = self.registry.nodes.get(name)
         if node is None or "r" not in node.spec.access:
             return

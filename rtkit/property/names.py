@@ -74,21 +74,26 @@ class NameSource:
         read: The stamp of the value when its listeners were sent it last.
     """
 
-    __slots__ = ("_name", "_owner", "_seen", "read")
+    __slots__ = ("_name", "_seen", "_table", "read")
 
-    def __init__(self, owner: Callable[[], Names], name: str) -> None:
-        self._owner = owner
+    def __init__(self, table: NameTable, name: str) -> None:
+        self._table = table
         self._name = name
         self._seen: object = _UNSEEN
         self.read: object = _UNSEEN
 
     def stamp(self) -> object:
         """See `Names.stamp`."""
-        return self._owner().stamp(self._name)
+        return self._table.owner().stamp(self._name)
 
     def about(self) -> dict[str, Content]:
         """See `Names.about`."""
-        return {key: to_value(each) for key, each in self._owner().about(self._name).items()}
+        about = self._table.owner().about(self._name)
+        return {key: to_value(each) for key, each in about.items()}
+
+    def has_other_names(self) -> bool:
+        """Return whether its owner lists other names than it did."""
+        return self._table.owner().names() is not self._table.known.listed
 
     def settle(self, stamp: object) -> int | None:
         """Note the present stamp; return by how much the revision grows, None for no change."""

@@ -7,6 +7,7 @@ Two spellings of one name are the same name. Source: `property-service` referenc
 from __future__ import annotations
 
 import re
+from collections.abc import Mapping
 from typing import NamedTuple
 
 from rtkit.property.codes import PropertyError
@@ -138,7 +139,7 @@ def parse_parameters(text: str) -> dict[str, str | None]:
     return parameters
 
 
-def write_parameters(parameters: dict[str, str | None]) -> str:
+def write_parameters(parameters: Mapping[str, str | None]) -> str:
     """Return parameters as they follow the question mark."""
     return "&".join(
         [

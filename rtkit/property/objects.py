@@ -184,7 +184,7 @@ class Exported:
             if table.prefix + name not in self._names:
                 spec, accessors = self._named(table, name, hint)
                 node = self._service.add(table.prefix + name, spec=spec, **accessors)
-                node.source = NameSource(table.owner, name)
+                node.source = NameSource(table, name)
                 mount = table.owner().mount(name)
                 if mount is not None:
                     self._add_mount(node.name, mount, lambda: True)
@@ -198,7 +198,7 @@ class Exported:
                 spec, accessors = self._named(table, own, hint)
                 node = PropertyNode(check_registrable(name), spec, None, 0.0)
                 node.reader, node.writer = accessors["read"], accessors["write"]
-                node.source = NameSource(table.owner, own)
+                node.source = NameSource(table, own)
                 return node
         return None
 

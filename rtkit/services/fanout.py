@@ -210,7 +210,9 @@ class Members:
         ask, error, targets, kinds = rtkit.Ask, rtkit.PropertyError, self._targets, self._is_group
         of_group = {**parameters, "timeout": round(bound_s * _SHARE, 3)}
         asks = [
-            ask(f"{targets.get(each, each)}.{name}", *value)._replace(
+            ask(  # type: ignore[misc]  # there is one value, or none
+                f"{targets.get(each, each)}.{name}",
+                *value,
                 parameters=of_group if kinds.get(each) else parameters,
                 in_turn=self._id if kinds.get(each) else "",
             )

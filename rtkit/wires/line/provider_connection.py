@@ -135,6 +135,8 @@ class LineConnection(ProviderConnection, IOHandler):
         try:
             while self._is_open and (received := self._replies.next()) is not None:
                 self._take(received)
+                if self._replies.is_idle:
+                    break  # as after nearly each
         except PropertyError as error:
             self._fail(f"no line protocol: {error}")
 

@@ -351,3 +351,39 @@ def test_a_place_that_has_no_names_yet_is_there(drawer: Drawer) -> None:
     made.kept._kept["c"] = 3
     assert service.get("kept.c") == "3"
     assert service.get("kept") == "(c)"
+
+
+class Volume(Names):
+    """One number, under a name that stays."""
+
+    def __init__(self) -> None:
+        self._names, self._value = ("volume",), 1.0
+
+    def names(self) -> Collection[str]:
+        return self._names
+
+    def get(self, name: str) -> float:
+        return self._value
+
+    def set(self, name: str, value: float) -> None:
+        self._value = value
+        if name not in self._names:
+            self._names = (*self._names, name)
+
+
+def test_all_names_are_looked_at_only_after_a_set_that_changed_the_list() -> None:
+    service = Service("radio")
+    Exported(service, Volume())
+    looks: list[str] = []
+    looked = service.values.on_names
+    assert looked is not None
+
+    def look() -> None:
+        looks.append("")
+        looked()
+
+    service.values.on_names = look
+    service.set("volume", "2")
+    assert (service.get("volume"), looks) == ("2.0", [])
+    service.set("bass", "3")
+    assert (service.get("properties"), bool(looks)) == ("(volume bass)", True)
