@@ -6,6 +6,7 @@ State is told by a word and a sign as well as by colour.
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Sequence
 from typing import Any
 
@@ -187,13 +188,14 @@ def _map(markers: list[Any], width: int) -> list[Line]:
     places = [(each, found) for each in markers if (found := _location(each)) is not None]
     if not places:
         return [[("no places", "dim")]]
-    columns, rows = max(12, min(48, width - 2)), 9
+    columns, most = max(12, min(48, width - 2)), 9
     # Rubbish, as nan, is listed, but lies nowhere.
     drawn = [at[:2] for _, at in places if all(abs(each) < _FARTHEST for each in at[:2])]
     xs = [0.0, *(x for x, _ in drawn)]
     ys = [0.0, *(y for _, y in drawn)]
-    unit = max((max(xs) - min(xs)) / (columns - 1), (max(ys) - min(ys)) * 2 / (rows - 1) / 2, 1e-9)
-    grid = [[" "] * columns for _ in range(rows)]
+    unit = max((max(xs) - min(xs)) / (columns - 1), (max(ys) - min(ys)) / 2 / (most - 1), 1e-9)
+    rows = min(most, round((max(ys) - min(ys)) / unit / 2) + 1)
+    grid = [["·"] * columns for _ in range(rows)]
 
     def put(x: float, y: float, sign: str) -> None:
         column, row = round((x - min(xs)) / unit), round((max(ys) - y) / unit / 2)
@@ -207,7 +209,14 @@ def _map(markers: list[Any], width: int) -> list[Line]:
             put(at[0], at[1], sign)
         words = "".join(text for line in _features(marker) for text, _ in line)
         listed.append([(f"{sign} ", "accent"), (f"{text_of(at)}  ", ""), (words, "dim")])
-    return [*([("".join(each), "accent")] for each in grid), *listed[:_MOST_LINES]]
+    scale = f"{'━' * (columns // 4)} {text_of(unit * (columns // 4))}"
+    drawn_rows = [_marked("".join(each)) for each in grid]
+    return [*drawn_rows, [(scale, "dim")], *listed[:_MOST_LINES]]
+
+
+def _marked(row: str) -> Line:
+    """Return a row of a map, its signs brighter than the ground."""
+    return [(each, "dim" if each[0] == "·" else "accent") for each in re.findall("·+|[^·]+", row)]
 
 
 def _call(value: Any) -> Line:

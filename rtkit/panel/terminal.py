@@ -10,6 +10,7 @@ from typing import Any, ClassVar
 from rich.text import Text
 from textual import events
 from textual.app import App, ComposeResult
+from textual.binding import Binding
 from textual.containers import Vertical, VerticalScroll
 from textual.screen import ModalScreen
 from textual.timer import Timer
@@ -94,9 +95,9 @@ class PanelRow(Widget, can_focus=True):
         """Take as many lines as it needs in its new width."""
         self.refresh(layout=True)
 
-    def on_key(self, event: events.Key) -> None:
-        """Change the value, or a part of it, or have it typed."""
-        key, value, panel = event.key, self.shown.value, self.panel
+    async def press(self, key: str) -> bool:
+        """Change the value, or a part of it, or have it typed; return whether the key does that."""
+        value, panel = self.shown.value, self.panel
         if monotonic() < self._wished_until and is_number(self._wished):
             value = self._wished  # that of an earlier wish may just have come back
         wanted = state.wish(panel, value, key, self.part)
@@ -108,17 +109,16 @@ class PanelRow(Widget, can_focus=True):
             self.part = (self.part + (1 if key == "right" else -1)) % max(1, len(value))
             self.refresh()
         elif panel.kind == "button" and key in ("enter", "space"):
-            self._start()
+            await self._start()
         elif panel.kind == "button" and key == "s":
             self._panel_app.ask(panel.name, None, partial(self._live.stop, panel.name))
         elif key == "enter" and panel.kind in _EDITED:
-            self._edit()
+            await self._edit()
         else:
-            return
-        event.stop()
-        event.prevent_default()
+            return False
+        return True
 
-    def on_click(self, event: events.Click) -> None:
+    async def on_click(self, event: events.Click) -> None:
         """Do what a key would; a slider goes where it is clicked."""
         panel = self.panel
         if panel.kind not in _ACTED or panel.is_read_only:
@@ -129,7 +129,7 @@ class PanelRow(Widget, can_focus=True):
             part = min(1.0, max(0.0, (event.x - 1 - _NAME_COLUMNS) / room))
             self.wish(float(f"{low + part * (high - low):.4g}"))
         elif panel.kind == "button":
-            self._start()
+            await self._start()
         else:
             key = "space" if panel.kind == "toggle" else "right"
             self.wish(state.wish(panel, self.shown.value, key))
@@ -145,7 +145,7 @@ class PanelRow(Widget, can_focus=True):
         self._panel_app.ask(self.panel.name, value, partial(self._live.set, self.panel.name, value))
         self._panel_app.show(self)
 
-    def _edit(self) -> None:
+    async def _edit(self) -> None:
         as_text = drawing.text_of if self.panel.kind in ("text", "label") else _text
 
         def done(given: dict[str, str] | None) -> None:
@@ -153,9 +153,10 @@ class PanelRow(Widget, can_focus=True):
                 set = partial(self._live.set, self.panel.name, given[self.panel.name])
                 self._panel_app.ask(self.panel.name, given[self.panel.name], set)
 
-        self.app.push_screen(Form(self.panel.name, [(self.panel, as_text(self.shown.value))]), done)
+        asked = [(self.panel, as_text(self.shown.value))]
+        await self.app.push_screen(Form(self.panel.name, asked), done)
 
-    def _start(self) -> None:
+    async def _start(self) -> None:
         def call(given: dict[str, str] | None) -> None:
             if given is not None:
                 work = partial(self._live.call, self.panel, given)
@@ -163,7 +164,7 @@ class PanelRow(Widget, can_focus=True):
 
         arguments = [(each, each.attributes.get("default", "")) for each in self.panel.arguments]
         if arguments:
-            self.app.push_screen(Form(self.panel.name, arguments), call)
+            await self.app.push_screen(Form(self.panel.name, arguments, "starts"), call)
         else:
             call({})
 
@@ -224,20 +225,25 @@ class Form(ModalScreen[dict[str, str] | None]):
     """
     BINDINGS: ClassVar = [("escape", "dismiss(None)", "Cancel")]
 
-    def __init__(self, title: str, asked: list[tuple[Panel, str]]) -> None:
+    def __init__(self, name: str, asked: list[tuple[Panel, str]], verb: str = "sets") -> None:
         super().__init__()
-        self._title = title
+        self._title = f"{name}: Enter {verb}, Escape cancels"
         self._asked = asked
 
     def compose(self) -> ComposeResult:
         """Make the fields."""
         with Vertical():
-            yield Static(Text(f"{self._title}: Enter sets, Escape cancels", "bold"))
+            yield Static(Text(self._title, "bold"))
             for panel, text in self._asked:
                 keys = "name", "unit", "choices", "doc"
                 words = [panel.attributes[each] for each in keys if panel.attributes.get(each)]
                 yield Static(Text("  ".join(words)))
                 yield Input(text, placeholder=panel.attributes.get("type", ""))
+
+    def on_mount(self) -> None:
+        """Have what is typed from now on go into the first field."""
+        if self.focused is None:
+            self.query(Input).first().focus()
 
     def on_input_submitted(self, event: Input.Submitted) -> None:
         """Go to the next field; after the last, return what was given."""
@@ -268,8 +274,8 @@ class PanelApp(App[None]):
     """
     BINDINGS: ClassVar = [
         ("q", "quit", "Quit"),
-        ("down,j", "app.focus_next", "Next"),
-        ("up,k", "app.focus_previous", "Previous"),
+        Binding("down,j,tab", "go(1)", "Next", key_display="↓", priority=True),
+        Binding("up,k,shift+tab", "go(-1)", "Previous", key_display="↑", priority=True),
         ("ctrl+r", "again", "Ask again"),
     ]
     ENABLE_COMMAND_PALETTE = False
@@ -282,6 +288,22 @@ class PanelApp(App[None]):
         self._state = Static(id="state", markup=False)
         self._box = _Box(id="panel")
         self._served = ServedPanel(name, live.set) if name else None
+
+    async def on_event(self, event: events.Event) -> None:
+        """Take keys one after the other: a key goes where those before it have led."""
+        if isinstance(event, events.Key) and not event.is_forwarded:
+            row = self.focused
+            if isinstance(row, PanelRow) and await row.press(event.key):
+                return
+        await super().on_event(event)
+
+    def check_action(self, action: str, parameters: tuple[object, ...]) -> bool:
+        """Leave keys that lead from widget to widget to a form while it is open."""
+        return action != "go" or not isinstance(self.screen, Form)
+
+    def action_go(self, by: int) -> None:
+        """Go to the next widget, or to the one before."""
+        self.screen.focus_next() if by > 0 else self.screen.focus_previous()
 
     def compose(self) -> ComposeResult:
         """Make the widgets."""

@@ -258,6 +258,25 @@ def test_arrows_go_through_a_panel_longer_than_the_screen_and_no_key_is_lost(pla
         run(work)
 
 
+def test_keys_that_come_at_once_go_where_those_before_them_have_led(place: str) -> None:
+    robot = Robot()
+
+    async def work(app: PanelApp) -> None:
+        await until(lambda: "off" in row(app, "arm.angle") or "0 rad" in row(app, "arm.angle"))
+        app._rows["speed"].focus()
+        press(
+            app, "right", "down", "space", "tab", "right", "j", "enter", "home", "delete", "enter"
+        )
+        await until(lambda: (robot.speed, robot.is_on, robot.mode) == (0.5, False, "drive"))
+        await until(lambda: robot.title == "wo words")
+        press(app, "up", "k", "shift+tab", "left")
+        await until(lambda: robot.speed == 0.25)
+        assert (robot.is_on, robot.mode) == (False, "drive")
+
+    with rtkit.serve(robot, "robots/r1", is_on_zenoh=False):
+        run(work)
+
+
 def test_what_goes_looks_so_and_names_come_and_go(place: str) -> None:
     async def work(app: PanelApp) -> None:
         def state() -> str:

@@ -72,12 +72,11 @@ def test_a_plot_shows_the_last_numbers_and_a_map_where_markers_are() -> None:
         shown.take(each)
     assert drawing.lines(panel("plot"), shown, 40)[0][0][0] == "▁▂▃█"
     rows = drawn(panel("map"), (BALL, Marker((-1.0, 0.0), name="post")), 40)
-    signs = {
-        sign: (row.index(sign), at) for at, row in enumerate(rows[:-2]) for sign in row.strip()
-    }
+    ground = [row.replace("·", "") for row in rows[:-3]]
+    signs = {sign: (rows[at].index(sign), at) for at, row in enumerate(ground) for sign in row}
     assert signs["A"][0] > signs["+"][0] > signs["B"][0]
     assert signs["A"][1] < signs["+"][1] == signs["B"][1]
-    assert rows[-2:] == ["A 1  2  0  ball thing", "B -1  0  post"]
+    assert rows[-3:] == ["━━━━━━━━━ 1.125", "A 1  2  0  ball thing", "B -1  0  post"]
 
 
 def test_a_picture_is_blocks_of_its_colours() -> None:
