@@ -307,6 +307,8 @@ class Storage(Names):
             if offset < -1 or size < -1:
                 raise PropertyError("bad-parameter", "offset and size are not negative")
             if offset < 0:
+                if size not in (-1, len(value)):
+                    raise PropertyError("bad-parameter", f"{len(value)} bytes came, not {size}")
                 offset, size, upload = 0, len(value), _WHOLE
             self._put((name, upload), path, value, (offset, size), sha256)
 

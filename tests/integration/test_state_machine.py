@@ -310,9 +310,18 @@ def test_a_machine_is_got_from_storage_edited_and_saved_there(
     client.set("files.machines.lit.ttl", part)
     client.set("butler.machine.dark.inner", client.get_bytes("files.machines.lit.ttl"))
     assert client.get("butler.state") == "dark.inner.first"
+    turnstile = """<scxml xmlns="http://www.w3.org/2005/07/scxml"><state id="locked"/></scxml>"""
+    client.set("butler.machine.lit.gate", turnstile)
+    ends.enter_context(rtkit.serve(StateMachine(), "other"))
+    client.set("other.machine", HOME.replace('"visits" ; sm:value 0', '"visits" ; sm:value 5'))
+    client.set("other.machine.kept", client.get_bytes("files.machines.lit.ttl"))
+    assert client.get("other.variables.visits") == 5, "its own"
+    client.set("other.machine", f"{HEAD}:o a sm:Machine . :dark a sm:State .")
+    client.set("other.machine.kept", client.get_bytes("files.machines.lit.ttl"))
+    assert client.get("other.variables.visits") == 0, "variables travel with a state"
     client.call("butler.save", "files.machines.new.ttl")
     saved = read_machine((tmp_path / "machines" / "new.ttl").read_text(encoding="utf-8"))
-    assert "dark.inner.second" in saved.states
+    assert {"dark.inner.second", "lit.gate.locked"} <= set(saved.states)
     assert client.get("butler.source") == "files.machines.new.ttl"
 
 

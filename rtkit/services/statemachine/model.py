@@ -121,6 +121,11 @@ class MachineState(NamedTuple):
         yield from (each.when for each in self.transitions if each.when)
         yield from (each.expression for each in self.actions() if each.expression)
 
+    def variables(self) -> list[str]:
+        """Return the variables that it uses."""
+        given = [name for each in self.actions() for name in each.variables()]
+        return given + [name for each in self.expressions() for name in each.variables]
+
 
 class Machine(NamedTuple):
     """A machine.
@@ -176,8 +181,7 @@ class Machine(NamedTuple):
                 if each.to and each.to not in self.states:
                     why = f"no state to go to: {each.to}{hint(each.to, self.states)}"
                     raise BadMachine(f"{path}: {why}", line(path, f"to {each.to}"))
-            used_here = [name for each in state.actions() for name in each.variables()]
-            for used in (*used_here, *(n for e in state.expressions() for n in e.variables)):
+            for used in state.variables():
                 if used not in self.variables:
                     why = f"no variable {used}{hint(used, self.variables)}"
                     raise BadMachine(f"{path}: {why}", line(path, f"{VARIABLES}{used}"))

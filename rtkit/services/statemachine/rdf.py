@@ -11,6 +11,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Iterator
 from typing import Any
+from urllib.parse import quote, unquote
 
 from rtkit.errors import Refused
 from rtkit.services.paths import RESERVED
@@ -54,7 +55,9 @@ _NODE, _NODES, _LIST = "node", "nodes", "list"
 _ACTIONS = {"entry": _LIST, "exit": _LIST, "do": _LIST}
 _WORDS: dict[str, dict[str, Any]] = {
     "Machine": {"initial": _NODE, "substate": _NODES, "variable": _NODES},
-    "State": {"initial": _NODE, "substate": _NODES, **_ACTIONS, "transition": _LIST},
+    "State": {
+        "initial": _NODE, "substate": _NODES, "variable": _NODES, **_ACTIONS, "transition": _LIST
+    },
     "Final": {},
     "transition": {
         "to": _NODE, "on": str, "when": Expression, "after": _seconds, "action": _LIST
@@ -195,9 +198,8 @@ class _Reader:
             self._moved = {_fragment_of(node): path for node, path in self._paths.items()}
         self._inside = by_outer(filter(None, self._paths.values()))
         made = {path: self._state(node, path) for node, path in self._paths.items() if path}
-        is_whole = self._kinds[root] == "Machine"
         variables: dict[str, Plain] = {}
-        for node in self._of(root)["variable"] if is_whole else ():
+        for node in (each for of in self._paths for each in self._of(of).get("variable", ())):
             name, value = self._variable(node)
             if name in variables:
                 line = self._statements.line_of(node)
@@ -208,7 +210,9 @@ class _Reader:
         if machine is None or not at:
             initial = self._initial(root, "")
             doc = self._doc(root)
-            return Machine(_name_of(root), initial, made, variables, doc).check(self._lines)
+            return Machine(unquote(_name_of(root)), initial, made, variables, doc).check(
+                self._lines
+            )
         outer = at.rpartition(".")[0]
         if outer and outer not in machine.states:
             raise BadMachine(f"no state {outer} to put it into{hint(outer, machine.states)}")
@@ -385,20 +389,28 @@ def _name_of(node: Any) -> str:
 
 
 def write_machine(machine: Machine, at: str = "") -> str:
-    """Return a machine, or a state of it with all inside it, as Turtle."""
-    head = f"@prefix sm: <{NAMESPACE}> .\n@prefix rdfs: <{_COMMENT[:-7]}> .\n"
-    blocks = [head]
+    """Return a machine, or a state with all inside it and the variables it uses, as Turtle."""
+    blocks = [f"@prefix sm: <{NAMESPACE}> .\n@prefix rdfs: <{_COMMENT[:-7]}> .\n"]
+    states = {path: state for path, state in machine.states.items() if is_in(path, at)}
+    used = {name for state in states.values() for name in state.variables()}
+    variables = [
+        f"sm:variable [ sm:name {_text(name)} ; sm:value {_text(_bare(value))} ]"
+        for name, value in machine.variables.items()
+        if not at or name in used
+    ]
     if not at:
-        facts = [f"sm:variable [ sm:name {_text(name)} ; sm:value {_text(_bare(value))} ]"
-                for name, value in machine.variables.items()]  # fmt: skip
-        about = f"<../{machine.name}>"
-        facts.insert(0, f"sm:initial {_iri(machine.initial)}")
-        blocks.append(_block(about, "sm:Machine", machine.doc, facts))
-    for path, state in machine.states.items():
-        if is_in(path, at):
-            kind = "sm:Final" if state.is_final else "sm:State"
-            blocks.append(_block(_iri(path), kind, state.doc, _facts(machine, state)))
+        about, facts = f"<../{_escaped(machine.name)}>", [f"sm:initial {_iri(machine.initial)}"]
+        blocks.append(_block(about, "sm:Machine", machine.doc, facts + variables))
+    for path, state in states.items():
+        kind = "sm:Final" if state.is_final else "sm:State"
+        more = variables if path == at else ()
+        blocks.append(_block(_iri(path), kind, state.doc, (*more, *_facts(machine, state))))
     return "\n".join(blocks)
+
+
+def _escaped(name: str) -> str:
+    """Return the name of a machine as the last part of an IRI."""
+    return quote(name, safe="").replace(".", "%2E")
 
 
 def _bare(value: Plain) -> str:

@@ -315,11 +315,13 @@ class _Reader:
         return is_plain and block.tag == f"{_TAG}onentry"
 
     def _set(self, node: Any, target: str) -> MachineAction:
+        kind = "assign" if target.startswith(VARIABLES) else "set"
+        target = target.removeprefix(VARIABLES)
         for _, content in _children(node):
             if computed := content.get("expr"):
-                return MachineAction("set", target, "", self._expression(computed, node))
-            return MachineAction("set", target, content.text or "")
-        return MachineAction("set", target)
+                return MachineAction(kind, target, "", self._expression(computed, node))
+            return MachineAction(kind, target, content.text or "")
+        return MachineAction(kind, target)
 
 
 def _read(text: str, node: Any) -> Expression:

@@ -148,7 +148,7 @@ class StateMachine(rtkit.Names):
                 if delete:
                     machine = now.without(rest).check()
                 else:
-                    machine = read_machine(value, now, rest) if rest else _read(value)
+                    machine = _read(value, now if rest else None, rest)
                 text = "" if rest or _XML.match(value) else value
                 self._done(self._edited, machine, goto, text)
 
@@ -342,12 +342,14 @@ def _names(machine: Machine) -> tuple[str, ...]:
     return ("machine", *states, *(f"variables.{name}" for name in machine.variables))
 
 
-def _read(text: str) -> Machine:
+def _read(text: str, machine: Machine | None = None, at: str = "") -> Machine:
+    """Read a machine, or what is to be a state of another one."""
     if not (_XML.match(text) and "<scxml" in text):
-        return read_machine(text)
+        return read_machine(text, machine, at)
     from rtkit.services.statemachine.scxml import read_scxml
 
-    return read_scxml(text)
+    made = read_scxml(text)
+    return read_machine(write_machine(made), machine, at) if machine else made
 
 
 def _as_xml(text: str) -> str:

@@ -155,6 +155,28 @@ def test_a_state_that_is_put_elsewhere_hears_of_its_own_ends() -> None:
     assert second.on == "done.end", "of a state that stays where it was"
 
 
+def test_a_state_that_is_kept_has_the_variables_that_it_uses() -> None:
+    text = f"""{NODELESS}<#a> a sm:State ; sm:initial <#b> ; sm:substate <#b> ; sm:variable
+        [ sm:name "seen" ; sm:value "no" ], [ sm:name "laps" ; sm:value 3 ],
+        [ sm:name "last" ; sm:value 0.5 ], [ sm:name "other" ; sm:value 7 ] .
+    <#b> a sm:State ; sm:exit [ sm:set "x.y" ; sm:value "${{seen}}" ] ; sm:transition
+        [ sm:when "variables.laps > 1" ; sm:action [ sm:set "variables.last" ; sm:value 1 ] ] ."""
+    part = write_machine(read_machine(text), "a")
+    host = read_machine(f"{NODELESS}<#a> a sm:State .")
+    assert read_machine(part, host, "a.new").variables == {"seen": "no", "laps": 3, "last": 0.5}
+    kept = read_machine(part, host._replace(variables={"laps": 9}), "a.new").variables
+    assert kept == {"seen": "no", "laps": 9, "last": 0.5}, "its own stay"
+    assert "variable" not in write_machine(host, "a")
+    with pytest.raises(BadMachine, match="variable laps is there twice"):
+        read_machine(part.replace('"last"', '"laps"', 1), host, "a.new")
+
+
+@pytest.mark.parametrize("name", ["m", "two words", "a.b", "<#x>", "é/1", 'q"u'])
+def test_a_machine_keeps_its_name(name: str) -> None:
+    machine = read_machine(f"{NODELESS}<#a> a sm:State .")._replace(name=name)
+    assert read_machine(write_machine(machine)).name == name
+
+
 @pytest.mark.parametrize(
     ("at", "why"),
     [("nowhere.x", "no state nowhere to put it into"), ("a b", "line 23: not a name of a state")],

@@ -131,6 +131,15 @@ def test_the_end_of_a_state_is_the_event_that_scxml_knows() -> None:
     assert made.state == "rest"
 
 
+def test_a_set_of_a_variable_assigns_it() -> None:
+    text = NESTED.replace('target="light.on"', 'target="variables.count"', 1)
+    machine = read_scxml(text)
+    made = Interpreter(machine)
+    assert made.command("start", 0.0) == []
+    assert made.variables == {"count": True}
+    assert read_machine(write_machine(machine)) == machine
+
+
 def test_a_delayed_event_may_be_taken_by_several_transitions() -> None:
     several = '<transition event="late" cond="variables.count = 1" target="slow"/>'
     text = NESTED.replace('<transition event="late"', f'{several}<transition event="late"', 1)
