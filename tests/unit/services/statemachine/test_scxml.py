@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import itertools
+import re
 import time
 from pathlib import Path
 from xml.etree import ElementTree as ET
@@ -12,7 +14,7 @@ from rtkit.services.statemachine.interpreter import Interpreter, MachineEvent
 from rtkit.services.statemachine.model import BadMachine
 from rtkit.services.statemachine.picture import draw_machine
 from rtkit.services.statemachine.rdf import read_machine, write_machine
-from rtkit.services.statemachine.scxml import read_scxml, write_scxml
+from rtkit.services.statemachine.scxml import NAMESPACE, read_scxml, write_scxml
 
 HERE = Path(__file__).parent
 TURNSTILE = (HERE / "scxml" / "turnstile.scxml").read_text(encoding="utf-8")
@@ -189,8 +191,29 @@ def test_the_picture_has_every_state_and_cause() -> None:
     machine = read_machine((HERE / "patrol.ttl").read_text(encoding="utf-8"))
     root = ET.fromstring(draw_machine(machine, "patrol.out"))
     space = "{http://www.w3.org/2000/svg}"
-    texts = [each.text for each in root.iter(f"{space}text")]
+    texts = ["".join(each.itertext()) for each in root.iter(f"{space}text")]
     assert {"● wait", "patrol", "● out", "back", "end ◉"} <= set(texts)
-    assert "4. patrol.out → patrol.back: when robots/r1.location.x > 1" in texts
+    assert sum("when robots/r1.location.x > 1" in each for each in texts) == 1
     boxes = [each.get("class") for each in root.iter(f"{space}rect")]
-    assert boxes == ["", "active", "active", "", ""]
+    assert boxes == ["state", "state active", "state active", "state", "state"]
+    ways = [each for each in root.iter(f"{space}path") if each.get("class") == "way"]
+    told = {"".join(each.itertext()) for each in ways}
+    assert {"patrol.out → patrol.back", "wait → patrol"} <= told
+    assert len({each.get("d") for each in ways}) == len(ways) == 5
+
+
+def test_no_way_of_a_picture_lies_on_another() -> None:
+    states = "".join(
+        f'<state id="s{each}"><transition event="a" target="s{each * 7 % 9}"/>'
+        f'<transition event="b" target="s{each * 5 % 9}"/></state>'
+        for each in range(9)
+    )
+    document = f'<scxml xmlns="{NAMESPACE}" name="m">{states}</scxml>'
+    root = ET.fromstring(draw_machine(read_scxml(document)._replace(name="<m>")))
+    parts: dict[float, list[tuple[float, float]]] = {}
+    for each in root.iter("{http://www.w3.org/2000/svg}path"):
+        if each.get("class") == "way":
+            _, start, x, end, _ = (float(n) for n in re.findall(r"[\d.]+", each.get("d") or ""))
+            parts.setdefault(x, []).append((min(start, end), max(start, end)))
+    for lane in map(sorted, parts.values()):
+        assert all(one[1] < other[0] for one, other in itertools.pairwise(lane))
