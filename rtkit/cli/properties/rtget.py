@@ -8,7 +8,7 @@ import click
 
 from rtkit.cli.properties.asking import AT, PARAMETERS, connected, joined, record, shown, write_raw
 from rtkit.cli.shared import terminal
-from rtkit.cli.shared.app import App, WrongArguments
+from rtkit.cli.shared.app import App
 from rtkit.cli.shared.command import command
 from rtkit.cli.shared.options import MayWatch, arguments, flag, json_flag, watch_option
 from rtkit.cli.shared.watch import watch
@@ -53,7 +53,7 @@ def main(
     behind the others.
     """
     if not targets:
-        raise WrongArguments("No targets specified.")
+        raise click.UsageError("No targets specified.")
     if is_raw and is_json:
         raise click.UsageError("--raw and --json exclude each other")
     with connected(app, at, parameters) as places:

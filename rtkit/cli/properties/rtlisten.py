@@ -11,7 +11,7 @@ import click
 
 from rtkit.cli.properties.asking import AT, PARAMETERS, connected, joined, record, shown, write_raw
 from rtkit.cli.shared import json_records, terminal
-from rtkit.cli.shared.app import App, WrongArguments
+from rtkit.cli.shared.app import App
 from rtkit.cli.shared.command import command
 from rtkit.cli.shared.options import (
     COUNT,
@@ -77,7 +77,7 @@ def main(
     status is 1 when nothing came at all.
     """
     if not targets:
-        raise WrongArguments("No targets specified.")
+        raise click.UsageError("No targets specified.")
     if is_raw and is_json:
         raise click.UsageError("--raw and --json exclude each other")
     options = {"queue": queue, "every": every, "deadband": deadband, "mode": mode}

@@ -10,7 +10,7 @@ import click
 
 from rtkit.cli.properties.asking import AT, PARAMETERS, connected, joined, shown
 from rtkit.cli.shared import terminal
-from rtkit.cli.shared.app import App, WrongArguments
+from rtkit.cli.shared.app import App
 from rtkit.cli.shared.command import command
 from rtkit.cli.shared.options import arguments, flag, option
 
@@ -66,7 +66,7 @@ def main(
     if len(given) == wanted + 1:
         given[:2] = [f"{given[0].rstrip('/')}/{given[1]}"]
     if len(given) != wanted:
-        raise WrongArguments("takes a target and a value")
+        raise click.UsageError("takes a target and a value")
     payload = _content(path) if path is not None else given[1]
     if path is None and payload == "-":
         payload = _decoded(sys.stdin.buffer.read())
