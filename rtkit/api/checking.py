@@ -61,7 +61,7 @@ def compare(
     from rtkit.deployment.deviations import deviations
     from rtkit.deployment.live_index import LiveIndex
 
-    snapshot = looking.look(session, document.profile, dry_run=False, mapped=mapped)
+    snapshot = looking.look(session, document.profile, dry_run=False, may_lack=True, mapped=mapped)
     system = looking.wanted_system(session, document, snapshot, mapped=mapped)
     live = LiveIndex(snapshot, system)
     present = present_code(on_this_host(snapshot))

@@ -59,7 +59,8 @@ def watched(
     wanted = kinds_of(kinds)
     scopes = scopes_of(session, paths)
     is_wide = not all(scope.is_one_manager for scope in scopes)
-    with Observers(session, topics(wanted), is_wide=is_wide) as subscriptions:
+    has_hosts = not all(scope.is_one_host for scope in scopes)
+    with Observers(session, topics(wanted), is_wide=is_wide, has_hosts=has_hosts) as subscriptions:
         watch = Watch(session, subscriptions, scopes, wanted)
         yield None
         for events in subscriptions.listen(until):

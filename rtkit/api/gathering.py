@@ -48,6 +48,7 @@ class Managers:
     Attributes:
         names: First the default manager, if any component belongs to it, or to another host, to
             which it has the link. Those of other hosts are called ``manager@robot1``.
+        lost: Why those cannot be asked whose host is linked, but cut off; they may live.
     """
 
     def __init__(self, profile: RtsProfile, usual: str, mapped: Collection[str] = ()) -> None:
@@ -61,6 +62,7 @@ class Managers:
         self._far = {host: _far_manager(host) for host in hosts.difference(mapped)}
         self.homes = {name: self._home(path) or usual for name, path in self._paths.items()}
         found = dict.fromkeys(self.homes.values())
+        self.lost: dict[str, str] = {}
         is_usual = usual in found or any(split_manager(name)[1] for name in found)
         self.names = [usual, *(n for n in found if n != usual)] if is_usual else [*found]
 
@@ -85,6 +87,8 @@ class Managers:
                 trees[name] = _connected(name, timeout_s)
             except Unreachable as error:
                 absent[name] = f"{error}{self._paths_text(name)}"
+                if _is_lost(name):
+                    self.lost[name] = str(error)
             except BaseException:
                 _close(trees)
                 raise
@@ -102,7 +106,8 @@ class Managers:
         from rtkit.deployment.multi_manager import down, joined
 
         known = {_name_of(each, self.host): each for each in reports}
-        return joined([known.get(n) or down(self.host, n) for n in self.names], self.homes)
+        facts = [known.get(n) or down(self.host, n) for n in self.names]
+        return joined(facts, self.homes, self.lost)
 
 
 def _name_of(report: Snapshot, host: str) -> str:
@@ -152,12 +157,22 @@ def gather(
     if absent and not is_lenient:
         _close(trees)
         raise Unreachable("; ".join(absent.values()))
-    for why in absent.values():
-        session.fail(f"{why}; taken as if nothing lived there")
+    for name, why in absent.items():
+        if _is_lost(name):
+            session.miss(f"{why}; left out")
+        else:
+            session.fail(f"{why}; taken as if nothing lived there")
     if not trees:
         return managers.joined([])
     session.ask(_one(managers, trees))
     return None
+
+
+def _is_lost(manager: str) -> bool:
+    """Return whether a manager that does not answer may live: its host is linked, and cut off."""
+    from rtkit.link import host_links
+
+    return host_links.is_linked(split_manager(manager)[1])
 
 
 def gather_named(session: Session, servers: Sequence[str]) -> tuple[str, ...]:
@@ -343,7 +358,7 @@ def _one(managers: Managers, trees: Mapping[str, Tree], session: Session | None 
     from rtkit.tree.manager_set import ManagerSet
 
     if session is None:
-        return ManagerSet(managers.names, trees, managers.homes)
+        return ManagerSet(managers.names, trees, managers.homes, unreachable=managers.lost)
     starter = _Starter(session)
     return ManagerSet(managers.names, trees, managers.homes, starter.start, starter.end)
 

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, NamedTuple
 from rtkit.closing import Closing
 from rtkit.errors import Refused, RtkitError, Unreachable
 from rtkit.fast_dataclass import replace
-from rtkit.rtc.names import COMPONENT_SUFFIX, LOCAL, MANAGER_SUFFIX
+from rtkit.rtc.names import COMPONENT_SUFFIX, LOCAL, MANAGER_SUFFIX, manager_on, split_manager
 from rtkit.tree.view import shown_path
 
 if TYPE_CHECKING:
@@ -62,6 +62,7 @@ class Observers(Closing):
         lines: Sequence[str],
         *,
         is_wide: bool = False,
+        has_hosts: bool = False,
         is_patient: bool = False,
     ) -> None:
         """Subscribe.
@@ -71,6 +72,8 @@ class Observers(Closing):
             lines: The topics to subscribe to.
             is_wide: Subscribe to all managers of this user on this host, also to those that begin
                 later.
+            has_hosts: Subscribe to the managers of linked hosts, too; one that cannot be reached is
+                told, and waited for.
             is_patient: Wait for a manager that does not answer, in `listen`.
 
         Raises:
@@ -85,6 +88,7 @@ class Observers(Closing):
         self._folder: FolderWatch | None = None
         self._keen_until = 0.0
         self._is_wide = is_wide and session.finds_managers
+        self._has_hosts = has_hosts and self._is_wide
         self.names: dict[str, str] = {}
         self.places: dict[str, str] = {}
         self.why: RtkitError | None = None
@@ -100,7 +104,12 @@ class Observers(Closing):
             self._watch_folder()
         for name in self._unknown():
             self.names[name] = name
-            if not self._enter(name):
+            if self._enter(name):
+                continue
+            if name in self._far:
+                session.miss(f"not listened to: {self.why}")
+                self._await(name)
+            else:
                 session.fail(f"manager {name!r} does not answer")
         if self._is_wide:
             session.report_silent_servers("not listened to")
@@ -192,11 +201,14 @@ class Observers(Closing):
         return [*seen, ObservedEvent(name, TreeChange(time(), missed))]
 
     def _unknown(self) -> list[str]:
-        """Return the running managers that are not known yet, if they are wanted."""
+        """Return the running managers, and linked hosts, that are not known yet, if wanted."""
+        from rtkit.link.host_links import hosts
         from rtkit.link.running import managers
 
-        known = set(self.names.values())
-        return [name for name in managers() if name not in known] if self._is_wide else []
+        known = {*self.names, *self.names.values()}
+        far = [f"{host}/" for host in hosts()] if self._has_hosts else []
+        self._far.update(far)
+        return [name for name in (*managers(), *far) if name not in known] if self._is_wide else []
 
     def _is_there(self, name: str) -> bool:
         from rtkit.link.places import manager_socket
@@ -239,7 +251,9 @@ class Observers(Closing):
         if tree.host != host_name():  # no socket here shows whether it is back
             self._far.add(name)
         self.subscriptions[name] = ManagerSubscription(tree, self._lines)
-        self.names[name], self.places[name] = tree.manager, tree.place
+        is_beside = bool(name) and tree.host != host_name()
+        self.names[name] = manager_on(tree.manager, tree.host) if is_beside else tree.manager
+        self.places[name] = tree.place
 
     def _leave(self, name: str) -> None:
         subscription, tree = self.subscriptions.pop(name, None), self._trees.pop(name, None)
@@ -270,10 +284,11 @@ def place_of(
 ) -> str:
     """Return where a component, or a process, of a manager is in the tree.
 
-    Names of components are paths only at the manager that is usually asked. Paths to its host
-    begin with `local`.
+    Names of components are paths only at the manager that is usually asked, and at those of other
+    hosts, which are called as in plans. Paths to its host begin with `local`.
     """
-    if what.names and is_usual:
+    manager, host = split_manager(manager)
+    if what.names and (is_usual or host):
         return shown_path(what.names[0], hostname, local)
     place = f"/{local}/{manager}{MANAGER_SUFFIX}"
     if what.instance:
@@ -302,5 +317,8 @@ def is_covered(
 ) -> bool:
     """Return whether a scope covers an object of a manager; "" for the manager asked."""
     return any(
-        scope.covers(what, hostname) and not (manager and scope.is_one_manager) for scope in scopes
+        scope.covers(what, hostname)
+        and not (manager and scope.is_one_manager)
+        and not (manager.endswith("/") and scope.is_one_host)
+        for scope in scopes
     )

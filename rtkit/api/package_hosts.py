@@ -94,7 +94,8 @@ class PackageHosts:
                 text = f"packages that nothing uses are not removed: {found.unknown}"
                 self._session.verbose(text)
             return found
-        if not self._is_worth_it(host, types):
+        is_lost = any(each.manager in self._snapshot.unreachable for each in self._on(host))
+        if is_lost or not self._is_worth_it(host, types):
             return Survey()
         try:
             return self._far(host, self._question(host, types, notes=notes))

@@ -141,12 +141,14 @@ def begin(
     is_dry: bool,
     parallel: int = 0,
     starts: bool = False,
+    may_lack: bool = False,
     lock: PlanLocks | None = None,
 ) -> DeploymentInputs:
     """Look at what lives; the goal is that all of the profile is active.
 
-    Managers that do not run are an error, unless the plan `starts` them. A `lock` keeps others
-    off from before the look.
+    Managers that do not run are an error, unless the plan `starts` them, or some `may_lack`. A
+    `lock` keeps others off from before the look. What is to be on a host that is linked and cannot
+    be reached is left out of a dry run.
 
     Raises:
         InvalidDocument: The profile makes no sense.
@@ -155,9 +157,16 @@ def begin(
     from rtkit.api.packaged import supplied, unpackaged
     from rtkit.api.preflight import check_reserved, look_ahead
     from rtkit.deployment.goal import DeploymentGoal
+    from rtkit.deployment.system import without
 
     snapshot = looking.look(
-        session, document.profile, dry_run=is_dry, starts=starts, lock=lock, mapped=mapped
+        session,
+        document.profile,
+        dry_run=is_dry,
+        may_lack=may_lack,
+        starts=starts,
+        lock=lock,
+        mapped=mapped,
     )
     packaged = (
         unpackaged(session, document, snapshot, mapped)
@@ -175,6 +184,8 @@ def begin(
         mapped=mapped,
         known_types=known,
     )
+    if is_dry and snapshot.unreachable:
+        system = without(system, snapshot.unreachable)
     check_reserved(session, system, snapshot)
     ranks = _ranks(session, document, system)
     feasibility = look_ahead(session, system, snapshot, installs=packages.of, lacks=packaged.lacks)

@@ -58,6 +58,9 @@ class Session(Protocol):
     def fail(self, text: str) -> None:
         """Receive a failure that does not end the run."""
 
+    def miss(self, text: str) -> None:
+        """Receive why a part is left out, as its host cannot be reached; the rest goes on."""
+
     def verbose(self, text: str) -> None:
         """Receive details of progress."""
 
@@ -143,7 +146,7 @@ class ScriptSession(Closing):
         """See `Session.report`."""
         self._notify(text)
 
-    fail = report
+    fail = miss = report
 
     def verbose(self, text: str) -> None:
         """See `Session.verbose`; scripts get no details."""

@@ -122,8 +122,8 @@ class StatesReport:
 
     @property
     def now(self) -> str:
-        """The state that it was in; empty for none of them."""
-        return self.states.now(self.live)
+        """The state that it was in; empty for none of them, and where not all can be seen."""
+        return "" if self.live.unreachable else self.states.now(self.live)
 
     @property
     def names(self) -> list[str]:
@@ -142,6 +142,11 @@ class StatesReport:
 
     def ways(self) -> list[Way]:
         """Return the cheapest way to each state, or why there is none."""
+        from rtkit.deployment.states.states import Way
+
+        why = "; ".join(self.live.unreachable.values())
+        if why:
+            return [Way(state, None, f"not known: {why}") for state in self.names]
         return [self.states.way(state, self.live) for state in self.names]
 
     def target(self, state: str, event: str = "") -> str:
@@ -176,7 +181,16 @@ def look(
     """Look in which state a system is; see `rtkit.Tree.states`, and `rtkit.api.planning.begin`."""
     from rtkit.api import planning
 
-    begun = planning.begin(session, document, mapped, way, is_dry=is_dry, starts=starts, lock=lock)
+    begun = planning.begin(
+        session,
+        document,
+        mapped,
+        way,
+        is_dry=is_dry,
+        starts=starts,
+        may_lack=not starts,
+        lock=lock,
+    )
     return StatesReport(states_of(begun), begun.snapshot, document.source)
 
 

@@ -55,12 +55,16 @@ def deviations(
     """
     for component in system.components:
         why = absence(component, live)
-        if why:
+        if live.why_unreachable(component.instance):
+            # Whether it is required or not: nobody has looked.
+            yield Deviation("component", component.path, why, True, "", component.id)
+        elif why:
             namesake = live.at(component.instance)
             found = "" if namesake is None else namesake.type.id
             yield _of("component", component, why, "", component.id, found)
     for connector in system.connectors:
-        yield from _connection(connector, system, live)
+        if not any(live.why_unreachable(end.instance) for end in connector.profile.ports):
+            yield from _connection(connector, system, live)
     for component in system.components:
         facts = live.at(component.instance)
         if facts is not None and facts.trouble:

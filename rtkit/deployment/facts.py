@@ -227,6 +227,11 @@ class Snapshot:
         """Return the facts of the other managers of a `JointSnapshot`; empty for one manager."""
         return ()
 
+    @property
+    def unreachable(self) -> Mapping[str, str]:
+        """Return why managers of a `JointSnapshot` cannot be asked, by their names."""
+        return {}
+
     def component(self, instance: str) -> ComponentFacts | None:
         """Return the component of that instance name, or None."""
         return next((c for c in self.components if c.instance == instance), None)

@@ -78,6 +78,10 @@ class LiveIndex:
             return self._belongs.get(instance, self.snapshot.manager)
         return self.home(instance)
 
+    def why_unreachable(self, instance: str) -> str:
+        """Return why the manager that a component belongs to cannot be asked; mostly empty."""
+        return self.snapshot.unreachable.get(self.home(instance), "")
+
     def is_guest(self, facts: ComponentFacts) -> bool:
         """Return whether a component came by itself, as data tools do, and ends by itself."""
         manager = self._managers[self.home(facts.instance)]
@@ -195,6 +199,9 @@ def absence(component: WantedComponent, live: LiveIndex) -> str:
         return mismatch(component, entry)
     if entry is not None:
         return f"{word}: {component.path} (zombie: {entry.zombie})"
+    why = live.why_unreachable(component.instance)
+    if why:
+        return f"{word.removesuffix('missing')}unreachable: {component.path} ({why})"
     other = live.namesake(component.instance)
     if other is not None and not other.zombie:
         where = f"at /{other.names[0]}" if other.names else f"at no name, in {other.process}"

@@ -14,7 +14,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from rtkit.deployment import actions as act
 from rtkit.deployment.actions import Action
 from rtkit.deployment.facts import Snapshot
-from rtkit.fast_dataclass import dataclass, fields, replace
+from rtkit.fast_dataclass import dataclass, field, fields, replace
 from rtkit.rtc.create import parse_create
 from rtkit.rtc.far_ends import far_name, named_by, on_host, own_end, peer_of, split_far
 from rtkit.rtc.names import LOCAL, MANAGER_SUFFIX, manager_on, split_manager
@@ -32,12 +32,14 @@ class JointSnapshot(Snapshot):
     Attributes:
         others: Those beside the first: their components and connectors are listed here too, their
             processes and modules only there.
+        unreachable: Why some of them cannot be asked though they may live, by their names.
     """
 
     others: tuple[Snapshot, ...] = ()
+    unreachable: Mapping[str, str] = field(default_factory=dict)
 
 
-def joined(snapshots: Sequence[Snapshot], homes: Homes) -> Snapshot:
+def joined(snapshots: Sequence[Snapshot], homes: Homes, unreachable: Homes = NOWHERE) -> Snapshot:
     """Return what several managers know as one; it is otherwise that of the first.
 
     Of two components, or connectors, of one name the one at home is listed, else the first.
@@ -65,7 +67,7 @@ def joined(snapshots: Sequence[Snapshot], homes: Homes) -> Snapshot:
     values["components"] = tuple(facts for each in shown for facts in each.components)
     values["connectors"] = tuple(connector for each in shown for connector in each.connectors)
     values["systems"] = tuple(system for each in snapshots for system in each.systems)
-    return JointSnapshot(**values, others=tuple(shown[1:]))
+    return JointSnapshot(**values, others=tuple(shown[1:]), unreachable=unreachable)
 
 
 def _with_halves_joined(snapshots: Sequence[Snapshot]) -> tuple[list[Snapshot], Homes]:

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Container, Mapping
 
 from rtkit.errors import Malformed
-from rtkit.fast_dataclass import dataclass, field
+from rtkit.fast_dataclass import dataclass, field, replace
 from rtkit.rtc.create import listed_names, readable_create
 from rtkit.rtc.pattern import ComponentPattern, ContextPattern
 from rtkit.rtc.profiles import ConnectorProfile, PortProfile, PortRef
@@ -129,6 +129,20 @@ class WantedSystem:
     def component(self, instance: str) -> WantedComponent:
         """Return the component of that instance name."""
         return next(c for c in self.components if c.instance == instance)
+
+
+def without(system: WantedSystem, managers: Container[str]) -> WantedSystem:
+    """Return a system without what belongs to some of its managers."""
+    there = {each.instance for each in system.components if each.manager in managers}
+    return replace(
+        system,
+        components=tuple(each for each in system.components if each.instance not in there),
+        connectors=tuple(
+            each
+            for each in system.connectors
+            if not any(end.instance in there for end in each.profile.ports)
+        ),
+    )
 
 
 def address(system: WantedSystem, end: PortRef) -> str:

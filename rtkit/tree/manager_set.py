@@ -16,6 +16,7 @@ from rtkit.closing import Closing
 from rtkit.deployment.actions import Action, Connect, Result
 from rtkit.deployment.facts import Snapshot
 from rtkit.deployment.multi_manager import (
+    NOWHERE,
     down,
     expected_at,
     homes_in,
@@ -56,6 +57,7 @@ class ManagerSet(Tree):
         homes: Mapping[str, str],
         start: Start | None = None,
         end: End | None = None,
+        unreachable: Mapping[str, str] = NOWHERE,
     ) -> None:
         """Join connections.
 
@@ -65,6 +67,7 @@ class ManagerSet(Tree):
             homes: Where components belong.
             start: Starts a manager and connects to it; None where that is for others to do.
             end: Ends one that was started; by default one of this host.
+            unreachable: Why some cannot be asked though they may live, by their names.
         """
         first = next(iter(trees.values()), None)
         super().__init__(
@@ -78,6 +81,7 @@ class ManagerSet(Tree):
         self.names = tuple(names)
         self._trees = dict(trees)
         self.homes = dict(homes)
+        self._unreachable = unreachable
         self._known: dict[str, str] = {}
         self._connectors: tuple[ConnectorProfile, ...] = ()
 
@@ -160,7 +164,8 @@ class ManagerSet(Tree):
     def joined(self, snapshots: Sequence[Snapshot]) -> Snapshot:
         """Return what several managers know as one."""
         named = zip(self.names, snapshots, strict=True)
-        return joined([in_plan(each, name, self.host) for name, each in named], self.homes)
+        facts = [in_plan(each, name, self.host) for name, each in named]
+        return joined(facts, self.homes, self._unreachable)
 
     def begin(
         self, actions: Sequence[Action], *, is_ordered: bool = True, timeout_s: float | None = None

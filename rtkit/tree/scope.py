@@ -20,12 +20,14 @@ class Scope(NamedTuple):
         process: The slave that it names.
         directory: The directory that it names, absolute.
         is_one_manager: It names a manager, or what is below one.
+        is_one_host: It names this host, or what is below it.
     """
 
     instance: str = ""
     process: str = ""
     directory: str = ""
     is_one_manager: bool = True
+    is_one_host: bool = True
 
     def covers(self, what: UserEvent | ComponentFacts, hostname: str) -> bool:
         """Return whether it covers a component, or an event of one, at the manager of a host."""
@@ -59,4 +61,4 @@ def scope_of(root: TreeNode, path: Path, hostname: str) -> Scope:
         return Scope()  # the host of the manager that is asked, somewhere else
     if node.kind is NodeKind.DIRECTORY or (node.kind is NodeKind.HOST and node.name != LOCAL):
         return Scope(directory=node.path)
-    return Scope(is_one_manager=False)
+    return Scope(is_one_manager=False, is_one_host=node is not root)

@@ -45,10 +45,11 @@ def main(
     """Tell what is wrong with this set-up, and what helps.
 
     Looked at are versions, variables, limits, the clock, folders and their rights, keys and
-    inventories of hosts, what killed processes left, TCP doors, managers, slaves and components;
-    a large value is sent over a connection as it is made between two processes. Nothing is
-    changed, and a manager that hangs holds nothing up. What is in order is told with -v only, and
-    by --json; the exit status is 1 when something is wrong, which warnings and notes are not.
+    inventories of hosts and links to them, what killed processes left, TCP doors, managers, slaves
+    and components; a large value is sent over a connection as it is made between two processes.
+    Nothing is changed, and a manager that hangs holds nothing up. What is in order is told with -v
+    only, and by --json; the exit status is 1 when something is wrong, which warnings and notes are
+    not.
     """
     if words:
         raise WrongArguments(f"takes no arguments: {' '.join(words)}")
@@ -73,6 +74,7 @@ def _looked(timeout_s: float) -> Iterator[Diagnosis]:
         yield from folders.remains()
         yield from folders.stores()
         yield from live.managers(timeout_s, os.environ)
+        yield from live.links()
     yield from live.servers(os.environ, timeout_s)
     if sys.stdin is not None and sys.stdin.isatty() and terminal.is_terminal():
         yield installation.shell(os.environ, os.path.expanduser("~"))

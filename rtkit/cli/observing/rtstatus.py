@@ -21,7 +21,10 @@ from rtkit.errors import Refused, Unreachable
     ),
     json=("status",),
     arguments=("anything",),
-    statuses={"1": "It is a zombie, in Error or in trouble, or its manager does not run."},
+    statuses={
+        "1": "It is a zombie, in Error or in trouble, its manager does not run, or a host that the"
+        " manager links cannot be reached."
+    },
 )
 def main(
     app: App,
@@ -38,7 +41,7 @@ def main(
     PATH is a component, a slave or a manager; by default the usual manager. Told are state, why
     and since when, process, rates, restarts, limits and health, ports with what they are connected
     to and values a second, warnings, the last events and lines of the log, and the last crash with
-    its stack.
+    its stack; of a manager also whether the hosts that it links can be reached.
 
     Where no manager runs, it tells what that left on the disk: how each component was, and how it
     ended. Of a crash the whole of all stacks is in rtvlog PATH.

@@ -64,7 +64,8 @@ def main(
     r"""Print what happens to components, as it happens.
 
     PATH is a component; or a directory or manager, for all that is, or comes, below it; / for
-    everything. Each line has the time, the path, what it happened to, and what happened.
+    everything, on linked hosts, too. Each line has the time, the path, what it happened to, and
+    what happened.
 
     \b
     TREE_EVENT         it appeared, vanished, became a zombie; a process began or ended
@@ -94,7 +95,8 @@ def main(
     scopes = scopes_of(app, paths)
     is_wide = managers is not None or not all(scope.is_one_manager for scope in scopes)
     left = number
-    with Observers(app, topics(wanted), is_wide=is_wide) as subscriptions:
+    has_hosts = managers is not None or not all(scope.is_one_host for scope in scopes)
+    with Observers(app, topics(wanted), is_wide=is_wide, has_hosts=has_hosts) as subscriptions:
         watch = Watch(app, subscriptions, scopes, wanted, states, managers)
         watch.begin()
         app.verbose("listening")

@@ -69,6 +69,7 @@ class App:
         self._beside: dict[str, Tree] = {}
         self._place: str | None = None
         self._has_warned_of_servers = False
+        self.missed = 0
 
     @property
     def tree(self) -> Tree:
@@ -329,6 +330,11 @@ class App:
     def fail(self, text: str) -> None:
         """Write one line on stderr behind the command's name."""
         self.write_error(printable(f"{self.name}: {text}"))
+
+    def miss(self, text: str) -> None:
+        """Write the same, and end with the status of what cannot be reached."""
+        self.fail(text)
+        self.missed = self.status(Unreachable())
 
     def warn(self, texts: Iterable[str], mark: str = "warning: ") -> None:
         """Write warnings about a request before it is carried out.

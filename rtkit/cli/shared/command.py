@@ -217,6 +217,7 @@ def _invoke(command: click.Command, app: App, arguments: list[str]) -> int:
     try:
         defaults = app.defaults(command.name or "", command)
         with command.make_context(app.name, arguments, obj=app, default_map=defaults) as context:
-            return int(command.invoke(context) or 0)
+            status = int(command.invoke(context) or 0)
+            return app.missed or status
     except click.exceptions.Exit as leaving:
         return leaving.exit_code

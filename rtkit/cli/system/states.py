@@ -26,7 +26,7 @@ def as_lines(report: StatesReport) -> list[str]:
         for way in ways
     ]
     if not now:
-        lines.append("between states")
+        lines.append("state not known" if report.live.unreachable else "between states")
     events = _events(report.states.machine, now)
     width = max((len(each["event"]) for each in events), default=0)
     to = max((len(each["to"]) for each in events), default=0)

@@ -50,7 +50,10 @@ def record(**changes: Any) -> dict[str, Any]:
         "restarts": None,
         "health": [],
         "limits": "",
-        **{k: [] for k in ("connections", "components", "events", "log", "output", "warnings")},
+        **{
+            k: []
+            for k in ("connections", "components", "events", "hosts", "log", "output", "warnings")
+        },
         "crash": None,
     }
     return {**plain, **changes}

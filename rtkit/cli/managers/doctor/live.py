@@ -205,6 +205,17 @@ def _clock(name: str, started: float) -> Iterator[Diagnosis]:
         yield Diagnosis("clock", ERROR, text, "timedatectl set-ntp true", name)
 
 
+def links() -> Iterator[Diagnosis]:
+    """Tell which of the hosts that are linked cannot be reached, and why."""
+    from rtkit.link import host_links
+
+    for host in host_links.hosts():
+        why = host_links.read(host).why
+        text = f"host {host} cannot be reached: {why}" if why else f"host {host} is linked"
+        cure = f"rthost check {host}" if why else ""
+        yield Diagnosis("hosts", ERROR if why else OK, text, cure, host)
+
+
 def servers(environment: Mapping[str, str], timeout_s: float) -> Iterator[Diagnosis]:
     """Check that the endpoints of RTKIT_SERVERS accept connections; all at once."""
     from rtkit.tree.place import servers as named

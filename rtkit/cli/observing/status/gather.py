@@ -54,6 +54,7 @@ def record_of(app: App, path: Path, lines: int, *, has_rates: bool) -> Record:
         "process": _plain(process),
         **(_details(snapshot, facts, row) if facts is not None else _NOTHING),
         "components": [] if facts is not None else _held(snapshot, node),
+        "hosts": [] if facts is not None or node.is_slave else links_of(snapshot),
         "events": past.events,
         "log": past.log,
         "crash": past.crash,
@@ -62,7 +63,8 @@ def record_of(app: App, path: Path, lines: int, *, has_rates: bool) -> Record:
     if facts is not None and facts.zombie and not is_live:
         record.update(_end_in_log(facts, past.events))
     record["warnings"] = list(_warnings(record, facts))
-    record["is_well"] = is_live and record["state"] in (*_WELL, "up") and not record["why"]
+    is_up = record["state"] in (*_WELL, "up") and not record["why"]
+    record["is_well"] = is_live and is_up and not any(each["why"] for each in record["hosts"])
     return record
 
 
@@ -237,6 +239,17 @@ def _held(snapshot: Snapshot, node: TreeNode) -> list[Record]:
         }
         for facts in snapshot.components
         if not node.is_slave or facts.process == node.process
+    ]
+
+
+def links_of(snapshot: Snapshot) -> list[Record]:
+    """Return the hosts that a manager of this host links, and why one cannot be reached."""
+    from rtkit.link import host_links
+    from rtkit.link.places import host_name
+
+    links = map(host_links.read, host_links.hosts() if snapshot.host == host_name() else ())
+    return [
+        {"name": link.host, "why": link.why} for link in links if link.manager == snapshot.manager
     ]
 
 

@@ -23,6 +23,8 @@ def page(record: Mapping[str, Any], now: datetime) -> Iterator[str]:
     yield from others
     yield from _section("Ports", _ports(record["connections"]))
     yield from _section("Components", _components(record["components"]))
+    hosts = [(each["name"], each["why"] or "linked") for each in record["hosts"]]
+    yield from _section("Hosts", terminal.table(hosts) if hosts else [])
     yield from _section("Warnings", record["warnings"])
     yield from _section("Events", map(_event, record["events"]))
     yield from _section("Log", _log(record["log"]))
