@@ -84,7 +84,7 @@ class Managers:
         absent: dict[str, str] = {}
         for name in self.names:
             try:
-                trees[name] = _connected(name, timeout_s)
+                trees[name] = connected(name, timeout_s)
             except Unreachable as error:
                 absent[name] = f"{error}{self._paths_text(name)}"
                 if _is_lost(name):
@@ -115,7 +115,7 @@ def _name_of(report: Snapshot, host: str) -> str:
     return report.manager if is_here else manager_on(report.manager, report.host)
 
 
-def _connected(name: str, timeout_s: float) -> Tree:
+def connected(name: str, timeout_s: float) -> Tree:
     """Connect to a manager as plans call it.
 
     Raises:
@@ -196,7 +196,7 @@ def gather_named(session: Session, servers: Sequence[str]) -> tuple[str, ...]:
     trees: dict[str, Tree] = {}
     try:
         for name in dict.fromkeys(manager or usual for manager in named.values()):
-            trees[name] = _connected(name, session.timeout_s)
+            trees[name] = connected(name, session.timeout_s)
     except BaseException:
         _close(trees)
         raise
@@ -294,7 +294,7 @@ class _Starter:
             self._start_far(name)
         else:
             start_manager(manager, session.timeout_s, session.fail)
-        return _connected(name, session.timeout_s)
+        return connected(name, session.timeout_s)
 
     def _start_far(self, name: str) -> None:
         from rtkit.fast_dataclass import replace
@@ -305,7 +305,7 @@ class _Starter:
         manager, host = split_manager(name)
         far = replace(inventory.host(host), manager=manager)
         show, timeout_s = by_lines(session.verbose), session.timeout_s
-        with _connected(session.usual_manager, timeout_s) as near:
+        with connected(session.usual_manager, timeout_s) as near:
             done = bring_up.start(far, near, show, replaces=False, timeout_s=timeout_s)
         if done.was_running:
             self._left.add(name)
@@ -321,7 +321,7 @@ class _Starter:
             from rtkit.fast_dataclass import replace
             from rtkit.hosts import bring_up, inventory
 
-            with _connected(self._session.usual_manager, timeout_s) as near:
+            with connected(self._session.usual_manager, timeout_s) as near:
                 bring_up.stop(replace(inventory.host(host), manager=manager), near, timeout_s)
 
 

@@ -1,4 +1,4 @@
-"""Moves one component to another slave or manager, by the cheapest plan; killed, it can go on.
+"""Moves one component to another slave, manager or host by the cheapest plan; killed, it can go on.
 
 What the component was like is in a file, `MoveRecord`, from before the first step until all is
 done: so the same command goes on where it was killed.
@@ -11,7 +11,14 @@ from contextlib import suppress
 from typing import TYPE_CHECKING, NamedTuple
 
 from rtkit.errors import InvalidDocument, Malformed, NotFound, Refused, RtkitError
-from rtkit.rtc.names import MANAGER_SUFFIX, Path, check_instance_name, is_local_host
+from rtkit.rtc.names import (
+    MANAGER_SUFFIX,
+    Path,
+    check_instance_name,
+    is_local_host,
+    manager_on,
+    split_manager,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
@@ -108,18 +115,18 @@ def finish(move: Move) -> None:
 
 
 def _place(target: Path) -> tuple[str, str]:
-    """Return the manager and the slave that a path names.
+    """Return the manager, as plans call it, and the slave that a path names.
 
     Raises:
-        NotFound: Its host is not known.
-        Refused: It is on another host, or no path of a manager or slave.
+        NotFound: Its host is not linked.
+        Refused: It is no path of a manager or slave.
     """
+    from rtkit.link.host_links import is_linked
     from rtkit.link.places import host_name
-    from rtkit.tree.place import check_is_here
 
-    check_is_here(target, "components are moved")
     host, *names = target.elements or ("",)
-    if host and not is_local_host(host, host_name()):
+    is_far = bool(host) and not is_local_host(host, host_name())
+    if is_far and not is_linked(host):
         raise NotFound(f"No such object: {target.typed}")
     is_place = len(names) in (1, 2) and all(each.endswith(MANAGER_SUFFIX) for each in names)
     if not is_place or target.port is not None:
@@ -127,23 +134,25 @@ def _place(target: Path) -> tuple[str, str]:
     manager, slave, *_ = (*(each.removesuffix(MANAGER_SUFFIX) for each in names), "")
     for name in filter(None, (manager, slave)):
         check_instance_name(name)
-    return manager, "" if slave == manager else slave
+    slave = "" if slave == manager else slave
+    return manager_on(manager, host) if is_far else manager, slave
 
 
 def _begun(
     session: Session, path: Path, place: tuple[str, str], lock: PlanLocks | None
 ) -> MoveRecord:
     from rtkit.api.looking import snapshot
-    from rtkit.deployment.moving import ends_elsewhere, record_of
-    from rtkit.tree.place import check_is_here
+    from rtkit.deployment.moving import ends_elsewhere, place_text, record_of
+    from rtkit.deployment.multi_manager import in_plan
+    from rtkit.link.places import host_name
     from rtkit.tree.resolve import component
 
-    check_is_here(path, "components are moved")
     root, hostname = session.root(path, is_deep=False)
-    instance, source = component(root, path, hostname).instance, session.tree.manager
-    homes = ends_elsewhere(session.tree.snapshot(), instance)
+    instance, tree, here = component(root, path, hostname).instance, session.tree, host_name()
+    source = tree.manager if is_local_host(tree.host, here) else manager_on(tree.manager, tree.host)
+    homes = ends_elsewhere(in_plan(tree.snapshot(), source, here), instance)
     _join(session, (source, *homes.values(), place[0]), homes, lock)
-    there = f"/localhost/{place[0]}{MANAGER_SUFFIX}"
+    there = place_text(place[0])
     if source != place[0] and session.tree.at(place[0]).snapshot().component(instance) is not None:
         raise Refused(f"{instance} cannot be moved: its name is taken at {there}")
     whole = snapshot(session)
@@ -165,21 +174,25 @@ def _join(
 ) -> None:
     """Have a session ask several managers as one, the usual one first, and take their locks.
 
+    That one is among them where one is on another host: its lock holds off other commands here.
+
     Raises:
         Unreachable: One does not run.
     """
+    from rtkit.api.gathering import connected
     from rtkit.api.looking import take
-    from rtkit.tree.connect import connect
     from rtkit.tree.manager_set import ManagerSet
 
     usual = session.usual_manager
     found = list(dict.fromkeys(names))
+    if usual not in found and any(split_manager(name)[1] for name in found):
+        found.append(usual)
     found.sort(key=lambda name: name != usual)
     if session.finds_managers:
         trees = {}
         try:
             for name in found:
-                trees[name] = connect(name, session.timeout_s)
+                trees[name] = connected(name, session.timeout_s)
         except BaseException:
             for tree in trees.values():
                 tree.close()
@@ -259,6 +272,8 @@ def _unfinished(path: Path, place: tuple[str, str]) -> MoveRecord | None:
 
 def _means(path: Path, record: MoveRecord, hostname: str) -> bool:
     """Return whether a path names the component of a move, where it was or where it goes."""
+    from rtkit.deployment.moving import place_text
+
     host, *rest = path.elements or ("",)
     local = "localhost" if is_local_host(host, hostname) else host
     typed = "/".join((local, *rest))
@@ -266,7 +281,8 @@ def _means(path: Path, record: MoveRecord, hostname: str) -> bool:
     names = {*record.shown_at(source), *record.shown_at(record.manager)}
     leaf = f"{facts.instance}.rtc"
     for manager, process in ((source, facts.process), (record.manager, record.slave)):
-        names.add(f"localhost/{manager}.mgr/{leaf}")
+        place = place_text(manager).removeprefix("/")
+        names.add(f"{place}/{leaf}")
         if process not in ("", manager):
-            names.add(f"localhost/{manager}.mgr/{process}.mgr/{leaf}")
+            names.add(f"{place}/{process}.mgr/{leaf}")
     return typed in names

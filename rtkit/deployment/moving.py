@@ -20,6 +20,7 @@ from rtkit.profile.common import ExtensionProperty
 from rtkit.rtc.create import parse_create
 from rtkit.rtc.enums import LifeCycleState
 from rtkit.rtc.far_ends import split_far
+from rtkit.rtc.names import LOCAL, MANAGER_SUFFIX, split_manager
 from rtkit.rtc.profiles import ConnectorProfile
 
 _HEADING = SystemHeading("1970-01-01T00:00:00", "move")
@@ -36,6 +37,7 @@ class MoveRecord:
         slave: Slave there; empty for the manager's own process.
         managers: All that have to do with it; the first one's names are shown without its own.
         homes: Managers of the components at the other ends, by instance name.
+        host: The host on which the move is planned.
     """
 
     source: Snapshot
@@ -44,6 +46,7 @@ class MoveRecord:
     slave: str = ""
     managers: tuple[str, ...] = ()
     homes: Mapping[str, str] = field(default_factory=dict)
+    host: str = ""
 
     @property
     def facts(self) -> ComponentFacts:
@@ -53,8 +56,8 @@ class MoveRecord:
     @property
     def place(self) -> str:
         """Return where it goes, as users know it."""
-        slave = f"/{self.slave}.mgr" if self.slave else ""
-        return f"/localhost/{self.manager}.mgr{slave}"
+        slave = f"/{self.slave}{MANAGER_SUFFIX}" if self.slave else ""
+        return place_text(self.manager) + slave
 
     def shown_at(self, manager: str) -> tuple[str, ...]:
         """Return the names of the component at one of its managers, as all of them see it."""
@@ -63,6 +66,12 @@ class MoveRecord:
         if manager == self.managers[0]:
             return tuple(names)
         return tuple(outward(name, manager) for name in names)
+
+
+def place_text(manager: str) -> str:
+    """Return the path of a manager that is called as in plans."""
+    name, host = split_manager(manager)
+    return f"/{host or LOCAL}/{name}{MANAGER_SUFFIX}"
 
 
 def record_of(
@@ -93,7 +102,7 @@ def record_of(
     connectors = tuple(
         each for each in whole.connectors if any(end.instance == instance for end in each.ports)
     )
-    return MoveRecord(Snapshot(**own), connectors, *target, tuple(known), homes)
+    return MoveRecord(Snapshot(**own), connectors, *target, tuple(known), homes, whole.host)
 
 
 def obstacles(facts: ComponentFacts, manager: Snapshot) -> Iterator[str]:
@@ -159,7 +168,8 @@ def wanted_move(record: MoveRecord) -> WantedSystem:
         components=(replace(captured, path_uri=path, properties=properties),),
     )
     stand_ins = (facts.instance,) if facts.is_stand_in else ()
-    system = wanted(profile, record.source.host, stand_ins=stand_ins, managers=record.managers[1:])
+    host = record.host or record.source.host
+    system = wanted(profile, host, stand_ins=stand_ins, managers=record.managers[1:])
     moving = replace(system.components[0], may_move=True, more_names=tuple(more))
     return replace(system, components=(moving,))
 
