@@ -12,7 +12,7 @@ from rtkit.rtc.names import MANAGER_SUFFIX, is_local_host, manager_on, split_man
 if TYPE_CHECKING:
     from rtkit.api.session import Session
     from rtkit.deployment.facts import Snapshot
-    from rtkit.profile.rts_model import RtsProfile
+    from rtkit.profile.rts_model import ComponentInstance, RtsProfile
     from rtkit.tree.client import Tree
 
 
@@ -21,6 +21,12 @@ def names_another(profile: RtsProfile) -> bool:
     paths = [each.path_uri or "" for each in profile.components]
     is_below = any(f"{MANAGER_SUFFIX}/" in path for path in paths)
     return is_below or any(map(_far_manager, dict.fromkeys(map(_host_in, paths))))
+
+
+def _is_movable(component: ComponentInstance) -> bool:
+    from rtkit.deployment.extension import MOVABLE
+
+    return any(each.name == MOVABLE for each in component.properties)
 
 
 def _host_in(path: str) -> str:
@@ -48,6 +54,8 @@ class Managers:
     Attributes:
         names: First the default manager, if any component belongs to it, or to another host, to
             which it has the link. Those of other hosts are called ``manager@robot1``.
+        homes: The manager of each component.
+        fixed: The same without movable components, which are asked where they live.
         lost: Why those cannot be asked whose host is linked, but cut off; they may live.
     """
 
@@ -61,6 +69,8 @@ class Managers:
         hosts = {_host_in(path) for path in self._paths.values()}
         self._far = {host: _far_manager(host) for host in hosts.difference(mapped)}
         self.homes = {name: self._home(path) or usual for name, path in self._paths.items()}
+        movable = {c.instance_name for c in profile.components if _is_movable(c)}
+        self.fixed = {name: home for name, home in self.homes.items() if name not in movable}
         found = dict.fromkeys(self.homes.values())
         self.lost: dict[str, str] = {}
         is_usual = usual in found or any(split_manager(name)[1] for name in found)
@@ -107,7 +117,7 @@ class Managers:
 
         known = {_name_of(each, self.host): each for each in reports}
         facts = [known.get(n) or down(self.host, n) for n in self.names]
-        return joined(facts, self.homes, self.lost)
+        return joined(facts, self.fixed, self.lost)
 
 
 def _name_of(report: Snapshot, host: str) -> str:
@@ -358,9 +368,9 @@ def _one(managers: Managers, trees: Mapping[str, Tree], session: Session | None 
     from rtkit.tree.manager_set import ManagerSet
 
     if session is None:
-        return ManagerSet(managers.names, trees, managers.homes, unreachable=managers.lost)
+        return ManagerSet(managers.names, trees, managers.fixed, unreachable=managers.lost)
     starter = _Starter(session)
-    return ManagerSet(managers.names, trees, managers.homes, starter.start, starter.end)
+    return ManagerSet(managers.names, trees, managers.fixed, starter.start, starter.end)
 
 
 def _close(trees: Mapping[str, Tree]) -> None:

@@ -90,12 +90,13 @@ def carry_out(session: Session, move: Move) -> None:
         Unreachable: A manager does not answer.
         KeyboardInterrupt: Interrupted; its text states what is left.
     """
-    from rtkit.api import step_times
+    from rtkit.api import owning, step_times
     from rtkit.deployment.applying import Applier
     from rtkit.tree.grace import uninterrupted
 
     record, goal, was, plan, survey = move
     _keep(record)
+    owning.claim_one(session, record.facts.instance, record.manager)
     report = session.report
     try:
         with step_times.noting(session, goal.system, was) as taken:

@@ -108,7 +108,12 @@ def run(session: Session, prepared: Prepared, *, rollback: bool, exact: bool) ->
 
 
 def carry_out(
-    session: Session, prepared: Prepared, *, rolls_back: bool = False, is_exact: bool = False
+    session: Session,
+    prepared: Prepared,
+    *,
+    rolls_back: bool = False,
+    is_exact: bool = False,
+    owns: bool = True,
 ) -> tuple[str, ...]:
     """Carry a plan out, and have the system followed if its profile wants that.
 
@@ -120,16 +125,20 @@ def carry_out(
         Unreachable: The manager does not answer.
         KeyboardInterrupt: Interrupted; its text states what is left.
     """
-    from rtkit.api import states, step_times
+    from rtkit.api import owning, states, step_times
     from rtkit.deployment.applying import Applier
     from rtkit.tree.grace import uninterrupted
 
     document, goal, snapshot, plan, survey = prepared
     is_followed = states.is_follow_wanted(session, document)
     report = session.report
+    if owns:
+        owning.claim(session, document, goal)
     with step_times.noting(session, goal.system, snapshot) as taken:
         applier = Applier(session.tree, goal, report, report, taken, survey, uninterrupted)
         applier.run(plan, snapshot, rolls_back=rolls_back, is_exact=is_exact)
+    if owns:
+        owning.note(session, document, goal)
     if is_followed:
         states.follow_from(session, document, goal)
     return tuple(applier.unmet)

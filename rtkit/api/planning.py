@@ -106,18 +106,32 @@ def prepare(
     parallel: int = 0,
     lock: PlanLocks | None = None,
     make: Make | None = None,
+    leaves_out: bool = False,
 ) -> Prepared:
     """Look at what lives, and plan, or `make` the plan otherwise.
+
+    With `leaves_out` it is also planned for the rest where hosts are lost, and none is started.
 
     Raises:
         Impossible: There is no plan; names the conditions that cannot hold together.
     """
+    from rtkit.deployment.system import without
     from rtkit.fast_dataclass import replace
     from rtkit.rtc.enums import LifeCycleState
 
     _, goal, snapshot = begin(
-        session, document, mapped, aim.way, is_dry=is_dry, parallel=parallel, starts=True, lock=lock
+        session,
+        document,
+        mapped,
+        aim.way,
+        is_dry=is_dry,
+        parallel=parallel,
+        starts=not leaves_out,
+        may_lack=leaves_out,
+        lock=lock,
     )
+    if leaves_out and snapshot.unreachable:
+        goal = replace(goal, system=without(goal.system, snapshot.unreachable))
     wished = None if aim.state == ANY else LifeCycleState(aim.state)
     goal = replace(goal, state=wished, prunes=aim.prunes)
     survey = goal.survey(snapshot)

@@ -208,8 +208,9 @@ def teardown(
     snapshot = looking.look(session, document.profile, dry_run=is_dry, may_lack=True, mapped=mapped)
     system = looking.wanted_system(session, document, snapshot, mapped=mapped)
     if not is_dry:
-        from rtkit.api import states
+        from rtkit.api import owning, states
 
+        owning.give_up(session, document)
         if states.end_if_followed(session, document, snapshot):
             snapshot = looking.remains(session)
     plan = teardown_plan(system, LiveIndex(snapshot, system), ends_components=ends_components)

@@ -101,7 +101,7 @@ TOPICS: dict[str, dict[str, str]] = {
         "rtapply": "Make the live system what an RTS profile says.",
         "rtcheck": "Compare the live system with an RTS profile.",
         "rtcryo": "Save the live system as an RTS profile.",
-        "rtmove": "Move a component to another slave or manager of this host.",
+        "rtmove": "Move a component to another slave, manager or linked host.",
         "rtplan": "Show the cheapest plan from the live system to an RTS profile.",
         "rtresurrect": "Bring up the system of an RTS profile.",
         "rtstart": "Activate every component of an RTS profile, in its order.",

@@ -68,6 +68,8 @@ LIMIT_DESCRIPTORS = f"{LIMIT}descriptors"
 """Property of a component: how many files each of those processes may have open."""
 LIMIT_PROCESSOR = f"{LIMIT}processor"
 """Property of a component: share of a processor that its slave may use, ``0.5`` or ``50%``."""
+MOVABLE = "rtkit.movable"
+"""Property of a component: ``SECONDS [HOST...]``: made there when its host was lost for so long."""
 TRANSMIT = "standin.transmit"
 """Option: ``default`` to have a stand-in write default values."""
 

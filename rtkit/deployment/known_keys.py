@@ -37,6 +37,7 @@ OF_COMPONENTS = (
     ext.LIMIT_PROCESSES,
     ext.LIMIT_DESCRIPTORS,
     ext.LIMIT_PROCESSOR,
+    ext.MOVABLE,
 )
 OF_PORTS = (ext.INTERFACES, ext.STATED_TYPE)
 """Keys of properties; what ends in a dot begins many."""

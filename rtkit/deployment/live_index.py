@@ -206,6 +206,7 @@ def absence(component: WantedComponent, live: LiveIndex) -> str:
     if other is not None and not other.zombie:
         where = f"at /{other.names[0]}" if other.names else f"at no name, in {other.process}"
         if live.home(component.instance) != (component.manager or live.snapshot.manager):
-            where = f"in manager {live.home(component.instance)}, and stays there"
+            stays = "" if component.may_move else ", and stays there"
+            where = f"in manager {live.home(component.instance)}{stays}"
         return f"{word}: {component.path} ({component.instance} is {where})"
     return f"{word}: {component.path}"

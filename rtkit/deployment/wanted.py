@@ -23,6 +23,7 @@ from rtkit.deployment.described import (
     stated_interfaces,
     type_of,
 )
+from rtkit.deployment.owned import read_movable
 from rtkit.deployment.place import Hosts, check_map, place
 from rtkit.deployment.port_types import settle_types
 from rtkit.deployment.shown_ports import OwnEnds
@@ -207,7 +208,10 @@ def _component(
         manager=where.manager,
         rates=rates_of(component.execution_contexts),
         is_create_stated=extension.CREATE in own,
+        may_move=extension.MOVABLE in own,
     )
+    if made.may_move:
+        read_movable(made.instance, own[extension.MOVABLE])
     known = choices.known_types.get(component.id)
     create = own.get(extension.CREATE, "") or (known.create if known is not None else "")
     policy = {k: v for k, v in own.items() if extension.is_policy(k)}

@@ -383,7 +383,7 @@ class Loop:
                 self._watchdog.hasten(key)
             case ev.FollowAsked():
                 self.following.sync()
-            case ev.OperationRequested("link_host" | "unlink_host"):
+            case ev.OperationRequested("link_host" | "unlink_host" | "own"):
                 self.links.sync()
             case ev.StopRequested():
                 self.notifier.end(is_restart=self.query_server.restart is not None)

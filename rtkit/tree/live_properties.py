@@ -36,14 +36,14 @@ if TYPE_CHECKING:
 READ = (
     "get_loaded_modules", "get_factory_profiles", "get_loadable_modules", "get_components",
     "get_component_profiles", "get_profile", "get_configuration", "is_master",
-    "get_master_managers", "get_slave_managers", "get_hosts",
+    "get_master_managers", "get_slave_managers", "get_hosts", "get_fences",
 )  # fmt: skip
 """Operations of a manager that only tell."""
 DO = (
     "load_module", "unload_module", "create_component", "delete_component",
     "get_components_by_name", "set_configuration", "fork", "add_master_manager",
     "remove_master_manager", "add_slave_manager", "remove_slave_manager", "get_service",
-    "link_host", "unlink_host", "shutdown", "restart",
+    "link_host", "unlink_host", "fence", "own", "shutdown", "restart",
 )  # fmt: skip
 """Operations of a manager that are actions."""
 

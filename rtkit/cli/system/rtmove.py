@@ -26,13 +26,13 @@ def main(
     wait_s: float = shared.WAIT,
     paths: tuple[str, ...] = arguments("COMPONENT TARGET"),
 ) -> None:
-    """Move a component to another slave or manager of this host.
+    """Move a component to another slave, manager or linked host.
 
     TARGET is a manager, /localhost/m2.mgr, for its own process, or a slave of one,
-    /localhost/m2.mgr/arm.mgr. The component ends here and is made there, with the configuration,
-    rates, policy, names and connections that it has, and is Active again if it was. There is never
-    more than one of its name. Its own variables begin anew, and values that are on their way to it
-    are lost.
+    /localhost/m2.mgr/arm.mgr; that of a linked host is /robot1/manager.mgr. The component ends here
+    and is made there, with the configuration, rates, policy, names and connections that it has, and
+    is Active again if it was. There is never more than one of its name. Its own variables begin
+    anew, and values that are on their way to it are lost.
 
     Whether it can be made there is asked before anything ends. When a step fails it is made here
     again. Where the command or a manager was killed, the same command goes on: until all is done,

@@ -132,6 +132,7 @@ _KINDS: Mapping[str, _Kind] = {
     "reached": _Kind("reached", Followed),
     "host": _Kind("hosts", str),
     "gone": _Kind("gone", tuple[str, str, str]),
+    "fence": _Kind("fences", tuple[str, str, str]),
 }
 
 
@@ -143,8 +144,7 @@ class DesiredState:
         zombies: Components whose end is for their user to see, as they were.
         watched: What has been done about the ends of components, by instance.
         revived: Components that are just being restarted: they are not newly desired.
-        boot: Which run of the machine this is; kept along with the rest.
-        life: The name of this store, which another one has not; kept likewise.
+        boot, life: Which run of the machine this is, and the name of this store, which is unique.
         halves: Of connectors to other managers, by id: which making each comes from, and with which
             store of its peer it was made.
         far: Ids of those connectors, by peer.
@@ -152,10 +152,10 @@ class DesiredState:
             the making that the last one of that id came from.
         answered: What batches came to that changed anything, the last ones, by id.
         followed: By what systems are followed whose events lead them, as text, by name.
-        reached: What became of each of them.
-        hosts: Other hosts that are to be linked, by name, as JSON.
+        reached, hosts: What became of each of them; other hosts to be linked, by name, as JSON.
         gone: Removed connectors of which a manager of another host has not heard yet, as (peer,
-            connector, making); a link may be away for long, so it outlasts this manager.
+            connector, making), also over restarts.
+        fences: Components that may be moved: since which epoch they are where, and their owner.
     """
 
     def __init__(self) -> None:
@@ -177,6 +177,7 @@ class DesiredState:
         self.reached: dict[str, Followed] = {}
         self.hosts: dict[str, str] = {}
         self.gone: dict[str, tuple[str, str, str]] = {}
+        self.fences: dict[str, tuple[str, str, str]] = {}
         self._changed: dict[tuple[str, str], None] = {}
         self._stored: set[tuple[str, str]] = set()
 

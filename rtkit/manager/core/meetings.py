@@ -12,8 +12,10 @@ from rtkit.deployment.actions import Result
 from rtkit.deployment.message import message_from
 from rtkit.errors import Malformed, Refused, RtkitError, Unreachable
 from rtkit.manager.core import events as ev
+from rtkit.manager.core import fences
 from rtkit.manager.core.durable_replies import DurableReplies, SendResults, unkept
 from rtkit.manager.core.effects import Procedure
+from rtkit.manager.core.fences import check_fence
 from rtkit.manager.core.halves import be_met, check_expected, connector_in, make_half, meet, show
 from rtkit.manager.core.state import ManagerState
 from rtkit.manager.core.tasks import Tasks, failed
@@ -126,6 +128,7 @@ class Meetings:
         self._state.peers.discard(event.peer)
         self._away.add(event.peer)
         self._tasks.peer_lost(event.peer, Unreachable(event.why))
+        fences.note_lost(self._state, event.peer, event.why)
         for connector_id in self._state.kept.far.get(event.peer, ()):
             show(self._state, connector_id, event.why)
 
@@ -151,6 +154,7 @@ class Meetings:
             if op != "make":
                 raise Malformed(f"no such request of a manager: {op!r}")
             connector = connector_in(self._state, message)
+            check_fence(self._state, connector)
             if event.peer:
                 check_expected(self._state, connector)
             check_same(self._state, connector)

@@ -12,7 +12,7 @@ from rtkit.deployment.actions import Result
 from rtkit.deployment.extension import FOLLOW
 from rtkit.deployment.facts import ComponentFacts
 from rtkit.errors import Malformed, NotFound, Refused
-from rtkit.manager.core import follows, manager_properties
+from rtkit.manager.core import fences, follows, manager_properties
 from rtkit.manager.core.deletion import retire_unused
 from rtkit.manager.core.effects import AcquireSlave, Procedure, Spawn
 from rtkit.manager.core.halves import expect
@@ -87,6 +87,7 @@ READ: Mapping[str, Callable[[ManagerState], str]] = {
     "get_master_managers": lambda state: "\n".join(state.masters),
     "get_slave_managers": _slaves,
     "get_hosts": lambda state: "\n".join(state.kept.hosts),
+    "get_fences": fences.lines,
 }
 
 
@@ -179,6 +180,12 @@ def _expect_no_more(state: ManagerState, argument: str) -> Procedure:
     return Result()
 
 
+def _own(_state: ManagerState, _argument: str) -> Procedure:
+    """Have the shell look at the records of owned systems, of which one has changed."""
+    yield from ()
+    return Result()
+
+
 def _service(_state: ManagerState, argument: str) -> Procedure:
     yield from ()
     raise NotFound(f"the manager has no service {argument}")
@@ -201,6 +208,8 @@ DO: Mapping[str, Callable[[ManagerState, str], Procedure]] = {
     "unlink_host": _unlink_host,
     "expect": _expect,
     "expect_no_more": _expect_no_more,
+    "fence": fences.fence,
+    "own": _own,
 }
 
 

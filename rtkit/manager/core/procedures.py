@@ -21,6 +21,7 @@ from rtkit.manager.core.deletion import delete, end_slave, end_slaves, grace_s, 
 from rtkit.manager.core.desired import OPERATIONS, note
 from rtkit.manager.core.effects import AcquireSlave, Call, Effect, Procedure, Send, Spawn
 from rtkit.manager.core.events import OWN_PROCESS
+from rtkit.manager.core.fences import check_home
 from rtkit.manager.core.limiting import reserve
 from rtkit.manager.core.manager_properties import config_files, inherited
 from rtkit.manager.core.modules import forget_found, load, share_trial, unload
@@ -106,6 +107,7 @@ def _create(state: ManagerState, action: act.Create) -> Procedure:
     if known is not None and not known.zombie:
         return Result(value=known.instance, note=_otherwise(state, action, create, known))
     create = _in_language(state, create)
+    check_home(state, create.instance_name)
     policy_of(state, str(create))  # a policy that makes no sense is refused before anything is done
     taken = yield from names_elsewhere(state, create)
     instance, claim = claim_name(state, action, create, taken)

@@ -9,6 +9,7 @@ from rtkit.deployment.actions import Result
 from rtkit.deployment.shown_ports import OwnEnds
 from rtkit.errors import Malformed, NotFound, Refused, RtkitError, Unreachable
 from rtkit.manager.core.effects import Call, Procedure, Send, WaitUntil
+from rtkit.manager.core.fences import check_fence
 from rtkit.manager.core.halves import connect_half, notify_gone
 from rtkit.manager.core.state import ManagerState, Opening, Process, no_component
 from rtkit.rtc.connector_properties import DIRECT, differing
@@ -55,6 +56,7 @@ def connect(state: ManagerState, action: act.Connect) -> Procedure:
     if not connector_id or any(ord(c) < 32 for c in connector_id):
         raise Malformed(f"connector id is empty or has control characters: {connector_id!r}")
     if peer_of(connector):
+        check_fence(state, connector)
         connector = own.connector(connector)
         yield from _cut_loose(state, connector_id)
         return (yield from connect_half(state, connector, *own_port(state, connector)))

@@ -52,7 +52,16 @@ def record(**changes: Any) -> dict[str, Any]:
         "limits": "",
         **{
             k: []
-            for k in ("connections", "components", "events", "hosts", "log", "output", "warnings")
+            for k in (
+                "connections",
+                "components",
+                "events",
+                "hosts",
+                "log",
+                "movable",
+                "output",
+                "warnings",
+            )
         },
         "crash": None,
     }

@@ -159,7 +159,8 @@ def test_the_table_of_operations_is_that_of_the_interface():
         delete_component get_components get_component_profiles get_components_by_name get_profile
         get_configuration set_configuration is_master get_master_managers add_master_manager
         remove_master_manager get_slave_managers add_slave_manager remove_slave_manager fork
-        get_service rtkit.follow get_hosts link_host unlink_host expect expect_no_more"""
+        get_service rtkit.follow get_hosts link_host unlink_host expect expect_no_more
+        get_fences fence own"""
     assert {*operations.READ, *operations.DO} == set(named.split())
     assert not operations.READ.keys() & operations.DO.keys()
 

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from contextlib import suppress
 from time import monotonic
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from rtkit.cli.observing.status.past import past_of
 from rtkit.cli.shared.json_records import time_text
-from rtkit.errors import NotFound, Refused, Unreachable
-from rtkit.link.places import owner
+from rtkit.errors import NotFound, Refused, RtkitError, Unreachable
+from rtkit.link.places import host_name, owner
 
 if TYPE_CHECKING:
     from rtkit.api.rates import RateRow
@@ -55,6 +56,7 @@ def record_of(app: App, path: Path, lines: int, *, has_rates: bool) -> Record:
         **(_details(snapshot, facts, row) if facts is not None else _NOTHING),
         "components": [] if facts is not None else _held(snapshot, node),
         "hosts": [] if facts is not None or node.is_slave else links_of(snapshot),
+        "movable": movable_of(app, snapshot) if is_live and facts is None else [],
         "events": past.events,
         "log": past.log,
         "crash": past.crash,
@@ -64,7 +66,8 @@ def record_of(app: App, path: Path, lines: int, *, has_rates: bool) -> Record:
         record.update(_end_in_log(facts, past.events))
     record["warnings"] = list(_warnings(record, facts))
     is_up = record["state"] in (*_WELL, "up") and not record["why"]
-    record["is_well"] = is_live and is_up and not any(each["why"] for each in record["hosts"])
+    whys = [each["why"] for each in (*record["hosts"], *record["movable"])]
+    record["is_well"] = is_live and is_up and not any(whys)
     return record
 
 
@@ -245,12 +248,34 @@ def _held(snapshot: Snapshot, node: TreeNode) -> list[Record]:
 def links_of(snapshot: Snapshot) -> list[Record]:
     """Return the hosts that a manager of this host links, and why one cannot be reached."""
     from rtkit.link import host_links
-    from rtkit.link.places import host_name
 
     links = map(host_links.read, host_links.hosts() if snapshot.host == host_name() else ())
     return [
         {"name": link.host, "why": link.why} for link in links if link.manager == snapshot.manager
     ]
+
+
+def movable_of(app: App, snapshot: Snapshot) -> list[Record]:
+    """Return the components that an owner may make elsewhere, as a manager was told of them.
+
+    Its owner knows why that failed, or where an older one may live.
+    """
+    from rtkit.api import owning
+
+    with suppress(RtkitError):  # not told to those who may only look
+        rows = [line.split(" ") for line in app.tree.get("get_fences").splitlines()]
+        whys = owning.troubles(snapshot.manager) if snapshot.host == host_name() else {}
+        return [
+            {
+                "name": name,
+                "home": home,
+                "epoch": int(epoch),
+                "owner": owner,
+                "why": whys.get(name, ""),
+            }
+            for name, epoch, home, owner in rows
+        ]
+    return []
 
 
 def _rates(app: App, facts: ComponentFacts) -> RateRow | None:

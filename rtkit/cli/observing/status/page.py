@@ -25,6 +25,7 @@ def page(record: Mapping[str, Any], now: datetime) -> Iterator[str]:
     yield from _section("Components", _components(record["components"]))
     hosts = [(each["name"], each["why"] or "linked") for each in record["hosts"]]
     yield from _section("Hosts", terminal.table(hosts) if hosts else [])
+    yield from _section("Movable", _movable(record["movable"]))
     yield from _section("Warnings", record["warnings"])
     yield from _section("Events", map(_event, record["events"]))
     yield from _section("Log", _log(record["log"]))
@@ -93,6 +94,14 @@ def _ports(connections: Sequence[Mapping[str, Any]]) -> list[str]:
 
 def _components(components: Sequence[Mapping[str, Any]]) -> list[str]:
     rows = [(each["name"], each["state"], each["process"], each["why"]) for each in components]
+    return terminal.table(rows) if rows else []
+
+
+def _movable(components: Sequence[Mapping[str, Any]]) -> list[str]:
+    rows = [
+        (each["name"], f"in {each['home']}", f"moved by {each['owner']} only", each["why"])
+        for each in components
+    ]
     return terminal.table(rows) if rows else []
 
 

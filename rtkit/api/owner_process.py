@@ -1,0 +1,224 @@
+"""Process of an owner: makes movable components elsewhere when their host is lost, and reconciles.
+
+It is a child of the manager that owns the systems, and ends with it: where the owner itself is
+lost, nothing moves. It sleeps until the state of a link or a record changes, or a time is over.
+"""
+
+from __future__ import annotations
+
+import logging
+import os
+import select
+import signal
+import sys
+from collections.abc import Iterator
+from time import monotonic, time
+from typing import TYPE_CHECKING
+
+from rtkit.api import owning
+from rtkit.deployment.owned import MovableRule, OwnedSystem
+from rtkit.errors import RtkitError
+from rtkit.fast_dataclass import replace
+from rtkit.link import host_links, owned_files, places
+from rtkit.link.folder_watch import FolderWatch
+from rtkit.link.processes import ProcessWatch
+from rtkit.link.threads import start_thread
+from rtkit.rtc.enums import LifeCycleState
+from rtkit.rtc.names import LOCAL, manager_on, split_manager
+
+if TYPE_CHECKING:
+    from rtkit.api.system_profiles import SystemProfile
+    from rtkit.profile.rts_model import RtsProfile
+    from rtkit.tree.client import Tree
+
+_log = logging.getLogger(__name__)
+ACTIVE, INACTIVE = LifeCycleState.ACTIVE.value, LifeCycleState.INACTIVE.value
+_AGAIN_S = 2.0
+"""Pause before what failed is tried again [s]."""
+_WAIT_S = 30.0
+"""How long a plan of somebody else is waited for [s]."""
+_TIMEOUT_S = 10.0
+_EVER_S = 1e6
+
+
+def main() -> None:
+    """Be the process: ``MANAGER``."""
+    for number in (signal.SIGINT, signal.SIGHUP):
+        signal.signal(number, signal.SIG_IGN)  # meant for the manager, which says when to end
+    manager = sys.argv[1]
+    watch = ProcessWatch(os.getppid())
+
+    def await_manager() -> None:
+        watch.await_end(_EVER_S)
+        os._exit(0)
+
+    start_thread(await_manager, "manager")
+    SystemOwner(manager).run()
+
+
+class SystemOwner:
+    """Keeps the systems of a manager whole.
+
+    Args:
+        manager: Its name.
+    """
+
+    def __init__(self, manager: str) -> None:
+        self._manager = manager
+        self._lost_since: dict[str, float] = {}
+        self._again_at = 0.0
+        self._left_out: dict[str, frozenset[str]] = {}
+        self._folders = (
+            FolderWatch(places.runtime_dir()),
+            FolderWatch(places.make_private(owned_files.folder())),
+        )
+        self._bell, ring = os.pipe2(os.O_NONBLOCK | os.O_CLOEXEC)
+        os.set_blocking(ring, False)
+        signal.signal(signal.SIGCONT, lambda *_: None)
+        signal.set_wakeup_fd(ring, warn_on_full_buffer=False)
+
+    def run(self) -> None:
+        """Act on each change, as long as the process lives."""
+        while True:
+            due_at = self._look()
+            wait_s = None if due_at is None else max(0.0, due_at - monotonic())
+            select.select([*map(FolderWatch.fileno, self._folders), self._bell], [], [], wait_s)
+            for folder in self._folders:
+                folder.take()
+            if select.select([self._bell], [], [], 0)[0]:
+                os.read(self._bell, 4096)
+
+    def _look(self) -> float | None:
+        """Do what is due; return when to look again, None for not before something changes."""
+        now = monotonic()
+        due: list[float] = []
+        for path in owned_files.of_manager(self._manager):
+            owned = owning.decoded(owned_files.read(path))
+            if owned is None:
+                continue
+            if self._again_at > now:
+                due.append(self._again_at)
+                continue
+            try:
+                due += self._keep(owned)
+            except RtkitError as error:
+                self._note(path, str(error))
+                self._again_at = monotonic() + _AGAIN_S
+                due.append(self._again_at)
+        return min(due, default=None)
+
+    def _keep(self, owned: OwnedSystem) -> Iterator[float]:
+        """Reconcile a system, and move what is due; yield the moments at which more is."""
+        from rtkit.deployment.owned import rules_of
+
+        for host in (each for each in list(self._lost_since) if not _why_lost(each)):
+            del self._lost_since[host]
+        owned = self._ended_elsewhere(owned)
+        rules: dict[str, MovableRule] = {}
+        for name, each in owned.components.items():
+            host = split_manager(each.home)[1]
+            if not _why_lost(host):
+                continue
+            if not rules:
+                rules = rules_of(_profile(owned))
+            due_at = self._lost_since.setdefault(host, monotonic()) + rules[name].wait_s
+            if due_at > monotonic():
+                yield due_at
+                continue
+            target = self._target(rules[name], host)
+            owned = owned.moved(name, target, time(), is_stale=True)
+            _log.warning("%s: host %s is lost: %s is made in %s", owned.system, host, name, target)
+            owning.write(self._manager, owned)  # first: who is killed here goes on from there
+            self._left_out.pop(owned.system, None)
+        lost = frozenset(filter(_why_lost, host_links.hosts()))
+        if owned.is_pending and self._left_out.get(owned.system) != lost:
+            self._carry_out(owned)
+            self._left_out[owned.system] = lost
+
+    def _note(self, path: str, why: str) -> None:
+        """Note why a plan failed, which is tried again."""
+        owned = owning.decoded(owned_files.read(path))
+        if owned is not None and owned.why != why:
+            _log.error("%s: %s", owned.system, why)
+            owning.write(self._manager, replace(owned, why=why))
+
+    def _target(self, rule: MovableRule, lost: str) -> str:
+        """Return the manager that a component goes to: the first that can be reached."""
+        for host in rule.hosts:
+            if host == LOCAL:
+                break
+            if host != lost and host_links.is_linked(host) and not _why_lost(host):
+                return manager_on(host_links.read(host).far_manager, host)
+        return self._manager
+
+    def _ended_elsewhere(self, owned: OwnedSystem) -> OwnedSystem:
+        """End older ones of components where their host is back."""
+        from rtkit.api.gathering import connected
+        from rtkit.deployment.actions import Delete
+
+        for name, each in list(owned.components.items()):
+            for manager in each.stale:
+                host = split_manager(manager)[1]
+                if not host_links.is_linked(host) or _why_lost(host):
+                    continue
+                with connected(manager, _TIMEOUT_S) as tree:
+                    owning.send_epoch({manager: tree}, self._manager, name, owned, _log.info)
+                    if tree.snapshot().component(name) is not None:
+                        for result in tree.apply([Delete(name, is_forced=True)]):
+                            result.raise_for_error()
+                        _log.warning("%s in %s was of a past epoch, and is ended", name, manager)
+                left = tuple(other for other in each.stale if other != manager)
+                owned = owned.with_component(name, replace(each, stale=left), is_pending=True)
+                self._left_out.pop(owned.system, None)
+                owning.write(self._manager, owned)
+        return owned
+
+    def _carry_out(self, owned: OwnedSystem) -> None:
+        """Lead the system to where its components are to be; lost hosts are left out."""
+        from rtkit.api import planning
+        from rtkit.api.plan import carry_out
+        from rtkit.api.session import ScriptSession
+        from rtkit.api.system_profiles import made
+        from rtkit.deployment.owned import placed
+        from rtkit.tree.connect import connect
+        from rtkit.tree.plan_locks import PlanLocks
+
+        document = made(placed(_profile(owned), owned), owned.source)
+        with (
+            connect(self._manager, _TIMEOUT_S) as tree,
+            ScriptSession(tree, _log.info, f"owner of {owned.system}") as session,
+            PlanLocks(session.name, _WAIT_S, _log.info) as lock,
+        ):
+            aim = planning.GoalOptions(state=_state(tree, document))
+            prepared = planning.prepare(
+                session, document, (), aim, is_dry=False, lock=lock, leaves_out=True
+            )
+            for name in owned.components:
+                owning.send_epoch(session.tree.trees, self._manager, name, owned, _log.info)
+            carry_out(session, prepared, owns=False)
+        is_whole = not prepared.snapshot.unreachable
+        owning.write(self._manager, replace(owned, is_pending=not is_whole, why=""))
+
+
+def _state(tree: Tree, document: SystemProfile) -> str:
+    """Return the state in which a system is: Inactive if none of its components here is Active."""
+    names = set(document.components)
+    found = [each.state for each in tree.snapshot().components if each.instance in names]
+    return INACTIVE if found and ACTIVE not in found else ACTIVE
+
+
+def _profile(owned: OwnedSystem) -> RtsProfile:
+    from rtkit.profile.read import read_rts
+
+    return read_rts(owned.profile.encode(), owned.source).profile
+
+
+def _why_lost(host: str) -> str:
+    """Return why a linked host cannot be reached; empty for one that can, and for none."""
+    if not host or not host_links.is_linked(host):
+        return ""
+    return host_links.read(host).why
+
+
+if __name__ == "__main__":
+    main()

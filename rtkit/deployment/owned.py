@@ -1,0 +1,153 @@
+"""Owned systems: where their components are that may be made elsewhere when a host is lost.
+
+The owner is the manager on which a system was applied. See decision 79.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import NamedTuple
+
+from rtkit.deployment.extension import MOVABLE
+from rtkit.errors import Malformed
+from rtkit.fast_dataclass import dataclass, field, replace
+from rtkit.profile.common import ExtensionProperty
+from rtkit.profile.rts_model import RtsProfile, TargetPort
+from rtkit.profile.words import PATH_ID
+from rtkit.rtc.connector_properties import finite
+from rtkit.rtc.names import LOCAL, split_manager
+
+_MOST_S = 86_400.0
+
+
+class MovableRule(NamedTuple):
+    """Policy of a movable component: how long its host may be lost, and where it goes then [s].
+
+    Attributes:
+        hosts: Those that it may go to, the first one that can be reached; empty for the owner's.
+    """
+
+    wait_s: float
+    hosts: tuple[str, ...] = ()
+
+
+def read_movable(instance: str, text: str) -> MovableRule:
+    """Return the policy that ``SECONDS [HOST…]`` says.
+
+    Raises:
+        Malformed: It makes no sense; names the component.
+    """
+    first, *hosts = text.split() or [""]
+    wait_s = finite(first)
+    if wait_s is None or not 0 <= wait_s <= _MOST_S:
+        raise Malformed(f"{instance}: {MOVABLE}: not SECONDS [HOST...]: {text!r}")
+    return MovableRule(wait_s, tuple(hosts))
+
+
+@dataclass(frozen=True, slots=True)
+class OwnedComponent:
+    """A movable component of an owned system.
+
+    Attributes:
+        home: The manager that it is to be in, called as in plans.
+        origin: The one that its profile says.
+        epoch: A number that grows each time it is made elsewhere: seconds since 1970, or more.
+        stale: Managers in which an older one may live, which was not seen to end.
+    """
+
+    home: str
+    origin: str
+    epoch: int
+    stale: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class OwnedSystem:
+    """A system that its owner keeps whole while hosts are lost.
+
+    Attributes:
+        system: The identity of its profile.
+        source: Names the profile in messages.
+        profile: Its text, as XML.
+        components: The movable ones, by instance name.
+        is_pending: Where they are was changed, and a plan has not led there yet.
+        why: Why the last plan failed; empty where it did not.
+    """
+
+    system: str
+    source: str
+    profile: str
+    components: Mapping[str, OwnedComponent] = field(default_factory=dict)
+    is_pending: bool = False
+    why: str = ""
+
+    def moved(self, instance: str, home: str, now: float, *, is_stale: bool) -> OwnedSystem:
+        """Return the record once a component is to be elsewhere from `now` on [s since 1970].
+
+        An older one may be left behind (`is_stale`).
+        """
+        known = self.components[instance]
+        stale = tuple(each for each in known.stale if each != home)
+        stale += (known.home,) if is_stale and known.home not in stale else ()
+        epoch = max(known.epoch + 1, int(now))
+        made = OwnedComponent(home, known.origin, epoch, stale)
+        return self.with_component(instance, made, is_pending=is_stale)
+
+    def with_component(
+        self, instance: str, component: OwnedComponent, *, is_pending: bool | None = None
+    ) -> OwnedSystem:
+        """Return the record with another row of a component."""
+        pending = self.is_pending if is_pending is None else is_pending
+        components = {**self.components, instance: component}
+        return replace(self, components=components, is_pending=pending)
+
+
+def rules_of(profile: RtsProfile) -> dict[str, MovableRule]:
+    """Return the policies of the movable components of a profile.
+
+    Raises:
+        Malformed: One makes no sense.
+    """
+    return {
+        each.instance_name: read_movable(each.instance_name, item.value or "")
+        for each in profile.components
+        for item in each.properties
+        if item.name == MOVABLE
+    }
+
+
+def placed(profile: RtsProfile, owned: OwnedSystem) -> RtsProfile:
+    """Return a profile with the components where their owner has them."""
+    paths = {
+        name: _path(name, each.home)
+        for name, each in owned.components.items()
+        if each.home != each.origin
+    }
+
+    def end(port: TargetPort) -> TargetPort:
+        path = paths.get(port.instance_name)
+        properties = tuple(
+            ExtensionProperty(each.name, path) if path and each.name == PATH_ID else each
+            for each in port.properties
+        )
+        return replace(port, properties=properties)
+
+    return replace(
+        profile,
+        components=tuple(
+            replace(each, path_uri=paths.get(each.instance_name, each.path_uri))
+            for each in profile.components
+        ),
+        data_port_connectors=tuple(
+            replace(each, source=end(each.source), target=end(each.target))
+            for each in profile.data_port_connectors
+        ),
+        service_port_connectors=tuple(
+            replace(each, source=end(each.source), target=end(each.target))
+            for each in profile.service_port_connectors
+        ),
+    )
+
+
+def _path(instance: str, home: str) -> str:
+    return f"{split_manager(home)[1] or LOCAL}/{instance}.rtc"

@@ -1,0 +1,239 @@
+"""Movable components: made elsewhere when their host is lost; there is one of each at the end."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+from collections.abc import Iterator
+
+import farkit
+import pytest
+import rts_text
+from counting import CHECKER as PLAIN_CHECKER
+from counting import COUNTER
+from farkit import FarHost, far_hosts
+from fleetkit import linked
+from forked import Commands
+from shells import Shell, processes_of
+from waiting import until
+
+pytestmark = pytest.mark.skipif(bool(farkit.missing()), reason=farkit.missing())
+FILE = "mov.xml"
+OLD = 1_000_000
+"""The number at which those begin to count that are made on robot1."""
+CHECKER = PLAIN_CHECKER.replace(
+    "self.last not in (0, value.data - 1)", f"self.last < {OLD} < value.data"
+)
+"""Counts, as gaps, how often an old number came after a new one."""
+HERE, THERE = "/localhost/Num.rtc", "/robot1/Num.rtc"
+
+
+@pytest.fixture(scope="module")
+def hosts(tmp_path_factory: pytest.TempPathFactory) -> Iterator[list[FarHost]]:
+    with far_hosts(tmp_path_factory.mktemp("far"), "robot1", "robot2") as hosts:
+        yield hosts
+
+
+@pytest.fixture(scope="module")
+def fleet(commands: Commands, hosts: list[FarHost]) -> Iterator[Shell]:
+    with linked(commands, hosts) as shell:
+        give_modules(shell, hosts)
+        (shell.folder / FILE).write_text(profile())
+        yield shell
+        for host in hosts:
+            linked_again(shell, host)
+        shell.run(f"rtteardown --exit {FILE}")
+
+
+@pytest.fixture
+def applied(fleet: Shell, hosts: list[FarHost]) -> Shell:
+    """A shell whose system is as its profile says, and numbers of robot1 come here and there."""
+    for host in hosts:
+        linked_again(fleet, host)
+    (fleet.folder / "count").unlink(missing_ok=True)
+    hosts[1].run("rm", "-f", "/root/count")
+    assert fleet.run(f"rtapply {FILE}").status == 0
+    until(lambda: min(numbers(fleet, hosts)) > OLD, "numbers of robot1 come to both")
+    return fleet
+
+
+def give_modules(shell: Shell, hosts: list[FarHost]) -> None:
+    (shell.modules / "Counter.py").write_text(COUNTER)
+    (shell.modules / "Checker.py").write_text(CHECKER)
+    for host in hosts:
+        host.write("/root/Counter.py", COUNTER.replace("number = 0", f"number = {OLD}"))
+        host.write("/root/Checker.py", CHECKER)
+
+
+def profile() -> str:
+    """Return a system whose source is movable, with a receiver here and one on robot2."""
+    rows = (
+        ("Counter", "Num", "out", "robot1", {"movable": "0.5"}),
+        ("Checker", "Near", "into", "localhost", {}),
+        ("Checker", "Far", "into", "robot2", {}),
+    )
+    components = [
+        rts_text.component(
+            name,
+            {"create": f"{kind}?manager_name={name.lower()}", **more},
+            type_id=f"RTC:::{kind}:",
+            port=port,
+            folder=folder,
+            rate=100.0,
+        )
+        for kind, name, port, folder, more in rows
+    ]
+    types = ["RTC:::Counter:", "RTC:::Checker:"]
+    wires = [
+        rts_text.wire(name.lower(), "Num.out", f"{name}.into", types) for name in ("Near", "Far")
+    ]
+    return rts_text.system("Moving", *components, *wires)
+
+
+def numbers(fleet: Shell, hosts: list[FarHost]) -> list[int]:
+    """Return the last numbers that came here and to robot2."""
+    return [last for last, _ in counts(fleet, hosts)]
+
+
+def counts(fleet: Shell, hosts: list[FarHost]) -> list[tuple[int, int]]:
+    """Return the last numbers, and the gaps before them, here and on robot2."""
+    try:
+        texts = [(fleet.folder / "count").read_text(), hosts[1].read("/root/count")]
+    except FileNotFoundError:
+        return [(0, 0), (0, 0)]
+    return [(int(last), int(gaps)) for last, gaps in map(str.split, texts)]
+
+
+def cut(fleet: Shell, *hosts: FarHost) -> None:
+    for host in hosts:
+        host.link("down")
+    for host in hosts:
+        until(lambda h=host: fleet.run(f"rtls /{h.name}").status == 1, f"{host.name} is lost")
+
+
+def linked_again(fleet: Shell, host: FarHost) -> None:
+    host.link("up")
+    until(lambda: fleet.run(f"rtls /{host.name}").status == 0, f"{host.name} is linked again")
+
+
+def places(fleet: Shell) -> list[str]:
+    """Return where the movable component is."""
+    return fleet.run("rtfind -un Num.rtc /").out.splitlines()
+
+
+def moved(fleet: Shell, hosts: list[FarHost]) -> None:
+    """Wait until there is one source, here, and its numbers come to both."""
+    until(lambda: places(fleet) == [HERE], "there is one, here")
+    until(lambda: all(0 < each < OLD for each in numbers(fleet, hosts)), "numbers of here come")
+
+
+def ended_on_robot1(fleet: Shell) -> None:
+    until(lambda: "Num.rtc" not in fleet.run("rtls /robot1").out, "the old one is ended")
+    until(lambda: not trouble(fleet), "the owner has nothing left to do")
+
+
+def trouble(fleet: Shell) -> str:
+    (row,) = json.loads(fleet.run("rtstatus --json").out)["movable"]
+    return str(row["why"])
+
+
+def test_a_component_is_made_elsewhere_and_the_old_one_is_refused(
+    applied: Shell, hosts: list[FarHost]
+) -> None:
+    cut(applied, hosts[0])
+    moved(applied, hosts)
+    assert trouble(applied) == "an older one may live in manager@robot1"
+    assert "Num.rtc" in far(hosts[0], "rtls", "/localhost")  # both live
+    log = hosts[0].run("sh", "-c", "cat /root/.local/state/rtkit/manager.log")
+    assert "it owns Num: nothing is moved until it is back" in log
+    before = counts(applied, hosts)
+
+    linked_again(applied, hosts[0])
+    ended_on_robot1(applied)
+    assert places(applied) == [HERE]
+    until(
+        lambda: all(
+            now > last + 50 for now, (last, _) in zip(numbers(applied, hosts), before, strict=True)
+        ),
+        "more numbers come",
+    )
+    assert [gaps for _, gaps in counts(applied, hosts)] == [gaps for _, gaps in before]
+
+    told = applied.run("rtmgr -c Counter?instance_name=Num /robot1/manager.mgr")
+    assert (told.status, "Num cannot be made here" in told.err) == (1, True)
+    applied.ok("rtmgr -c Counter?instance_name=Other /robot1/manager.mgr")
+    assert applied.run(f"rtcheck {FILE}").err.count("missing") == 1
+    applied.ok("rtexit /robot1/Other.rtc")
+
+
+def far(host: FarHost, *words: str) -> str:
+    """Run a command at a host's own console."""
+    name, *rest = words
+    command = f"/root/.local/share/rtkit/current/bin/{name}"
+    return host.run("env", f"RTKIT_HOSTNAME={host.name}", command, *rest)
+
+
+@pytest.mark.parametrize("order", [(0, 1), (1, 0)])
+def test_hosts_come_back_in_any_order(
+    applied: Shell, hosts: list[FarHost], order: tuple[int, int]
+) -> None:
+    cut(applied, *hosts)
+    until(lambda: HERE in places(applied), "it is made here")
+    for number in order:
+        linked_again(applied, hosts[number])
+    ended_on_robot1(applied)
+    moved(applied, hosts)
+
+
+def test_a_stopped_system_stays_so_and_a_killed_owner_goes_on(
+    applied: Shell, hosts: list[FarHost]
+) -> None:
+    assert applied.run(f"rtstop {FILE}").status == 0
+    pids = subprocess.run(
+        ["pgrep", "-f", "rtkit.api.owner_process"], capture_output=True, text=True, check=True
+    )
+    (own,) = {*map(int, pids.stdout.split())} & {*processes_of(applied.run_id)}
+    os.kill(own, signal.SIGKILL)
+    cut(applied, hosts[0])
+    until(lambda: HERE in places(applied), "it is made here")
+    assert "Inactive" in applied.ok(f"rtcat {HERE}")
+    linked_again(applied, hosts[0])
+    ended_on_robot1(applied)
+
+
+def test_while_the_owner_is_away_nothing_moves(applied: Shell, hosts: list[FarHost]) -> None:
+    pid = int(applied.ok("rtget /localhost/manager.mgr/pid"))
+    hosts[0].link("down")
+    os.kill(pid, signal.SIGKILL)
+    until(lambda: applied.run("rtmgr status").status == 1, "the end of the manager")
+    assert "Num.rtc" not in far(hosts[1], "rtls", "/localhost")
+    applied.ok("rtmgr start")
+    until(lambda: HERE in places(applied), "the owner is back, and moves it")
+    linked_again(applied, hosts[0])
+    linked_again(applied, hosts[1])
+    ended_on_robot1(applied)
+    moved(applied, hosts)
+
+
+def test_a_component_moves_by_request_with_its_epoch(applied: Shell, hosts: list[FarHost]) -> None:
+    assert applied.run(f"rtmove {THERE} /robot2/manager.mgr").status == 0
+    assert places(applied) == ["/robot2/Num.rtc"]
+    cut(applied, hosts[1])
+    until(lambda: HERE in places(applied), "it is made here")
+    linked_again(applied, hosts[1])
+    until(lambda: places(applied) == [HERE], "there is one again")
+    moved(applied, hosts)
+
+
+def test_a_host_that_was_powered_off_comes_back_bare(applied: Shell, hosts: list[FarHost]) -> None:
+    hosts[0].power_off()
+    moved(applied, hosts)
+    hosts[0].power_on()
+    give_modules(applied, hosts[:1])
+    assert applied.run("rtmgr start --host robot1").status == 0
+    ended_on_robot1(applied)
+    assert places(applied) == [HERE]
+    assert applied.run(f"rtteardown --exit {FILE}").status == 0
+    assert applied.ok("rtget /localhost/manager.mgr/get_fences").strip() == ""
