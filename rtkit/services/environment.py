@@ -14,10 +14,11 @@ from typing import Annotated, Final
 
 import rtkit
 from rtkit import init_of
+from rtkit.services.asking import Asking
 from rtkit.services.frames import ORIGIN, Frames
 from rtkit.services.fusion import MarkerFusion
 from rtkit.services.grids import Grids
-from rtkit.services.sensor import Asking, moved
+from rtkit.services.sensor import moved
 
 
 class Environment(Asking):

@@ -12,6 +12,7 @@ from time import monotonic
 from typing import Any, NamedTuple
 
 import rtkit
+from rtkit.services.asking import pose_in_world
 from rtkit.services.frames import Frames, Pose, is_number, pose_of
 
 _OWN = {"robots", "groups", "join", "leave", "failures", "deadline", "name", "type", "version",
@@ -157,12 +158,16 @@ class Members:
         return {}
 
     def pose_of(self, service: str) -> Sequence[float]:
-        """Return the location of any service, whose name is the name of a frame."""
+        """Return the pose in the world of any service, whose name is the name of a frame."""
+        return pose_in_world(self._get_one, service)
+
+    def _get_one(self, target: str, **parameters: Any) -> Any:
         assert self._client is not None
-        (found,) = self._client.ask_all([rtkit.Ask(f"{service}.location")], self.deadline / 2)
+        asks = [rtkit.Ask(target, parameters=parameters)]
+        (found,) = self._client.ask_all(asks, self.deadline / 2)
         if isinstance(found, rtkit.PropertyError):
             raise found
-        return tuple(found)
+        return found
 
     def get(
         self,

@@ -20,6 +20,8 @@ Lookup = Callable[[str], Sequence[float]]
 ORIGIN: Pose = (0.0,) * 6
 _LOCKED = 1e-12
 """Cosine of the pitch below which roll and yaw turn about one axis."""
+_NO_FRAME = frozenset(["unknown", "no-service", "syntax", "bad-value", "bad-parameter"])
+"""Codes of a lookup that tell that there is no such frame."""
 
 
 def compose(outer: Sequence[float], inner: Sequence[float]) -> Pose:
@@ -169,25 +171,10 @@ class Frames:
             raise rtkit.PropertyError("bad-parameter", f"no frame: {name}")
         try:
             return pose_of(self._lookup(name))
-        except rtkit.PropertyError as error:
-            if error.code not in ("unknown", "no-service", "bad-value", "bad-parameter"):
+        except (rtkit.PropertyError, TypeError) as error:
+            if getattr(error, "code", "bad-value") not in _NO_FRAME:
                 raise  # it may be there, and is only silent now
             raise rtkit.PropertyError("bad-parameter", f"no frame: {name} ({error})") from None
-
-
-def service_lookup(resource: str = "resource") -> Lookup:
-    """Return a lookup of the locations of services, and of the frames that one of them keeps."""
-
-    def lookup(name: str) -> Sequence[float]:
-        with rtkit.Client() as client:
-            try:
-                return tuple(client.get(f"{name}.location"))
-            except rtkit.PropertyError as error:
-                if error.code not in ("unknown", "no-service", "syntax"):
-                    raise
-            return tuple(client.get(f"{resource}.frames.{name}"))
-
-    return lookup
 
 
 def _checked(location: Sequence[float]) -> Sequence[float]:

@@ -5,20 +5,24 @@ from __future__ import annotations
 import itertools
 import math
 import os
-from typing import Annotated, Any, Final, Literal
+import re
+from typing import Annotated, Any, Final, Literal, Self
 
 import rtkit
 from rtkit.errors import Malformed
+from rtkit.services.asking import Asking
 from rtkit.services.behaviors import MoveTo, behaviors_of, loaded
 from rtkit.services.chassis import Chassis, Wheels
-from rtkit.services.frames import ORIGIN, Frames, plain, pose_of, service_lookup, transform
+from rtkit.services.frames import ORIGIN, Frames, plain, transform
 from rtkit.services.mounted import Eye, Laser, SimulatedCamera
 from rtkit.services.sensor import Pose6
 
 _NUMBERS = itertools.count()
+_NAME = re.compile(r"(?!(?:properties|parameters|gui|listen|meta|history)$)[\w+~-]+", re.ASCII)
+"""Names that a part may bear: those of properties that end in none of the reserved words."""
 
 
-class MobileRobot:
+class MobileRobot(Asking):
     """Mobile robot that goes into any direction; with wheels and legs it is another one.
 
     Args:
@@ -55,13 +59,14 @@ class MobileRobot:
         seed: int = 0,
         resource: str = "resource",
     ) -> None:
+        super().__init__(resource)
         body = body or f"body{os.getpid()}x{next(_NUMBERS)}"
         if len(start) != 3 or not (top_speed > 0 < top_turning):
             raise Malformed("start is x, y and heading; top_speed and top_turning are more than 0")
         x, y, theta = map(float, start)
         tops = float(top_speed), float(top_turning)
         self._chassis = chassis = self.chassis_type(world, body, (x, y, theta), tops)
-        self._frames = frames = Frames(service_lookup(resource), self.get_location)
+        self._frames = frames = Frames(self._pose_of, self.get_location)
         self.actuators: dict[str, Any] = chassis.actuators(frames)
         head = (0.1, 0.0, chassis.dimensions[2], 0.0, 0.0, 0.0)
         self.sensors: dict[str, Any] = {
@@ -72,12 +77,13 @@ class MobileRobot:
         kinds = {"moveto": MoveTo, **loaded(behaviors)}
         self.behaviors: Final = behaviors_of(chassis, frames, kinds)
 
-    def __enter__(self) -> MobileRobot:
+    def __enter__(self) -> Self:
         self._chassis.enter()
         return self
 
-    def __exit__(self, *_: object) -> None:
+    def __exit__(self, *raised: object) -> None:
         self._chassis.leave()
+        super().__exit__(*raised)
 
     def get_status(self) -> str:
         """State: ready, moving, or waiting for its world and why."""
@@ -87,7 +93,9 @@ class MobileRobot:
         """Length, width and height."""
         return self._chassis.dimensions
 
-    def get_location(self, frame: str = "world") -> Annotated[Pose6, rtkit.Unit("m")]:
+    def get_location(
+        self, frame: str = "world"
+    ) -> Annotated[Pose6, rtkit.Unit("m"), rtkit.Concurrent()]:
         """Pose: x y z a b c."""
         x, y, theta = self._chassis.pose
         return self._frames.convert((x, y, 0.0, 0.0, 0.0, theta), "world", frame)  # type: ignore[return-value]
@@ -111,15 +119,22 @@ class MobileRobot:
         return self._turned(self._chassis.velocity, "base", frame)
 
     def _turned(self, twist: tuple[float, float, float], frame: str, to: str) -> Pose6:
-        between = self._frames.between(frame, to) if frame != to else pose_of((0.0, 0.0))
+        between = self._frames.between(frame, to) if frame != to else ORIGIN
         x, y, z = transform((0.0, 0.0, 0.0, *between[3:]), (*twist[:2], 0.0))
         return plain((x, y, z, 0.0, 0.0, twist[2]))  # type: ignore[return-value]
 
     def plug(self, kind: Literal["actuators", "sensors"], name: str, target: str) -> None:
         """Show a service as an actuator or a sensor of this robot: its properties are there."""
         parts = getattr(self, kind)
+        if not _NAME.fullmatch(name):
+            raise rtkit.PropertyError("bad-value", f"no name of an actuator or a sensor: {name!r}")
         if name in parts:
             raise rtkit.PropertyError("conflict", f"there is one already: {kind}.{name}")
+        try:
+            self._asked().get(f"{target}.properties")
+        except rtkit.PropertyError as error:
+            if error.code != "bad-value":  # of an address that only mounts take
+                raise
         parts[name] = rtkit.Mount(target)
 
     def unplug(self, kind: Literal["actuators", "sensors"], name: str) -> None:

@@ -27,7 +27,9 @@ class _Mounted:
         self._noise = noise
         self._random = random.Random(f"{seed} {type(self).__name__}")
 
-    def get_location(self, frame: str = "base") -> Annotated[tuple[float, ...], Metres]:
+    def get_location(
+        self, frame: str = "base"
+    ) -> Annotated[tuple[float, ...], Metres, rtkit.Concurrent()]:
         """Place where it is mounted: x y z a b c."""
         return self._frames.convert(self._at, "base", frame)
 

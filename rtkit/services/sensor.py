@@ -15,38 +15,12 @@ from typing import Annotated, Any, Final, Self
 
 import rtkit
 from rtkit import init_of
+from rtkit.services.asking import Asking
 from rtkit.services.device import LOOK_S, Device
 from rtkit.services.frames import ORIGIN, Frames, Pose, plain, transform, transform_covariance
 
 Pose6 = tuple[float, float, float, float, float, float]
 MIDDLE: Pose6 = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
-
-
-class Asking:
-    """Base of services that ask other ones."""
-
-    def __init__(self) -> None:
-        self._client: rtkit.Client | None = None
-        self._client_lock = threading.Lock()
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(self, *raised: object) -> None:
-        if self._client is not None:
-            self._client.close()
-            self._client = None
-
-    def _asked(self) -> rtkit.Client:
-        with self._client_lock:
-            if self._client is None:
-                self._client = rtkit.Client()
-            return self._client
-
-    def _pose_of(self, name: str) -> Pose:
-        """Return the location of another service in the world."""
-        found: Pose = self._asked().get(f"{name}.location")
-        return found
 
 
 class Sensor(Asking):
@@ -100,7 +74,7 @@ class Sensor(Asking):
         self._thread = threading.Thread(target=run, name=f"{self.type[0]} reading")
         self._thread.start()
 
-    def get_location(self, frame: str = "base") -> Pose6:
+    def get_location(self, frame: str = "base") -> Annotated[Pose6, rtkit.Concurrent()]:
         """Pose of the sensor [m, rad]; in its base, or in another frame."""
         return self._frames.convert(self._location, "base", frame)  # type: ignore[return-value]
 

@@ -16,10 +16,12 @@ import pytest
 
 import rtkit
 from rtkit.services.chassis import Chassis
-from rtkit.services.frames import transform
+from rtkit.services.frames import ORIGIN, compose, inverse, transform
 from rtkit.services.group import Group
 from rtkit.services.legged import LeggedRobot
 from rtkit.services.mobilerobot import DifferentialRobot, MobileRobot
+from rtkit.services.resource import Resource
+from rtkit.services.sensor import PropertySensor
 from rtkit.services.world import HomeWorld
 
 _BOUND_S = 20.0
@@ -177,6 +179,59 @@ def test_what_is_plugged_in_appears_with_an_event(
     until(lambda: "arm" not in client.get("robots/r2.actuators"))
     with pytest.raises(rtkit.PropertyError, match="none: sensors"):
         client.call("robots/r2.unplug", "sensors", "arm")
+
+
+@pytest.mark.parametrize(
+    ("name", "target", "code"),
+    [
+        ("arm", "arms/nowhere", "no-service"),
+        ("arm", "robots/r1.arms", "unknown"),
+        ("", "robots/r1", "bad-value"),
+        ("a.b", "robots/r1", "bad-value"),
+        ("properties", "robots/r1", "bad-value"),
+    ],
+)
+def test_what_cannot_be_plugged_in_is_refused(
+    home: Any, client: rtkit.Client, name: str, target: str, code: str
+) -> None:
+    before = client.get("robots/r2.actuators")
+    with pytest.raises(rtkit.PropertyError) as refused:
+        client.call("robots/r2.plug", "actuators", name, target)
+    assert refused.value.code == code
+    assert client.get("robots/r2.actuators") == before
+
+
+def test_frames_of_robots_that_ask_each_other_of_parts_and_of_the_resource_agree(
+    home: Any, client: rtkit.Client, ends: ExitStack
+) -> None:
+    hall = (5.0, 0.0, 0.0, 0.0, 0.0, 1.0)
+    sensor = PropertySensor("home.pace", (0.5, 0, 0, 0, 0, 0), base="robots/r1")
+    ends.enter_context(rtkit.serve(Resource(frames=("hall 5 0 0 0 0 1",)), "resource"))
+    ends.enter_context(rtkit.serve(sensor, "robots/r1/pace", is_on_zenoh=False))
+    ends.enter_context(rtkit.serve(PropertySensor("home.pace"), "lone", is_on_zenoh=False))
+    poses = {name: client.get(f"robots/{name}.location") for name in START}
+    assert client.get("robots/r1.location", frame="robots/r1") == ORIGIN  # it asks itself
+
+    def ask(name: str, other: str) -> None:
+        wanted = pytest.approx(compose(inverse(poses[other]), poses[name]))
+        with rtkit.Client(timeout_s=_BOUND_S) as own:
+            for _ in range(20):
+                assert own.get(f"robots/{name}.location", frame=f"robots/{other}") == wanted
+
+    with ThreadPoolExecutor(2) as pool:  # neither waits for the other to be answered
+        for done in [pool.submit(ask, "r1", "r2"), pool.submit(ask, "r2", "r1")]:
+            done.result(_BOUND_S)
+    place = compose(poses["r1"], (0.5, 0, 0, 0, 0, 0))
+    frames = {"hall": hall, "robots/r1/pace": place, "home.bodies.r2": poses["r2"],
+              "robots/r1.sensors.eye": compose(poses["r1"], (0.1, 0, 0.3, 0, 0, 0))}  # fmt: skip
+    for frame, pose in frames.items():
+        for target, there in (("robots/r2", poses["r2"]), ("robots/r1/pace", place)):
+            wanted = pytest.approx(compose(inverse(pose), there), abs=1e-8)
+            assert client.get(f"{target}.location", frame=frame) == wanted
+    for frame in ("lone", "cellar", "no frame"):  # a sensor without a base is nowhere
+        with pytest.raises(rtkit.PropertyError, match="no frame") as refused:
+            client.get("robots/r2.location", frame=frame)
+        assert refused.value.code == "bad-parameter"
 
 
 def test_sensors_are_asked_of_the_world_as_it_stands(home: Any, client: rtkit.Client) -> None:

@@ -76,6 +76,9 @@ def test_an_object_is_got_set_and_listened_to(arm: Any) -> None:
     assert arm.ok("rtset --echo robots/arm.raised 2") == (
         '<call state="done"><result>1.999</result></call>\n'
     )
+    assert arm.ok("rtset --echo -p by=0 robots/arm.raised") == (
+        '<call state="done"><result>1.999</result></call>\n'
+    )
     assert arm.ok(f"rtget --at {arm.address} robots/arm.angle") == "1.999\n"
     assert arm.ok(f"rtget {arm.web}.angle {arm.web}/pose/y") == "1.999\n2.0\n"
     endpoint = arm.web.removesuffix("/ps/robots/arm")
@@ -196,6 +199,8 @@ REFUSED = [
         2,
         "robots/arm.angle: bad-value: expected number, found word red",
     ),
+    ("rtset -p x=1 robots/arm.name", 2, "robots/arm.name: bad-value: a value is needed: no action"),
+    ("rtset -p by=1 robots/arm.nope", 4, "robots/arm.nope: unknown: no such property: nope"),
     ("rtset robots/arm.angle ((", 2, "robots/arm.angle: syntax: 2 expected )"),
     ("rtset --if 99 robots/arm.name x", 1, "robots/arm.name: conflict: revision of name is 1"),
     (

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 import sys
 import time
+from typing import TYPE_CHECKING
 
 import click
 
@@ -13,6 +14,10 @@ from rtkit.cli.shared import terminal
 from rtkit.cli.shared.app import App
 from rtkit.cli.shared.command import command
 from rtkit.cli.shared.options import arguments, flag, option
+
+if TYPE_CHECKING:
+    from rtkit.tree.property_connections import PropertyTarget
+    from rtkit.wires.property_client import PropertyClient
 
 _NUMBER = re.compile(r"-(?:\.?\d|inf$).*")
 _MARK = "\0"
@@ -34,6 +39,7 @@ class _TakesNumbers(click.Command):
         ("rtset robot.speed -0.5", "A number."),
         ("rtset robot.location.x 3", "A part of a vector."),
         ("rtset --echo robot.double 21", "An action: wait, and print what came of it."),
+        ("rtset -p number=21 robot.double", "An action whose arguments are named."),
         ("rtset --if 7 robot.mode drive", "Only if nobody has changed it since."),
         ("rtset robot properties '((speed 0) (mode idle))'", "Several, all or none."),
         ("rtset /localhost/Motor0.rtc.state Active", "Of a component: it is activated."),
@@ -57,17 +63,18 @@ def main(
     TARGET VALUE, or PATH PROPERTY VALUE. A VALUE of - is read from stdin. When the command
     returns without an error the value is in force: whoever asks now gets it, or a newer one.
 
-    An action takes its arguments as a group, or as parameters with -p; it has started when
-    the command returns, with --echo it is done and its outcome is printed; the status is 1 if it
-    failed.
+    An action takes its arguments as a group, or as parameters with -p, then without a VALUE;
+    it has started when the command returns, with --echo it is done and its outcome is printed;
+    the status is 1 if it failed.
     """
     given = [each.removeprefix(_MARK) for each in words]
     wanted = 1 if path is not None else 2
     if len(given) == wanted + 1:
         given[:2] = [f"{given[0].rstrip('/')}/{given[1]}"]
-    if len(given) != wanted:
+    is_call = path is None and len(given) == 1 and bool(parameters or "?" in given[0])
+    if len(given) != wanted and not is_call:
         raise click.UsageError("takes a target and a value")
-    payload = _content(path) if path is not None else given[1]
+    payload = _content(path) if path is not None else "" if is_call else given[1]
     if path is None and payload == "-":
         payload = _decoded(sys.stdin.buffer.read())
     more = [*parameters, *(["echo"] if has_echo else [])]
@@ -87,6 +94,8 @@ def main(
 
         until = time.monotonic() + app.timeout_s
         place, end = places.find(given[0])
+        if is_call:
+            _check_action(place, end, app.timeout_s)
         more += bound_of(end, place.parameters, more, app.timeout_s)
         for where, block in blocks_of(as_bytes(payload)):
             target = place.target(joined([*more, *(f"{k}={v}" for k, v in where.items())]))
@@ -102,6 +111,16 @@ def main(
             value = ended(value, place, end, until)
             terminal.write([shown(value)])
             check_outcome(value, place.typed)
+
+
+def _check_action(place: PropertyTarget, end: PropertyClient, timeout_s: float) -> None:
+    """Refuse to set to nothing what is there and is no action."""
+    from rtkit.property.codes import PropertyError
+    from rtkit.tree.property_connections import printed_error
+
+    meta = end.ask(f"{place.name}.meta?timeout={timeout_s:g}")
+    if not meta.error and "<functional>true<" not in str(meta.payload):
+        raise printed_error(place.typed, PropertyError("bad-value", "a value is needed: no action"))
 
 
 def _content(path: str) -> str | bytes:
