@@ -7,9 +7,11 @@ place (`rtkit.services.grids`). ``SET merge SERVICE`` takes what another model k
 
 from __future__ import annotations
 
+import copy
 import math
 import threading
 import time
+import uuid
 from typing import Annotated, Final
 
 import rtkit
@@ -59,8 +61,10 @@ class Environment(Asking):
             raise ValueError("variance, gate and side are above 0, drift is not below")
         self.frame = frame
         self.maxage: Annotated[float, rtkit.Unit("s"), rtkit.Range(0)] = maxage
-        self.grids = Grids(side)
-        self._model = MarkerFusion(variance, gate, drift, most, frame)
+        self._id = uuid.uuid4().hex[:12]
+        self.grids = Grids(side, self._id)
+        self._own = self._model = MarkerFusion(variance, gate, drift, most, frame)
+        self._shares: dict[str, tuple[int, list[rtkit.Marker]]] = {}
         self._lock = threading.Lock()
         self._frames = Frames(self._pose_of)
 
@@ -73,8 +77,7 @@ class Environment(Asking):
     ) -> list[rtkit.Marker]:
         """Things that there are: of a type, within r of a place (x y r), seen since a time."""
         with self._lock:
-            if self.maxage > 0:
-                self._model.forget(time.time() - self.maxage)
+            self._forget()
             things = list(self._model.things())
         found = [each for each in things if (each.time or 0.0) > since]
         if frame not in ("", self.frame):
@@ -91,20 +94,41 @@ class Environment(Asking):
         markers = [seen] if isinstance(seen, rtkit.Marker) else seen
         placed = [self._placed(each, frame) for each in markers]
         with self._lock:
-            self._model.observe(placed, time.time())
+            for each in {self._own, self._model}:
+                each.observe(placed, time.time())
+
+    def get_shares(self) -> list[tuple[str, int, list[rtkit.Marker]]]:
+        """Of each model known here its id, how much it has seen by itself, and those things."""
+        with self._lock:
+            self._forget()
+            own = (self._id, self._own.count, list(self._own.things()))
+            return [own, *((model, *share) for model, share in self._shares.items())]
 
     def set_merge(self, model: str) -> None:
-        """Service of another model: what it knows, and has not told before, counts here, too."""
-        asked = self._asked()
-        markers = [self._placed(each, "") for each in asked.get(f"{model}.markers")]
-        observed = asked.get(f"{model}.properties", all=True, match="grids.*.observe")
-        grids = [each.removesuffix(".observe") for each in observed]
-        parts = ("", ".counts", ".origin")
-        reported = {each: [asked.get(f"{model}.{each}{part}") for part in parts] for each in grids}
+        """Service of another model: what it knows, and was not known here, counts here, too."""
+        get = self._asked().get
+        shares = [
+            (str(id), count, [self._placed(each, "") for each in markers])
+            for id, count, markers in get(f"{model}.shares")
+        ]
+        grids = get(f"{model}.properties", all=True, match="grids.*.shares")
+        measured = {each.split(".")[1]: get(f"{model}.{each}") for each in grids}
         with self._lock:
-            self._model.merge(model, markers, time.time())
-        for name, each in reported.items():
-            self.grids._merge(model, name.removeprefix("grids."), *each)  # noqa: SLF001  no action
+            for id, count, markers in shares:
+                if id != self._id and count > self._shares.get(id, (0,))[0]:
+                    if self._model is self._own:  # from now on it knows more than it has seen
+                        self._model = copy.deepcopy(self._own)
+                    self._model.merge(id, markers, time.time())
+                    self._shares[id] = count, markers
+        for name, each in measured.items():
+            self.grids._merge(name, each)  # noqa: SLF001  no action
+
+    def _forget(self) -> None:
+        """Forget what was not seen for too long."""
+        if self.maxage > 0:
+            before = time.time() - self.maxage
+            for each in {self._own, self._model}:
+                each.forget(before)
 
     def _placed(self, marker: rtkit.Marker, frame: str) -> rtkit.Marker:
         """Return a marker in the frame of the model."""

@@ -177,6 +177,9 @@ class MarkerFusion:
         drift: What the variance of the place of a thing grows by [m²/s, rad²/s].
         most: How many things are kept; those not seen for longest go first.
         frame: In which all is.
+
+    Attributes:
+        count: How many markers were seen.
     """
 
     def __init__(
@@ -187,7 +190,7 @@ class MarkerFusion:
         most: int = 1000,
         frame: str = "world",
     ) -> None:
-        self.frame = frame
+        self.frame, self.count = frame, 0
         self.variance, self.gate, self.drift, self.most = variance, gate, drift, most
         self._things: dict[str, Track] = {}
         self._numbers: dict[str, int] = {}
@@ -200,18 +203,19 @@ class MarkerFusion:
             PropertyError: ``bad-value``: a marker has no location, or no covariance that is one.
         """
         looks = sorted((self._look(each, now) for each in markers), key=_of_one_look)
+        self.count += len(looks)
         for _, group in groupby(looks, _of_one_look):
             self._take(list(group))
         for thing in sorted(self._things.values(), key=lambda each: -each.seen.time)[self.most :]:
             del self._things[thing.id]
 
-    def merge(self, reference: str, markers: Iterable[Marker], now: float) -> None:
-        """Take what another model knows and has not told before.
+    def merge(self, model: str, markers: Iterable[Marker], now: float) -> None:
+        """Take what another model has seen by itself, but for what is known from before.
 
         Raises:
             PropertyError: ``bad-value``: as `observe`.
         """
-        reported = [self._look(each.with_(source=reference), now) for each in markers]
+        reported = [self._look(each.with_(source=model), now) for each in markers]
         news = [new for each in reported if (new := self._news(each)) is not None]
         self._take(news)
         self._merged |= {each.key: each for each in reported}
@@ -243,6 +247,7 @@ class MarkerFusion:
         """Forget the things that were not seen since a time [s since 1970]."""
         for thing in [each for each in self._things.values() if each.seen.time < before]:
             del self._things[thing.id]
+        self._merged = {key: each for key, each in self._merged.items() if each.time >= before}
 
     def _look(self, marker: Marker, now: float) -> Seen:
         mean = marker.location

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import threading
-from collections.abc import Collection, Iterable
+from collections.abc import Collection, Sequence
 from typing import Any
 
 from rtkit import Names, PropertyError
@@ -12,11 +12,12 @@ from rtkit import Names, PropertyError
 Cell = tuple[int, int]
 Sums = dict[Cell, tuple[int, float]]
 """How many values each cell has, and their sum."""
-Rows = Iterable[Iterable[float]]
+Share = tuple[str, float, Sequence[tuple[int, int, int, float]]]
+"""Which model measured, the side of cells [m]; of each its place, how many values, their sum."""
 
 MOST_CELLS = 40_000
 MOST_GRIDS = 100
-_PARTS = ("observe", "counts", "origin")
+_PARTS = ("observe", "counts", "origin", "shares")
 
 
 class Grid:
@@ -24,11 +25,12 @@ class Grid:
 
     Args:
         side: Of a cell [m]; one begins in the origin.
+        model: Id of the model that has it.
     """
 
-    def __init__(self, side: float) -> None:
-        self._side = side
-        self._of: dict[str, Sums] = {"": {}}
+    def __init__(self, side: float, model: str = "") -> None:
+        self._side, self._model = side, model
+        self._of: dict[str, Sums] = {model: {}}
         self._low, self._high = (0, 0), (-1, -1)
 
     def observe(self, x: float, y: float, value: float) -> None:
@@ -40,25 +42,30 @@ class Grid:
         if not all(map(math.isfinite, (x, y, value))):
             raise PropertyError("bad-value", "finite numbers are needed")
         cell = self._cell(x, y)
-        count, total = self._of[""].get(cell, (0, 0.0))
+        count, total = self._of[self._model].get(cell, (0, 0.0))
         self._stretch([cell])
-        self._of[""][cell] = count + 1, total + value
+        self._of[self._model][cell] = count + 1, total + value
 
-    def merge(self, source: str, means: Rows, counts: Rows, corner: tuple[float, float]) -> None:
-        """Take what another model has, in place of what it had before; its cells are as large.
+    def shares(self) -> list[Share]:
+        """Return what each model has measured by itself, as far as it is known here."""
+        return [
+            (model, self._side, [(*cell, *each) for cell, each in sums.items()])
+            for model, sums in self._of.items()
+        ]
+
+    def merge(self, shares: Sequence[Share]) -> None:
+        """Take what other models measured, where it is more than was known of them.
 
         Raises:
-            PropertyError: ``too-large``: too far from the others.
+            PropertyError: ``too-large``: too far from the others; ``bad-value``: other cells.
         """
-        low = self._cell(corner[0] + self._side / 2, corner[1] + self._side / 2)
-        sums = {
-            (low[0] + column, low[1] + row): (int(count), mean * count)
-            for row, each in enumerate(zip(means, counts, strict=True))
-            for column, (mean, count) in enumerate(zip(*each, strict=True))
-            if count
-        }
-        self._stretch(sums)
-        self._of[source] = sums
+        for model, side, cells in shares:
+            if side != self._side:
+                raise PropertyError("bad-value", f"cells have sides of {side} m there")
+            sums = {(column, row): (count, total) for column, row, count, total in cells}
+            if model != self._model and _values_in(sums) > _values_in(self._of.get(model, {})):
+                self._stretch(sums)
+                self._of[model] = sums
 
     def at(self, x: float, y: float) -> tuple[int, float]:
         """Return how many values the cell at a place has, and their mean; nan of none."""
@@ -93,15 +100,20 @@ class Grid:
         self._low, self._high = low, high
 
 
+def _values_in(sums: Sums) -> int:
+    return sum(count for count, _ in sums.values())
+
+
 class Grids(Names):
     """Grids by name; the first value makes one.
 
     Args:
         side: Of a cell [m].
+        model: Id of the model that has them.
     """
 
-    def __init__(self, side: float) -> None:
-        self._side = side
+    def __init__(self, side: float, model: str) -> None:
+        self._side, self._model = side, model
         self._grids: dict[str, Grid] = {}
         self._names: tuple[str, ...] = ()
         self._lock = threading.Lock()
@@ -121,8 +133,8 @@ class Grids(Names):
             raise PropertyError("write-only", f"cannot be read: {name}")
         with self._lock:
             found = self._grids[grid]
-            if part == "origin":
-                return found.origin()
+            if part in ("origin", "shares"):
+                return getattr(found, part)()
             which = 0 if part == "counts" else 1
             return found.rows(which) if at is None else found.at(*at)[which]
 
@@ -135,18 +147,16 @@ class Grids(Names):
         with self._lock:
             self._grid(grid).observe(*value)
 
-    def _merge(self, source: str, name: str, means: Rows, counts: Rows, origin: Any) -> None:
-        """Take what another model has in a grid, in place of what it had before."""
-        if origin[2] != self._side:
-            raise PropertyError("bad-value", f"cells of {name} have sides of {origin[2]} m there")
+    def _merge(self, name: str, shares: Sequence[Share]) -> None:
+        """Take what other models have measured in a grid."""
         with self._lock:
-            self._grid(name).merge(source, means, counts, origin[:2])
+            self._grid(name).merge(shares)
 
     def _grid(self, name: str) -> Grid:
         if name not in self._grids:
             if len(self._grids) >= MOST_GRIDS:
                 raise PropertyError("too-large", f"there are {MOST_GRIDS} grids")
-            self._grids[name] = Grid(self._side)
+            self._grids[name] = Grid(self._side, self._model)
             below = [f".{part}" for part in _PARTS]
             self._names = tuple(grid + each for grid in self._grids for each in ("", *below))
         return self._grids[name]

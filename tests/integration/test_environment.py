@@ -83,6 +83,29 @@ def test_own_models_and_a_shared_one_give_the_same_answer(client: rtkit.Client) 
     assert code(client, "map.merge", "nobody") == "no-service"
 
 
+def test_models_that_merge_in_a_ring_count_what_was_seen_once(client: rtkit.Client) -> None:
+    ring = ("own/left", "own/right", "map")
+    ball = Marker((1.0, 1.0), type="ball", variance=0.04, time=time.time())
+    for number, model in enumerate(ring):
+        client.set(f"{model}.observe", ball.with_(location=(1.0, 1.0 + 0.03 * number)))
+        client.set(f"{model}.grids.heat.observe", (0.1, 0.1, 20.0 + number))
+    for _ in range(3):
+        for model, other in zip(ring, (*ring[1:], ring[0]), strict=True):
+            client.set(f"{model}.merge", other)
+    client.set("own/left.observe", ball.with_(location=(1.0, 1.09)))
+    for model, other in (("map", "own/left"), ("own/right", "map"), ("map", "own/right")):
+        client.set(f"{model}.merge", other)
+    for model in ring:
+        (thing,) = client.get(f"{model}.markers")
+        assert thing.features["count"] == 4
+        assert thing.location == pytest.approx((1.0, 1.045))
+        assert thing.variance == pytest.approx(0.01)
+        assert client.get(f"{model}.grids.heat.counts") == ((3,),)
+        assert client.get(f"{model}.grids.heat", at=(0.1, 0.1)) == 21
+    client.set("map.merge", "map")  # nothing that it does not know
+    assert client.get("map.markers.0.count") == 4
+
+
 def test_markers_are_selected(client: rtkit.Client) -> None:
     now = time.time()
     seen = [

@@ -183,11 +183,16 @@ def test_a_grid_is_bounded() -> None:
 
 
 def test_a_merged_grid_counts_once() -> None:
-    one, other = Grid(0.5), Grid(0.5)
+    one, other, third = (Grid(0.5, model) for model in ("one", "other", "third"))
     one.observe(-0.7, 0.2, 10.0)
     other.observe(-0.7, 0.2, 20.0)
     for value in (12.0, 11.0):
         one.observe(2.0, 1.0, value)
-        other.merge("one", one.rows(1), one.rows(0), one.origin()[:2])
-    assert other.at(-0.7, 0.2) == (2, 15.0)
-    assert other.at(2.0, 1.0) == (2, 11.5)
+        other.merge(one.shares())
+        third.merge(other.shares())
+        one.merge(third.shares())
+    for each in (one, other, third):
+        assert each.at(-0.7, 0.2) == (2, 15.0)
+        assert each.at(2.0, 1.0) == (2, 11.5)
+    with pytest.raises(PropertyError):
+        Grid(0.2, "fourth").merge(one.shares())
