@@ -178,7 +178,7 @@ class Gps(DeviceSensor):
             speed, course = float(fields.spd_over_grnd or 0), float(fields.true_course or 0)
             east, north = math.sin(math.radians(course)), math.cos(math.radians(course))
             knot = 1852 / 3600
-            self._publish("velocity", (speed * knot * east, speed * knot * north))
+            self._publish("velocity", plain((speed * knot * east, speed * knot * north)))
         elif sentence.kind == "RMC":
             self._fixed((), "none")
         self._publish("data", sentence.text)

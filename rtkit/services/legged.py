@@ -12,7 +12,7 @@ from typing import Annotated, Any
 
 import rtkit
 from rtkit.services.chassis import STANDS, Chassis
-from rtkit.services.frames import Frames
+from rtkit.services.frames import Frames, plain
 from rtkit.services.mobilerobot import MobileRobot
 from rtkit.services.running import Twist
 from rtkit.world import Pose, moved
@@ -194,7 +194,7 @@ class _LegActuator:
         angles = joints(LEGS[self._index], foot)
         if angles is None:
             raise rtkit.PropertyError("conflict", "the foot is out of reach")
-        return angles[joint]
+        return plain(angles)[joint]
 
     def get_phase(self) -> rtkit.Word:
         """State of its foot: stance while it carries the body, or swing."""

@@ -27,6 +27,8 @@ HUES: Mapping[str, tuple[int, int]] = {
 _LEAST_SATURATION, _LEAST_VALUE = 90, 50
 _PIXEL_ERROR = 0.5
 """Standard deviation of a place in a picture [pixels]."""
+_MISFIT, _MISFIT_SHARE = 0.3, 0.004
+"""How far the corners of a mark may be from those of a square [pixels; of its side]."""
 _TRIALS = 60
 _LEAST_CONTRAST = 30.0
 
@@ -250,7 +252,7 @@ def dictionaries() -> list[str]:
 
 
 def fiducials(picture: Picture, lens: Lens, size: float, dictionary: str) -> list[Fiducial]:
-    """Return the ArUco marks in a picture.
+    """Return the ArUco marks in a picture, but those whose corners fit no square.
 
     Args:
         picture: Where they are looked for.
@@ -276,10 +278,13 @@ def fiducials(picture: Picture, lens: Lens, size: float, dictionary: str) -> lis
     camera = np.array([(lens.focal, 0, lens.x), (0, lens.focal, lens.y), (0, 0, 1.0)])
     found = []
     for id, seen in zip(() if ids is None else ids.ravel(), corners, strict=True):
-        _, turns, shifts, _ = cv2.solvePnPGeneric(
+        _, turns, shifts, misfits = cv2.solvePnPGeneric(
             square, seen.reshape(4, 2).astype(np.float64), camera, None,
             flags=cv2.SOLVEPNP_IPPE_SQUARE,
         )  # fmt: skip
+        side = cv2.arcLength(seen.reshape(4, 1, 2), closed=True) / 4
+        if misfits.ravel()[0] > max(_MISFIT, _MISFIT_SHARE * side):
+            continue  # a corner is hidden: what is seen of it is elsewhere
         pose = _pose(cv2.Rodrigues(turns[0])[0], shifts[0].ravel())
         found.append(Fiducial(int(id), seen.reshape(4, 2), pose, float(np.linalg.norm(shifts[0]))))
     return sorted(found, key=lambda each: each.id)
