@@ -20,13 +20,15 @@ from typing import NamedTuple
 
 from packaging.utils import parse_wheel_filename
 
-from rtkit.errors import NotFound, Refused
+from rtkit.errors import NotFound, Refused, Unreachable
 from rtkit.link.places import check_trusted
 from rtkit.packages.tools import pip
 from rtkit.packages.wheel_target import WheelKind
 from rtkit.version import __version__
 
 _SUMS = "digests.json"
+_ASIDES = ("note:", "hint:", "[notice]")
+"""Lines of pip that give no reason begin so."""
 
 
 def cache_folder() -> str:
@@ -61,6 +63,7 @@ def wheels_for(kind: WheelKind) -> WheelSet:
 
     Raises:
         NotFound: There is no wheel of a package for that kind, and its name.
+        Unreachable: They are not there, and the index of pip does not answer.
         Refused: pip cannot be run here, or others may write in the cache folder.
     """
     cache = cache_folder()
@@ -108,8 +111,10 @@ def _fetch(kind: WheelKind, folder: str) -> dict[str, str]:
     with tempfile.TemporaryDirectory(dir=os.path.dirname(folder)) as draft:
         target = os.path.join(draft, "wheels")
         os.mkdir(target)
-        words = ("-q", "-d", target, *kind.pip_options(), *requirements())
+        words = ("-q", "--retries", "1", "-d", target, *kind.pip_options(), *requirements())
         _, text = pip("download", *words, is_isolated=False)  # the index is the user's own
+        if "connection broken by" in text:
+            raise Unreachable(f"no wheels for {kind.name}: the index that pip asks does not answer")
         if text:
             raise NotFound(f"no wheels for {kind.name}: {_reason(text)}")
         digests = {name: _digest(os.path.join(target, name)) for name in sorted(os.listdir(target))}
@@ -121,7 +126,8 @@ def _fetch(kind: WheelKind, folder: str) -> dict[str, str]:
 
 def _reason(text: str) -> str:
     found = re.findall(r"No matching distribution found for (.*)", text)
-    return f"none of {', '.join(dict.fromkeys(found))}" if found else text.splitlines()[-1]
+    lines = [each for each in text.splitlines() if each and not each.startswith(_ASIDES)]
+    return f"none of {', '.join(dict.fromkeys(found))}" if found else lines[-1]
 
 
 def own_wheel() -> str:
@@ -173,7 +179,7 @@ def _built(source: str, folder: str) -> str:
     with tempfile.TemporaryDirectory(dir=folder) as draft:
         _, text = pip("wheel", "-q", "--no-deps", "-w", draft, source, is_isolated=False)
         if text:
-            raise Refused(f"no wheel of {source}: {text.splitlines()[-1]}")
+            raise Refused(f"no wheel of {source}: {_reason(text)}")
         (made,) = os.listdir(draft)
         for each in known:
             os.unlink(os.path.join(folder, each))

@@ -3,7 +3,8 @@
 A page is one session in one home: its blocks of `sh` and `python` are run from top to bottom, and
 a block of `text` behind one is what that one prints. A comment before a block may say otherwise:
 `<!-- file: NAME -->` has it written to a file, `<!-- not run by the tests: WHY -->` left out,
-`<!-- shown -->` says that it is a form or an extract, to be read only. `<!-- replay: WIRE -->` is
+`<!-- shown -->` says that it is a form or an extract, to be read only. `<!-- run as root -->` and
+`<!-- file as root: NAME -->` are for the test that has namespaces. `<!-- replay: WIRE -->` is
 for a test that speaks that protocol. Of a table behind `<!-- rows are run -->` the code in the last
 cell of each row is run.
 """
@@ -17,8 +18,8 @@ from typing import NamedTuple
 ROOT = Path(__file__).parents[2]
 MARK = "-- end of block --"
 _BLOCK = re.compile(
-    r"^(?:<!-- (file: (?P<file>[^\n]+)|not run by the tests: [^\n]+|shown|replay: (?P<replay>\w+))"
-    r" -->\n)?"
+    r"^(?:<!-- (file: (?P<file>[^\n]+)|not run by the tests: [^\n]+|shown|replay: (?P<replay>\w+)"
+    r"|file as root: (?P<far>[^\n]+)|(?P<root>run as root)) -->\n)?"
     r"```(?P<language>[^\s`]*)[^\n]*\n(?P<text>.*?)^```$",
     re.MULTILINE | re.DOTALL,
 )
@@ -31,7 +32,8 @@ class Block(NamedTuple):
     Attributes:
         file: Where it is written, empty for nowhere.
         replay: The protocol whose messages it has, empty for none.
-        is_marked: A comment says that it is not run.
+        is_marked: A comment says that it is not run, or not by all.
+        is_roots: It is run by root, in namespaces.
     """
 
     language: str
@@ -39,6 +41,7 @@ class Block(NamedTuple):
     file: str
     replay: str
     is_marked: bool
+    is_roots: bool
 
 
 class Script(NamedTuple):
@@ -67,9 +70,10 @@ def blocks(page: Path) -> list[Block]:
         Block(
             found["language"],
             found["text"],
-            (found["file"] or "").strip(),
+            (found["file"] or found["far"] or "").strip(),
             found["replay"] or "",
             bool(found[1]),
+            bool(found["root"] or found["far"]),
         )
         for found in _BLOCK.finditer(text)
     ]
@@ -81,14 +85,16 @@ def _as_block(table: re.Match[str]) -> str:
     return f"```sh\n{{\n{commands}}} > rows.txt 2> told.txt\n```\n"
 
 
-def script(page: Path) -> Script:
-    """Return what is to be run of a page."""
+def script(page: Path, *, is_roots: bool = False) -> Script:
+    """Return what is to be run of a page; with `is_roots` what root runs in namespaces."""
     parts: list[str] = []
     expected: list[str] = []
     for block in blocks(page):
+        if block.is_roots != is_roots:
+            continue
         if block.file:
             parts.append(f"cat > {block.file} <<'END OF FILE'\n{block.text}END OF FILE\n")
-        elif block.is_marked:
+        elif block.is_marked and not is_roots:
             continue
         elif block.language in _RUN:
             is_shell = block.language == "sh"

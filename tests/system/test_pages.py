@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import platform
 import re
 import shutil
 import subprocess
@@ -10,10 +11,13 @@ import sys
 from pathlib import Path
 from typing import Any
 
+import farkit
 import pytest
 from pagekit import MARK, ROOT, pages, script
 
 from rtkit.cli.shared.commands import COMMANDS, TABLE
+from rtkit.hosts import wheels
+from rtkit.packages.wheel_target import WheelKind
 
 TAUGHT = [ROOT / "examples" / name / "README.md" for name in ("bug", "home", "manipulation")]
 WITH_EXAMPLES = [page for page in (*pages(), *TAUGHT) if script(page).text]
@@ -48,7 +52,7 @@ def variables(shell: Any) -> dict[str, str]:
     }
 
 
-def run(text: str, folder: Path, variables: dict[str, str]) -> str:
+def run(text: str, folder: Path, variables: dict[str, str], most_s: float = 110.0) -> str:
     """Run a script that must succeed and leave no socket; return what it shows."""
     done = subprocess.run(
         ["bash", "-euo", "pipefail", "-c", text],
@@ -56,7 +60,7 @@ def run(text: str, folder: Path, variables: dict[str, str]) -> str:
         env=variables,
         capture_output=True,
         text=True,
-        timeout=110,
+        timeout=most_s,
         check=False,
     )
     log = folder / ".local" / "state" / "rtkit" / "manager.log"
@@ -77,6 +81,38 @@ def test_a_page_shows_what_its_examples_print(
         if re.search(rf"^{tool} ", text, re.MULTILINE) and shutil.which(tool) is None:
             pytest.skip(f"{tool} absent")
     assert run(text, shell.folder, variables).split(f"{MARK}\n") == [*expected, ""]
+
+
+@pytest.mark.skipif(bool(farkit.missing()), reason=farkit.missing())
+@pytest.mark.timeout(240)  # rtkit is made on two hosts
+def test_a_newcomer_comes_from_one_robot_to_a_fleet(
+    shell: Any, variables: dict[str, str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """In a network of its own, so that names and addresses of the page can be had."""
+    cache = variables["XDG_CACHE_HOME"] = str(ROOT / ".venv" / "cache")
+    monkeypatch.setenv("XDG_CACHE_HOME", cache)
+    wheels.wheels_for(_kind_here())  # there is no index where there is no network
+    ssh = shell.folder / ".ssh"
+    ssh.mkdir(mode=0o700)
+    key = str(ssh / "id_ed25519")
+    subprocess.run(["ssh-keygen", "-q", "-t", "ed25519", "-N", "", "-f", key], check=True)
+    text, expected = script(ROOT / "docs" / "howto" / "fleet.md", is_roots=True)
+    alone = "mount --make-rprivate /; mount -t tmpfs tmpfs /run; ip link set lo up; exec bash -euo"
+    line = f"unshare -n -m -p --fork --kill-child --mount-proc sh -c '{alone} pipefail \"$0\"' all"
+    (shell.folder / "all").write_text(text)
+    told = run(line, shell.folder, variables, 220.0).split(f"{MARK}\n")
+    assert [
+        seen for seen, shown in zip(told, [*expected, ""], strict=True) if shown and seen != shown
+    ] == []
+    assert re.fullmatch(r"rtls: (host|manager on) robot2.*\n", told[2]), told[2]
+
+
+def _kind_here() -> WheelKind:
+    """Return the kind of the Python that an sshd finds, which may be another one than this."""
+    program = "import sys; print('.'.join(map(str, sys.version_info[:2])))"
+    path = {"PATH": "/usr/local/bin:/usr/bin:/bin"}
+    version = subprocess.check_output(["python3", "-c", program], env=path, text=True).strip()
+    return WheelKind(version, platform.machine(), platform.libc_ver()[1])
 
 
 def test_every_command_is_in_the_table() -> None:
