@@ -187,7 +187,7 @@ def main() -> None:
     os.environ |= {
         ENDS_WITH: f"{this}:{began_at(this)}",  # the manager ends with this, also if that is killed
         "RTKIT_RUNTIME_DIR": str(folder / "run"), "RTKIT_STATE_DIR": str(folder / "state"),
-        "RTKIT_MODULE_PATH": str(HERE), "RTKIT_PORT": "none", "RTKIT_MANAGER": "manager",
+        "RTKIT_MODULE_PATH": str(HERE.parent), "RTKIT_PORT": "none", "RTKIT_MANAGER": "manager",
     }  # fmt: skip
     for ending in (signal.SIGINT, signal.SIGTERM):  # what was started is taken down, too
         signal.signal(ending, lambda number, _: sys.exit(128 + number))

@@ -26,7 +26,8 @@ from rtkit.property.writing import write
 
 _EMPTY: dict[Any, bool | int | float] = {bool: False, int: 0, float: 0.0}
 _RATE_HZ = 5.0
-_SEVERAL = ("settable", "hide", "notify")
+_OPENED = "What else is opened, and for which other hosts: port=0 http=8080 hosts=robot1"
+_SEVERAL = ("settable", "hide", "notify", "hosts")
 """Keywords of `rtkit.serve` that take several values."""
 
 
@@ -79,9 +80,9 @@ def component_of(
 
     Its parameters are the arguments of the constructor, with their defaults, ranges, units and
     choices, and ``service``: the name, by default that of the instance with slashes for dots; and
-    ``endpoints``: what else `rtkit.serve` opens, ``port=0 http=8080``. Values that parameters do
-    not have, lists of texts for example, are written as those of properties. They count from the
-    next activation on.
+    ``endpoints``: what else `rtkit.serve` opens, ``port=0 http=8080 hosts=robot1``. Values that
+    parameters do not have, lists of texts for example, are written as those of properties. They
+    count from the next activation on.
 
     Args:
         served_class: Any class.
@@ -104,7 +105,7 @@ def component_of(
         parameter, argument = _parameter(each, hints.get(each.name), doc)
         members[f"argument_{each.name}"], arguments[each.name] = parameter, argument
     members["service_name"] = Parameter("", name="service", doc="Name of the service")
-    members["endpoints"] = Parameter("", doc="What else is opened: port=0 http=8080 serial=DEVICE")
+    members["endpoints"] = Parameter("", doc=_OPENED)
     own = {
         "__doc__": served_class.__doc__,
         "__module__": served_class.__module__,

@@ -5,7 +5,6 @@ from __future__ import annotations
 import threading
 from collections.abc import Callable
 from functools import partial
-from math import inf
 from time import monotonic
 from typing import NamedTuple
 
@@ -14,8 +13,10 @@ from rtkit.link import places
 from rtkit.link.places import host_name
 from rtkit.property.codes import PropertyError
 from rtkit.property.messages import Answer, Payload
+from rtkit.rtc.names import is_local_host
 from rtkit.serving.event_loop import PropertyEventLoop
-from rtkit.tree.property_connections import PropertyTarget, no_service, parse, place_here, this_host
+from rtkit.tree.property_connections import place_here, this_host
+from rtkit.tree.property_targets import PropertyTarget, no_service, parse
 from rtkit.wires.line.provider_connection import LineConnection
 from rtkit.wires.property_client import BoundedClient, failure
 from rtkit.wires.provider_connection import Answering, ConnectionMaker, ProviderConnection
@@ -78,7 +79,7 @@ class Owner:
             if not isinstance(connection, LineConnection):
                 waiting = _Waiting(target, payload, answer, until, is_again)
                 answer = partial(self._answered, connection, waiting)
-            connection.ask(target, payload, "", answer, inf if payload is None else until)
+            connection.ask(target, payload, "", answer, until)
             return
         if self._is_closed:
             answer(failure(_closed()))  # nobody would wait for a thread that is begun now
@@ -165,8 +166,11 @@ class Owners:
         self._is_closed = False
 
     def is_far(self, typed: str) -> bool:
-        """Return whether it takes time to find a property: what is behind an address is asked."""
-        return ":" in typed and typed not in self._known
+        """Return whether it takes time to find a property: an address, or a manager, is asked."""
+        if typed in self._known:
+            return False
+        is_path = typed.startswith("/") and not is_local_host(typed.split("/")[1], host_name())
+        return is_path or ":" in typed
 
     def find(self, typed: str) -> tuple[PropertyTarget, Owner]:
         """Return what a property is called there, and its owner.
@@ -200,6 +204,8 @@ class Owners:
             owner.join(until)
 
     def _found(self, typed: str) -> tuple[PropertyTarget, Owner]:
+        if typed.startswith(f"{_ZENOH}/"):
+            return self._here(typed.removeprefix(_ZENOH))
         if typed.startswith(_ZENOH):
             place = self._among(places.services(), typed.removeprefix(_ZENOH))
             return place, self._behind(_ZENOH + place.service)
@@ -234,10 +240,19 @@ class Owners:
     def _here(self, typed: str) -> tuple[PropertyTarget, Owner]:
         from rtkit.tree.live_place import open_live
 
-        place, kind = place_here(typed, "/", places.services_of(typed) or places.services())
+        known = places.services_of(typed) or places.services()
+        place, kind = place_here(typed, "/", known, self._settings.timeout_s)
         if kind == "service":
             path = places.service_socket(place.service)
             connect = wire_of("unix").provider(path, self._settings).connect
+        elif kind == "far":
+            from rtkit.wires.zenoh.far_services import FarService
+
+            connect = FarService.parse(place.service).provider(self._settings).connect
+        elif kind == "far host":
+            from rtkit.tree.far_places import far_host
+
+            connect = self._blocking(lambda: far_host(place.service, self._settings.timeout_s))
         elif kind == "node":
             connect = self._blocking(lambda: open_live(place.service, self._settings.timeout_s))
         else:

@@ -236,17 +236,17 @@ def _open(host: Host, near: str, tunnel: str) -> zenoh.Session:
 def rules(near_id: str, host: str) -> str:
     """Return the access rules: all to the near router, to the far one what is its host's own.
 
-    Besides, its managers may ask those of others what these declare for it alone, and send and
-    take data on keys that name its host: who is at their other end has let it.
+    Besides, its managers and services may ask those of others what these declare for it alone, and
+    send and take data on keys that name its host: who is at their other end has let it.
     """
     own, data = zenoh_keys.all_of_host(host), zenoh_keys.data_between(host)
-    to, by = [zenoh_keys.questions_to(host)], [zenoh_keys.questions_by(host)]
-    every = [*zenoh_keys.all_of_host("*"), zenoh_keys.questions_by("*")]
+    to, by = zenoh_keys.questions_to(host), zenoh_keys.questions_by(host)
+    every = [*zenoh_keys.all_of_host("*"), *zenoh_keys.questions_by("*")]
     every += zenoh_keys.data_between("*")
     reading = ["query", "declare_subscriber", "liveliness_query", "declare_liveliness_subscriber"]
     answering = ["put", "delete", "reply", "declare_queryable", "liveliness_token"]
-    answers = ["reply", "declare_queryable"]
-    both = ["put", "delete", "query", "declare_subscriber", *answers]
+    asking = ["query", "declare_subscriber", "liveliness_query"]
+    both = ["put", "delete", "query", "declare_subscriber", "reply", "declare_queryable"]
     between = ["answers", "is asked", "asks", "is answered", "data"]
     return json.dumps(
         {
@@ -256,10 +256,10 @@ def rules(near_id: str, host: str) -> str:
                 _rule("all", ["ingress", "egress"], [*reading, *answering], every),
                 _rule("told", ["ingress"], answering, own),
                 _rule("asked", ["egress"], reading, own),
-                _rule("answers", ["ingress"], answers, to),
-                _rule("is asked", ["egress"], ["query"], to),
-                _rule("asks", ["ingress"], ["query"], by),
-                _rule("is answered", ["egress"], answers, by),
+                _rule("answers", ["ingress"], answering, to),
+                _rule("is asked", ["egress"], asking, to),
+                _rule("asks", ["ingress"], asking, by),
+                _rule("is answered", ["egress"], answering, by),
                 _rule("data", ["ingress", "egress"], both, data),
             ],
             "subjects": [{"id": "near", "zids": [near_id]}, {"id": "both"}],

@@ -5,7 +5,9 @@
 ``rt/<realm>/<host>/<manager>[/<instance>]/@x/…``   reserved extensions (snapshot, meta, gui)
 ``rt/<realm>/<host>/<manager>/@x/line/LINE``        what a manager tells all who listen
 ``rt/<realm>/<host>/@ps/<service>/…``                a property service of no manager, likewise
+``rt/<realm>/<host>/@ps/@p/<host>/<service>/…``      the same, as services of another host ask it
 ``…/@e/<listener>``                                 events of a service to one listener
+``rt/<realm>/<host>/@ps/…/<service>/@``             presence of a property service
 ``rt/<realm>/<host>/<manager>/@p/<host>/<manager>`` what a manager is asked by one of another host
 ``rtd/<realm>/<host>/<connector id>``               data of one connector
 ``rtd/<realm>/<host>/<other host>/<connector id>``  between hosts, first the one that is waited at
@@ -20,6 +22,7 @@ from __future__ import annotations
 import os
 
 _EXTENSIONS = frozenset({"properties", "parameters", "gui", "listen", "meta", "history"})
+_MARKS = ("@", "@x", "@e")
 _UNSAFE = "*$?#/%@"
 
 
@@ -59,6 +62,16 @@ def property_service(host: str, service: str) -> str:
     return f"rt/{realm()}/{escape(host)}/@ps/{service}"
 
 
+def service_for(host: str, service: str, asking: str) -> str:
+    """Return the key of a property service, as services of another host ask it."""
+    return f"rt/{realm()}/{escape(host)}/@ps/@p/{escape(asking)}/{service}"
+
+
+def presence(service_key: str) -> str:
+    """Return the key of the token by which a property service is known to be there."""
+    return f"{service_key}/@"
+
+
 def of_target(service_key: str, name: str) -> str:
     """Return the key of a property by its name in canonical spelling, which has extensions last.
 
@@ -91,18 +104,20 @@ def introduction(of_realm: str = "") -> str:
 def all_of_host(host: str) -> list[str]:
     """Return the expressions for all keys of a host, ``*`` for any: marks match no wildcard."""
     own = f"rt/{realm()}/{host if host == '*' else escape(host)}"
-    marks = ("@", "@x", "@e")
-    return [f"{own}/{place}/{mark}/**" for place in ("*", "*/*", "@ps/**") for mark in marks]
+    return [f"{own}/{place}/{mark}/**" for place in ("*", "*/*", "@ps/**") for mark in _MARKS]
 
 
-def questions_by(host: str) -> str:
-    """Return the expression for what managers of a host may ask those of others."""
-    return f"rt/{realm()}/*/*/@p/{host if host == '*' else escape(host)}/*"
+def questions_by(host: str) -> list[str]:
+    """Return the expressions for what a host may ask managers and services of others."""
+    own = host if host == "*" else escape(host)
+    services = [f"rt/{realm()}/*/@ps/@p/{own}/**/{mark}/**" for mark in _MARKS]
+    return [f"rt/{realm()}/*/*/@p/{own}/*", *services]
 
 
-def questions_to(host: str) -> str:
-    """Return the expression for what managers of other hosts ask those of a host."""
-    return f"rt/{realm()}/{escape(host)}/*/@p/**"
+def questions_to(host: str) -> list[str]:
+    """Return the expressions for what other hosts ask managers and services of a host."""
+    own = f"rt/{realm()}/{escape(host)}"
+    return [f"{own}/*/@p/**", *(f"{own}/@ps/@p/**/{mark}/**" for mark in _MARKS)]
 
 
 def data_between(host: str) -> list[str]:

@@ -51,8 +51,8 @@ def _scheme_of(address: str, what: str) -> str:
 
 
 def _in_tree(path: str, cwd: str, settings: WireSettings) -> ProviderAddress:
-    from rtkit.tree.live_place import open_live, split
-    from rtkit.tree.property_connections import parse
+    from rtkit.tree.live_place import open_live, split, steps_of
+    from rtkit.tree.property_targets import parse
 
     place = parse(path, cwd, places.services(), host_name())
     if place.service and not place.name:
@@ -64,5 +64,12 @@ def _in_tree(path: str, cwd: str, settings: WireSettings) -> ProviderAddress:
             blocking_calls(settings.host, lambda: open_live(node, settings.timeout_s)),
             escape(node.rpartition("/")[2].rpartition(".")[0]),
         )
+    if not node and path.startswith("/"):
+        from rtkit.tree.far_places import far_place
+        from rtkit.wires.zenoh.far_services import FarService
+
+        place, kind = far_place(place, steps_of(path, cwd), places.services(), settings.timeout_s)
+        if kind == "far" and not place.name:
+            return FarService.parse(place.service).provider(settings)
     known = " ".join(places.services()) or "none"
     raise PropertyError("no-service", f"no service: {path} (there is {known})")

@@ -7,10 +7,13 @@ import threading
 import time
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from typing import Any, Protocol
+from typing import TYPE_CHECKING, Any, Protocol
 
+from rtkit.services.remote_world import RemoteWorld
 from rtkit.services.running import Twist
-from rtkit.services.world import HomeWorld, RemoteWorld
+
+if TYPE_CHECKING:
+    from rtkit.services.world import HomeWorld
 
 Row = Sequence[float]
 PERIOD_S = 0.05
@@ -130,11 +133,17 @@ def enlist(robot: Driven, world: HomeWorld | str) -> Crew:
     """Have a robot moved in a world, "" is a plain of the process; return those moved there."""
     with _LOCK:
         if world not in _CREWS:
-            _CREWS[world] = Crew(world or HomeWorld())
+            _CREWS[world] = Crew(world or _plain())
         crew = _CREWS[world]
         crew.robots = (*crew.robots, robot)
         crew.wake()
         return crew
+
+
+def _plain() -> HomeWorld:
+    from rtkit.services.world import HomeWorld  # which takes numpy
+
+    return HomeWorld()
 
 
 def discharge(robot: Driven, world: HomeWorld | str) -> None:

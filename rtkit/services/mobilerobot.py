@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import itertools
 import math
-import os
 import re
 from typing import Annotated, Any, Final, Literal, Self
+from uuid import uuid4
 
 import rtkit
 from rtkit.errors import Malformed
@@ -17,7 +16,6 @@ from rtkit.services.frames import ORIGIN, Frames, plain, transform
 from rtkit.services.mounted import Eye, Laser, SimulatedCamera
 from rtkit.services.sensor import Pose6
 
-_NUMBERS = itertools.count()
 _NAME = re.compile(r"(?!(?:properties|parameters|gui|listen|meta|history)$)[\w+~-]+", re.ASCII)
 """Names that a part may bear: those of properties that end in none of the reserved words."""
 
@@ -60,7 +58,7 @@ class MobileRobot(Asking):
         resource: str = "resource",
     ) -> None:
         super().__init__(resource)
-        body = body or f"body{os.getpid()}x{next(_NUMBERS)}"
+        body = body or f"body{uuid4().hex[:12]}"  # processes of two hosts may have one id
         if len(start) != 3 or not (top_speed > 0 < top_turning):
             raise Malformed("start is x, y and heading; top_speed and top_turning are more than 0")
         x, y, theta = map(float, start)

@@ -1,49 +1,37 @@
 """Resource service: which services there are, where they can be reached, and which of them fit.
 
 Each registered service is a property, ``robots.r1`` for the service ``robots/r1``. Those of this
-host are found by their presence, so none needs to know of the registry; others register themselves
-by a SET. All are asked for a sign of life once a period.
+host, and of hosts that are linked from here (``robot1.robots.r1``), are found by their presence, so
+none needs to know of the registry; others register themselves by a SET. All are asked for a sign of
+life once a period.
 """
 
 from __future__ import annotations
 
+import fnmatch
 import math
-import operator
 import re
 import shlex
 import threading
-from collections.abc import Callable, Collection, Sequence
-from fnmatch import fnmatchcase
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from time import monotonic
 from typing import Annotated, Any, Final, Literal, NamedTuple, Self
 
 import rtkit
 from rtkit import Ask, Element, Names, PropertyError, Range, Unit, Word, init_of
+from rtkit.services.conditions import conditions, near_to
 from rtkit.services.frames import is_number
 from rtkit.services.left import LeftProcess, left_at
-from rtkit.services.misread import misread
 from rtkit.services.paths import RESERVED
 from rtkit.services.started import StartedProcess
 
 _OWN = frozenset(["search", "start", "started", "frames", "unanswered", "name", "type", "status"])
-_CONDITION = re.compile(
-    r"""\s*([^\s<>=!~]+)\s*(<=|>=|!=|==|<|>|=|~)
-    \s*("(?:[^"\\]|\\.)*"|'[^']*'|\([^()]*\)|[^\s<>=!~"'()][^\s"'()]*)(?:\s+and\s+(?=\S)|\s*$)""",
-    re.VERBOSE,
-)
-_COMPARE: dict[str, Callable[[Any, Any], bool]] = {
-    "<": operator.lt, "<=": operator.le, ">": operator.gt, ">=": operator.ge,
-    "=": lambda value, wanted: _is_or_has(value, wanted),
-    "==": lambda value, wanted: _is_or_has(value, wanted),
-    "!=": lambda value, wanted: not _is_or_has(value, wanted),
-    "~": lambda value, pattern: fnmatchcase(str(value), str(pattern)),
-}  # fmt: skip
 _ADDRESS = {
     "tcp": "tcp:{0}/{1}/", "tcps": "tcps:{0}/{1}/", "http": "http://{0}/ps/{1}/",
     "https": "https://{0}/ps/{1}/", "unix": "{0}.", "zenoh": "zenoh:{0}.",
 }  # fmt: skip
 _HOST_AND_PORT = re.compile(r"(?:\[[^\s\]]+\]|[^\s:/?#\[\]]+):([0-9]{1,5})")
-_SERVICE = re.compile(r"[\w~%+-]+(?:/[\w~%+-]+)*", re.ASCII)
+_SERVICE = re.compile(r"/?[\w~%+-]+(?:/[\w~%+-]+)*", re.ASCII)
 _ALIVE = frozenset({"unknown", "denied", "write-only", "internal", "busy", "bad-value"})
 """Errors that only who lives can answer."""
 _LONGEST_LEASE_S = 3600.0
@@ -51,7 +39,8 @@ _LONGEST_SEARCH_S = 10.0
 _STARTING_S = 10.0
 _LOOK_S = 0.1
 _GONE = Element("service")
-_Search = tuple[list[str], list[tuple[str, str]]]
+_Unanswered = list[tuple[str, str]]
+_Search = tuple[list[str], _Unanswered]
 """Names of services that fit, and of those that failed, with the codes of their errors."""
 
 
@@ -84,13 +73,6 @@ class Entry(NamedTuple):
         return Element("service", {"type": " ".join(self.types)}, tuple(contacts))
 
 
-class LiveCondition(NamedTuple):
-    """Condition on a property: ``level >= 0.5``."""
-
-    name: str
-    holds: Callable[[Any], bool]
-
-
 class NamedFrames(Names):
     """Named frames: poses in the world, ``frames.kitchen`` [m, rad]."""
 
@@ -116,7 +98,8 @@ class Resource(Names):
     """Knows which services there are, finds those that fit, and starts some.
 
     Args:
-        watch: Pattern of the names of this host's services that are registered by themselves.
+        watch: Pattern of the names of services that are registered by themselves.
+        hosts: Pattern of the names of hosts that are linked from here whose services are, too.
         period: How often each service is asked for a sign of life [s].
         misses: After so many periods without one a service is gone; one in which its connection
             was refused counts twice.
@@ -135,6 +118,7 @@ class Resource(Names):
         self,
         *,
         watch: str = "*",
+        hosts: str = "*",
         period: Annotated[float, Range(0.05, 60), Unit("s")] = 1.0,
         misses: Annotated[int, Range(1, 100)] = 3,
         route: bool = False,
@@ -145,6 +129,7 @@ class Resource(Names):
         self.frames = NamedFrames(dict(map(_frame, frames)))
         self._unanswered: list[tuple[str, str]] = []
         self._watch, self._period, self._misses, self._route = watch, period, misses, route
+        self._hosts, self._linked = hosts, list[str]()
         self._commands = {words[0]: words[1:] for words in map(shlex.split, starts) if words[1:]}
         self._left, self._socket = left, ""
         self._processes: list[StartedProcess | LeftProcess] = []
@@ -182,7 +167,7 @@ class Resource(Names):
 
     @property
     def unanswered(self) -> list[tuple[str, str]]:
-        """Services that did not answer the last search, each with the code of its error."""
+        """Hosts and services that did not answer the last search, with the codes of the errors."""
         return self._unanswered
 
     # Registry
@@ -238,10 +223,8 @@ class Resource(Names):
         """Ask all that are registered, and all that are here, for a sign of life."""
         registered = self._entries
         known = dict(registered)
-        for service in self._client.get("localhost.services"):
-            name = _property_of(service)
-            if name not in known and fnmatchcase(service, self._watch):
-                known[name] = Entry(service, (), (("unix", Word(service)),))
+        for entry in (*self._here(), *self._there()):
+            known.setdefault(_property_of(entry.service), entry)
         asks = [Ask(each.at("type")) for each in known.values()]
         answers = self._client.ask_all(asks, 0.8 * self._period)
         seen = {
@@ -259,6 +242,24 @@ class Resource(Names):
                     entries[name] = entry
             self._put(entries)
         self._has_looked.set()
+
+    def _here(self) -> list[Entry]:
+        names = fnmatch.filter(self._client.get("localhost.services"), self._watch)
+        return [Entry(each, (), (("unix", Word(each)),)) for each in names]
+
+    def _there(self) -> list[Entry]:
+        """Return what is at present on the hosts that are linked from here."""
+        linked = fnmatch.filter(self._client.get("localhost.hosts"), self._hosts)
+        asks = [Ask(f"/{host}.services") for host in linked]
+        answers = self._client.ask_all(asks, 0.2 * self._period) if asks else []
+        self._linked = linked
+        names = [
+            f"/{host}/{each}"
+            for host, answer in zip(linked, answers, strict=True)
+            if not isinstance(answer, PropertyError)
+            for each in fnmatch.filter(answer, self._watch)
+        ]
+        return [Entry(each, (), (("zenoh", Word(each)),)) for each in names]
 
     # Search
 
@@ -292,24 +293,24 @@ class Resource(Names):
         return [*map(Word, found), *(errors if failed else ())]
 
     def _found(self, type_word: str, near: Sequence[float], where: str, within: float) -> _Search:
-        conditions = _conditions(where) + ([_near(near)] if near else [])
+        wanted = conditions(where) + ([near_to(near)] if near else [])
         entries = [
             each for each in self._entries.values() if not type_word or type_word in each.types
         ]
-        if not conditions:
-            return [each.service for each in entries], []
-        asks = [Ask(entry.at(each.name)) for entry in entries for each in conditions]
-        answers = iter(self._client.ask_all(asks, within, is_shared=True))
+        asks = [Ask(f"/{host}.services") for host in self._linked]
+        asks += [Ask(entry.at(each.name)) for entry in entries for each in wanted]
+        answers = iter(self._client.ask_all(asks, within, is_shared=True) if asks else ())
+        silent = _codes(zip(self._linked, answers, strict=False))
         found, unanswered = [], []
         for entry in entries:
-            values = [next(answers) for _ in conditions]
+            values = [next(answers) for _ in wanted]
             errors = [each.code for each in values if isinstance(each, PropertyError)]
             if errors:
                 if set(errors) != {"unknown"}:  # what has no such property does not fit
                     unanswered.append((entry.service, errors[0]))
-            elif all(each.holds(value) for each, value in zip(conditions, values, strict=True)):
+            elif all(each.holds(value) for each, value in zip(wanted, values, strict=True)):
                 found.append(entry.service)
-        return found, unanswered
+        return found, [*_silent_hosts(silent, entries, unanswered), *unanswered]
 
     # Starting
 
@@ -392,9 +393,27 @@ def _seen(entry: Entry, answer: Any) -> Entry:
     return entry._replace(misses=entry.misses + (2 if answer.code == "no-service" else 1))
 
 
+def _codes(answers: Iterable[tuple[str, Any]]) -> dict[str, str]:
+    return {name: each.code for name, each in answers if isinstance(each, PropertyError)}
+
+
+def _silent_hosts(
+    cut_off: Mapping[str, str], entries: Sequence[Entry], unanswered: _Unanswered
+) -> _Unanswered:
+    """Return the hosts that cannot be reached, or none of whose services has answered."""
+    codes: dict[str, list[str]] = {}
+    known = dict(unanswered)
+    for entry in entries:
+        if entry.service.startswith("/"):
+            code = known.get(entry.service, "")
+            codes.setdefault(entry.service.split("/")[1], []).append(code)
+    silent = {host: each[0] for host, each in codes.items() if {*each} <= {"no-service", "timeout"}}
+    return [(f"/{host}", code) for host, code in {**silent, **cut_off}.items()]
+
+
 def _property_of(service: str) -> str:
     """Return the property that a service is; ``~`` stands before a part that would be another."""
-    first, *rest = service.split("/")
+    first, *rest = service.strip("/").split("/")
     head = f"~{first}" if first in _OWN else first
     return ".".join(f"~{each}" if each in RESERVED else each for each in (head, *rest))
 
@@ -423,59 +442,6 @@ def _check_address(protocol: str, address: str) -> None:
             raise PropertyError("bad-value", f"{protocol}: not a name of a service: {address}")
     elif not (place := _HOST_AND_PORT.fullmatch(address)) or not 0 < int(place[1]) < 1 << 16:
         raise PropertyError("bad-value", f"{protocol}: not HOST:PORT: {address}")
-
-
-def _conditions(where: str) -> list[LiveCondition]:
-    made: list[LiveCondition] = []
-    where, at = where.strip(), 0
-    while at < len(where):
-        match = _CONDITION.match(where, at)
-        if match is None:
-            why = misread(where, at, "expected PROPERTY OP VALUE [and …]")
-            raise PropertyError("bad-parameter", why)
-        made.append(_condition(match[1], match[2], _plain(match[3])))
-        at = match.end()
-    return made
-
-
-def _condition(name: str, sign: str, wanted: Any) -> LiveCondition:
-    def holds(value: Any) -> bool:
-        try:
-            return _COMPARE[sign](value, wanted)
-        except TypeError:
-            return False  # of another kind
-
-    return LiveCondition(name, holds)
-
-
-def _is_or_has(value: Any, wanted: Any) -> bool:
-    is_among = isinstance(value, tuple) and not isinstance(wanted, tuple)
-    return wanted in value if is_among else bool(value == wanted)
-
-
-def _near(near: Sequence[float]) -> LiveCondition:
-    if len(near) not in (3, 4):
-        raise PropertyError("bad-parameter", "near: (x y r) or (x y z r)")
-    *centre, radius = near
-
-    def holds(value: Any) -> bool:
-        is_place = isinstance(value, tuple) and len(value) >= len(centre)
-        return is_place and math.dist(value[: len(centre)], centre) <= radius
-
-    return LiveCondition("location", holds)
-
-
-def _plain(text: str) -> Any:
-    if text in ("true", "false"):
-        return text == "true"
-    if text.startswith("("):
-        return tuple(map(_plain, text[1:-1].split()))
-    if text[0] in "\"'":
-        return re.sub(r"\\(.)", r"\1", text[1:-1])
-    try:
-        return float(text)
-    except ValueError:
-        return text
 
 
 def _frame(text: str) -> tuple[str, tuple[float, ...]]:

@@ -275,7 +275,34 @@ def _words(look: Callable[[], Sequence[str]], _given: object) -> Value:
     return tuple(map(Word, look()))
 
 
-class ThisHost(_LiveService):
+class _PolledService(_LiveService):
+    """Service whose values are looked up when they are asked for."""
+
+    def _receive(self, wait_s: float | None) -> None:
+        """Read the properties anew, once a second."""
+        time.sleep(max(0.0, min(1.0, 1.0 if wait_s is None else wait_s)))
+        self._service.poll()
+
+    def _add_words(self, **looks: Callable[[], Sequence[str]]) -> None:
+        for name, look in looks.items():
+            read = partial(_words, look)
+            self._service.add(name, spec=PropertySpec(access="r"), read=read)
+
+    def close(self) -> None:
+        """End nothing: nobody is connected."""
+
+
+class FarHost(_PolledService):
+    """Another host: which of its services may be asked from here."""
+
+    NAMES = ("services",)
+
+    def __init__(self, services: Callable[[], Sequence[str]]) -> None:
+        super().__init__()
+        self._add_words(services=services)
+
+
+class ThisHost(_PolledService):
     """This host: which managers and services of this user are on it, and how busy it is.
 
     Attributes:
@@ -283,7 +310,10 @@ class ThisHost(_LiveService):
     """
 
     def __init__(
-        self, services: Callable[[], Sequence[str]], managers: Callable[[], Sequence[str]]
+        self,
+        services: Callable[[], Sequence[str]],
+        managers: Callable[[], Sequence[str]],
+        hosts: Callable[[], Sequence[str]] = tuple,
     ) -> None:
         super().__init__()
         uname = os.uname()
@@ -294,19 +324,9 @@ class ThisHost(_LiveService):
         }
         for name, value in values.items():
             self._service.add(name, value, PropertySpec(access="r"))
-        for name, look in (("managers", managers), ("services", services)):
-            read = partial(_words, look)
-            self._service.add(name, spec=PropertySpec(access="r"), read=read)
+        self._add_words(managers=managers, services=services, hosts=hosts)
         load = PropertySpec(
             parse_type("vector[3]"), "r", doc="Load average over 1, 5 and 15 minutes"
         )
         self._service.add("load", spec=load, read=lambda _given: os.getloadavg())
         self.names = self._service.registry.children("")
-
-    def _receive(self, wait_s: float | None) -> None:
-        """Read the properties anew, once a second."""
-        time.sleep(max(0.0, min(1.0, 1.0 if wait_s is None else wait_s)))
-        self._service.poll()
-
-    def close(self) -> None:
-        """End nothing: nobody is connected."""

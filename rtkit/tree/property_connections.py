@@ -1,22 +1,19 @@
-"""Resolves a property as it was typed, and connects to its owner.
-
-``SERVICE.NAME``, ``/localhost/SERVICE.NAME``, ``/localhost/SERVICE/NAME`` are the same. The longest
-name of a present service that fits is the service.
-"""
+"""Finds the owner of a property as it was typed, and connects to it."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from functools import cached_property, partial
 from time import monotonic
-from typing import TYPE_CHECKING, Literal, NamedTuple
+from typing import TYPE_CHECKING
 
 from rtkit.errors import RtkitError
 from rtkit.link.places import host_name
 from rtkit.property.codes import PropertyError
 from rtkit.property.messages import Answer, Payload
 from rtkit.property.naming import EXTENSIONS
-from rtkit.rtc.names import LOCAL, is_local_host
+from rtkit.rtc.names import LOCAL
+from rtkit.tree.property_targets import OwnerKind, PropertyTarget, no_service, parse
 
 if TYPE_CHECKING:
     from rtkit.tree.live_properties import ThisHost
@@ -25,36 +22,6 @@ if TYPE_CHECKING:
 
 _NAMES_S = 1.0
 """How long a service may take to list the names that one was perhaps to be [s]."""
-
-
-class PropertyTarget(NamedTuple):
-    """A property as it was typed.
-
-    Attributes:
-        service: Where it is, empty if no service fits.
-        name: Of the property, as a target without parameters; empty for the service itself.
-        parameters: Text behind the question mark, None for nothing.
-    """
-
-    typed: str
-    service: str
-    name: str
-    parameters: str | None = None
-
-    @classmethod
-    def of_path(cls, typed: str, path: str) -> PropertyTarget:
-        """Return the property of an owner that has one service only, by its path there."""
-        name, mark, parameters = path.partition("?")
-        return cls(typed, "", name, parameters if mark else None)
-
-    def target(self, more: str = "", extension: str = "") -> str:
-        """Return what to ask for; the service itself stands for the names it has."""
-        name = self.name or ("" if extension == "listen" else "properties")
-        if extension:
-            name = f"{name}.{extension}" if name else f"properties.{extension}"
-        given = [each for each in (self.parameters, more) if each]
-        is_marked = self.parameters is not None or more
-        return f"{name}?{'&'.join(given)}" if is_marked else name
 
 
 def bound_of(
@@ -70,26 +37,6 @@ def bound_of(
     client = end.endpoint if isinstance(end, OfService) else end
     is_known = isinstance(client, LineClient) and not is_given
     return [f"timeout={timeout_s:g}"] if is_known else []
-
-
-def parse(typed: str, cwd: str, services: Iterable[str], hostname: str) -> PropertyTarget:
-    """Read what was typed, relative to the working directory `cwd` in the tree."""
-    place = PropertyTarget.of_path(typed, typed)
-    path = place.name
-    whole = path if path.startswith("/") else f"{cwd.rstrip('/')}/{path}"
-    steps = [step for step in whole.split("/") if step not in ("", ".")]
-    if steps and is_local_host(steps[0], hostname):
-        steps.pop(0)
-    elif steps and path.startswith("/"):
-        return place._replace(name=whole)
-    rest = "/".join(steps)
-    for service in sorted(services, key=len, reverse=True):
-        if rest == service:
-            return place._replace(service=service, name="")
-        if rest.startswith((f"{service}.", f"{service}/")):
-            name = rest[len(service) + 1 :].strip("/")
-            return place._replace(service=service, name=name.replace("/", "."))
-    return place._replace(name=rest)
 
 
 class _Endpoint:
@@ -183,7 +130,7 @@ class PropertyConnections:
 
     def _here(self, typed: str) -> tuple[PropertyTarget, PropertyClient]:
         """Return a property of a service, component or manager of this host, or of the host."""
-        place, kind = place_here(typed, self._cwd, self._services)
+        place, kind = place_here(typed, self._cwd, self._services, self._timeout_s)
         if kind == "host":
             return place, self._host
         if place.service not in self._ends:
@@ -196,6 +143,10 @@ class PropertyConnections:
             from rtkit.wires.line.client import connect_unix
 
             return connect_unix(service_socket(owner), self._timeout_s)
+        if kind in ("far", "far host"):
+            from rtkit.tree.far_places import open_far
+
+            return open_far(owner, self._timeout_s)
         from rtkit.tree.live_place import open_live
 
         return open_live(owner, self._timeout_s)
@@ -221,17 +172,20 @@ class PropertyConnections:
 
 
 def place_here(
-    typed: str, cwd: str, services: Sequence[str]
-) -> tuple[PropertyTarget, Literal["service", "node", "host"]]:
-    """Return where a property of this host is, and what owns it; a node is named by its path.
+    typed: str, cwd: str, services: Sequence[str], timeout_s: float = _NAMES_S
+) -> tuple[PropertyTarget, OwnerKind]:
+    """Return where a property is that was typed without an address, and what owns it.
+
+    A node is named by its path, a service of another host by ``/HOST/SERVICE``.
 
     Raises:
         PropertyError: ``no-service``; ``unknown``: the host has no such property.
+        Unreachable: The host that is named cannot be reached.
     """
     place = parse(typed, cwd, services, _hostname())
     if place.service:
         return place, "service"
-    from rtkit.tree.live_place import name_of_host, split
+    from rtkit.tree.live_place import name_of_host, split, steps_of
 
     path = place.typed.partition("?")[0]
     node, name = split(path, cwd)
@@ -239,7 +193,11 @@ def place_here(
         return place._replace(service=node, name=name), "node"
     of_host = name_of_host(path, cwd, _hostname())
     if of_host is None:
-        raise no_service(place.name, services)
+        if not (path.startswith("/") or cwd.strip("/")):
+            raise no_service(place.name, services)
+        from rtkit.tree.far_places import far_place
+
+        return far_place(place, steps_of(path, cwd), services, timeout_s)
     first = of_host.partition(".")[0]
     if of_host and first not in EXTENSIONS and first not in (names := this_host().names):
         known = f"this host has {' '.join(names)}"
@@ -251,24 +209,12 @@ def place_here(
 
 def this_host() -> ThisHost:
     """Return this host, as a client."""
+    from rtkit.link.host_links import hosts
     from rtkit.link.places import services
     from rtkit.link.running import managers
     from rtkit.tree.live_properties import ThisHost
 
-    return ThisHost(services, managers)
-
-
-def no_service(name: str, known: Sequence[str], more: str = "") -> PropertyError:
-    """Return the error that no service present has such a name."""
-    from rtkit.link.host_links import is_linked
-
-    host = name.strip("/").partition("/")[0]
-    if name.startswith("/") and is_linked(host):
-        asked = "the link leads to components and managers there, not to property services"
-        return PropertyError("no-service", f"{name} would be on host {host}: {asked}")
-    there = f"there is {' '.join(known) or 'none'}{more}"
-    first = name.partition(".")[0]
-    return PropertyError("no-service", f"no service named {first} ({there})" if first else there)
+    return ThisHost(services, managers, hosts)
 
 
 def _hostname() -> str:

@@ -6,11 +6,13 @@ from collections.abc import Callable, Iterable, Mapping
 from contextlib import ExitStack
 
 from rtkit.closing import Closing
+from rtkit.link.places import host_name
 from rtkit.property.access import AccessPolicy, read_policy
 from rtkit.property.objects import Exported
 from rtkit.property.requests import Requester
 from rtkit.property.service import Service
 from rtkit.property.standard import add_standard
+from rtkit.rtc.names import check_host_name, is_local_host
 from rtkit.serving.event_loop import PropertyEventLoop
 from rtkit.serving.refusals import Refusals
 from rtkit.wires.line.endpoint import open_unix
@@ -112,6 +114,7 @@ def serve(
     history: Mapping[str, int] | None = None,
     rules: str | AccessPolicy = "",
     notify: Iterable[str] = (),
+    hosts: Iterable[str] = (),
     is_on_zenoh: bool = True,
     is_insecure: bool = False,
     **endpoints: int | str | None,
@@ -141,6 +144,8 @@ def serve(
         notify: Patterns of ``SERVICE/NAME``, of your services on this host, or of addresses
             (``tcp:HOST:PORT/SERVICE/NAME``), to which events may be SET
             (``SET P.listen SERVICE/NAME``); none may, unless told.
+        hosts: Names of other hosts whose services may ask and set it, through the managers that
+            link them; a manager's own host may ask those of hosts that it links, without this.
         is_on_zenoh: Also answer zenoh queries, through the manager where one runs.
         is_insecure: Other hosts may reach endpoints without TLS, too, which ``rtls -l`` then shows.
         endpoints: Further endpoints to open, None for none. ``port=`` is a TCP port of the host, 0
@@ -173,7 +178,7 @@ def serve(
         if is_on_zenoh:
             from rtkit.wires.zenoh.endpoint import open_zenoh
 
-            open_zenoh(host, service)
+            open_zenoh(host, service, _others(hosts))
         add_standard(service.values, service.name, thing)
         if not isinstance(thing, Service):
             exported = Exported(service, thing, hide)
@@ -205,6 +210,12 @@ def _asked(endpoints: Mapping[str, int | str | None]) -> list[tuple[Wire, str]]:
     if unknown := given.keys() - options.keys():
         raise TypeError(f"no such endpoint: {' '.join(unknown)} (there is {' '.join(options)})")
     return [(wire_of(scheme), given[name]) for name, scheme in options.items() if name in given]
+
+
+def _others(hosts: Iterable[str]) -> list[str]:
+    """Return the names of other hosts, each once; this one asks anyway."""
+    own = host_name()
+    return [check_host_name(each) for each in dict.fromkeys(hosts) if not is_local_host(each, own)]
 
 
 def _notifying(

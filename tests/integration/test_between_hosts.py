@@ -162,6 +162,32 @@ def test_a_far_manager_asks_by_its_own_name_only(routers: tuple[Any, Any]) -> No
     assert _replies(far, "rt/default/near/manager/@p/*/manager") == []
 
 
+def test_services_of_a_far_host_ask_those_that_let_it(routers: tuple[Any, Any]) -> None:
+    near, far = routers
+    own, posed = (f"rt/default/near/@ps/@p/{by}/home/lamp" for by in ("robot1", "robot2"))
+    plain, heard = "rt/default/near/@ps/home/lamp", list[str]()
+    tokens = []
+    for key in (own, posed, plain):
+        tokens.append(near.liveliness().declare_token(f"{key}/@"))
+        near.declare_queryable(f"{key}/@/**", lambda query: query.reply(query.key_expr, "lit"))
+        far.declare_subscriber(f"{key}/@e/x", lambda each: heard.append(each.payload.to_string()))
+    until(lambda: _replies(far, f"{own}/@/level"), "it may ask by its own name")
+    assert [_replies(far, f"{key}/@/level") for key in (posed, plain)] == [[], []]
+    seen = [
+        str(each.ok.key_expr)
+        for wide in ("@ps/**/@", "@ps/@p/*/**/@")
+        for each in far.liveliness().get(f"rt/default/near/{wide}", timeout=1)
+    ]
+    assert seen == [f"{own}/@"]
+    event = near.declare_publisher(f"{own}/@e/x")
+    until(lambda: event.matching_status.matching, "who listens is known")
+    for key in (posed, plain):
+        near.put(f"{key}/@e/x", "of others")
+    event.put("own")
+    until(lambda: heard, "its own events arrive")
+    assert heard == ["own"]
+
+
 def test_a_giant_message_is_dropped_and_the_link_stays(routers: tuple[Any, Any]) -> None:
     near, far = routers
     sizes: list[int] = []

@@ -136,6 +136,10 @@ class FarHost:
         """Write a file there."""
         (self._root / path.lstrip("/")).write_text(text)
 
+    def folder_of(self, path: str) -> Path:
+        """Return a folder there, for who copies much."""
+        return self._root / path.lstrip("/")
+
     @property
     def _root(self) -> Path:
         """Its root folder, as its first process sees it."""

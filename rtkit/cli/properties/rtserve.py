@@ -87,6 +87,7 @@ _ENDPOINTS = {
         ),
         ("rtserve ./arm.py:Arm robots/arm --http 8080", "For curl and browsers too."),
         ("rtserve ./arm.py:Arm arm --tls 0.0.0.0:4711", "For other hosts, see rtkeys."),
+        ("rtserve ./arm.py:Arm arm --host robot1", "For services of host robot1, too."),
         ("rtserve ./arm.py:Arm arm --history 'angle=100'", "Remember values for .history."),
         ("rtserve ./arm.py:Arm arm --rule 'deny zenoh * SET *'", "Read-only over zenoh."),
     ),
@@ -112,6 +113,11 @@ def main(
         "--notify GLOB",
         "Listeners on any wire may have events SET to these properties: SERVICE/NAME of yours, "
         "or WIRE:ADDRESS/SERVICE/NAME (repeatable; default none).",
+    ),
+    hosts: tuple[str, ...] = several(
+        "--host HOST",
+        "Services of this other host may ask and set it, too, over the link that one of both has "
+        "(repeatable; default none).",
     ),
     files: tuple[str, ...] = several(
         "--rules FILE", "A rule: which client may do what over which wire; or a limit."
@@ -144,7 +150,7 @@ def main(
     thing_made = made(thing, arguments)
     with ended_by_sigterm() as ended, serve(
         thing_made, name, settable=settable, hide=hide, history=history, rules=policy,
-        notify=notify, is_on_zenoh=True, is_insecure=is_insecure, **endpoints,
+        notify=notify, hosts=hosts, is_on_zenoh=True, is_insecure=is_insecure, **endpoints,
     ) as served:  # fmt: skip
         # What --at takes without a scheme is printed without one.
         opened = [each.removeprefix(TCP_CLIENTS.prefix) for each in served.addresses.values()]

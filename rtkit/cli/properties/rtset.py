@@ -16,7 +16,7 @@ from rtkit.cli.shared.command import command
 from rtkit.cli.shared.options import arguments, flag, option
 
 if TYPE_CHECKING:
-    from rtkit.tree.property_connections import PropertyTarget
+    from rtkit.tree.property_targets import PropertyTarget
     from rtkit.wires.property_client import PropertyClient
 
 _NUMBER = re.compile(r"-(?:\.?\d|inf$).*")

@@ -13,7 +13,7 @@ from rtkit.link.places import host_name
 
 if TYPE_CHECKING:
     from rtkit.property.values import Element, Value
-    from rtkit.tree.property_connections import PropertyTarget
+    from rtkit.tree.property_targets import PropertyTarget
     from rtkit.wires.property_client import PropertyClient
 
 _HEAD = ("type", "access", "unit", "quality")
@@ -29,7 +29,7 @@ def service_at(typed: str) -> PropertyTarget | None:
     known = services()
     if not known:
         return None
-    from rtkit.tree.property_connections import parse
+    from rtkit.tree.property_targets import parse
 
     place = parse(typed, working_directory(), known, host_name())
     return place if place.service else None
@@ -41,7 +41,7 @@ def above_services(typed: str) -> str:
 
     if not (known := services()):
         return ""
-    from rtkit.tree.property_connections import parse
+    from rtkit.tree.property_targets import parse
 
     steps = [name.split("/") for name in known]
     above = {"/".join(each[:end]) for each in steps for end in range(1, len(each))}

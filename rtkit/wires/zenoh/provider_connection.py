@@ -47,10 +47,18 @@ class ZenohConnection(LeasedConnection):
 
     Args:
         service_key: Of the owner.
+        why: Tells why nobody answers.
     """
 
-    def __init__(self, host: PropertyEventLoop, session: zenoh.Session, service_key: str) -> None:
+    def __init__(
+        self,
+        host: PropertyEventLoop,
+        session: zenoh.Session,
+        service_key: str,
+        why: Callable[[], str] = lambda: _NOBODY,
+    ) -> None:
         super().__init__(host)
+        self._why = why
         self._session = session
         self._key = service_key
         self._probed_at = monotonic()
@@ -119,8 +127,7 @@ class ZenohConnection(LeasedConnection):
                 replies.append(Answer(str(error), "timeout"))
 
         def ended() -> None:
-            reply = replies[0] if replies else Answer(_NOBODY, "no-service")
-            self._host.post(lambda: self._answer(number, reply))
+            self._host.post(lambda: self._answer(number, self._first(replies)))
 
         self._session.get(
             for_subscriber(selector, subscription) if subscription else selector,
@@ -130,6 +137,9 @@ class ZenohConnection(LeasedConnection):
             handler=zenoh.handlers.Callback(receive, ended, indirect=False),
             consolidation=zenoh.ConsolidationMode.NONE,
         )
+
+    def _first(self, replies: list[Answer]) -> Answer:
+        return replies[0] if replies else Answer(self._why(), "no-service")
 
     def _on_event(self, id: str, on_event: EventHandler, event: PropertyEvent) -> None:
         if any(each.address == id for each in self._subscriptions.values()):

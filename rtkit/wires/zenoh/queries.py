@@ -112,7 +112,8 @@ class PropertyEndpoint:
     ) -> None:
         self._session = session
         self._key = service_key
-        self._declared: list[zenoh.Queryable[None]] = []
+        token = session.liveliness().declare_token(zenoh_keys.presence(service_key))
+        self._declared: list[zenoh.Queryable[None] | zenoh.LivelinessToken] = [token]
         for mark, is_extension in (("@", False), ("@x", True)):
             prefix = f"{service_key}/{mark}/"
             receive = _receiver(prefix, is_extension, take)
@@ -126,11 +127,10 @@ class PropertyEndpoint:
         attributes = _attributes(event, at)
         self._session.put(key, event.payload, attachment=attributes, encoding=encoding)
 
-    def close(self) -> None:
-        """Answer nothing any more, and end the session."""
+    def withdraw(self) -> None:
+        """Answer nothing any more."""
         while self._declared:
             self._declared.pop().undeclare()  # type: ignore[no-untyped-call]
-        self._session.close()  # type: ignore[no-untyped-call]
 
 
 def _receiver(

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from rtkit.link.places import host_name
+from rtkit.rtc.names import is_local_host
 from rtkit.wires.wire import ProviderAddress, Wire, WireSettings, service_name
 
 if TYPE_CHECKING:
@@ -12,11 +13,13 @@ if TYPE_CHECKING:
 
 
 def _provider(name: str, settings: WireSettings) -> ProviderAddress:
-
     from rtkit.link import places, zenoh_keys
     from rtkit.link.zenoh import open_client, unix_endpoint
+    from rtkit.wires.zenoh.far_services import FarService
     from rtkit.wires.zenoh.provider_connection import ZenohConnection
 
+    if name.startswith("/") and not is_local_host(name.split("/")[1], host_name()):
+        return FarService.parse(name).provider(settings)
     service = service_name(name)
     path = places.check_socket_length(places.service_key_socket(service))
     key = zenoh_keys.property_service(host_name(), service)

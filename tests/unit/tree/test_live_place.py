@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from rtkit.tree.live_place import name_of_host, split
-from rtkit.tree.property_connections import parse
+from rtkit.tree.property_targets import parse
 
 
 @pytest.mark.parametrize(

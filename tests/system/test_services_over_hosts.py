@@ -1,0 +1,235 @@
+"""Standard services over hosts: asked there and from there, found, led as one, cut off."""
+
+from __future__ import annotations
+
+import os
+import shutil
+from collections.abc import Iterator
+
+import farkit
+import pytest
+from farkit import FarHost, far_hosts
+from fleetkit import linked
+from forked import Commands
+from shells import ROOT, Shell
+from waiting import until
+
+pytestmark = pytest.mark.skipif(bool(farkit.missing()), reason=farkit.missing())
+HERE = os.uname().nodename
+NAMES = ("robot1", "robot2", "robot3")
+BIN = "/root/.local/share/rtkit/current/bin"
+LAMP = """
+class Lamp:
+    type = ("lamp",)
+
+    def __init__(self, level: float = 0.2, at: float = 0.0) -> None:
+        self.level = level
+        self.location = (at, 0.0, 0.0, 0.0, 0.0, 0.0)
+"""
+
+
+@pytest.fixture(scope="module")
+def hosts(tmp_path_factory: pytest.TempPathFactory) -> Iterator[list[FarHost]]:
+    with far_hosts(tmp_path_factory.mktemp("far"), *NAMES) as hosts:
+        yield hosts
+
+
+@pytest.fixture(scope="module")
+def fleet(commands: Commands, hosts: list[FarHost]) -> Iterator[Shell]:
+    """A shell that is linked to three hosts."""
+    with linked(commands, hosts) as shell:
+        (shell.modules / "lamp.py").write_text(LAMP)
+        yield shell
+
+
+@pytest.fixture
+def healed(fleet: Shell, hosts: list[FarHost]) -> Iterator[Shell]:
+    """The shell, for who cuts links."""
+    yield fleet
+    for host in hosts:
+        host.link("up")
+    for host in hosts:
+        until(lambda h=host: fleet.run(f"rtls /{h.name}").status == 0, "all are linked again")
+
+
+def robot_at(fleet: Shell, name: str, host: str, x: float) -> None:
+    """Have a robot on a host, in the world of this one."""
+    values = {"service": f"robots/{name}", "world": f"/{HERE}/home/world", "start": f"{x},2,0"}
+    values |= {"top_speed": "0.5"}
+    service(fleet, host, "DifferentialRobot", name, **values)
+
+
+def service(fleet: Shell, host: str, kind: str, name: str, **values: str) -> None:
+    """Have an active component of a standard service."""
+    given = "".join(f"&conf.default.{key}={value}" for key, value in values.items())
+    create = f"{kind}?instance_name={name}&manager_name={name}{given}"
+    fleet.ok(f"rtmgr /{host}/manager.mgr -c '{create}'")
+    fleet.ok(f"rtact /{host}/{name}.rtc")
+
+
+def there(host: FarHost, words: str, name: str = "") -> str:
+    """Run a command on a host, by its name or another one; return all that it writes."""
+    line = f"RTKIT_HOSTNAME={name or host.name} {BIN}/{words} 2>&1 || true"
+    return host.run("sh", "-c", line)
+
+
+@pytest.fixture(scope="module")
+def swarm(fleet: Shell) -> Shell:
+    """A robot on each host, all in the world of this one, as one group here."""
+    endpoints = " ".join(f"hosts={name}" for name in NAMES)
+    service(fleet, "localhost", "HomeWorld", "world", service="home/world", endpoints=endpoints)
+    for number, host in enumerate(NAMES):
+        robot_at(fleet, f"r{number + 1}", host, 2.0 * number)
+    members = " ".join(f"/{host}/robots/r{number + 1}" for number, host in enumerate(NAMES))
+    service(fleet, "localhost", "Group", "swarm", service="swarm", robots=members)
+    until(lambda: "ready" in fleet.run("rtget swarm.status").out, "all robots stand in the world")
+    return fleet
+
+
+def test_services_there_are_asked_and_listed(fleet: Shell) -> None:
+    service(fleet, "robot1", "Storage", "notes", service="home/notes", root="/root")
+    target = "/robot1/home/notes"
+    fleet.ok(f"rtset {target}.today.txt 'water the plants'")
+    assert "water" in fleet.ok(f"rtget --raw {target}.today.txt")
+    assert fleet.ok(f"rtget {target}.type {target}/status") == '(storage)\n"ready"\n'
+    assert "home/notes" in fleet.ok("rtget /robot1.services")
+    assert fleet.ok("rtget localhost.hosts") == "(robot1 robot2 robot3)\n"
+    for path, why in (
+        (f"{target}.nix", "unknown: no such property: nix"),
+        ("/robot1/nix.x", "no service named nix (there is home/notes"),
+        ("/robot9/a.x", "no link leads to host robot9"),
+    ):
+        refused = fleet.run(f"rtget {path}")
+        assert refused.status == 1
+        assert why in refused.err, refused.err
+    fleet.ok("rtmgr /robot1/manager.mgr -d notes")
+    until(lambda: fleet.ok("rtget /robot2.services") == "()\n", "none is listed that has gone")
+
+
+def test_events_come_from_there_and_a_service_that_ends_is_told(
+    fleet: Shell, hosts: list[FarHost]
+) -> None:
+    service(fleet, "robot2", "Storage", "s", service="s", root="/root")
+    listener = fleet.open("rtlisten /robot2/s.status")
+    assert listener.stdout is not None
+    assert "ready" in listener.stdout.readline()
+    (pid,) = hosts[1].run("pgrep", "-x", "rtkit s").split()
+    hosts[1].run("kill", "-9", pid)
+    ended = fleet.end_of(listener)
+    assert ended.status == 1
+    assert "service s of host robot2 has gone" in ended.err
+    fleet.run("rtmgr /robot2/manager.mgr -d s")
+
+
+def test_only_hosts_that_are_named_may_ask_a_service_here(
+    fleet: Shell, hosts: list[FarHost]
+) -> None:
+    first, second, _ = hosts
+    target = f"/{HERE}/desk.level"
+    lamps = [
+        fleet.open(
+            "rtserve ./modules/lamp.py:Lamp desk --host robot1 --rule 'deny zenoh robot1 SET at'"
+        ),
+        fleet.open("rtserve ./modules/lamp.py:Lamp other"),
+    ]
+    for lamp in lamps:
+        assert lamp.stdout is not None
+        assert lamp.stdout.readline()
+    until(lambda: there(first, f"rtget {target}") == "0.2\n", "it may ask")
+    there(first, f"rtset {target} 0.7")
+    assert fleet.ok("rtget desk.level") == "0.7\n"
+    assert f"(there is desk on host {HERE})" in there(first, f"rtget /{HERE}/other.level")
+    for name in ("robot2", "robot1"):  # by its own name, and by that of one who may
+        assert "it lets host" in there(second, f"rtget {target}", name)
+        assert "no-service" in there(second, f"rtset {target} 0.1", name)
+    assert fleet.ok("rtget desk.level") == "0.7\n"
+    for lamp in lamps:
+        lamp.terminate()
+        lamp.wait()
+
+
+def test_the_home_runs_over_two_hosts(fleet: Shell, hosts: list[FarHost]) -> None:
+    home = ROOT / "examples" / "home"
+    shutil.copytree(home, hosts[0].folder_of("/root") / "home")
+    files = fleet.folder / "files"
+    files.mkdir()
+    text = (home / "butler.ttl").read_text()
+    for name in ("robots/r1", "home/lights"):
+        text = text.replace(f'"{name}', f'"/robot1/{name}')
+    (files / "butler.ttl").write_text(text)
+    given = {"there": "robot1", "here": HERE, "files": str(files), "home": str(home / "home.json")}
+    values = " ".join(f"--set {key}={value}" for key, value in given.items())
+    profile = f"{values} {home / 'system.yaml'}"
+    fleet.environment["RTKIT_MODULE_PATH"] = str(home.parent)
+    assert fleet.run(f"rtapply {profile}", timeout_s=60).status == 0
+    state = lambda: fleet.run("rtget --raw home/butler.state").out.strip()  # noqa: E731
+    until(lambda: state() in ("end", "stuck"), "the machine ends")
+    assert state() == "end", fleet.ok("rtget home/butler.log")
+    assert fleet.ok("rtget /robot1/home/lights/kitchen.on") == "true\n"
+    assert (files / "ball.png").read_bytes().startswith(b"\x89PNG")
+    assert fleet.run(f"rtcheck {profile}").status == 0
+    assert fleet.run(f"rtteardown --exit {profile}", timeout_s=60).status == 0
+
+
+def test_a_swarm_over_three_hosts_is_led_as_one_robot(swarm: Shell) -> None:
+    def place(name: str) -> tuple[float, ...]:
+        return tuple(map(float, swarm.ok(f"rtget {name}.location").strip(" ()\n").split()))
+
+    before = place("swarm")
+
+    def ahead() -> bool:
+        swarm.ok("rtset swarm.velocity '(0.4 0 0 0 0 0)'")
+        return place("swarm")[0] > before[0] + 0.2
+
+    until(ahead, "all have gone ahead")
+    swarm.ok("rtset swarm.velocity '(0 0 0 0 0 0)'")
+    each = [place(f"swarm.robots.r{number}") for number in (1, 2, 3)]
+    assert all(x > 2.0 * number for number, (x, *_) in enumerate(each))
+    x, y = place("swarm")[:2]
+    swarm.ok(f"rtset swarm.behaviors.moveto '<marker><location>({x} {y + 0.5} 0)</location>"
+             "<frame>world</frame></marker>'")  # fmt: skip
+    until(lambda: 'state="done"' in swarm.ok("rtget swarm.behaviors.moveto"), "all are there")
+
+
+def test_a_host_that_is_cut_off_is_named_and_the_others_go_on(
+    swarm: Shell, healed: Shell, hosts: list[FarHost]
+) -> None:
+    hosts[2].link("down")
+    until(lambda: swarm.run("rtls /robot3").status == 1, "the link is lost")
+    before = swarm.ok("rtget swarm.robots.r1.location")
+
+    def turned() -> bool:
+        refused = swarm.run("rtset swarm.velocity '(0 0 0 0 0 0.2)'")
+        assert refused.status == 1
+        assert "1 of 3 failed: r3: no-service: host robot3 cannot be reached: " in refused.err
+        return swarm.ok("rtget swarm.robots.r1.location") != before
+
+    until(turned, "another one turns")
+    hosts[2].link("up")
+    until(lambda: swarm.run("rtset swarm.velocity '(0 0 0 0 0 0)'").status == 0, "it is back")
+
+
+def test_a_search_finds_what_is_there_and_tells_which_host_is_silent(
+    swarm: Shell, healed: Shell, hosts: list[FarHost]
+) -> None:
+    service(swarm, "localhost", "Resource", "resource", service="resource", watch="robots/*")
+    found = lambda query: swarm.ok(f"rtget 'resource.search?{query}'").strip()  # noqa: E731
+    robots = " ".join(f"/{host}/robots/r{number + 1}" for number, host in enumerate(NAMES))
+    until(lambda: found("type=mobilerobot") == f"({robots})", "all are found")
+    assert found("near=(0 2 9)") == f"({robots})"
+    assert swarm.ok("rtget resource.unanswered") == "()\n"
+    assert 'protocol="zenoh">/robot2/robots/r2<' in swarm.ok("rtget resource.robot2.robots.r2")
+    hosts[1].link("down")
+    until(lambda: '/robot2" ' in found_unanswered(swarm), "the host is named")
+    rest = f"({robots})".replace(" /robot2/robots/r2", "")
+    until(lambda: found("near=(0 2 9)") == rest, "the others are found")
+    failed = found("near=(0 2 9)&failed=1")
+    assert '<failed code="no-service">/robot2</failed>' in failed
+    hosts[1].link("up")
+    until(lambda: found("near=(0 2 9)") == f"({robots})", "it is found again")
+    assert swarm.ok("rtget resource.unanswered") == "()\n"
+
+
+def found_unanswered(shell: Shell) -> str:
+    shell.ok("rtget 'resource.search?near=(0 2 9)'")
+    return shell.ok("rtget resource.unanswered")
