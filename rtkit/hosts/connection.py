@@ -30,9 +30,12 @@ if TYPE_CHECKING:
 
 logging.getLogger("paramiko").setLevel(logging.CRITICAL)  # its errors are raised here, too
 TIMEOUT_S = 10.0
+_THIN_LINEAR_TIMEOUTS = 16
+"""Option of Linux for streams of little data."""
 _PING_S = 0.5
-_SILENT_S = 1.5
-"""How often the far side is asked whether it is there, and how long it may be silent [s]."""
+_SILENT_S, _SILENT_ROUNDS, _LONGEST_ROUND_S = 1.5, 8, 0.5
+"""How often the far side is asked whether it is there, and how long it may be silent [s], besides
+so many round trips: what a slow network loses comes later than what a quick one does."""
 
 
 class HostConnection(Closing):
@@ -40,12 +43,19 @@ class HostConnection(Closing):
 
     Attributes:
         host: Where it leads.
+        longest_silence_s: How long the far side may be silent until it is given up [s].
     """
 
     def __init__(
-        self, host: Host, transport: paramiko.Transport, through: HostConnection | None
+        self,
+        host: Host,
+        transport: paramiko.Transport,
+        through: HostConnection | None,
+        round_trip_s: float,
     ) -> None:
         self.host = host
+        round_s = min(round_trip_s, _LONGEST_ROUND_S)
+        self.longest_silence_s = _SILENT_S + _SILENT_ROUNDS * round_s
         self._transport = transport
         self._through = through
 
@@ -98,6 +108,7 @@ class HostConnection(Closing):
 
         Who was heard otherwise meanwhile is there, and may answer late.
         """
+        most_s = self.longest_silence_s
         while True:
             answered = threading.Event()
 
@@ -107,9 +118,9 @@ class HostConnection(Closing):
                     answered.set()
 
             start_thread(ask, "ping")
-            while not answered.wait(_SILENT_S):
-                if silence_s() > _SILENT_S:
-                    return f"no answer in {_SILENT_S:g} s"
+            while not answered.wait(most_s):
+                if silence_s() > most_s:
+                    return f"no answer in {most_s:.2g} s"
             if not self._transport.is_active():
                 return "the connection has ended"
             threading.Event().wait(_PING_S)
@@ -148,8 +159,11 @@ def _shake_hands(host: Host, way: SshRoute, deadline: float) -> HostConnection:
     known = KnownKeys(way)
     through = _connect(host, way.through, deadline) if way.through is not None else None
     with _explained(host, way, through):
-        transport = paramiko.Transport(_socket(through, way, _left_s(deadline)))
-    connection = HostConnection(host, transport, through)
+        began = time.monotonic()
+        end = _socket(through, way, _left_s(deadline))
+        round_trip_s = time.monotonic() - began  # of the first packet, and of its answer
+        transport = paramiko.Transport(end)
+    connection = HostConnection(host, transport, through, round_trip_s)
     with _explained(host, way, connection):
         options = transport.get_security_options()
         options.key_types = known.preferred(options.key_types)
@@ -173,6 +187,8 @@ def _socket(
         )
     found = _PromptSocket(fileno=socket.create_connection(place, timeout_s).detach())
     found.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+    with suppress(OSError):  # what is lost is sent again at even intervals, not ever later
+        found.setsockopt(socket.IPPROTO_TCP, _THIN_LINEAR_TIMEOUTS, 1)
     return found
 
 

@@ -42,7 +42,8 @@ _AWAY_PART = 1 / 60
 """What part of the time that a host has been away may pass until it is looked for again."""
 _KNOCK_S = 1.0
 _CLOSE_S = 0.5
-_LEASE_MS = 1500
+_MORE_S = 1.0
+"""How much longer the far router bears silence than the process of the link, which says why [s]."""
 _CHUNK = 1 << 16
 _EVER_S = 1e6
 _READY_S, _MOST = 10.0, 1 << 16
@@ -141,7 +142,8 @@ def _join(host: Host, manager: str, stack: ExitStack) -> Callable[[], str]:
         over.set()
 
     start_thread(lambda: splice(listener, counted, note), "tunnel")
-    session = _open(host, places.manager_socket(manager), path)
+    lease_ms = int(1000 * (connection.longest_silence_s + _MORE_S))
+    session = _open(host, places.manager_socket(manager), path, lease_ms)
     # Zenoh may take 10 s where a neighbour is silent; the next link need not wait for that.
     stack.callback(lambda: start_thread(session.close, "closing").join(_CLOSE_S))
     # Routers tell each other of what they serve some time after they were joined.
@@ -220,17 +222,17 @@ def splice(
         with end:
             start_thread(lambda: outward(end), "outward")
             pump(lambda: channel.recv(_CHUNK), end.sendall)
-    note("the manager there has ended, or the relay to it")
+    note("the manager there has hung up: it has ended, or heard nothing in time")
 
 
-def _open(host: Host, near: str, tunnel: str) -> zenoh.Session:
+def _open(host: Host, near: str, tunnel: str, lease_ms: int) -> zenoh.Session:
     """Open the router in between.
 
     Raises:
         Unreachable: One of both does not answer.
     """
     ends = (unix_endpoint(near), unix_endpoint(tunnel))
-    return open_between(ends, rules(ask_router_id(ends[0]), host.name), _LEASE_MS)
+    return open_between(ends, rules(ask_router_id(ends[0]), host.name), lease_ms)
 
 
 def rules(near_id: str, host: str) -> str:

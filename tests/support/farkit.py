@@ -16,6 +16,7 @@ from contextlib import contextmanager, suppress
 from functools import cache
 from pathlib import Path
 
+from lossykit import LossyLink
 from waiting import until
 
 _numbers = itertools.count()
@@ -43,9 +44,12 @@ class FarHost:
         name: Its host name.
         address: Where its sshd listens.
         folder: Of the test: keys, and what sshd says.
+        wire: Its network link, if that is to lose packets.
     """
 
-    def __init__(self, name: str, folder: Path, room: str = "600m") -> None:
+    def __init__(
+        self, name: str, folder: Path, room: str = "600m", *, is_lossy: bool = False
+    ) -> None:
         number = next(_numbers)
         low = 4 * (number % 63) + 1
         net = f"10.{200 + os.getpid() // 250 % 50}.{os.getpid() % 250}"
@@ -56,6 +60,8 @@ class FarHost:
         self._log = (folder / f"{name}.sshd").open("wb")
         self._sshd: subprocess.Popen[bytes] | None = None
         self._room = room
+        self._is_lossy = is_lossy
+        self.wire: LossyLink | None = None
 
     @property
     def key(self) -> Path:
@@ -69,7 +75,10 @@ class FarHost:
                 _run("ssh-keygen", "-q", "-t", "ed25519", "-N", "", "-f", str(self.folder / name))
         near, far = self._ends
         _run("ip", "netns", "add", self._space)
-        _run("ip", "link", "add", near, "type", "veth", "peer", "name", far)
+        if self._is_lossy:
+            self.wire = LossyLink(self._ends)
+        else:
+            _run("ip", "link", "add", near, "type", "veth", "peer", "name", far)
         _run("ip", "link", "set", far, "netns", self._space)
         _run("ip", "addr", "add", f"{self.near}/30", "dev", near)
         _run("ip", "link", "set", near, "up")
@@ -161,6 +170,8 @@ class FarHost:
     def close(self) -> None:
         """Have it no longer."""
         self.power_off()
+        if self.wire is not None:
+            self.wire.close()
         with suppress(subprocess.CalledProcessError):
             _run("ip", "link", "del", self._ends[0])
         with suppress(subprocess.CalledProcessError):
@@ -169,9 +180,9 @@ class FarHost:
 
 
 @contextmanager
-def far_hosts(folder: Path, *names: str) -> Iterator[list[FarHost]]:
-    """Have hosts of these names."""
-    hosts = [FarHost(name, folder) for name in names]
+def far_hosts(folder: Path, *names: str, is_lossy: bool = False) -> Iterator[list[FarHost]]:
+    """Have hosts of these names; with a `wire` each that may lose packets."""
+    hosts = [FarHost(name, folder, is_lossy=is_lossy) for name in names]
     try:
         for host in hosts:
             host.open()

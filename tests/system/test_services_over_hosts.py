@@ -14,7 +14,10 @@ from forked import Commands
 from shells import ROOT, Shell
 from waiting import until
 
-pytestmark = pytest.mark.skipif(bool(farkit.missing()), reason=farkit.missing())
+pytestmark = [
+    pytest.mark.skipif(bool(farkit.missing()), reason=farkit.missing()),
+    pytest.mark.timeout(180),  # three bare hosts are made ready first
+]
 HERE = os.uname().nodename
 NAMES = ("robot1", "robot2", "robot3")
 BIN = "/root/.local/share/rtkit/current/bin"
