@@ -24,6 +24,7 @@ GROUPS = (
     "many",
     "slaves",
     "managers",
+    "hosts",
     "ports",
     "rates",
     "data",
@@ -74,7 +75,7 @@ def main(arguments: list[str]) -> int:
             f"\nThe machine was at work before (load {others:.1f}, {os.cpu_count()} processors):"
             " believe ratios, not times."
         )
-    print(table3.pivot(rows), end="")
+    print(table3.pivots(rows), end="")
     return 0
 
 

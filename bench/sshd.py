@@ -25,15 +25,15 @@ class NoServer(Exception):
 
 
 class Login:
-    """How to log in at the server."""
+    """How to log in at the server: the `line` of the client, which the command follows."""
 
     def __init__(self, line: list[str]) -> None:
-        self._line = line
+        self.line = line
 
     def script(self, text: str) -> None:
         """Log in once and have a shell do a script."""
         subprocess.run(
-            [*self._line, "-T", "sh -es"],
+            [*self.line, "-T", "sh -es"],
             input=text.encode(),
             stdout=subprocess.DEVNULL,
             check=True,
@@ -45,7 +45,7 @@ class Login:
         with contextlib.ExitStack() as stack:
             stack.callback(os.close, ours)
             shell = subprocess.Popen(
-                [*self._line, "-tt"], stdin=theirs, stdout=theirs, stderr=theirs
+                [*self.line, "-tt"], stdin=theirs, stdout=theirs, stderr=theirs
             )
             os.close(theirs)
             stack.callback(shell.wait)

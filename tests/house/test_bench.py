@@ -55,6 +55,7 @@ def test_table_3_has_a_place_for_each_of_its_rows() -> None:
         "rtmgr, one command",
         "ssh, by hand",
         "ssh, by script",
+        "ssh, by script, a login each",
     ]
     assert lines[4].split()[-1] == "21"
     assert lines[5].count("not measured") == 4
