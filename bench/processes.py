@@ -38,14 +38,14 @@ def processor_s(pids: Iterable[int]) -> float:
 
 
 @contextmanager
-def own_group() -> Iterator[Callable[[], float]]:
+def own_group(name: str) -> Iterator[Callable[[], float]]:
     """Be in a control group of its own; yield what returns the processor time of all in it [s].
 
     So whoever else is at work on the machine does not count.
     """
     old = os.path.isdir("/sys/fs/cgroup/cpuacct")
     top = "/sys/fs/cgroup/cpuacct" if old else "/sys/fs/cgroup"
-    folder = os.path.join(top, f"rtbench{os.getpid()}")
+    folder = os.path.join(top, f"rtbench{os.getpid()}{name}")
     os.mkdir(folder)
 
     def move(to: str) -> None:
@@ -53,8 +53,8 @@ def own_group() -> Iterator[Callable[[], float]]:
             file.write(str(os.getpid()))
 
     def spent_s() -> float:
-        name = "cpuacct.usage" if old else "cpu.stat"
-        with open(os.path.join(folder, name), encoding="ascii") as file:
+        counter = "cpuacct.usage" if old else "cpu.stat"
+        with open(os.path.join(folder, counter), encoding="ascii") as file:
             text = file.read()
         return int(text) / 1e9 if old else int(text.split()[1]) / 1e6
 

@@ -183,7 +183,7 @@ def _is_old(found: _Found) -> bool:
 
 def _ask(connection: HostConnection, word: str) -> _Found:
     host = connection.host
-    command = [*provisioned.python(connection), "-m", "rtkit.hosts.far_manager", word, host.manager]
+    command = [*far_program.python(connection), "-m", "rtkit.hosts.far_manager", word, host.manager]
     try:
         found = decode_text(_Found, far_program.ask(connection, command, timeout_s=_FAR_S))
     except (Malformed, Refused) as error:

@@ -15,13 +15,12 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from typing import TYPE_CHECKING
 
-import paramiko
-
 from rtkit.closing import Closing
 from rtkit.errors import RtkitError, Unreachable
 from rtkit.hosts.host import Host
 from rtkit.hosts.known_hosts import KnownKeys
 from rtkit.hosts.ssh_config import SshRoute, way_to
+from rtkit.hosts.ssh_library import paramiko
 from rtkit.hosts.ssh_login import log_in
 from rtkit.link.threads import start_thread
 

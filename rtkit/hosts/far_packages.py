@@ -11,7 +11,7 @@ from collections.abc import Mapping, Sequence
 from typing import BinaryIO
 
 from rtkit.errors import Malformed, Refused
-from rtkit.hosts import far_program, provisioned
+from rtkit.hosts import far_program
 from rtkit.hosts.connection import HostConnection
 from rtkit.hosts.far_packager import PackageAnswer
 from rtkit.packages import bundle
@@ -76,7 +76,7 @@ def remove(connection: HostConnection, names: Sequence[str], *, is_forced: bool)
 
 def _ask(connection: HostConnection, data: BinaryIO, *words: str) -> PackageAnswer:
     name = connection.host.name
-    command = [*provisioned.python(connection), "-m", "rtkit.hosts.far_packager", *words]
+    command = [*far_program.python(connection), "-m", "rtkit.hosts.far_packager", *words]
     try:
         text = far_program.ask(connection, command, data, timeout_s=_FAR_S)
         found = decode_text(PackageAnswer, text)

@@ -23,8 +23,16 @@ _PIECE = 1 << 18
 """How much of a file is held to be sent [bytes]."""
 _TIMES = 10
 """How many times the time for one piece all of it may take."""
+_CURRENT = ".local/share/rtkit/current"
 LineReader = Callable[[str], object]
 """Takes a line that a program there writes before its answer."""
+
+
+def python(connection: HostConnection) -> list[str]:
+    """Return the words that run the Python of the rtkit of a host, with its name in the tree."""
+    # A shell expands no ~ in words: what is run there begins in the user's home.
+    name = f"RTKIT_HOSTNAME={connection.host.name}"
+    return ["env", name, f"{_CURRENT}/bin/python", "-P"]
 
 
 def ask(

@@ -5,8 +5,6 @@ from __future__ import annotations
 import re
 from typing import TYPE_CHECKING
 
-from packaging.utils import canonicalize_name
-
 from rtkit.errors import Malformed, Refused
 from rtkit.fast_dataclass import Record
 from rtkit.hosts import far_program
@@ -59,6 +57,8 @@ class FarSide(Record):
     @property
     def target(self) -> WheelTarget:
         """Target that packages are chosen for: its kind, and what its rtkit brings along."""
+        from packaging.utils import canonicalize_name
+
         pairs = (found for each in self.distributions if (found := _DISTRIBUTION.fullmatch(each)))
         return WheelTarget(self.kind, {canonicalize_name(found[1]): found[2] for found in pairs})
 

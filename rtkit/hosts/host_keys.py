@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import os
 
-import paramiko
-
 from rtkit.errors import Refused
 from rtkit.hosts.connection import shake_hands
 from rtkit.hosts.host import Host
 from rtkit.hosts.known_hosts import UnknownKey, fingerprint
 from rtkit.hosts.ssh_config import SshRoute, way_to
+from rtkit.hosts.ssh_library import paramiko
 from rtkit.link import places
 
 

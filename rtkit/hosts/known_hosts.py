@@ -9,11 +9,10 @@ import hashlib
 from collections.abc import Sequence
 from typing import NamedTuple
 
-import paramiko
-
 from rtkit.errors import Malformed, NotFound, Refused
 from rtkit.hosts.host import Host
 from rtkit.hosts.ssh_config import SshRoute
+from rtkit.hosts.ssh_library import paramiko
 from rtkit.settings.reading import read_private
 
 _RSA = ("rsa-sha2-512", "rsa-sha2-256")

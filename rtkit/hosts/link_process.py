@@ -20,7 +20,7 @@ from contextlib import ExitStack, suppress
 from typing import TYPE_CHECKING
 
 from rtkit.errors import Refused, RtkitError, Unreachable
-from rtkit.hosts import provisioned
+from rtkit.hosts import far_program
 from rtkit.hosts.connection import HostConnection, connect
 from rtkit.hosts.host import Host
 from rtkit.hosts.relay import READY, pump
@@ -164,7 +164,7 @@ def open_relay(connection: HostConnection, host: Host) -> Channel:
     Raises:
         Unreachable: It is not; tells why.
     """
-    python = provisioned.python(connection)
+    python = far_program.python(connection)
     channel = connection.open([*python, "-m", "rtkit.hosts.relay", host.manager])
     until = time.monotonic() + _READY_S
     text, ready = bytearray(), f"{READY}\n".encode()

@@ -23,7 +23,6 @@ from rtkit.hosts.progress import HostStep, Progress, unshown
 from rtkit.hosts.wheels import WheelSet
 from rtkit.rtc.serde import decode_text
 
-_CURRENT = ".local/share/rtkit/current"
 _SILENT_S = 60.0
 """For how long nothing may come from a host while rtkit is made there [s]."""
 _CHUNK = 1 << 15
@@ -53,13 +52,6 @@ class _Installed(Record):
     lacking: dict[str, int]
     made: bool
     removed: tuple[str, ...]
-
-
-def python(connection: HostConnection) -> list[str]:
-    """Return the words that run the Python of the rtkit of a host, with its name in the tree."""
-    host = connection.host
-    # A shell expands no ~ in words: what is run there begins in the user's home.
-    return ["env", f"RTKIT_HOSTNAME={host.name}", f"{_CURRENT}/bin/python", "-P"]
 
 
 def provision(
@@ -151,7 +143,7 @@ def _send(
         Unreachable: It was broken off.
         Refused: They cannot be written there.
     """
-    import paramiko
+    from rtkit.hosts.ssh_library import paramiko
 
     name, at = connection.host.name, 0
     total = sum(os.path.getsize(chosen.files[each]) for each in there)

@@ -5,10 +5,9 @@ from __future__ import annotations
 import re
 from typing import TYPE_CHECKING
 
-import paramiko
-
 from rtkit.errors import Unreachable
 from rtkit.hosts.connection import HostConnection
+from rtkit.hosts.ssh_library import paramiko
 
 if TYPE_CHECKING:
     from paramiko.channel import Channel

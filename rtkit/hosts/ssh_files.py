@@ -11,9 +11,8 @@ import os
 import re
 import shlex
 
-import paramiko
-
 from rtkit.errors import Malformed, NotFound
+from rtkit.hosts.ssh_library import paramiko
 from rtkit.settings.reading import read_private
 
 HONOURED = (

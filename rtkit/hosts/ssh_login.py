@@ -9,11 +9,9 @@ import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 
-import paramiko
-from paramiko.agent import AgentSSH
-
 from rtkit.errors import Refused
 from rtkit.hosts.ssh_config import SshRoute
+from rtkit.hosts.ssh_library import paramiko
 from rtkit.link import unix
 
 _USUAL = ("id_ed25519", "id_ecdsa", "id_rsa")
@@ -108,7 +106,7 @@ def _why(way: SshRoute, tried: list[str], notes: list[str]) -> str:
     return f"{text}; have one be known there: {'' if tried else 'ssh-keygen; '}{copy}"
 
 
-class _Keys(AgentSSH):
+class _Keys(paramiko.agent.AgentSSH):
     """Keys to try, in order, each with a name: what costs the user nothing comes first."""
 
     def __init__(self, way: SshRoute) -> None:

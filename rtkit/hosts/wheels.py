@@ -18,8 +18,6 @@ import zipfile
 from functools import lru_cache
 from typing import NamedTuple
 
-from packaging.utils import parse_wheel_filename
-
 from rtkit.errors import NotFound, Refused, Unreachable
 from rtkit.link.places import check_trusted
 from rtkit.packages.tools import pip
@@ -53,6 +51,8 @@ class WheelSet(NamedTuple):
     @property
     def versions(self) -> dict[str, str]:
         """Version of each, by canonical name."""
+        from packaging.utils import parse_wheel_filename
+
         return {name: str(version) for name, version, *_ in map(parse_wheel_filename, self.files)}
 
 

@@ -7,9 +7,6 @@ import zipfile
 from collections.abc import Iterable, Mapping
 from typing import NamedTuple
 
-from packaging.tags import compatible_tags, cpython_tags
-from packaging.utils import parse_wheel_filename
-
 _NEWEST_GLIBC, _OLDEST_GLIBC = 45, 17
 
 
@@ -46,6 +43,9 @@ class WheelKind(NamedTuple):
 
     def fits(self, files: Iterable[str]) -> bool:
         """Return whether all of these wheels do for this kind of host."""
+        from packaging.tags import compatible_tags, cpython_tags
+        from packaging.utils import parse_wheel_filename
+
         digits = f"cp{self.python.replace('.', '')}"
         version = tuple(map(int, self.python.split(".")))
         tags = {

@@ -101,7 +101,7 @@ def test_a_shell_that_writes_lines_of_its_own_is_no_obstacle(far: FarHost) -> No
     far.run("sh", "-c", "echo 'printf \"\\033[1mWelcome, {you}\"; echo mind >&2' > /root/.bashrc")
     with connect(Host("bare", far.address, "root"), 10.0) as connection:
         made = _make(connection)
-        command = [*provisioned.python(connection), "-m", "rtkit.hosts.far_manager"]
+        command = [*far_program.python(connection), "-m", "rtkit.hosts.far_manager"]
         text = far_program.ask(connection, [*command, "start", "manager"], timeout_s=20.0)
         found = json.loads(text)
         assert (found["host"], found["was_running"]) == ("bare", False)

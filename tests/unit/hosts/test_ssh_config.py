@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -139,3 +141,13 @@ def test_a_file_that_others_may_write_is_refused(home: Path) -> None:
     file.chmod(0o666)
     with pytest.raises(Refused):
         _way("User x\n")
+
+
+def test_the_library_of_ssh_leaves_out_what_is_never_run() -> None:
+    program = (
+        "import sys; import rtkit.hosts.connection; idle = {'invoke', 'asyncio', 'unittest'};"
+        "print(*idle & {*sys.modules}); import invoke; import paramiko;"
+        "print(paramiko.config.invoke)"
+    )
+    told = subprocess.check_output([sys.executable, "-c", program], text=True)
+    assert told == "\nNone\n"
