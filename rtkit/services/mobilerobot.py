@@ -14,7 +14,7 @@ from rtkit.services.behaviors import MoveTo, behaviors_of, loaded
 from rtkit.services.chassis import Chassis, Wheels
 from rtkit.services.frames import ORIGIN, Frames, plain, transform
 from rtkit.services.mounted import Eye, Laser, SimulatedCamera
-from rtkit.services.sensor import Pose6
+from rtkit.services.sensor import MIDDLE, Pose6
 
 _NAME = re.compile(r"(?!(?:properties|parameters|gui|listen|meta|history)$)[\w+~-]+", re.ASCII)
 """Names that a part may bear: those of properties that end in none of the reserved words."""
@@ -68,7 +68,7 @@ class MobileRobot(Asking):
         self.actuators: dict[str, Any] = chassis.actuators(frames)
         head = (0.1, 0.0, chassis.dimensions[2], 0.0, 0.0, 0.0)
         self.sensors: dict[str, Any] = {
-            "laser": Laser(chassis, frames, ORIGIN, noise, seed),
+            "laser": Laser(chassis, frames, MIDDLE, noise, seed),
             "eye": Eye(chassis, frames, head, noise, seed),
             "camera": SimulatedCamera(chassis, frames, head),
         }

@@ -10,62 +10,60 @@ from typing import Annotated, Final, Literal
 import rtkit
 from rtkit.services import images
 from rtkit.services.chassis import Chassis
-from rtkit.services.frames import Frames, Pose, compose, inverse, plain, transform
+from rtkit.services.frames import Frames, compose, inverse, plain, transform
+from rtkit.services.ranging import HALF_CIRCLE, hits
+from rtkit.services.sensor import MIDDLE, Pose6, Sensor
 
 Metres = rtkit.Unit("m")
 
 
-class _Mounted:
+class _Mounted(Sensor):
     """Sensor at a place of the base."""
 
-    type: Final[tuple[rtkit.Word, ...]] = (rtkit.Word("sensor"),)
-
     def __init__(
-        self, chassis: Chassis, frames: Frames, at: Pose, noise: float = 0.0, seed: int = 0
+        self, chassis: Chassis, frames: Frames, at: Pose6, noise: float = 0.0, seed: int = 0
     ) -> None:
-        self._chassis, self._frames, self._at = chassis, frames, at
-        self._noise = noise
+        super().__init__(at, frames=frames)
+        self._chassis, self._noise = chassis, noise
         self._random = random.Random(f"{seed} {type(self).__name__}")
-
-    def get_location(
-        self, frame: str = "base"
-    ) -> Annotated[tuple[float, ...], Metres, rtkit.Concurrent()]:
-        """Place where it is mounted: x y z a b c."""
-        return self._frames.convert(self._at, "base", frame)
-
-    def _place(self) -> Pose:
-        """Return where it is in the world."""
-        return self._frames.convert(self._at, "base", "world")
 
 
 class Laser(_Mounted):
     """181 rays from the right to the left, to 4 m."""
 
-    range: Final[Annotated[tuple[float, float], Metres]] = (0.0, 4.0)
-    unit: Final = "m"
+    type: Final[tuple[str, ...]] = ("laser", "sensor")  # type: ignore[misc]
+    range: Final[Annotated[tuple[float, float], Metres]] = (0.0, 4.0)  # type: ignore[misc]
+    unit: Final = "m"  # type: ignore[misc]
 
     def get_ranges(self) -> Annotated[tuple[float, ...], Metres]:
         """The way that is free along each ray."""
-        found = self._chassis.ranges(self.range[1])
+        x, y, *_, heading = self.get_location("world")
+        found = self._chassis.world.get_ranges(at=(x, y, heading), reach=self.range[1])
         if not self._noise:
-            return found
+            return tuple(found)
         return tuple(max(0.0, each + self._random.gauss(0.0, self._noise)) for each in found)
 
     get_data = get_ranges
+
+    def _found(self) -> list[rtkit.Marker]:
+        """See `Sensor`: a marker where each ray hits something."""
+        return hits(HALF_CIRCLE, self.get_ranges(), self.range[1])
 
 
 class Eye(_Mounted):
     """Sees objects ahead of it, within 1.2 rad and 5 m, unless a wall hides them."""
 
-    range: Final[Annotated[tuple[float, float], Metres]] = (0.0, 5.0)
+    type: Final[tuple[str, ...]] = ("eye", "sensor")  # type: ignore[misc]
+    range: Final[Annotated[tuple[float, float], Metres]] = (0.0, 5.0)  # type: ignore[misc]
+    unit: Final = "m"  # type: ignore[misc]
 
     def get_markers(self, frame: str = "base") -> list[rtkit.Marker]:
         """Objects that it sees; the further off, the less sure."""
-        place = self._place()
+        place = self.get_location("world")
         seen = self._chassis.world.get_seen(at=(place[0], place[1], place[5]), reach=self.range[1])
         # Both are taken from one pose: the robot moves meanwhile.
         to_frame = (
-            compose(inverse(self._frames.pose(frame)), place) if frame != "base" else self._at
+            compose(inverse(self._frames.pose(frame)), place) if frame != "base" else self._location
         )
         found = []
         for each in seen:
@@ -88,6 +86,8 @@ class Eye(_Mounted):
 class SimulatedCamera(_Mounted):
     """Pictures of the world as it stands when they are asked for."""
 
+    type: Final[tuple[str, ...]] = ("camera", "sensor")  # type: ignore[misc]
+
     def get_image(
         self,
         width: int = 320,
@@ -96,9 +96,17 @@ class SimulatedCamera(_Mounted):
         format: Literal["png", "jpeg"] = "png",
     ) -> bytes:
         """Picture; JPEG takes the extra ``vision``."""
-        x, y, z, _, _, heading = self._place()
+        x, y, z, _, _, heading = self.get_location("world")
         at = (x, y, z, heading)
         found = self._chassis.world.get_image(at=at, width=width, height=height, field=field)
         if format == "jpeg":
             found = images.encode(images.decode(found), format)
         return bytes(found)
+
+    def get_data(self) -> bytes:
+        """The picture."""
+        return self.get_image()
+
+    def _found(self) -> list[rtkit.Marker]:
+        """See `Sensor`: where the camera is."""
+        return [rtkit.Marker(MIDDLE, type="camera")]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from typing import TYPE_CHECKING, Annotated, Final
 
 import rtkit
@@ -13,7 +13,7 @@ from rtkit.services.sensor import MIDDLE, Pose6, Sensor
 if TYPE_CHECKING:
     from rtkit.world import Noise, Scene
 
-_HALF_CIRCLE = tuple(math.radians(each) for each in range(-90, 91))
+HALF_CIRCLE = tuple(math.radians(each) for each in range(-90, 91))
 
 
 class RangeFinder(Sensor):
@@ -39,7 +39,7 @@ class RangeFinder(Sensor):
         self,
         scene: Scene,
         pose: Callable[[], Sequence[float]],
-        bearings: Sequence[float] = _HALF_CIRCLE,
+        bearings: Sequence[float] = HALF_CIRCLE,
         reach: float = 4.0,
         noise: Noise | None = None,
         rate: float = 10.0,
@@ -70,9 +70,13 @@ class RangeFinder(Sensor):
 
     def _found(self) -> list[rtkit.Marker]:
         """See `Sensor`: a marker where each ray hits something."""
-        hits = [each for each in zip(self.bearings, self.get_ranges(), strict=True)
-                if each[1] < self.range[1]]  # fmt: skip
-        return [
-            rtkit.Marker((far * math.cos(bearing), far * math.sin(bearing), 0.0), type="obstacle")
-            for bearing, far in hits
-        ]
+        return hits(self.bearings, self.get_ranges(), self.range[1])
+
+
+def hits(bearings: Iterable[float], ranges: Iterable[float], reach: float) -> list[rtkit.Marker]:
+    """Return a marker where each ray hits something, in the frame of the sensor [rad, m]."""
+    return [
+        rtkit.Marker((far * math.cos(bearing), far * math.sin(bearing), 0.0), type="obstacle")
+        for bearing, far in zip(bearings, ranges, strict=True)
+        if far < reach
+    ]

@@ -233,7 +233,7 @@ class BlobMethod(Method):
     """
 
     forms: Final[tuple[Form, ...]] = ("markers", "image")  # type: ignore[misc]
-    colors: tuple[str, ...] = tuple(vision_methods.HUES)
+    colors: tuple[vision_methods.Color, ...] = tuple(vision_methods.HUES)
     least: Annotated[float, rtkit.Range(1)] = 50.0
     diameter: Annotated[float, rtkit.Unit("m"), rtkit.Range(0)] = 0.0
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 import rtkit
 from rtkit.services.frames import angles_of
@@ -19,7 +19,8 @@ if TYPE_CHECKING:
     Segments = NDArray[np.float64]
     """A row ``x1 y1 x2 y2`` for each [pixels]; the first pixel has its middle at 0."""
 
-HUES: Mapping[str, tuple[int, int]] = {
+Color = Literal["red", "orange", "yellow", "green", "cyan", "blue", "purple", "pink"]
+HUES: Mapping[Color, tuple[int, int]] = {
     "red": (170, 10), "orange": (11, 22), "yellow": (23, 34), "green": (35, 85),
     "cyan": (86, 97), "blue": (98, 130), "purple": (131, 150), "pink": (151, 169),
 }  # fmt: skip
@@ -106,16 +107,13 @@ class Blob(NamedTuple):
     outline: Any
 
 
-def blobs(picture: Picture, colors: tuple[str, ...], least: float) -> list[Blob]:
+def blobs(picture: Picture, colors: tuple[Color, ...], least: float) -> list[Blob]:
     """Return the areas of some colours, the largest of each colour first.
 
     Args:
         picture: Where they are looked for.
         colors: Names, of `HUES`.
         least: Area of the smallest one [pixels].
-
-    Raises:
-        PropertyError: ``bad-value``: a colour has no such name.
     """
     cv2 = opencv()
     import numpy as np
@@ -123,10 +121,6 @@ def blobs(picture: Picture, colors: tuple[str, ...], least: float) -> list[Blob]
     hsv = cv2.cvtColor(cv2.GaussianBlur(picture, (0, 0), 1.2), cv2.COLOR_BGR2HSV)
     found = []
     for color in colors:
-        if color not in HUES:
-            raise rtkit.PropertyError(
-                "bad-value", f"no colour: {color} (there is {' '.join(HUES)})"
-            )
         low, high = HUES[color]
         ranges = [(low, high)] if low <= high else [(low, 179), (0, high)]
         floor = (_LEAST_SATURATION, _LEAST_VALUE)

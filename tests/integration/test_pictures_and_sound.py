@@ -234,6 +234,9 @@ def test_methods_are_switched_one_by_one_and_run_together(client: rtkit.Client) 
         assert at(client) == pytest.approx(320, abs=1)
         (blob,) = client.get("vision.methods.blobs.result")
         assert blob.name == "red"
+        with pytest.raises(rtkit.PropertyError, match="crimson"):
+            client.set("vision.methods.blobs.colors", ("red", "crimson"))
+        assert len(client.get("vision.methods.blobs.colors")) == 8
         assert client.get("vision.methods.fiducials.runs") == 0
         client.set("vision.methods.blobs.active", "false")
         assert client.get("vision.markers") == ()

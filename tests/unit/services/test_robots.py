@@ -14,6 +14,7 @@ import pytest
 import rtkit
 from rtkit.errors import InvalidDocument, Malformed, Refused
 from rtkit.services import driving
+from rtkit.services.frames import transform
 from rtkit.services.legged import LeggedRobot
 from rtkit.services.mobilerobot import DifferentialRobot, MobileRobot
 from rtkit.services.world import HomeWorld
@@ -320,6 +321,32 @@ def test_sensors_agree_with_the_location_in_any_frame(home: HomeWorld, enter: Ma
     assert eye.get_location(frame="world") == pytest.approx((1, 0.1, 0.12, 0, 0, math.pi / 2))
     other._frames.add("shelf", (1.0, 1.0, 0.0))
     assert other.get_location(frame="shelf")[:2] == pytest.approx((0.0, 2.0))
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_each_sensor_of_a_robot_tells_readings_as_markers_in_any_frame(
+    home: HomeWorld, enter: Make, kind: type[MobileRobot]
+) -> None:
+    wall(home, (2, -3), (3, -3), (3, 3), (2, 3))
+    robot = enter(kind(world=home, start=(1.0, 0.0, 0.5)))
+    for sensor in robot.sensors.values():
+        assert "sensor" in sensor.type
+        assert sensor.get_data() is not None
+        place = sensor.get_location("world")
+        own, far = sensor.get_markers(), sensor.get_markers("world")
+        for one, other in zip(own, far, strict=True):
+            there = transform(robot.get_location(), one.location)
+            assert other.location == pytest.approx(there, abs=1e-8)
+        with pytest.raises(rtkit.PropertyError, match="no frame"):
+            sensor.get_markers("cellar")
+    assert far[0].location == place  # of the camera
+    laser = robot.sensors["laser"]
+    hits = [each.location for each in laser.get_markers("world")]
+    assert hits
+    assert all(x == pytest.approx(2.0, abs=1e-8) for x, _, _ in hits)
+    before = laser.get_ranges()[90]
+    laser.set_location((0.1, 0.0, 0.0, 0.0, 0.0, 0.0))
+    assert laser.get_ranges()[90] == pytest.approx(before - 0.1)
 
 
 def test_an_eye_is_the_less_sure_the_further_off(home: HomeWorld, enter: Make) -> None:

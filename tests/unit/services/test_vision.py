@@ -375,11 +375,6 @@ def test_what_is_not_there_is_told() -> None:
         with pytest.raises(rtkit.PropertyError) as refused:
             vision.methods["edges"].get_result(**wrong)
         assert refused.value.code == "bad-parameter"
-    vision.methods["blobs"].active = True
-    vision.methods["blobs"].colors = ("red", "crimson")  # type: ignore[attr-defined]
-    with pytest.raises(rtkit.PropertyError, match="no colour: crimson"):
-        vision.get_markers()
-    vision.methods["blobs"].active = False
     vision.methods["fiducials"].active = True
     vision.methods["fiducials"].dictionary = "9x9"  # type: ignore[attr-defined]
     with pytest.raises(rtkit.PropertyError, match="no dictionary"):
