@@ -11,10 +11,10 @@ import rtkit
 from rtkit.services import images
 from rtkit.services.chassis import Chassis
 from rtkit.services.frames import Frames, compose, inverse, plain, transform
-from rtkit.services.ranging import HALF_CIRCLE, hits
 from rtkit.services.sensor import MIDDLE, Pose6, Sensor
 
 Metres = rtkit.Unit("m")
+_HALF_CIRCLE = tuple(math.radians(each) for each in range(-90, 91))
 
 
 class _Mounted(Sensor):
@@ -29,11 +29,16 @@ class _Mounted(Sensor):
 
 
 class Laser(_Mounted):
-    """181 rays from the right to the left, to 4 m."""
+    """181 rays from the right to the left, to 4 m.
+
+    Attributes:
+        bearings: Of the rays, from ahead counter-clockwise [rad].
+    """
 
     type: Final[tuple[str, ...]] = ("laser", "sensor")  # type: ignore[misc]
-    range: Final[Annotated[tuple[float, float], Metres]] = (0.0, 4.0)  # type: ignore[misc]
+    range: Final[Annotated[tuple[float, ...], Metres]] = (0.0, 4.0)  # type: ignore[misc]
     unit: Final = "m"  # type: ignore[misc]
+    bearings: Final[Annotated[tuple[float, ...], rtkit.Unit("rad")]] = _HALF_CIRCLE
 
     def get_ranges(self) -> Annotated[tuple[float, ...], Metres]:
         """The way that is free along each ray."""
@@ -47,14 +52,18 @@ class Laser(_Mounted):
 
     def _found(self) -> list[rtkit.Marker]:
         """See `Sensor`: a marker where each ray hits something."""
-        return hits(HALF_CIRCLE, self.get_ranges(), self.range[1])
+        return [
+            rtkit.Marker((far * math.cos(bearing), far * math.sin(bearing), 0.0), type="obstacle")
+            for bearing, far in zip(self.bearings, self.get_ranges(), strict=True)
+            if far < self.range[1]
+        ]
 
 
 class Eye(_Mounted):
     """Sees objects ahead of it, within 1.2 rad and 5 m, unless a wall hides them."""
 
     type: Final[tuple[str, ...]] = ("eye", "sensor")  # type: ignore[misc]
-    range: Final[Annotated[tuple[float, float], Metres]] = (0.0, 5.0)  # type: ignore[misc]
+    range: Final[Annotated[tuple[float, ...], Metres]] = (0.0, 5.0)  # type: ignore[misc]
     unit: Final = "m"  # type: ignore[misc]
 
     def get_markers(self, frame: str = "base") -> list[rtkit.Marker]:

@@ -18,7 +18,9 @@ from bots import Bot
 import rtkit
 from rtkit.proxy.bridge import bridge
 from rtkit.services.camera import Camera
+from rtkit.services.chassis import Wheels
 from rtkit.services.environment import Environment
+from rtkit.services.frames import Frames
 from rtkit.services.gps import Gps
 from rtkit.services.group import Group
 from rtkit.services.gui import GuiService
@@ -27,13 +29,13 @@ from rtkit.services.joystick import Joystick, Pointer
 from rtkit.services.legged import LeggedRobot
 from rtkit.services.microphone import Microphone
 from rtkit.services.mobilerobot import DifferentialRobot
-from rtkit.services.ranging import RangeFinder
+from rtkit.services.mounted import Laser
 from rtkit.services.resource import Resource
+from rtkit.services.sensor import MIDDLE
 from rtkit.services.statemachine import StateMachine
 from rtkit.services.storage import Storage
 from rtkit.services.vision import Vision
 from rtkit.services.world import HomeWorld
-from rtkit.world import Polygon, Pose, Scene
 
 _BOUND_S = 20.0
 
@@ -149,6 +151,12 @@ def _sensor(
     )  # fmt: skip
 
 
+def _laser() -> Laser:
+    chassis = Wheels(home := HomeWorld(), "body", (0.0, 0.0, 0.0), (1.0, 1.0))
+    chassis.world = home
+    return Laser(chassis, Frames(base=lambda: MIDDLE), MIDDLE)
+
+
 def _vision(folder: Path) -> Vision:
     vision = Vision(active=("blobs",))
     vision.set_image(encode(np.zeros((8, 8, 3), np.uint8), "png"))
@@ -259,10 +267,8 @@ CONTRACTS: dict[str, Contract] = {
          "hdop": "number", "velocity": "vector[2]", "refused": "integer"},
         {"position": ("(1 2 3)", "read-only")},
     ),
-    "rangefinder": _sensor(
-        lambda folder: RangeFinder(
-            Scene([Polygon([(3, -5), (4, -5), (4, 5)])]), Pose, bearings=(0.0, 1.0)
-        ),
+    "laser": _sensor(
+        lambda folder: _laser(),
         {"data": "vector", "ranges": "vector", "bearings": "vector"},
         {"ranges": ("(1 2)", "read-only")},
     ),

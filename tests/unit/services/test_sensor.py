@@ -16,9 +16,7 @@ from rtkit.services.frames import Frames, compose, inverse, transform
 from rtkit.services.gps import Gps, NmeaReader, local
 from rtkit.services.input_events import EVENT
 from rtkit.services.joystick import Joystick, Pointer, _InputSensor
-from rtkit.services.ranging import RangeFinder
 from rtkit.services.sensor import DeviceSensor, Sensor
-from rtkit.world import Noise, Polygon, Pose, Scene
 
 coordinate = st.floats(-50, 50)
 angle = st.floats(-math.pi, math.pi)
@@ -76,26 +74,6 @@ def test_a_sensor_that_sees_no_things_is_a_marker_with_its_reading() -> None:
     (marker,) = sensor.get_markers()
     assert (marker.location, marker.type) == ((1.0, 2.0, 0.0, 0.0, 0.0, 0.0), "sensor")
     assert marker.features == {"data": 3.5}
-
-
-# range finder
-
-
-def test_ranges_and_the_places_that_are_hit() -> None:
-    scene = Scene([Polygon([(3, -5), (4, -5), (4, 5), (3, 5)])])
-    base = Pose(1.0, 0.0, math.pi / 2)
-    finder = RangeFinder(
-        scene, lambda: base, bearings=[-math.pi / 2, 0.0], reach=5.0,
-        location=(0.5, 0.0, 0.2, 0, 0, 0),
-        frames=Frames(base=lambda: (*base[:2], 0, 0, 0, base.theta)),
-    )  # fmt: skip
-    assert finder.get_data() == finder.get_ranges() == pytest.approx((2.0, 5.0))
-    (hit,) = finder.get_markers("world")
-    assert hit.location == pytest.approx((3.0, 0.5, 0.2))
-    scene.add("crate", Polygon([(0, 0), (1, 0), (1, 1), (0, 1)]), Pose(2, 0, 0))
-    assert finder.get_ranges() == pytest.approx((1.0, 5.0))
-    noisy = RangeFinder(scene, lambda: base, [-math.pi / 2], noise=Noise(0.1, 1))
-    assert 0 < abs(noisy.get_ranges()[0] - 1.0) < 0.5
 
 
 # input devices
