@@ -58,9 +58,11 @@ def compare(
 ) -> SystemReport:
     """Compare what lives with a profile; see `rtkit.Tree.check`."""
     from rtkit.api.looking import on_this_host, present_code
+    from rtkit.api.placing import settled
     from rtkit.deployment.deviations import deviations
     from rtkit.deployment.live_index import LiveIndex
 
+    document = settled(session, document, mapped)
     snapshot = looking.look(session, document.profile, dry_run=False, may_lack=True, mapped=mapped)
     system = looking.wanted_system(session, document, snapshot, mapped=mapped)
     live = LiveIndex(snapshot, system)

@@ -9,6 +9,8 @@ from rtkit.errors import RtkitError, Unreachable
 from rtkit.link.places import host_name
 from rtkit.rtc.names import MANAGER_SUFFIX, is_local_host, manager_on, split_manager
 
+NOWHERE: Mapping[str, str] = {}
+
 if TYPE_CHECKING:
     from rtkit.api.session import Session
     from rtkit.deployment.facts import Snapshot
@@ -23,7 +25,8 @@ def names_another(profile: RtsProfile) -> bool:
     return is_below or any(map(_far_manager, dict.fromkeys(map(_host_in, paths))))
 
 
-def _is_movable(component: ComponentInstance) -> bool:
+def is_movable(component: ComponentInstance) -> bool:
+    """Return whether a component is to be made elsewhere when its host is lost."""
     from rtkit.deployment.extension import MOVABLE
 
     return any(each.name == MOVABLE for each in component.properties)
@@ -55,23 +58,31 @@ class Managers:
         names: First the default manager, if any component belongs to it, or to another host, to
             which it has the link. Those of other hosts are called ``manager@robot1``.
         homes: The manager of each component.
-        fixed: The same without movable components, which are asked where they live.
+        fixed: The same without components that are movable or moving: asked where they live.
         lost: Why those cannot be asked whose host is linked, but cut off; they may live.
     """
 
-    def __init__(self, profile: RtsProfile, usual: str, mapped: Collection[str] = ()) -> None:
+    def __init__(
+        self,
+        profile: RtsProfile,
+        usual: str,
+        mapped: Collection[str] = (),
+        moving: Mapping[str, str] = NOWHERE,
+    ) -> None:
         """Find them; `usual` is the manager of components whose path names none.
 
-        Hosts that are `mapped` to another one are not asked.
+        Hosts that are `mapped` to another one are not asked. What is `moving` lives in another
+        place, ``localhost/m1.mgr`` or ``robot1``, that it is to leave.
         """
         self.host = host_name()
         self._paths = {c.instance_name: c.path_uri or "" for c in profile.components}
-        hosts = {_host_in(path) for path in self._paths.values()}
+        gone = [f"{place}/." for place in moving.values()]
+        hosts = {_host_in(path) for path in (*self._paths.values(), *gone)}
         self._far = {host: _far_manager(host) for host in hosts.difference(mapped)}
         self.homes = {name: self._home(path) or usual for name, path in self._paths.items()}
-        movable = {c.instance_name for c in profile.components if _is_movable(c)}
+        movable = {c.instance_name for c in profile.components if is_movable(c)} | {*moving}
         self.fixed = {name: home for name, home in self.homes.items() if name not in movable}
-        found = dict.fromkeys(self.homes.values())
+        found = dict.fromkeys([*self.homes.values(), *(self._home(each) or usual for each in gone)])
         self.lost: dict[str, str] = {}
         is_usual = usual in found or any(split_manager(name)[1] for name in found)
         self.names = [usual, *(n for n in found if n != usual)] if is_usual else [*found]
@@ -144,6 +155,7 @@ def gather(
     is_lenient: bool,
     starts: bool = False,
     mapped: Collection[str] = (),
+    moving: Mapping[str, str] = NOWHERE,
 ) -> Snapshot | None:
     """Connect to the managers of a profile; return a snapshot if none of them runs.
 
@@ -153,12 +165,13 @@ def gather(
         is_lenient: A manager that does not run is told and counts as holding nothing.
         starts: One that does not run holds nothing, and can be started.
         mapped: Hosts that are not asked, as another one stands for them.
+        moving: Places that components are to leave, by component.
 
     Raises:
         Unreachable: Tells which managers do not run, and what belongs there; or one is so like
             another one that runs that it is not started.
     """
-    managers = Managers(profile, session.usual_manager, mapped)
+    managers = Managers(profile, session.usual_manager, mapped, moving)
     trees, absent = managers.connect(session.timeout_s)
     if starts and all(map(can_be_started, absent)):
         _check_meant(absent, trees)

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from functools import partial
 from typing import TYPE_CHECKING
 
 from rtkit.errors import Malformed, Unreachable, UsageProblem
+from rtkit.fast_dataclass import replace
 from rtkit.link.places import host_name
 from rtkit.rtc.names import split_manager
+
+NOTHING: Mapping[str, str] = {}
 
 if TYPE_CHECKING:
     from rtkit.api.session import Session
@@ -47,8 +50,11 @@ def wanted_system(
     transmit: bool = False,
     mapped: tuple[str, ...] = (),
     known_types: Mapping[str, KnownType] | None = None,
+    moving: Collection[str] = (),
 ) -> WantedSystem:
     """Return the wanted system; report the decisions taken when verbose.
+
+    Components that are `moving` leave the managers that they live in.
 
     Raises:
         InvalidDocument: What it says of a component makes no sense; names the line.
@@ -66,6 +72,9 @@ def wanted_system(
             stand_ins={c.instance for c in snapshot.components if c.is_stand_in},
             managers=[each.manager for each in snapshot.others],
         )
+    if moving:
+        moved = (replace(c, may_move=c.may_move or c.instance in moving) for c in system.components)
+        system = replace(system, components=tuple(moved))
     for note in system.notes:
         session.verbose(note)
     session.warn(_odd_keys(document.profile))
@@ -132,12 +141,14 @@ def look(
     starts: bool = False,
     lock: PlanLocks | None = None,
     mapped: tuple[str, ...] = (),
+    moving: Mapping[str, str] = NOTHING,
 ) -> Snapshot:
     """Return a snapshot of a profile's managers; a dry run reports missing ones and goes on.
 
     With `may_lack` some of several managers may be missing, but not all; where one is missing
     that `starts` can be started, it holds nothing. A `lock` is taken before it is looked, and
     given back when the command ends. Hosts that are `mapped`, ``HOST=HOST``, are not asked.
+    What is `moving` is to leave the place that is told of it.
 
     Raises:
         Unreachable: A manager does not run, or does not answer.
@@ -147,10 +158,15 @@ def look(
     if session.finds_managers:
         from rtkit.api import gathering
 
-        if gathering.names_another(profile):
+        if moving or gathering.names_another(profile):
             is_lenient = dry_run or may_lack
             empty = gathering.gather(
-                session, profile, is_lenient=is_lenient, starts=starts, mapped=host_map(mapped)
+                session,
+                profile,
+                is_lenient=is_lenient,
+                starts=starts,
+                mapped=host_map(mapped),
+                moving=moving,
             )
             if empty is not None:
                 return empty

@@ -53,13 +53,15 @@ def _moved(session: Session, known: OwnedSystem, name: str, home: str) -> OwnedS
 
 def note(session: Session, document: SystemProfile, goal: DeploymentGoal) -> None:
     """Own a system that was applied, if components of it are movable and on other hosts."""
+    from rtkit.api.gathering import is_movable
     from rtkit.deployment.owned import OwnedComponent, OwnedSystem
     from rtkit.fast_dataclass import replace
 
     name = document.profile.id
     known = read(session.usual_manager, name)
     homes = _homes(session, goal)
-    movable = {c.instance: homes[c.instance] for c in goal.system.components if c.may_move}
+    named = {each.instance_name for each in document.profile.components if is_movable(each)}
+    movable = {name: home for name, home in homes.items() if name in named}
     rows = dict(known.components) if known is not None else {}
     if not any(split_manager(home)[1] for home in movable.values()) and not rows:
         return

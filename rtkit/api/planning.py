@@ -169,10 +169,13 @@ def begin(
         Unreachable: No manager answers.
     """
     from rtkit.api.packaged import supplied, unpackaged
+    from rtkit.api.placing import placed
     from rtkit.api.preflight import check_reserved, look_ahead
     from rtkit.deployment.goal import DeploymentGoal
     from rtkit.deployment.system import without
 
+    places = placed(session, document, mapped, stand_in=way.stand_in)
+    document = places.document
     snapshot = looking.look(
         session,
         document.profile,
@@ -181,6 +184,7 @@ def begin(
         starts=starts,
         lock=lock,
         mapped=mapped,
+        moving=places.moving,
     )
     packaged = (
         unpackaged(session, document, snapshot, mapped)
@@ -197,12 +201,14 @@ def begin(
         transmit=way.transmit,
         mapped=mapped,
         known_types=known,
+        moving=places.moving,
     )
     if is_dry and snapshot.unreachable:
         system = without(system, snapshot.unreachable)
     check_reserved(session, system, snapshot)
     ranks = _ranks(session, document, system)
-    feasibility = look_ahead(session, system, snapshot, installs=packages.of, lacks=packaged.lacks)
+    lacks = {**packaged.lacks, **places.lacks}
+    feasibility = look_ahead(session, system, snapshot, installs=packages.of, lacks=lacks)
     is_measured = way.basis == MEASURED
     table = settled_costs(
         session, way.costs, system, snapshot, is_measured=is_measured, packages=packages

@@ -45,10 +45,15 @@ def bring_up(
     """Bring a system up, see `rtkit.Tree.bring_up`; a dry run returns the plans of that."""
     from rtkit.api import states
     from rtkit.api.packaged import bundled
+    from rtkit.api.placing import placed, settled
     from rtkit.api.preflight import check_reserved, missing
     from rtkit.deployment.creation import bring_up_plans
 
     is_followed = not is_dry and states.is_follow_wanted(session, document)
+    if may_create:
+        document, unplaced, _ = placed(session, document, mapped, stand_in=stand_in)
+    else:
+        document, unplaced = settled(session, document, mapped), {}
     found = looking.look(
         session, document.profile, dry_run=is_dry, starts=may_create, lock=lock, mapped=mapped
     )
@@ -66,7 +71,7 @@ def bring_up(
             known_types=packaged.types if creates else None,
         )
         check_reserved(session, system, before)
-        lacks = missing(session, system, before) if may_create else {}
+        lacks = {**unplaced, **missing(session, system, before)} if may_create else {}
         with document.naming():
             if is_dry:
                 return list(bring_up_plans(system, before, may_create=may_create, lacks=lacks))
@@ -148,8 +153,10 @@ def prepare(
     Raises:
         Unreachable: No manager answers.
     """
+    from rtkit.api.placing import settled
     from rtkit.deployment.live_index import LiveIndex
 
+    document = settled(session, document, mapped)
     if snapshot is None:
         snapshot = looking.look(
             session, document.profile, dry_run=is_dry, may_lack=may_lack, mapped=mapped
@@ -202,9 +209,11 @@ def teardown(
         Refused: It was broken off; the message tells how far it went.
         KeyboardInterrupt: Interrupted; its text tells how far it went.
     """
+    from rtkit.api.placing import settled
     from rtkit.deployment.live_index import LiveIndex
     from rtkit.deployment.running import left_now, teardown_plan
 
+    document = settled(session, document, mapped)
     snapshot = looking.look(session, document.profile, dry_run=is_dry, may_lack=True, mapped=mapped)
     system = looking.wanted_system(session, document, snapshot, mapped=mapped)
     if not is_dry:

@@ -86,10 +86,11 @@ def _is_same_policy(one: Mapping[str, str], other: Mapping[str, str]) -> bool:
         return True
     from rtkit.deployment.health import read_rules
     from rtkit.deployment.limits import read_limits
+    from rtkit.deployment.placement.requirements import read_requirements
     from rtkit.deployment.supervision import RestartRule, read_policy
 
     try:
-        if read_limits(one) != read_limits(other):
+        if any(read(one) != read(other) for read in (read_limits, read_requirements)):
             return False
         # The manager states what the profile does not, so it must be the same whatever that is.
         return set(read_rules(one)) == set(read_rules(other)) and all(

@@ -70,13 +70,29 @@ LIMIT_PROCESSOR = f"{LIMIT}processor"
 """Property of a component: share of a processor that its slave may use, ``0.5`` or ``50%``."""
 MOVABLE = "rtkit.movable"
 """Property of a component: ``SECONDS [HOST...]``: made there when its host was lost for so long."""
+PLACE = "rtkit.place."
+"""Property of a component, with the name of a requirement: where it may be."""
+PLACE_HOSTS = f"{PLACE}hosts"
+"""Property of a component: the hosts of which it is to be on one, comma separated."""
+PLACE_TAGS = f"{PLACE}tags"
+"""Property of a component: words that its host must have, comma separated."""
+PLACE_MEMORY = f"{PLACE}memory"
+"""Property of a component: memory that must be free on its host, such as ``500M``."""
+PLACE_DEVICE = f"{PLACE}device"
+"""Property of a component: devices that its host must have, ``video0`` or a path."""
+PLACE_DEVICE_POLICY = f"{PLACE}device_policy"
+"""Property of a component: what becomes of it when a device goes, ``end`` or ``keep``."""
+PLACE_WITH = f"{PLACE}with"
+"""Property of a component: the components in whose process it is to be, comma separated."""
+PLACE_APART = f"{PLACE}not_with"
+"""Property of a component: the components on whose hosts it is not to be, comma separated."""
 TRANSMIT = "standin.transmit"
 """Option: ``default`` to have a stand-in write default values."""
 
 
 def is_policy(key: str) -> bool:
-    """Return whether a property states restarts, health or limits, perhaps misspelt."""
-    begins = (f"{RESTART}.", f"{CRITICAL}.", HEALTH, LIMIT)
+    """Return whether a property states restarts, health, limits or a place, perhaps misspelt."""
+    begins = (f"{RESTART}.", f"{CRITICAL}.", HEALTH, LIMIT, PLACE)
     return key in (RESTART, CRITICAL) or key.startswith(begins)
 
 
@@ -94,7 +110,7 @@ def with_policy(create: str, policy: Mapping[str, str]) -> str:
     """
     for key in policy:
         if not is_policy(key):
-            raise Malformed(f"{key} is no property of restarts, health or limits")
+            raise Malformed(f"{key} is no property of restarts, health, limits or places")
     made = parse_create(create)
     return str(made.with_options(**{**dict.fromkeys(policy_in(create), ""), **policy}))
 

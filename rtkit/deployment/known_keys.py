@@ -38,6 +38,14 @@ OF_COMPONENTS = (
     ext.LIMIT_DESCRIPTORS,
     ext.LIMIT_PROCESSOR,
     ext.MOVABLE,
+    ext.PLACE,
+    ext.PLACE_HOSTS,
+    ext.PLACE_TAGS,
+    ext.PLACE_MEMORY,
+    ext.PLACE_DEVICE,
+    ext.PLACE_DEVICE_POLICY,
+    ext.PLACE_WITH,
+    ext.PLACE_APART,
 )
 OF_PORTS = (ext.INTERFACES, ext.STATED_TYPE)
 """Keys of properties; what ends in a dot begins many."""

@@ -120,8 +120,12 @@ def _read(stated: tuple[tuple[str, str], ...]) -> SlaveLimits:
     return SlaveLimits(**values)
 
 
-def _bytes(key: str, text: str) -> int:
-    """Read ``200M``, ``200MiB``, ``1.5G`` or a plain number of bytes; a K is 1024."""
+def read_bytes(key: str, text: str) -> int:
+    """Read ``200M``, ``200MiB``, ``1.5G`` or a plain number of bytes; a K is 1024.
+
+    Raises:
+        Malformed: It is none, or below 1 MiB.
+    """
     bare = text.upper().removesuffix("B").removesuffix("I")
     unit = _UNITS.find(bare[-1:]) + 1 if bare[-1:] else 0
     is_odd = text.upper().endswith("IB") and not unit
@@ -155,7 +159,7 @@ def _number(text: str) -> float:
 
 
 _READERS: Mapping[str, Callable[[str, str], float]] = {
-    "memory": _bytes,
+    "memory": read_bytes,
     "processes": _count,
     "descriptors": _count,
     "processor": _share,

@@ -15,6 +15,7 @@ from rtkit.deployment.extension import (
     CRITICAL,
     HEALTH,
     LIMIT,
+    PLACE,
     RESTART,
     RESTART_DELAY,
     RESTART_LIMIT,
@@ -78,7 +79,7 @@ def read_policy(
         Malformed: One makes no sense; names it.
     """
     for key in options:
-        if is_policy(key) and not key.startswith((HEALTH, LIMIT)) and key not in _KEYS:
+        if is_policy(key) and not key.startswith((HEALTH, LIMIT, PLACE)) and key not in _KEYS:
             raise Malformed(f"unknown property of supervision: {key} (one of {', '.join(_KEYS)})")
     restart = restart_of(RESTART, options.get(RESTART, ""), default)
     delay_s = _number(RESTART_DELAY, options.get(RESTART_DELAY, "0.1"), 0.0, LONGEST_S, "s")

@@ -45,7 +45,7 @@ from rtkit.profile.rts_model import (
 )
 from rtkit.profile.words import strip_instance
 from rtkit.rtc.connector_properties import PUSH_INTERVAL, finite
-from rtkit.rtc.create import CreateString, listed_names, parse_create
+from rtkit.rtc.create import CreateString, listed_names, parse_create, readable_create
 from rtkit.rtc.enums import Polarity, PortType
 from rtkit.rtc.pattern import ComponentPattern
 from rtkit.rtc.port_types import are_reversed
@@ -72,6 +72,7 @@ class _Choices:
     known_types: Mapping[str, KnownType]
     stand_ins: Collection[str]
     restarts: Mapping[str, str]
+    slaves: Mapping[str, str]
 
 
 def wanted(
@@ -104,7 +105,8 @@ def wanted(
     hosts = Hosts(hostname, host_map or {}, stand_in, managers)
     check_map(hosts)
     restarts = _restarts_of_slaves(profile)
-    choices = _Choices(stand_in, transmit, hosts, known_types or {}, stand_ins, restarts)
+    slaves = _shared_slaves(profile)
+    choices = _Choices(stand_in, transmit, hosts, known_types or {}, stand_ins, restarts, slaves)
     _check_instances(profile.components)
     components, notes = _components(profile, choices)
     own = OwnEnds(components)
@@ -219,15 +221,20 @@ def _component(
         _check_policy(policy)
     if is_stand_in:
         stand_in = _as_stand_in(made, component, create, choices, is_marked)
-        made_by = parse_create(stand_in.create)
+        made_by = _in_shared_slave(parse_create(stand_in.create), choices)
         text = _limited(made_by.with_options(**_policy(policy, made_by, choices)))
         return _supervised(replace(stand_in, create=text), policy), where.note
     module = own.get(extension.MODULE, "") or (known.module if known is not None else "")
     text = ""
     if create:
-        made_by = _create(create, made)
+        made_by = _in_shared_slave(_create(create, made), choices)
         text = _limited(made_by.with_options(**_policy(policy, made_by, choices)))
     return _supervised(replace(made, create=text, module=module), policy), where.note
+
+
+def _in_shared_slave(create: CreateString, choices: _Choices) -> CreateString:
+    slave = choices.slaves.get(create.instance_name)
+    return create.with_options(manager_name=slave) if slave else create
 
 
 def _limited(create: CreateString) -> str:
@@ -276,14 +283,34 @@ def _restarts_of_slaves(profile: RtsProfile) -> dict[str, str]:
     return {key.removeprefix(prefix): word for key, word in restarts.items()}
 
 
+def _shared_slaves(profile: RtsProfile) -> dict[str, str]:
+    """Return the slaves that components belong in as they share the process of others.
+
+    Raises:
+        BadComponent: Requirements of one make no sense.
+    """
+    stated = [properties_of(each.properties) for each in profile.components]
+    if not any(extension.PLACE_WITH in own or extension.PLACE_APART in own for own in stated):
+        return {}
+    from rtkit.deployment.placement.profiles import requirements_of
+    from rtkit.deployment.placement.requirements import shared_slaves
+
+    required = requirements_of(profile)
+    creates = (readable_create(own.get(extension.CREATE, "")).place for own in stated)
+    names = (each.instance_name for each in profile.components)
+    return dict(shared_slaves(required, dict(zip(names, creates, strict=True))))
+
+
 def _check_policy(options: Mapping[str, str]) -> None:
     from rtkit.deployment.health import read_rules
     from rtkit.deployment.limits import read_limits
+    from rtkit.deployment.placement.requirements import read_requirements
     from rtkit.deployment.supervision import read_policy
 
     read_policy(options)
     read_rules(options)
     read_limits(options)
+    read_requirements(options)
 
 
 def _costs(instance: str, text: str) -> dict[str, float]:

@@ -23,8 +23,8 @@ def _value(file: str, key: str) -> str:
     return dict(lines).get(key, "").strip()
 
 
-def found() -> dict:  # type: ignore[type-arg]
-    """Return what this host is."""
+def found(devices=()) -> dict:  # type: ignore[no-untyped-def, type-arg]
+    """Return what this host is; of some devices, paths or patterns, those that are there."""
     home = os.path.expanduser("~")
     base = os.path.join(home, ".local", "share", "rtkit")
     current = os.path.join(base, "current")
@@ -59,9 +59,10 @@ def found() -> dict:  # type: ignore[type-arg]
                 os.path.join(current, "lib", "python3*", "site-packages", "*.dist-info")
             )
         ],
+        "devices": [each for each in devices if glob.glob(each)],
         "current": os.path.basename(os.readlink(current)) if os.path.islink(current) else "",
     }
 
 
 if __name__ == "__main__":
-    sys.stdout.write(sys.argv[1] + json.dumps(found()) + "\n")
+    sys.stdout.write(sys.argv[1] + json.dumps(found(sys.argv[2:])) + "\n")

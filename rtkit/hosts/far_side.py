@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from rtkit.errors import Malformed, Refused
@@ -43,6 +44,7 @@ class FarSide(Record):
     time_s: float
     current: str
     distributions: tuple[str, ...] = ()
+    devices: tuple[str, ...] = ()
 
     @property
     def version(self) -> str:
@@ -83,8 +85,8 @@ class FarSide(Record):
         return found
 
 
-def look(connection: HostConnection) -> FarSide:
-    """Look at a host.
+def look(connection: HostConnection, devices: Sequence[str] = ()) -> FarSide:
+    """Look at a host, and which of some devices it has.
 
     Raises:
         Refused: There is no Python.
@@ -93,7 +95,7 @@ def look(connection: HostConnection) -> FarSide:
     """
     host = connection.host
     program = far_program.text_of("far_probe.py")
-    command = [host.python, "-", far_program.MARK]
+    command = [host.python, "-", far_program.MARK, *devices]
     try:
         return decode_text(
             FarSide, far_program.ask(connection, command, program, timeout_s=_LOOK_S)

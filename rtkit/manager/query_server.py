@@ -114,6 +114,8 @@ class ManagerQueryServer:
             request.answer(Reply(self.plan_lock.asked(request.payload)))
         elif name == "lacking" and request.payload is not None:
             self._find(request)
+        elif name == "host" and request.payload is not None:
+            self._look_at_host(request, request.payload)
         elif name == "dump":
             _aside(request, self.dump())
         elif name.startswith("events/"):
@@ -137,6 +139,17 @@ class ManagerQueryServer:
         may_search = settings.flag("manager.modules.search_auto")
         question = request.payload or ""
         _aside(request, lambda: lacking(question, loaded, search, is_search_allowed=may_search))
+
+    def _look_at_host(self, request: Request, question: str) -> None:
+        """Answer what this host has."""
+        tags = self._state.settings.text("rtkit.tags")
+
+        def work() -> str:
+            from rtkit.manager.host_facts import host_facts
+
+            return host_facts(question, tags)
+
+        _aside(request, work)
 
     def _view(self, name: str) -> str:
         kind, _, which = name.partition("/")

@@ -148,6 +148,7 @@ manager.restart | never | text | live
     (by a signal, an exit status but 0, in Error), always
 rtkit.restore | YES | boolean | start
     | NO: begins without what an earlier manager kept, which is put aside
+rtkit.tags | | list | live | words by which rtkit.place.tags of components choose this host
 rtkit.allow_faults | NO | boolean | start | YES: RTKIT_FAULT is heeded by root's manager, too
 manager.modules.*.load_paths | | list | - | components are Python
 manager.modules.*.suffixes | | list | - | modules end in .py

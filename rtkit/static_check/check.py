@@ -16,14 +16,20 @@ from rtkit.static_check.finding import StaticFinding
 from rtkit.static_check.names import name_findings
 from rtkit.static_check.orders import order_findings
 from rtkit.static_check.parameters import parameter_findings
-from rtkit.static_check.policies import limit_remarks, property_remarks, restart_findings
+from rtkit.static_check.policies import (
+    limit_remarks,
+    placement_findings,
+    property_remarks,
+    restart_findings,
+)
 from rtkit.static_check.ports import port_findings
 from rtkit.static_check.services import service_findings
 from rtkit.static_check.view import View
 
 _RULES = (
     name_findings, port_findings, parameter_findings, context_findings, connector_findings,
-    service_findings, order_findings, restart_findings, property_remarks,
+    service_findings, order_findings, restart_findings, placement_findings,
+    property_remarks,
 )  # fmt: skip
 
 

@@ -1,15 +1,23 @@
-"""Checks properties of rtkit in a profile: restart policies, health rules, limits, states.
+"""Checks properties of rtkit in a profile: restarts, health, limits, placement, states.
 
 A limit needs a slave, and this host has to have as much as all limits allow together.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Collection, Iterator
 from contextlib import suppress
 
 from rtkit.deployment.described import properties_of
-from rtkit.deployment.extension import CREATE, LIMIT, SLAVE_RESTART, STATE_CHART, STATES, is_policy
+from rtkit.deployment.extension import (
+    CREATE,
+    LIMIT,
+    PLACE,
+    SLAVE_RESTART,
+    STATE_CHART,
+    STATES,
+    is_policy,
+)
 from rtkit.deployment.health import read_rules
 from rtkit.deployment.known_keys import odd_properties
 from rtkit.deployment.limits import (
@@ -21,6 +29,7 @@ from rtkit.deployment.limits import (
     overbooked,
     read_limits,
 )
+from rtkit.deployment.placement.requirements import check_named, read_requirements, shared_slaves
 from rtkit.deployment.states.machine import machine_of
 from rtkit.deployment.supervision import read_policy, restart_of
 from rtkit.errors import Malformed
@@ -33,7 +42,7 @@ def restart_findings(view: View) -> Iterator[StaticFinding]:
     """Yield properties of supervision, and states, that make no sense."""
     for part in view.parts:
         for number, each in enumerate(part.component.properties):
-            if is_policy(each.name):
+            if is_policy(each.name) and not each.name.startswith(PLACE):
                 stated = {each.name: each.value or ""}
                 try:
                     read_policy(stated)
@@ -111,3 +120,35 @@ def property_remarks(view: View) -> Iterator[StaticFinding]:
     for odd in odd_properties(view.profile):
         place = ProfileLocation(odd.steps).at("name")
         yield StaticFinding(WARNING, "unknown-property", odd.text, place, odd.key)
+
+
+def placement_findings(view: View) -> Iterator[StaticFinding]:
+    """Yield requirements about places that make no sense, alone or together."""
+    required = {}
+    names = {part.name for part in view.parts}
+    for part in view.parts:
+        items = part.component.properties
+        found = list(_bad_requirements(part, names))
+        yield from found
+        if not found and any(each.name.startswith(PLACE) for each in items):
+            try:
+                required[part.name] = read_requirements(properties_of(items))
+            except Malformed as error:
+                text = f"{part.name}: {error}"
+                yield StaticFinding(ERROR, "placement", text, part.place)
+    try:
+        dict(shared_slaves(required, {part.name: part.create.place for part in view.parts}))
+    except Malformed as error:
+        yield StaticFinding(ERROR, "placement", str(error), TOP)
+
+
+def _bad_requirements(part: CheckedComponent, names: Collection[str]) -> Iterator[StaticFinding]:
+    for number, each in enumerate(part.component.properties):
+        if each.name.startswith(PLACE):
+            try:
+                own = read_requirements({each.name: each.value or ""})
+                check_named(part.name, own, names)
+            except Malformed as error:
+                where = part.place.below("properties", number).at("value")
+                text = f"{part.name}: {error}"
+                yield StaticFinding(ERROR, "placement", text, where, each.value)

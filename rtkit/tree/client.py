@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from rtkit.deployment.delta import FullSnapshot
     from rtkit.deployment.facts import Snapshot
     from rtkit.deployment.listing import Listing
+    from rtkit.link.devices import HostFacts
     from rtkit.link.transport import Link
 
 DEFAULT_TIMEOUT_S = 10.0
@@ -195,6 +196,20 @@ class Tree(ByPath, Closing):
             return [str(why) for _, why in zip(makings, reasons, strict=True)]
         except (TypeError, ValueError) as error:
             raise Malformed(f"the manager's answer cannot be read: {error}") from error
+
+    def host_facts(self, devices: Sequence[str] = ()) -> HostFacts:
+        """Return what the host of the manager has, of some devices those that are there.
+
+        Raises:
+            Unreachable: The manager does not answer in time.
+            NotFound: It is of a version that cannot report it.
+        """
+        import json
+
+        from rtkit.link.devices import HostFacts
+        from rtkit.rtc.serde import decode_text
+
+        return decode_text(HostFacts, self._view("host", json.dumps([*devices])))
 
     def apply(
         self, actions: Sequence[Action], *, is_ordered: bool = True, timeout_s: float | None = None

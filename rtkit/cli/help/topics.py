@@ -11,6 +11,7 @@ TOPICS: dict[str, str] = {
     "limits": "The most that slaves may use of memory, processes, files, processors.",
     "parameters": "One system profile with other values, and several times.",
     "paths": "How components, managers, directories and ports are named.",
+    "placement": "Hosts that are chosen by what components require: tags, memory, devices.",
     "planner": "How a planning problem of your own is modelled and solved.",
     "plans": "In which order rtstart and rtstop tell components.",
     "profiles": "Documents that describe components and systems.",

@@ -6,6 +6,7 @@ from rtkit.deployment import actions as act
 from rtkit.deployment.extension import with_policy
 from rtkit.deployment.health import policy_in, read_rules
 from rtkit.deployment.limits import read_limits
+from rtkit.deployment.placement.requirements import read_requirements
 from rtkit.deployment.supervision import RestartPolicy
 from rtkit.errors import Refused
 from rtkit.manager.core.effects import Procedure
@@ -23,6 +24,7 @@ def policy_of(state: ManagerState, create: str) -> RestartPolicy:
     """
     made = parse_create(create)
     read_limits(made.options)
+    read_requirements(made.options)
     return policy_in(made.options, made.place or state.name, state.settings.text)
 
 

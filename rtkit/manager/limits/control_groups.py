@@ -174,10 +174,31 @@ def capacity(root: str = _ROOT, groups: str = _GROUPS, meminfo: str = _MEMINFO) 
     return Capacity(memory, processors)
 
 
-def _total(path: str) -> float:
+def free_memory(root: str = _ROOT, groups: str = _GROUPS, meminfo: str = _MEMINFO) -> float:
+    """Return the memory that is free here [bytes]: the least of the machine and its groups.
+
+    What holds files that could be read again counts as free, as ``MemAvailable`` does.
+    """
+    free = _total(meminfo, "MemAvailable")
+    for controllers, path in _own(groups):
+        for folder in _upwards(root, controllers, path):
+            for limit, usage in (("max", "current"), ("limit_in_bytes", "usage_in_bytes")):
+                stat = dict(line.split(" ", 1) for line in _lines(f"{folder}/memory.stat"))
+                files = float(stat.get("inactive_file") or stat.get("total_inactive_file") or 0)
+                used = _number(f"{folder}/memory.{usage}")
+                if used < inf:
+                    free = min(free, _number(f"{folder}/memory.{limit}") - used + files)
+    return max(0.0, free)
+
+
+def _lines(path: str) -> list[str]:
+    return [line for line in _read(path).splitlines() if " " in line]
+
+
+def _total(path: str, field: str = "MemTotal") -> float:
     with open(path, encoding="ascii") as file:
         fields = dict(line.split(":", 1) for line in file if ":" in line)
-    return float(fields["MemTotal"].split()[0]) * 1024
+    return float(fields[field].split()[0]) * 1024
 
 
 def _own(path: str) -> Iterator[tuple[str, str]]:

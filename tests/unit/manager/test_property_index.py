@@ -86,6 +86,7 @@ SHOWN_BY = {
     "manager.restart": ("test_supervision.py", "test_what_the_manager_says_holds_for_all"),
     "manager.restart.*": ("test_supervision.py", "test_what_the_manager_says_holds_for_all"),
     "rtkit.restore": ("test_desired_state.py", "test_restoring_can_be_declined"),
+    "rtkit.tags": ("test_placement_here.py", "test_tags_of_a_manager_are_those_of_its_host"),
     "rtkit.allow_faults": ("test_fault_points.py", "test_who_may_be_broken_off"),
     "ec.*": (PROPERTIES, "test_contexts_of_components"),
     "port.*": (PROPERTIES, "test_ports_have_defaults"),

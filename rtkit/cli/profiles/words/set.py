@@ -73,6 +73,7 @@ def _check(profile: RtsProfile) -> None:
     from rtkit.deployment.extension import SLAVE_RESTART
     from rtkit.deployment.health import read_rules
     from rtkit.deployment.limits import read_limits
+    from rtkit.deployment.placement.profiles import requirements_of
     from rtkit.deployment.supervision import read_policy, restart_of
 
     for key, value in properties_of(profile.properties).items():
@@ -86,3 +87,4 @@ def _check(profile: RtsProfile) -> None:
             read_limits(properties)
         except Malformed as error:
             raise Malformed(f"{component.instance_name}: {error}") from error
+    requirements_of(profile)

@@ -1,0 +1,1 @@
+"""Placement: chooses hosts for components by what these require."""
