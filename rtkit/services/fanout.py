@@ -28,6 +28,7 @@ _SHARE = 0.8
 """How much of its time a group leaves to a group in it."""
 _TOLD = {"type", "access", "unit", "min", "max", "step", "choices", "doc", "functional"}
 _ESCAPED = str.maketrans({'"': '\\"', "\\": "\\\\", "\n": "\\n", "\r": "\\r", "\t": "\\t"})
+_LATE = frozenset({"no-service", "timeout"})
 _STATES = ("running", "failed", "stopped", "done", "idle")
 
 
@@ -239,7 +240,7 @@ class Members:
         asks = [rtkit.Ask(f"{self._targets.get(each, each)}.type") for each in new]
         for each, type in zip(new, self._client.ask_all(asks, bound_s), strict=True):
             is_error = isinstance(type, rtkit.PropertyError)
-            if not is_error or type.code not in ("no-service", "timeout"):
+            if not is_error or type.code not in _LATE:
                 self._is_group[each] = isinstance(type, tuple) and "group" in type
 
 
@@ -255,14 +256,21 @@ def _sent(value: Any) -> Any:
 
 
 def error_of(failures: Sequence[MemberFailure], count: int) -> rtkit.PropertyError:
-    """Return the error that names all who failed, of so many; if none did, none was asked."""
+    """Return the error that names all who failed, of so many; if none did, none was asked.
+
+    Its code is that of all who answered; of who did not only where nobody did.
+    """
     if not failures:
         waiting = f"{rtkit.PropertyError.CAME_BACK} all members, which wait for the answer"
         return rtkit.PropertyError("conflict", waiting if count else "there are no members")
     codes = {each.code for each in failures}
-    code = codes.pop() if len(codes) == 1 else "conflict"
-    each_why = "; ".join(f"{each.name}: {each.code}: {each.text}" for each in failures)
-    return rtkit.PropertyError(code, f"{len(failures)} of {count} failed: {each_why}")
+    code, *others = (codes - _LATE) or codes
+    alike: dict[str, list[str]] = {}
+    for each in failures:
+        alike.setdefault(f"{each.code}: {each.text}", []).append(each.name)
+    whys = "; ".join(f"{' '.join(names)}: {why}" for why, names in alike.items())
+    text = f"{len(failures)} of {count} failed: {whys}"
+    return rtkit.PropertyError("conflict" if others else code, text)
 
 
 # Answers

@@ -144,8 +144,7 @@ def test_what_a_member_gets_later_is_known_later(
     assert client.get("swarm.lamp") == 0.5
     assert error_of(lambda: client.set("swarm.lamp", 1.0)) == (
         "unknown",
-        "swarm.lamp: unknown: 2 of 3 failed: r0: unknown: no such property: lamp; "
-        "two: unknown: no such property: lamp",
+        "swarm.lamp: unknown: 2 of 3 failed: r0 two: unknown: no such property: lamp",
     )
     assert client.get("robots/r1.lamp") == 1.0
 

@@ -141,14 +141,18 @@ def _declared(called: Any) -> tuple[list[str], dict[str, Any], bool]:
 
 def _fitted(typed: str, text: str, hint: Any, parameter: str) -> object:
     """Return the argument that a text stands for; where a text is wanted, what was typed is one."""
-    from rtkit.property.annotations import bare
+    from rtkit.property.annotations import Range, bare, extra_of, spec_of
     from rtkit.property.codes import PropertyError
     from rtkit.property.fitting import from_value
     from rtkit.property.reading import read
 
     plain = bare(hint)
     try:
-        return from_value(read(text), hint, None)
+        value = read(text)
+        fitting = from_value(value, hint, None)
+        if extra_of(hint, Range) is not None:
+            spec_of(hint, None, "rw", "").within(value)
+        return fitting
     except PropertyError as error:
         if plain is str or str in getattr(plain, "__args__", ()):
             return text

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from rtkit.errors import Unreachable
 from rtkit.link.places import host_name
 from rtkit.rtc.names import is_local_host
 from rtkit.wires.wire import ProviderAddress, Wire, WireSettings, service_name
@@ -23,12 +24,15 @@ def _provider(name: str, settings: WireSettings) -> ProviderAddress:
     service = service_name(name)
     path = places.check_socket_length(places.service_key_socket(service))
     key = zenoh_keys.property_service(host_name(), service)
-    return ProviderAddress(
-        lambda: ZenohConnection(
-            settings.host, open_client(unix_endpoint(path), settings.timeout_s), key
-        ),
-        service,
-    )
+
+    def connect() -> ZenohConnection:
+        try:
+            session = open_client(unix_endpoint(path), settings.timeout_s)
+        except Unreachable as error:
+            raise Unreachable(f"cannot reach service {service} over zenoh") from error
+        return ZenohConnection(settings.host, session, key)
+
+    return ProviderAddress(connect, service)
 
 
 def _open(name: str, provider: PropertyProvider, settings: WireSettings) -> str:

@@ -10,8 +10,12 @@ from rtkit.cli.properties.served_object import made
 from rtkit.errors import Malformed, RtkitError
 
 LAMP = """
+import typing, rtkit
+Part = typing.Annotated[float, rtkit.Range(0, 1)]
 class Lamp:
-    def __init__(self, level: float = 1.0, *, name: str = "", steps: int = 3, colour=None):
+    def __init__(
+        self, level: float = 1.0, *, name: str = "", steps: int = 3, colour=None, part: Part = 1
+    ):
         self.given = (level, name, steps, colour)
 
 class Open:
@@ -49,6 +53,7 @@ def test_arguments_are_what_annotations_say(
         ("level=lots", "cannot be read: level=lots: expected float, found word lots"),
         ("steps=1.5", "cannot be read: steps=1.5: expected int, found number 1.5"),
         ("lots", "cannot be read: lots: expected float, found word lots"),
+        ("part=2", "cannot be read: part=2: 2 is above 1 (part of "),
         ("stepz=1", "takes no argument stepz (did you mean steps?)"),
     ],
 )

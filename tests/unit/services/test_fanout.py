@@ -107,6 +107,11 @@ def test_an_error_names_each_who_failed() -> None:
         "conflict", "2 of 3 failed: r1: timeout: late; r2: no-service: gone"
     )  # fmt: skip
     assert str(error_of([], 0)) == "there are no members"
+    odd = [MemberFailure(name, "unknown", "no such property: x") for name in ("r3", "r4")]
+    assert (error_of([*odd, slow], 3).code, str(error_of([*odd, slow], 3))) == (
+        "unknown", "3 of 3 failed: r3 r4: unknown: no such property: x; r1: timeout: late"
+    )  # fmt: skip
+    assert error_of([*odd, MemberFailure("r5", "denied", "not that"), gone], 4).code == "conflict"
 
 
 def test_members_have_names() -> None:
