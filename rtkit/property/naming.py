@@ -154,6 +154,16 @@ def with_parameter(target: str, parameter: str) -> str:
     return f"{target}{'&' if '?' in target else '?'}{parameter}"
 
 
+def without_parameter(target: str, key: str) -> str:
+    """Return a target without one of its parameters."""
+    name, _, tail = target.partition("?")
+    given = tail.split("&")
+    kept = [each for each in given if not each.startswith(f"{key}=")]
+    if len(kept) == len(given):
+        return target
+    return f"{name}?{'&'.join(kept)}" if kept else name
+
+
 def _escaped(found: re.Match[str]) -> str:
     return f"%{ord(found[0]):02X}"
 

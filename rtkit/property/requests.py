@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, NamedTuple
 from rtkit.property.access import Access
 from rtkit.property.codes import PropertyError
 from rtkit.property.messages import Answer, Payload, PropertyEvent
+from rtkit.property.naming import without_parameter
 
 if TYPE_CHECKING:
     from rtkit.property.subscription import Listener
@@ -155,11 +156,9 @@ def is_among_proxies(target: str) -> bool:
 
 def split_via(ask: PropertyRequest) -> PropertyRequest:
     """Return a request as it was asked first, with who has passed it on."""
-    name, _, tail = ask.target.partition("?")
-    given = tail.split("&")
+    given = ask.target.partition("?")[2].split("&")
     ways = [each.partition("=")[2] for each in given if each.startswith(f"{VIA}=")]
     if not ways:
         return ask
-    kept = "&".join(each for each in given if not each.startswith(f"{VIA}="))
     via = tuple(each for way in ways for each in way.split(".") if each)
-    return ask._replace(target=f"{name}?{kept}" if kept else name, via=via)
+    return ask._replace(target=without_parameter(ask.target, VIA), via=via)

@@ -11,7 +11,7 @@ from contextlib import closing
 from fnmatch import fnmatchcase
 from functools import partial
 
-from rtkit.link.places import service_socket
+from rtkit.link.places import service_socket, services_of
 from rtkit.property.codes import PropertyError
 from rtkit.property.messages import PropertyEvent
 from rtkit.property.naming import parse_target
@@ -137,7 +137,7 @@ class Notifying:
 
     def _near(self, reference: str) -> tuple[str, Deliver]:
         """Return the full name of a property on this host, and what sets it."""
-        target = parse_target(reference)
+        target = parse_target(_with_slash(reference))
         if not target.service or target.parameters or target.service == self._service.name:
             raise PropertyError("denied", f"events do not go to {reference[:80]}: not allowed")
         connect = partial(connect_unix, service_socket(target.service), DELIVERY_S)
@@ -155,3 +155,13 @@ class Notifying:
 def _set(connect: Callable[[], PropertyClient], name: str, event: PropertyEvent) -> None:
     with closing(connect()) as client:
         client.ask(name, event.payload).value()
+
+
+def _with_slash(reference: str) -> str:
+    """Return ``SERVICE.NAME``, as commands take it, as ``SERVICE/NAME``; that goes before."""
+    there = services_of(reference)
+    if reference.rpartition("/")[0] not in there:
+        for service in there:
+            if reference.startswith(f"{service}."):
+                return f"{service}/{reference[len(service) + 1 :]}"
+    return reference

@@ -50,6 +50,11 @@ def test_what_changes_is_set_at_the_target(source: ServedObject) -> None:
         assert client.ask("angle.listen?remove", "sink/shown.angle").error == ""
         assert client.ask("angle.listen?remove", "sink/shown.angle").error == "unknown"
         assert client.ask("angle.listen").payload == "()"
+        assert client.ask("angle.listen", "sink.shown.angle").error == ""
+        source.update("angle", 3.0)
+        _until(lambda: sink.get("shown.angle") == "3.0")
+        assert client.ask("angle.listen?remove", "sink/shown.angle").error == ""
+        assert client.ask("angle.listen", "sink.hidden").error == "denied"
 
 
 @pytest.mark.parametrize(

@@ -187,6 +187,11 @@ def test_a_proxy_stands_for_the_whole_line(built: Path, cable: Cable, place: str
     ):
         assert client.ask("2.speed", "0.5") == Answer("")
         assert client.ask("2.speed") == Answer("0.5")
+        # Commands say how long they wait; a small device does not know that parameter.
+        for name in ("1.speed", "all.speed"):
+            assert client.ask(f"{name}?timeout=5", "0.75") == Answer("")
+            assert client.ask("1.speed?timeout=5") == Answer("0.75")
+        assert client.ask("1.speed?of=5", "0.75").error == "bad-parameter"
         os.kill(pids["3"], signal.SIGKILL)
         assert client.ask("3.speed").error == "timeout"
         assert client.ask("3.speed") == Answer("device 3 is silent", "no-service")

@@ -24,6 +24,7 @@ from rtkit.property.codes import PropertyError
 from rtkit.property.exchange import NOT_BEGUN
 from rtkit.property.line import Replies, write_request
 from rtkit.property.messages import Answer, Payload, PropertyEvent
+from rtkit.property.naming import without_parameter
 from rtkit.wires.property_client import bound_in
 from rtkit.wires.serial.address import HELLO_TARGET, KNOWS_DEADLINES, SerialAddress, SerialEnd
 
@@ -159,8 +160,10 @@ class SerialExchange(Closing):
         id = "" if not self._has_ids else _short(same_as) if same_as else self._next_id()
         if monotonic() > until:
             return Answer(NOT_BEGUN, "timeout")
-        data = self._encoded(write_request(target, payload, id))
         bound_s = bound_in(target, self._timeout_s)
+        if not self._has_deadlines:  # of proxies: a small device knows no such parameter
+            target = without_parameter(target, "timeout")
+        data = self._encoded(write_request(target, payload, id))
         deadline = min(until, monotonic() + bound_s + self._duration_s(data))
         if payload is not None and self._has_deadlines:
             data = self._encoded(write_request(with_deadline(target, deadline), payload, id))

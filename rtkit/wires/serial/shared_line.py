@@ -20,7 +20,7 @@ from rtkit.property.addressed import ALL, SILENT, AddressedReplies, addressed
 from rtkit.property.codes import PASSING, PropertyError
 from rtkit.property.line import write_request
 from rtkit.property.messages import DONE, Answer, Payload, PropertyEvent
-from rtkit.property.naming import parse_parameters
+from rtkit.property.naming import parse_parameters, without_parameter
 from rtkit.property.reading import read
 from rtkit.property.requests import Requester
 from rtkit.property.subscription import Listener, SubscriptionOptions, options_of
@@ -93,6 +93,7 @@ class _Device(SerialExchange):
     def broadcast(self, target: str, payload: Payload) -> Answer:
         """SET at all devices, of which none answers."""
         is_checked = self.has_checks = self._settings.has_checks is not False
+        target = without_parameter(target, "timeout")  # of proxies
         data = self._encoded(write_request(target, payload, self._next_id() if is_checked else ""))
         for _ in range(_TIMES_SENT if is_checked else 1):
             self._send(data, monotonic() + self._timeout_s)
