@@ -220,6 +220,7 @@ def test_devices_of_a_line_are_members_of_a_group(built: Path, cable: Cable, pla
         client.set("swarm.robots.2.speed", 1.0)
         assert client.get("swarm.speed") == 0.5
         assert client.get("swarm.robots.2.arm.angle") == 3
+        assert client.get("swarm.status") == "ready"  # of those that have a status
         client.set("swarm.groups.few", "(1 3)")
         client.set("swarm.groups.few.speed", 0.0)
         assert dict(client.get("swarm.speed", form="list")) == {"1": 0.0, "2": 1.0, "3": 0.0}
