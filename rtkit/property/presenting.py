@@ -57,8 +57,8 @@ class Choices:
 class Gui:
     """Widget of a property: ``Annotated[float, Gui("knob")]``.
 
-    For a property ``speed``, a method ``gui_speed`` that returns one tells it anew at each look,
-    and a method or attribute ``gui`` tells it of the object itself.
+    For a property ``speed``, a method ``gui_speed`` that is declared to return one (``-> Gui``)
+    tells it anew at each look, and a method or attribute ``gui`` tells it of the object itself.
 
     Args:
         kind: Of widget, in place of the usual one for the type: ``knob``, ``image``, ``plot`` …

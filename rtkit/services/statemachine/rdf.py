@@ -45,10 +45,10 @@ _DEEPEST = 30
 
 
 def _seconds(text: str) -> float:
-    seconds = float(text)
-    if not 0 <= seconds < float("inf"):
-        raise ValueError(f"expected seconds, found {text}")
-    return seconds
+    seconds = plain_of(text)
+    if isinstance(seconds, bool | str) or not 0 <= seconds < float("inf"):
+        raise ValueError(f"expected seconds, found {text or 'nothing'}")
+    return float(seconds)
 
 
 _NODE, _NODES, _LIST = "node", "nodes", "list"

@@ -52,7 +52,7 @@ def test_a_machine_has_all_that_its_text_says() -> None:
         ("sm:initial :out", "sm:initial :end", "line 17: initial state of patrol is none of"),
         ("sm:initial :wait", "sm:initial :wiat", "line 8: initial state of the machine is none"),
         ("a sm:Final", "a sm:Finl", "line 32: not expected here: sm:Finl"),
-        ("after 30", 'after "soon"', "line 21: sm:after: could not convert"),
+        ("after 30", 'after "soon"', "line 21: sm:after: expected seconds, found soon"),
         ("after 30", "after -1", "line 21: sm:after: expected seconds"),
         ("every 0.3", "every 0", "line 25: sm:every: expected more than 0 s"),
         ("sm:Final .", "sm:Final", "line 33: EOF found"),
