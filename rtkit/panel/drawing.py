@@ -34,6 +34,7 @@ STYLES = {"alarm": "alarm", "bad": "alarm", "gone": "alarm", "round": "dim"}
 _BARS = "▁▂▃▄▅▆▇█"
 _MOST_LINES = _MOST_PARTS = 12
 _LONGEST_TEXT = 4096
+_MOST_LETTERS = 800
 _FARTHEST = 1e100
 _DIALS = "↙←↖↑↗→↘"
 
@@ -126,6 +127,15 @@ def _choices(panel: Panel, value: Any) -> Line:
         made.append((f"◉ {text_of(each)}  " if is_it else f"○ {text_of(each)}  ",
                      "accent" if is_it else "dim"))  # fmt: skip
     return made or [(text_of(value), "")]
+
+
+def choice_at(panel: Panel, column: int) -> Any:
+    """Return the choice that is drawn in a column, None behind the last."""
+    for each in panel.words("choices"):
+        column -= len(text_of(each)) + 4
+        if column < 0:
+            return each
+    return None
 
 
 def _spark(trace: Sequence[float], room: int) -> str:
@@ -244,7 +254,9 @@ def _other(value: Any) -> list[Line]:
     if isinstance(plain, tuple) and plain and not is_vector(plain):
         rows = [each if isinstance(each, tuple) else (each,) for each in plain]
         return [[("  ".join(map(text_of, each)), "")] for each in rows][:_MOST_LINES]
-    return [[(each, "")] for each in (text_of(plain).splitlines() or [""])][:_MOST_LINES]
+    text = text_of(plain)
+    text = text if len(text) <= _MOST_LETTERS else f"{text[:_MOST_LETTERS]}… ({len(text)} letters)"
+    return [[(each, "")] for each in (text.splitlines() or [""])][:_MOST_LINES]
 
 
 def _tree(element: Element, depth: int) -> list[Line]:

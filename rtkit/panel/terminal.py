@@ -119,20 +119,23 @@ class PanelRow(Widget, can_focus=True):
         return True
 
     async def on_click(self, event: events.Click) -> None:
-        """Do what a key would; a slider goes where it is clicked."""
+        """Do what a key would; a slider goes where it is clicked, a choice is the one clicked."""
         panel = self.panel
         if panel.kind not in _ACTED or panel.is_read_only:
             return
+        column = event.x - 1 - _NAME_COLUMNS
         if panel.kind == "slider":
             low, high = panel.number("min", 0.0), panel.number("max", 1.0)
-            room = drawing.slider_room(self._width)
-            part = min(1.0, max(0.0, (event.x - 1 - _NAME_COLUMNS) / room))
+            part = min(1.0, max(0.0, column / drawing.slider_room(self._width)))
             self.wish(float(f"{low + part * (high - low):.4g}"))
         elif panel.kind == "button":
             await self._start()
         else:
+            at = (
+                drawing.choice_at(panel, column) if panel.kind == "choice" and column >= 0 else None
+            )
             key = "space" if panel.kind == "toggle" else "right"
-            self.wish(state.wish(panel, self.shown.value, key))
+            self.wish(state.wish(panel, self.shown.value, key) if at is None else at)
 
     @property
     def _live(self) -> LiveService:

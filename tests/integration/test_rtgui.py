@@ -72,6 +72,15 @@ def press(app: PanelApp, *keys: str) -> None:
         app._driver.send_message(events.Key(key, None))
 
 
+def click(app: PanelApp, name: str, column: int) -> None:
+    """Press and release the mouse on a column of what a widget shows."""
+    assert app._driver is not None
+    place = app._rows[name].region
+    at = (place.x + 19 + column, place.y)
+    for kind in (events.MouseDown, events.MouseUp):
+        app._driver.send_message(kind(None, *at, 0, 0, 1, False, False, False, *at))
+
+
 def row(app: PanelApp, name: str) -> str:
     return app._rows[name].render().plain
 
@@ -272,6 +281,26 @@ def test_keys_that_come_at_once_go_where_those_before_them_have_led(place: str) 
         press(app, "up", "k", "shift+tab", "left")
         await until(lambda: robot.speed == 0.25)
         assert (robot.is_on, robot.mode) == (False, "drive")
+
+    with rtkit.serve(robot, "robots/r1", is_on_zenoh=False):
+        run(work)
+
+
+def test_what_is_clicked_is_set(place: str) -> None:
+    robot = Robot()
+
+    async def work(app: PanelApp) -> None:
+        await until(lambda: "drive" in row(app, "mode") and app._rows["mode"].region.y)
+        click(app, "mode", row(app, "mode").index("drive") - 18)
+        await until(lambda: robot.mode == "drive")
+        click(app, "mode", 1)
+        await until(lambda: robot.mode == "idle")
+        click(app, "is_on", 2)
+        await until(lambda: robot.is_on is False)
+        click(app, "speed", 0)
+        await until(lambda: robot.speed == -1.0)
+        click(app, "wave", 2)
+        await until(lambda: len(app.screen.query(Input)) == 2)
 
     with rtkit.serve(robot, "robots/r1", is_on_zenoh=False):
         run(work)

@@ -79,6 +79,11 @@ def test_a_plot_shows_the_last_numbers_and_a_map_where_markers_are() -> None:
     assert rows[-3:] == ["━━━━━━━━━ 1.125", "A 1  2  0  ball thing", "B -1  0  post"]
 
 
+def test_a_long_text_is_cut() -> None:
+    (row,) = drawn(panel("text"), "x" * 5000, 40)
+    assert row == "x" * 800 + "… (5000 letters)"
+
+
 def test_a_picture_is_blocks_of_its_colours() -> None:
     pixels = numpy.zeros((40, 80, 3), numpy.uint8)
     pixels[:20] = (0, 0, 255)  # the upper half is red
