@@ -82,7 +82,7 @@ def text_of(value: Any) -> str:
     if isinstance(value, bool):
         return write(value)
     if isinstance(value, int | float):
-        return f"{value:.6g}"
+        return f"{value:.0f}" if 1e6 <= abs(value) < 1e15 else f"{value:.6g}"
     if isinstance(value, str):
         return value.translate(_CONTROLS)
     if is_vector(value):

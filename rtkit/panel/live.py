@@ -227,7 +227,7 @@ class LiveService(Closing):
 
         def worn(each: Panel) -> Panel:
             made = each._replace(children=tuple(map(worn, each.children)))
-            own = f"{self.name}.{each.name}.gui.text"
+            own = f"{self.name}.{each.name}.gui.text" if each.name else f"{self.name}/gui.text"
             component = self._component(own) if "text" in each.texts("forms") else None
             types = each.texts("type") or [each.spec.type.name]
             for word in () if component else filter(None, types):

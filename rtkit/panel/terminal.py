@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import asyncio
+import signal
 from collections.abc import Callable, Iterator
 from functools import partial
 from time import monotonic
@@ -246,7 +248,7 @@ class Form(ModalScreen[dict[str, str] | None]):
     def on_mount(self) -> None:
         """Have what is typed from now on go into the first field."""
         if self.focused is None:
-            self.query(Input).first().focus()
+            self.set_focus(self.query(Input).first())
 
     def on_input_submitted(self, event: Input.Submitted) -> None:
         """Go to the next field; after the last, return what was given."""
@@ -279,9 +281,12 @@ class PanelApp(App[None]):
         ("q", "quit", "Quit"),
         Binding("down,j,tab", "go(1)", "Next", key_display="↓", priority=True),
         Binding("up,k,shift+tab", "go(-1)", "Previous", key_display="↑", priority=True),
+        Binding("ctrl+down", "scroll(1)", "Scroll", key_display="^↓", priority=True),
+        Binding("ctrl+up", "scroll(-1)", show=False, priority=True),
         ("ctrl+r", "again", "Ask again"),
     ]
     ENABLE_COMMAND_PALETTE = False
+    AUTO_FOCUS = ""
 
     def __init__(self, live: LiveService, name: str = "") -> None:
         super().__init__()
@@ -305,8 +310,14 @@ class PanelApp(App[None]):
         return action != "go" or not isinstance(self.screen, Form)
 
     def action_go(self, by: int) -> None:
-        """Go to the next widget, or to the one before."""
-        self.screen.focus_next() if by > 0 else self.screen.focus_previous()
+        """Go to the next widget, or to the one before; where there is none, scroll."""
+        went = self.screen.focus_next() if by > 0 else self.screen.focus_previous()
+        if went is None:
+            self.action_scroll(by)
+
+    def action_scroll(self, by: int) -> None:
+        """Scroll by some lines: also to what only shows something."""
+        self._box.scroll_relative(y=3 * by, animate=False, immediate=True)
 
     def compose(self) -> ComposeResult:
         """Make the widgets."""
@@ -328,9 +339,16 @@ class PanelApp(App[None]):
     def on_mount(self) -> None:
         """Begin to follow the service."""
         self.title = self.live.name
+        for ending in (
+            signal.SIGHUP,
+            signal.SIGTERM,
+        ):  # the terminal is closed, or somebody ends it
+            asyncio.get_running_loop().add_signal_handler(ending, self.exit)
         self.set_interval(0.05, self._follow)
         self.set_interval(_LOOK_S, self._look)
         self._follow()
+        first = next((each for each in self._rows.values() if each.can_focus), None)
+        self.screen.set_focus(first, scroll_visible=False)  # what stands above it is seen
 
     def _follow(self) -> None:
         if not self._state.is_attached:

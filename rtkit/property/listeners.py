@@ -98,6 +98,8 @@ class Listeners:
             return self._names_event(place.name), None
         node = place.node
         assert node is not None
+        if "r" not in node.spec.access:
+            raise PropertyError("write-only", f"cannot be read: {listener.name}")
         if node.function is None:
             if listener.options.has_initial or node.value is None:
                 read(node)

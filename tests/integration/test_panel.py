@@ -240,6 +240,25 @@ def test_a_component_of_a_stranger_is_shut_in(place: str) -> None:
         assert page.troubles() == []
 
 
+class Drawn:
+    """Thing that brings along a page of its own for all of it, and takes what nobody can get."""
+
+    def gui(self) -> rtkit.Gui:
+        return rtkit.Gui(html="<title>all of it</title>")
+
+    def set_event(self, name: str) -> None:
+        """Take an event."""
+
+
+def test_a_service_has_a_page_for_all_of_it_and_fields_that_are_only_set(place: str) -> None:
+    with shown(Drawn(), place, "/ps/robots/r1") as (_, page):
+        page.wait_for(f"{widget('event', 'input')}")
+        page.click('rt-frame[data-of=""] button')
+        page.wait_for("document.querySelector('iframe')?.src.endsWith('/ps/robots/r1/gui.html')")
+        assert page.evaluate(f"{widget('event', 'input')}.value") == ""
+        assert page.troubles() == []
+
+
 class Rover:
     velocity: Annotated[
         tuple[float, float, float, float, float, float], rtkit.Range(-2, 2), rtkit.Returns(0.4)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import re
 import signal
 import sys
@@ -92,6 +93,19 @@ def test_a_panel_in_a_terminal(lamp: Any) -> None:
         terminal.type("q")
         assert terminal.status() == 0
     assert lamp.run("rtget panel.level").err.startswith("rtget: panel.level: no-service: ")
+
+
+@pytest.mark.parametrize("ending", [signal.SIGHUP, signal.SIGTERM])
+def test_a_panel_that_is_ended_leaves_no_service(lamp: Any, ending: signal.Signals) -> None:
+    environment = {**lamp.environment, "TERM": "xterm-256color"}
+    line = lamp.command("rtgui home/lamp --as panel")
+    with opened(line, environment, lamp.folder) as terminal:
+        screen = Screen(terminal)
+        screen.until(r"level [^\n]*0.5\b")
+        os.kill(terminal.pid, ending)
+        assert terminal.status() == 0
+    why = "rtget: panel.level: no-service: no service named panel (there is home/lamp)\n"
+    assert lamp.run("rtget panel.level").err == why
 
 
 @pytest.mark.parametrize("way", ["--at {tcp} home/lamp.level", "{web}.level",

@@ -18,6 +18,7 @@ from simple_pid import PID
 
 from rtkit.property.annotations import Range, Unit
 from rtkit.property.codes import PropertyError
+from rtkit.property.messages import Answer
 from rtkit.property.objects import Exported
 from rtkit.property.requests import PropertyRequest, Requester
 from rtkit.property.service import Service
@@ -185,6 +186,10 @@ def test_access_follows_from_the_class() -> None:
     for name in ("kind", "broken", "fixed.x"):
         assert refused(service, name, "3") == "read-only"
     assert refused(service, "only") == "write-only"
+    answers: list[Answer] = []
+    ear = Requester("ear")
+    service.handle(PropertyRequest("only.listen", "self", answers.append, ear))
+    assert [each.error for each in answers] == ["write-only"]
     assert refused(service, "broken") == "internal"
     assert service.get("broken.meta.quality") == "bad"
 

@@ -30,7 +30,7 @@ class Source {
 
   // The component of a property itself, else what the GUI service has for its type.
   component({attributes: {name, type, forms}}) {
-    if (name && forms && itemTexts(forms).includes("html")) return at(`/${this.service}/${name}.gui.html`);
+    if (has(forms, "html")) return at(`/${this.service}/${name && `${name}.`}gui.html`);
     const known = typed(type, this.components, "html");
     return known && at(known);
   }
@@ -45,6 +45,8 @@ async function components(services, service, gui) {
   if (root) watched.set(listing, text);
   return {root, names: new Set(itemTexts(text))};
 }
+
+const has = (forms, form) => Boolean(forms) && itemTexts(forms).includes(form);
 
 const typesOf = (type) => type?.startsWith("(") ? itemTexts(type).map(read) : [(type ?? "").replace(/[[<].*/, "")];
 
@@ -73,7 +75,7 @@ async function description(service, part) {
 async function dressedBy(gui, service, known, used) {
   const {name, type, forms} = gui.attributes;
   const ofType = typed(type, known, "text");
-  const path = name && forms && itemTexts(forms).includes("text") ? `/${service}/${name}.gui.text` : ofType;
+  const path = has(forms, "text") ? `/${service}/${name && `${name}.`}gui.text` : ofType;
   const children = await Promise.all(gui.children.map((each) => dressedBy(each, service, known, used)));
   const made = {...gui, children};
   if (!path) return made;

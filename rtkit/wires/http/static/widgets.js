@@ -25,7 +25,8 @@ function drawn(tag, attributes = {}, ...content) {
   return made;
 }
 
-const short = (number) => write(Number.isInteger(number) ? number : +number.toPrecision(6));
+const short = (number) => write(Number.isInteger(number) ? number : Math.abs(number) >= 1e6 && Math.abs(number) < 1e15
+  ? Math.round(number) : +number.toPrecision(6));
 
 // A value as people read it: a text without its quotes, numbers not longer than needed.
 export function shown(value, text) {
