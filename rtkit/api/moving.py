@@ -99,6 +99,11 @@ def carry_out(session: Session, move: Move) -> None:
     owning.claim_one(session, record.facts.instance, record.manager)
     report = session.report
     try:
+        if plan.moves:
+            _hold(session, record)
+            now = uninterrupted(session.tree.snapshot)
+            survey = goal.survey(now, was)
+            plan = goal.plan(now, was)
         with step_times.noting(session, goal.system, was) as taken:
             applier = Applier(session.tree, goal, report, report, taken, survey, uninterrupted)
             applier.run(plan, was, rolls_back=True)
@@ -108,6 +113,23 @@ def carry_out(session: Session, move: Move) -> None:
                 _forget(record)
         raise
     _forget(record)
+
+
+def _hold(session: Session, record: MoveRecord) -> None:
+    """Have no value lost that is on its way; what fails here the plan does, or reports."""
+    from rtkit.deployment.moving import holding_steps
+
+    now = session.tree.snapshot()
+    facts = now.component(record.facts.instance)
+    if facts is None or facts.process != record.facts.process:
+        return  # it has begun before
+    there = {each.connector_id for each in now.connectors}
+    for steps in holding_steps(record):
+        left = [each for each in steps if getattr(each, "connector_id", "") in {"", *there}]
+        with suppress(RtkitError):
+            for result in session.tree.apply(left, is_ordered=False):
+                if not result.ok:
+                    session.verbose(result.why)
 
 
 def finish(move: Move) -> None:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from threading import Lock
-from typing import Generic, TypeVar, cast
+from typing import TYPE_CHECKING, Generic, TypeVar, cast
 
 from rtkit.component.buffer import AnyRing, Buffer, Pulled, Sink, Source, make_ring
 from rtkit.component.definition import definition_of
@@ -17,6 +17,9 @@ from rtkit.component.typenames import type_name
 from rtkit.errors import Malformed, Refused
 from rtkit.rtc.enums import PortType
 from rtkit.rtc.profiles import DEFINITION, ConnectorProfile, PortProfile
+
+if TYPE_CHECKING:
+    from rtkit.component.held_values import HeldValues
 
 T = TypeVar("T")
 P = TypeVar("P", bound="Port")
@@ -147,6 +150,11 @@ class InPort(DataPort[T]):
     def is_new(self) -> bool:
         """Return whether a value is there that was not read yet."""
         return any(len(buffer) for buffer in self._buffers)
+
+    @property
+    def unread(self) -> int:
+        """Number of values that have arrived and were not read yet."""
+        return sum(len(each) for each in self._buffers if not isinstance(each, Pulled))
 
     @property
     def lost(self) -> int:
@@ -318,6 +326,7 @@ class OutPort(DataPort[T]):
         self._encoding: set[str] = set()
         self._by_id: dict[str, Sink[T]] = {}
         self._pulled: dict[str, Buffer[T]] = {}
+        self._held: dict[str, HeldValues[T]] = {}
         self.written = 0
 
     def write(self, value: T) -> PortStatus:
@@ -394,6 +403,9 @@ class OutPort(DataPort[T]):
         test_of(self.data_type)  # made here, not in the period of the first value
         with self._lock:
             self._admit(connector_id)
+            held = self._held.pop(connector_id, None)
+            if held is not None:
+                held.resume(sink)
             self._by_id[connector_id] = sink
             if is_encoding:
                 self._encoding.add(connector_id)
@@ -406,10 +418,24 @@ class OutPort(DataPort[T]):
                 self._by_id[connector_id] = sink
                 self._find_way()
 
+    def hold(self, connector: ConnectorProfile) -> None:
+        """Close a push connector; what is written is kept for the next one of its id."""
+        from rtkit.component.held_values import HeldValues
+
+        connector_id = connector.connector_id
+        held: HeldValues[T] = HeldValues(self._options(connector).inport)
+        with self._lock:
+            self._dismiss(connector_id)
+            self._encoding.discard(connector_id)
+            self._by_id[connector_id] = held.write
+            self._held[connector_id] = held
+            self._find_way()
+
     def detach(self, connector_id: str) -> None:
         """Close a connector; a write that is under way may still reach it once."""
         with self._lock:
             self._dismiss(connector_id)
+            self._held.pop(connector_id, None)
             if self._by_id.pop(connector_id, None) is not None:
                 self._encoding.discard(connector_id)
                 self._find_way()

@@ -17,6 +17,7 @@ from rtkit import fault
 from rtkit.component import invocation
 from rtkit.component.base import Component
 from rtkit.component.invocation import CallRouting, CallTarget, Direct, Remote
+from rtkit.component.options import parse_options
 from rtkit.component.port import InPort, OutPort, Port
 from rtkit.component.reentrancy import Reentrancy
 from rtkit.component.service import ServicePort
@@ -34,6 +35,8 @@ from rtkit.rtc.profiles import ConnectorProfile
 from rtkit.rtc.serde import decode
 
 _log = late(__name__)
+_FLUSH_S = 1.0
+"""How long the values of a connector that is moved may take until they have arrived [s]."""
 MOST_ASIDE = 16
 """How many calls between components of one process run on threads of their own at a time."""
 _aside = threading.BoundedSemaphore(MOST_ASIDE)
@@ -76,6 +79,7 @@ class Connectors:
         self.operations: Operations = {
             **{op: partial(_with_connector, work) for op, work in opening.items()},
             "unlink": lambda message: self.cut(message["connector_id"]),
+            "hold": self._hold_values,
         }
 
     @property
@@ -92,6 +96,30 @@ class Connectors:
             elif isinstance(port, (OutPort, ServicePort)):
                 port.detach(connector_id)
         self._wiring.cut(connector_id)
+
+    def _hold_values(self, message: Message) -> object:
+        """Close a connector once all that was sent has arrived; its out port keeps what follows."""
+        id = message["connector_id"]
+        held = self._held.get(id)
+        outs = [port for port in held.ports if isinstance(port, OutPort)] if held else []
+        if held is None or not outs or parse_options(held.connector.properties).dataflow == "pull":
+            self.cut(id)
+            return ""
+        for port in outs:
+            port.hold(held.connector)
+
+        def run() -> None:
+            self._wiring.send_rest(id, _FLUSH_S)
+            self._host.post(finish)
+
+        def finish() -> None:
+            if self._held.get(id) is held:
+                held.ports = [port for port in held.ports if port not in outs]
+                self.cut(id)
+            self._host.answer(message, "")
+
+        start_thread(run, f"flush {id}")
+        return LATER
 
     def part(self, component: Component) -> None:
         """Close every connector at a component's own ports, those too that are being opened."""

@@ -7,19 +7,24 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from functools import partial
+from time import monotonic, sleep
 from typing import TYPE_CHECKING, Any
 
 from rtkit.component.base import Component
 from rtkit.component.context import ExecutionContext, always
 from rtkit.component.period import check_rate
+from rtkit.component.port import InPort
 from rtkit.container.composites import is_composite
 from rtkit.container.operations import LATER, ContainerServices, Operations, answer_code, in_time
 from rtkit.deployment.message import Message
 from rtkit.errors import Malformed, NotFound, Refused, RtkitError
+from rtkit.link.threads import start_thread
 from rtkit.rtc.enums import LifeCycleState, ReturnCode, Transition
 
 if TYPE_CHECKING:
     from rtkit.component.fsm import FsmComponent
+
+_DRAIN_STEP_S = 0.005
 
 
 class ExecutionContexts:
@@ -44,7 +49,19 @@ class ExecutionContexts:
                 self._later(message, code, _of_component(code, why, component))
 
         is_wanted = partial(in_time, message) if is_awaited else always
-        context.request(component, Transition(message["transition"]), done, is_wanted)
+
+        def request() -> None:
+            context.request(component, Transition(message["transition"]), done, is_wanted)
+
+        if message.get("drains_s"):
+
+            def run() -> None:
+                _drain(component, float(message["drains_s"]))
+                self._host.post(request)
+
+            start_thread(run, f"drain {component.instance}")
+        else:
+            request()
         return LATER if is_awaited else ""
 
     def _set_rate(self, message: Message) -> None:
@@ -243,3 +260,11 @@ def _texts(data: Any) -> dict[str, str]:
     if not isinstance(data, Mapping):
         raise Malformed("expected a table of texts")
     return {str(key): str(value) for key, value in data.items()}
+
+
+def _drain(component: Component, timeout_s: float) -> None:
+    """Wait until a component has read all that arrived, for so long at most [s]."""
+    until = monotonic() + timeout_s
+    ports = [port for port in component.ports.values() if isinstance(port, InPort)]
+    while any(port.unread for port in ports) and monotonic() < until:
+        sleep(_DRAIN_STEP_S)

@@ -179,6 +179,19 @@ class PortWiring:
     def _all_ends(self) -> list[_End]:
         return [end for ends in list(self._ends.values()) for end in ends]
 
+    def send_rest(self, connector_id: str, timeout_s: float) -> None:
+        """Send what publishers of a connector still have, and wait until all has arrived.
+
+        Each of both may take so long at most [s].
+        """
+        ends = list(self._ends.get(connector_id, ()))
+        for end in ends:
+            if isinstance(end, _Publisher):
+                end.finish(timeout_s)
+        for end in ends:
+            if isinstance(end, Outlet):
+                end.flush(timeout_s)
+
     def cut(self, connector_id: str) -> None:
         """Close what this process holds of a connector."""
         for end in self._ends.pop(connector_id, ()):
@@ -309,12 +322,21 @@ class _Publisher:
         self._options = options
         self._closed = threading.Event()
         self.write: Sink[Any] = self._ring.write
-        start_thread(self._run, f"publish {name}")
+        self._thread = start_thread(self._run, f"publish {name}")
 
     def close(self) -> None:
         """Send nothing more."""
         self._closed.set()
         self._ring.close()
+
+    def finish(self, timeout_s: float) -> None:
+        """Send what its policy would send of what is left, at once; then nothing more."""
+        self._closed.set()
+        self._thread.join(timeout_s)
+        options = self._options
+        while values := select(options.push_policy, self._ring, options.skip_count):
+            for value in values:
+                self._send(value)
 
     def _run(self) -> None:
         options = self._options

@@ -125,9 +125,14 @@ class Connect:
 
 @dataclass(frozen=True, slots=True)
 class Disconnect:
-    """Remove the connection of that id."""
+    """Remove the connection of that id.
+
+    Attributes:
+        holds: Its out port keeps what is written for the next connection of that id.
+    """
 
     connector_id: str
+    holds: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -166,12 +171,16 @@ class ChangeState:
     """Activate, deactivate or reset a component in one of its execution contexts.
 
     The answer comes when the transition is done, refused or failed; with `wait` false at once.
+
+    Attributes:
+        drains_s: How long it may take first until the component has read all that arrived [s].
     """
 
     instance: str
     context: str
     transition: Transition
     wait: bool = True
+    drains_s: float = 0.0
 
 
 @dataclass(frozen=True, slots=True)

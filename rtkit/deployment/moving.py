@@ -7,7 +7,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 
+from rtkit.deployment import actions as act
 from rtkit.deployment import extension
+from rtkit.deployment.actions import Action
 from rtkit.deployment.capture import SystemHeading, capture
 from rtkit.deployment.facts import ComponentFacts, Snapshot
 from rtkit.deployment.goal import DeploymentGoal
@@ -17,12 +19,15 @@ from rtkit.deployment.wanted import wanted
 from rtkit.errors import Refused
 from rtkit.fast_dataclass import dataclass, field, fields, replace
 from rtkit.profile.common import ExtensionProperty
+from rtkit.rtc.connector_properties import DATAFLOW_TYPE
 from rtkit.rtc.create import parse_create
-from rtkit.rtc.enums import LifeCycleState
+from rtkit.rtc.enums import LifeCycleState, PortType, Transition
 from rtkit.rtc.far_ends import split_far
 from rtkit.rtc.names import LOCAL, MANAGER_SUFFIX, split_manager
 from rtkit.rtc.profiles import ConnectorProfile
 
+_DRAIN_S = 2.0
+"""How long a component may take to read what has arrived before it ends [s]."""
 _HEADING = SystemHeading("1970-01-01T00:00:00", "move")
 
 
@@ -172,6 +177,36 @@ def wanted_move(record: MoveRecord) -> WantedSystem:
     system = wanted(profile, host, stand_ins=stand_ins, managers=record.managers[1:])
     moving = replace(system.components[0], may_move=True, more_names=tuple(more))
     return replace(system, components=(moving,))
+
+
+def holding_steps(record: MoveRecord) -> tuple[tuple[Action, ...], ...]:
+    """Return what comes before the plan of a move, so that no value on the way is lost.
+
+    What others write to the component is kept by their ports, it reads all that has arrived, then
+    what it wrote itself arrives.
+    """
+    facts = record.facts
+    name = facts.instance
+    pushed = [
+        each
+        for each in record.connectors
+        if each.properties.get("port.port_type") != PortType.SERVICE.value
+        and each.properties.get(DATAFLOW_TYPE, "push") != "pull"
+    ]
+    rest = tuple(
+        act.ChangeState(name, context.id, Transition.DEACTIVATE, drains_s=_DRAIN_S)
+        for context in facts.contexts
+        if context.owner == name and context.state == LifeCycleState.ACTIVE
+    )
+    into, out = (
+        tuple(
+            act.Disconnect(each.connector_id, holds=True)
+            for each in pushed
+            if each.ports[end].instance == name and each.ports[1 - end].instance != name
+        )
+        for end in (1, 0)
+    )
+    return into, rest, out
 
 
 def move_goal(record: MoveRecord) -> DeploymentGoal:

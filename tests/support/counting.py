@@ -1,4 +1,4 @@
-"""Components that count: one sends numbers, the other tells the last one and the gaps before it."""
+"""Components that count: one sends numbers, one passes them on, one tells the last and the gaps."""
 
 COUNTER = '''
 from rtkit.component import Component, OutPort, Time, TimedLong
@@ -42,4 +42,23 @@ class Checker(Component):
 
 def CheckerInit(manager):
     manager.register_factory(Checker)
+'''
+RELAY = '''
+from rtkit.component import Component, InPort, OutPort, TimedLong
+
+
+class Relay(Component):
+    """Pass numbers on."""
+
+    rate = 50.0
+    into = InPort(TimedLong)
+    out = OutPort(TimedLong)
+
+    def on_execute(self, context):
+        for value in self.into.read_all():
+            self.out.write(value)
+
+
+def RelayInit(manager):
+    manager.register_factory(Relay)
 '''

@@ -8,6 +8,10 @@ import signal
 from pathlib import Path
 from typing import Any
 
+import pytest
+from counting import CHECKER, COUNTER, RELAY
+from waiting import until
+
 ROOT = Path(__file__).parents[2]
 MOVE = "rtmove /localhost/Sample.rtc /localhost/m2.mgr/arm.mgr"
 WHERE = "/localhost/m2.mgr/Sample.rtc"
@@ -82,6 +86,44 @@ def test_a_component_moves_with_all_that_it_has(manager: Any) -> None:
     other = shell.run("rtmove /localhost/Sample.rtc /localhost/Sink.rtc")
     assert other.err == "rtmove: Not a manager, and not a slave: /localhost/Sink.rtc\n"
     assert is_whole(shell, "/localhost/Sample.rtc")
+
+
+@pytest.mark.parametrize("subscription", ["flush", "periodic"])
+def test_no_value_on_the_way_is_lost_whose_policy_keeps_it(manager: Any, subscription: str) -> None:
+    shell = manager
+    shell.ok("rtmgr start m2")
+    for kind, text in (("Counter", COUNTER), ("Relay", RELAY), ("Checker", CHECKER)):
+        (shell.modules / f"{kind}.py").write_text(text)
+        shell.ok(f"rtmgr -c {kind}?manager_name={kind.lower()} /localhost/manager.mgr")
+    policy = (
+        f"-p dataport.subscription_type={subscription} -p dataport.push_rate=50"
+        " -p dataport.publisher.push_policy=all"
+        " -p dataport.buffer.write.full_policy=block -p dataport.buffer.length=1000"
+    )
+    shell.ok(f"rtcon {policy} /localhost/Counter0.rtc:out /localhost/Relay0.rtc:into")
+    shell.ok(f"rtcon {policy} /localhost/Relay0.rtc:out /localhost/Checker0.rtc:into")
+    for kind in ("Checker", "Relay", "Counter"):
+        shell.ok(f"rtact /localhost/{kind}0.rtc")
+
+    def numbers() -> tuple[int, int]:
+        file = shell.folder / "count"
+        last, gaps = file.read_text().split() if file.exists() else ("0", "0")
+        return int(last), int(gaps)
+
+    place = "/localhost/Relay0.rtc"
+    for target, there in (
+        ("/localhost/manager.mgr/other.mgr", place),
+        ("/localhost/m2.mgr", "/localhost/m2.mgr/Relay0.rtc"),
+        ("/localhost/manager.mgr", place),
+        ("/localhost/manager.mgr/counter.mgr", place),
+    ):
+        before = numbers()[0]
+        until(lambda b=before: numbers()[0] > b + 20, "numbers")
+        done(shell, f"rtmove {place} {target}")
+        place = there
+        before = numbers()[0]
+        until(lambda b=before: numbers()[0] > b + 20, "numbers after the move")
+    assert numbers()[1] == 0
 
 
 def test_where_the_module_is_not_found_nothing_ends(manager: Any) -> None:

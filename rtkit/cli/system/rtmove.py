@@ -32,7 +32,12 @@ def main(
     /localhost/m2.mgr/arm.mgr; that of a linked host is /robot1/manager.mgr. The component ends here
     and is made there, with the configuration, rates, policy, names and connections that it has, and
     is Active again if it was. There is never more than one of its name. Its own variables begin
-    anew, and values that are on their way to it are lost.
+    anew.
+
+    Values on the way are lost only if the policy of their connection says so: what is written to it
+    meanwhile is kept by the ports that write, in a buffer of that policy and length; what has
+    arrived it reads before it ends, for which it has 2 s; what it wrote arrives first. Pull
+    connections and components that are not Active keep nothing that was not read.
 
     Whether it can be made there is asked before anything ends. When a step fails it is made here
     again. Where the command or a manager was killed, the same command goes on: until all is done,

@@ -406,6 +406,7 @@ def change_state(state: ManagerState, action: act.ChangeState) -> Procedure:
         "transition": action.transition.value,
         "wait": action.wait and is_sync != "NO",
         "instance": action.instance,
+        **({"drains_s": action.drains_s} if action.drains_s else {}),
     }
     _forgive(state, action)
     answer = yield Call(process, message, float(bound or 0))

@@ -199,7 +199,7 @@ def disconnect(state: ManagerState, action: act.Disconnect) -> Procedure:
         raise NotFound(f"no connection with id {action.connector_id}")
     peer = peer_of(connector)
     try:
-        yield from unwire(state, connector)
+        yield from unwire(state, connector, holds=action.holds)
     except Unreachable:
         if peer:  # its half is desired as before
             state.kept.untell(peer, action.connector_id)
@@ -210,10 +210,12 @@ def disconnect(state: ManagerState, action: act.Disconnect) -> Procedure:
     return (yield from notify_gone(state, peer, action.connector_id))
 
 
-def unwire(state: ManagerState, connector: ConnectorProfile, timeout_s: float = 0.0) -> Procedure:
+def unwire(
+    state: ManagerState, connector: ConnectorProfile, timeout_s: float = 0.0, *, holds: bool = False
+) -> Procedure:
     """Take a connector off both ends, the sending one first; a dead end is no obstacle.
 
-    A time-out of 0 means that of the batch [s].
+    A time-out of 0 means that of the batch [s]. A port that `holds` keeps what is written.
 
     Raises:
         Unreachable: An end that lives did not answer; it obeys when it can.
@@ -221,6 +223,7 @@ def unwire(state: ManagerState, connector: ConnectorProfile, timeout_s: float = 
     state.connectors.pop(connector.connector_id, None)
     message = {"op": "unlink", "connector_id": connector.connector_id}
     late: Unreachable | None = None
+    first = {**message, "op": "hold"} if holds else message
     ends = [state.process_of(end.instance) for end in connector.ports]
     for process in _distinct([each for each in ends if each is not None and each.is_ready]):
         if not process.is_ready:
@@ -229,7 +232,8 @@ def unwire(state: ManagerState, connector: ConnectorProfile, timeout_s: float = 
             yield Send(process, message)
             continue
         try:
-            yield Call(process, message, timeout_s, is_lasting=True)
+            yield Call(process, first, timeout_s, is_lasting=True)
+            first = message
         except Unreachable as error:
             late = error if process.is_alive else late
     if late is not None:
