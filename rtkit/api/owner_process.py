@@ -161,6 +161,13 @@ class SystemOwner:
                 host = split_manager(manager)[1]
                 if not host_links.is_linked(host) or _why_lost(host):
                     continue
+                if owned.is_pending and not self._lives(name, each.home):
+                    # It could not be made there: it is to be where it was, with its connections.
+                    owned = owned.moved(name, manager, time(), is_stale=False)
+                    owned = replace(owned, is_pending=True)
+                    owning.write(self._manager, owned)
+                    self._left_out.pop(owned.system, None)
+                    break
                 with connected(manager, _TIMEOUT_S) as tree:
                     owning.send_epoch({manager: tree}, self._manager, name, owned, _log.info)
                     if tree.snapshot().component(name) is not None:
@@ -172,6 +179,15 @@ class SystemOwner:
                 self._left_out.pop(owned.system, None)
                 owning.write(self._manager, owned)
         return owned
+
+    @staticmethod
+    def _lives(name: str, manager: str) -> bool:
+        """Return whether a component is in a manager, as far as that can be asked."""
+        from rtkit.api.gathering import connected
+
+        with connected(manager, _TIMEOUT_S) as tree:
+            facts = tree.snapshot().component(name)
+        return facts is not None and not facts.zombie
 
     def _carry_out(self, owned: OwnedSystem) -> None:
         """Lead the system to where its components are to be; lost hosts are left out."""

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 def claim(session: Session, document: SystemProfile, goal: DeploymentGoal) -> None:
     """Raise the epochs of components that a plan leads elsewhere than their owner has them."""
-    known = read(session.usual_manager, document.profile.id)
+    known = _own(session, document)
     if known is None:
         return
     homes = _homes(session, goal)
@@ -38,10 +38,23 @@ def claim_one(session: Session, name: str, home: str) -> None:
     """Raise the epoch of one component, which is moved by request, if its owner is here."""
     from rtkit.link import owned_files
 
-    for path in owned_files.of_manager(session.usual_manager):
+    for path in owned_files.of_manager(session.usual_manager) if _is_here(session) else ():
         known = decoded(owned_files.read(path))
         if known is not None and name in known.components:
             _moved(session, known, name, home)
+
+
+def _is_here(session: Session) -> bool:
+    """Return whether the manager that would own a system is of this host, where its files are."""
+    from rtkit.link.places import host_name
+    from rtkit.rtc.names import is_local_host
+
+    return is_local_host(session.tree.host, host_name())
+
+
+def _own(session: Session, document: SystemProfile) -> OwnedSystem | None:
+    """Return the record of a system, if its owner is here."""
+    return read(session.usual_manager, document.profile.id) if _is_here(session) else None
 
 
 def _moved(session: Session, known: OwnedSystem, name: str, home: str) -> OwnedSystem:
@@ -57,6 +70,8 @@ def note(session: Session, document: SystemProfile, goal: DeploymentGoal) -> Non
     from rtkit.deployment.owned import OwnedComponent, OwnedSystem
     from rtkit.fast_dataclass import replace
 
+    if not _is_here(session):
+        return
     name = document.profile.id
     known = read(session.usual_manager, name)
     homes = _homes(session, goal)
@@ -81,7 +96,7 @@ def give_up(session: Session, document: SystemProfile) -> None:
     """Own a system no more: its components may be anywhere again."""
     from rtkit.link import owned_files
 
-    known = read(session.usual_manager, document.profile.id)
+    known = _own(session, document)
     if known is None:
         return
     for name in known.components:

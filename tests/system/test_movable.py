@@ -203,6 +203,22 @@ def test_a_stopped_system_stays_so_and_a_killed_owner_goes_on(
     ended_on_robot1(applied)
 
 
+def test_what_cannot_be_made_elsewhere_is_where_it_was(
+    applied: Shell, hosts: list[FarHost]
+) -> None:
+    (applied.folder / "only.xml").write_text(profile().replace("Counter", "Only"))
+    hosts[0].write("/root/Only.py", COUNTER.replace("Counter", "Only"))
+    assert applied.run(f"rtteardown --exit {FILE}").status == 0
+    assert applied.run("rtapply only.xml").status == 0
+    cut(applied, hosts[0])
+    until(lambda: "impossible: Num" in trouble(applied), "the reason is told")
+    linked_again(applied, hosts[0])
+    until(lambda: not trouble(applied), "the owner has nothing left to do")
+    assert places(applied) == [THERE]
+    applied.ok("rtcheck only.xml")
+    assert applied.run("rtteardown --exit only.xml").status == 0
+
+
 def test_while_the_owner_is_away_nothing_moves(applied: Shell, hosts: list[FarHost]) -> None:
     pid = int(applied.ok("rtget /localhost/manager.mgr/pid"))
     hosts[0].link("down")
