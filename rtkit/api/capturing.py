@@ -54,11 +54,20 @@ def _host(server: str, snapshot: Snapshot) -> str:
 
 def _report_gaps(session: Session, snapshot: Snapshot) -> None:
     """Report parts that could not be saved, or only as they were last reported."""
+    from rtkit.rtc.far_ends import peer_of
+    from rtkit.rtc.names import LOCAL, MANAGER_SUFFIX
+
     for component in snapshot.components:
         if component.zombie:
             session.fail(f"not saved, zombie ({component.zombie}): {component.instance}")
         elif component.trouble:
             session.fail(f"saved as last reported ({component.trouble}): {component.instance}")
+    for connector in snapshot.connectors:
+        peer = peer_of(connector)
+        if peer:
+            host, _, manager = peer.rpartition("/")
+            path = f"/{host or LOCAL}/{manager}{MANAGER_SUFFIX}"
+            session.fail(f"not saved, its other end is below {path}: {connector.connector_id}")
 
 
 def _check_text(text: str) -> str:

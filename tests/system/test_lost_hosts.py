@@ -92,6 +92,14 @@ def test_the_links_of_a_manager_are_looked_at(fleet: Shell, line: str) -> None:
     assert json.loads(told.out.splitlines()[0])
 
 
+def test_a_saved_system_tells_what_leads_elsewhere(fleet: Shell) -> None:
+    told = fleet.run("rtcryo")
+    assert told.status == 0
+    assert told.err.splitlines() == [
+        f"rtcryo: not saved, its other end is below /robot{n}/manager.mgr: w{n}" for n in (1, 2)
+    ]
+
+
 @pytest.mark.parametrize("word", ["rtapply", "rtstart", "rtresurrect", "rtstate -g off"])
 def test_what_would_be_done_by_half_is_refused(fleet: Shell, word: str) -> None:
     told = fleet.run(f"{word} {FILE}")
