@@ -14,6 +14,7 @@ from rtkit.services.frames import Frames, compose, inverse, plain, transform
 from rtkit.services.sensor import MIDDLE, Pose6, Sensor
 
 Metres = rtkit.Unit("m")
+_SENSOR = rtkit.Word("sensor")
 _HALF_CIRCLE = tuple(math.radians(each) for each in range(-90, 91))
 
 
@@ -35,7 +36,7 @@ class Laser(_Mounted):
         bearings: Of the rays, from ahead counter-clockwise [rad].
     """
 
-    type: Final[tuple[str, ...]] = ("laser", "sensor")  # type: ignore[misc]
+    type: Final[tuple[rtkit.Word, ...]] = (rtkit.Word("laser"), _SENSOR)  # type: ignore[misc]
     range: Final[Annotated[tuple[float, ...], Metres]] = (0.0, 4.0)  # type: ignore[misc]
     unit: Final = "m"  # type: ignore[misc]
     bearings: Final[Annotated[tuple[float, ...], rtkit.Unit("rad")]] = _HALF_CIRCLE
@@ -62,7 +63,7 @@ class Laser(_Mounted):
 class Eye(_Mounted):
     """Sees objects ahead of it, within 1.2 rad and 5 m, unless a wall hides them."""
 
-    type: Final[tuple[str, ...]] = ("eye", "sensor")  # type: ignore[misc]
+    type: Final[tuple[rtkit.Word, ...]] = (rtkit.Word("eye"), _SENSOR)  # type: ignore[misc]
     range: Final[Annotated[tuple[float, ...], Metres]] = (0.0, 5.0)  # type: ignore[misc]
     unit: Final = "m"  # type: ignore[misc]
 
@@ -95,7 +96,7 @@ class Eye(_Mounted):
 class SimulatedCamera(_Mounted):
     """Pictures of the world as it stands when they are asked for."""
 
-    type: Final[tuple[str, ...]] = ("camera", "sensor")  # type: ignore[misc]
+    type: Final[tuple[rtkit.Word, ...]] = (rtkit.Word("camera"), _SENSOR)  # type: ignore[misc]
 
     def get_image(
         self,

@@ -249,6 +249,9 @@ def test_sensors_are_asked_of_the_world_as_it_stands(home: Any, client: rtkit.Cl
     (own,) = client.get("robots/r1.sensors.eye.markers")
     assert transform(client.get("robots/r1.location"), own.location) == pytest.approx(there)
     assert len(client.get("robots/r2.sensors.laser.ranges")) == 181
+    for name in client.get("robots/r2.sensors"):
+        assert client.get(f"robots/r2.sensors.{name}.type") == (name, "sensor")
+        assert client.get(f"robots/r2.sensors.{name}.type.meta.type") == "list<word>"
     feet = client.get("robots/r2.actuators.left_front.foot", frame="world")
     assert feet[2] == 0.0
     assert -2.5 < client.get("robots/r2.actuators.left_front.tibia") < 0
