@@ -32,6 +32,8 @@ _MISFIT, _MISFIT_SHARE = 0.3, 0.004
 """How far the corners of a mark may be from those of a square [pixels; of its side]."""
 _TRIALS = 60
 _LEAST_CONTRAST = 30.0
+_LEAST_RIM = 9
+"""Points of a rim that may tell a circle."""
 
 
 class Lens(NamedTuple):
@@ -160,13 +162,18 @@ def _circle(picture: Picture, rim: Any) -> tuple[float, float, float] | None:
     """
     import numpy as np
 
+    height, width = picture.shape[:2]
+    is_inside = (rim > 0).all(1) & (rim < (width - 1, height - 1)).all(1)
+    rim = rim[is_inside]  # the picture's own rim hides what is beyond
+    if len(rim) < _LEAST_RIM:
+        return None
     chance = np.random.default_rng(1)
     best, most, extent = None, 0.55 * len(rim), float(np.ptp(rim, 0).max())
     for _ in range(_TRIALS):
         fitted = _fit(rim[chance.choice(len(rim), 3, replace=False)])
         for _ in range(2):
             near = np.abs(_off(rim, fitted)) < 2 * _tolerance(fitted)
-            fitted = _fit(rim[near]) if near.sum() > 8 else fitted
+            fitted = _fit(rim[near]) if near.sum() >= _LEAST_RIM else fitted
         off = _off(rim, fitted)
         near = np.abs(off) < _tolerance(fitted)
         is_within = (off > 2 * _tolerance(fitted)).mean() < 0.02
@@ -176,9 +183,9 @@ def _circle(picture: Picture, rim: Any) -> tuple[float, float, float] | None:
         return None
     fitted = _fit(rim[best])
     edge = _edge(picture, fitted, rim[best])
-    if len(edge) > 8:
+    if len(edge) >= _LEAST_RIM:
         near = np.abs(_off(edge, _fit(edge))) < _tolerance(fitted)
-        fitted = _fit(edge[near]) if near.sum() > 8 else fitted
+        fitted = _fit(edge[near]) if near.sum() >= _LEAST_RIM else fitted
     x, y, radius = map(float, fitted)
     return x, y, radius
 
@@ -193,7 +200,8 @@ def _edge(picture: Picture, circle: Any, rim: Any) -> Any:
     turns = np.arctan2(rim[:, 1] - y, rim[:, 0] - x)[:: max(1, len(rim) // 180), None]
     places = (x + steps * np.cos(turns), y + steps * np.sin(turns))
     columns, rows = (each.astype(np.float32) for each in places)
-    rays = cv2.remap(picture, columns, rows, cv2.INTER_LINEAR).astype(np.float64)
+    border = cv2.BORDER_REPLICATE  # what is out of the picture is as its rim
+    rays = cv2.remap(picture, columns, rows, cv2.INTER_LINEAR, borderMode=border).astype(np.float64)
     own, other = rays[:, :15].mean(1)[:, None], rays[:, -10:].mean(1)[:, None]
     axis = own - other
     length = (axis * axis).sum(2)

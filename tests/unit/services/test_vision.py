@@ -107,6 +107,17 @@ def test_centres_are_within_two_pixels_also_of_what_is_hidden_in_part(
     )
 
 
+@pytest.mark.parametrize("hard", HARD)
+@pytest.mark.parametrize("place", [(305.0, 101.6), (560.3, 300.2), (620.6, 240.2), (30.1, 470.4)])
+def test_centres_are_within_two_pixels_at_the_rim_of_the_picture(
+    hard: dict[str, float], place: tuple[float, float]
+) -> None:
+    fine = pictures.canvas()
+    pictures.disc(fine, place, 85, (30, 220, 230))
+    (blob,) = seen(pictures.shown(fine, **hard), "blobs").methods["blobs"].get_result()
+    assert math.dist(blob.features["pixel"], place) < 2
+
+
 def _middle() -> tuple[float, float]:
     moments = cv2.moments(np.array([(70, 300), (170, 330), (140, 420), (60, 400)], np.float32))
     return moments["m10"] / moments["m00"], moments["m01"] / moments["m00"]
