@@ -17,7 +17,16 @@ import rtkit
 from rtkit import init_of
 from rtkit.services.asking import Asking
 from rtkit.services.device import LOOK_S, Device
-from rtkit.services.frames import ORIGIN, Frames, Pose, plain, transform, transform_covariance
+from rtkit.services.frames import (
+    ORIGIN,
+    Frames,
+    Pose,
+    is_number,
+    plain,
+    pose_of,
+    transform,
+    transform_covariance,
+)
 
 Pose6 = tuple[float, float, float, float, float, float]
 MIDDLE: Pose6 = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
@@ -80,7 +89,7 @@ class Sensor(Asking):
 
     def set_location(self, pose: Pose6) -> None:
         """Put the sensor elsewhere in its base [m, rad]."""
-        self._location = pose
+        self._location = pose_of(pose)
 
     def get_markers(self, frame: str = "base") -> list[rtkit.Marker]:
         """All that the sensor sees now, as markers in a frame."""
@@ -109,13 +118,13 @@ def moved(marker: rtkit.Marker, pose: Pose, frame: str) -> rtkit.Marker:
 
 
 def numbers(name: str, given: object, *counts: int) -> tuple[float, ...]:
-    """Return a setting that is so many numbers.
+    """Return a setting that is so many finite numbers.
 
     Raises:
         ValueError: It is not.
     """
     found = tuple(given) if isinstance(given, list | tuple) else ()
-    if len(found) in counts and all(isinstance(each, int | float) for each in found):
+    if len(found) in counts and all(is_number(each) and math.isfinite(each) for each in found):
         return tuple(map(float, found))
     raise ValueError(f"{name} is {' or '.join(map(str, counts))} numbers in brackets, not {given}")
 

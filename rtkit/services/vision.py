@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Final, Literal
 import rtkit
 from rtkit import init_of
 from rtkit.services import vision_methods
-from rtkit.services.frames import Frames, Pose, compose, transform
+from rtkit.services.frames import Frames, Pose, compose, pose_of, transform
 from rtkit.services.images import decode, encode, opencv
 from rtkit.services.sensor import MIDDLE, Pose6, Sensor, moved
 from rtkit.services.vision_methods import Lens
@@ -83,14 +83,22 @@ class CameraView:
     """Camera of a vision service.
 
     Attributes:
-        location: Pose of the camera in the frame of the vision service [m, rad].
         field: Angle from the left to the right of the picture [rad].
     """
 
     def __init__(self, store: PictureStore, field: float) -> None:
-        self.location: Pose6 = MIDDLE
+        self._location: Pose = MIDDLE
         self.field: Annotated[float, rtkit.Unit("rad"), rtkit.Range(0.01, 3.0)] = field
         self._store = store
+
+    @property
+    def location(self) -> Pose6:
+        """Pose of the camera in the frame of the vision service [m, rad]."""
+        return self._location  # type: ignore[return-value]
+
+    @location.setter
+    def location(self, pose: Pose6) -> None:
+        self._location = pose_of(pose)
 
     def get_source(self) -> str:
         """Property of a service that holds the picture; empty: the one that was SET."""

@@ -17,6 +17,7 @@ from rtkit.services.gps import Gps, NmeaReader, local
 from rtkit.services.input_events import EVENT
 from rtkit.services.joystick import Joystick, Pointer, _InputSensor
 from rtkit.services.sensor import DeviceSensor, Sensor
+from rtkit.services.vision import CameraView, PictureStore
 
 coordinate = st.floats(-50, 50)
 angle = st.floats(-math.pi, math.pi)
@@ -74,6 +75,19 @@ def test_a_sensor_that_sees_no_things_is_a_marker_with_its_reading() -> None:
     (marker,) = sensor.get_markers()
     assert (marker.location, marker.type) == ((1.0, 2.0, 0.0, 0.0, 0.0, 0.0), "sensor")
     assert marker.features == {"data": 3.5}
+
+
+@pytest.mark.parametrize("number", [math.nan, math.inf])
+def test_a_place_that_is_no_number_is_refused_and_the_old_one_kept(number: float) -> None:
+    sensor, place = Sensor((1, 2, 0, 0, 0, 0)), (number, 0.0, 0.0, 0.0, 0.0, 0.0)
+    camera = CameraView(PictureStore(lambda source: b"", "", 1.0), 1.2)
+    with pytest.raises(rtkit.PropertyError, match="finite"):
+        sensor.set_location(place)
+    with pytest.raises(rtkit.PropertyError, match="finite"):
+        camera.location = place
+    assert (sensor.get_location(), camera.location) == ((1, 2, 0, 0, 0, 0), (0,) * 6)
+    with pytest.raises(ValueError, match="6 numbers"):
+        Sensor(place)
 
 
 # input devices
