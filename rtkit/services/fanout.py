@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import operator
+import re
 import threading
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from contextlib import suppress
@@ -246,7 +247,7 @@ class Members:
 
 def _why(error: rtkit.PropertyError) -> str:
     """Return the text of an error without what it begins with, and without what else there is."""
-    return str(error).partition(f": {error.code}: ")[2].partition(" (there is ")[0]
+    return re.sub(r" \(there (is|are) .*", "", str(error).partition(f": {error.code}: ")[2])
 
 
 def _sent(value: Any) -> Any:

@@ -11,6 +11,8 @@ from typing import Literal, NamedTuple
 from rtkit.property.codes import PropertyError
 from rtkit.rtc.names import is_local_host
 
+_MOST_NAMED = 12
+"""Services that an error names all."""
 OwnerKind = Literal["service", "node", "host", "far", "far host"]
 
 
@@ -65,7 +67,13 @@ def parse(typed: str, cwd: str, services: Iterable[str], hostname: str) -> Prope
 
 
 def no_service(name: str, known: Sequence[str], more: str = "") -> PropertyError:
-    """Return the error that no service present has such a name."""
-    there = f"there is {' '.join(known) or 'none'}{more}"
+    """Return the error that no service present has such a name; of many, names those like it."""
     first = name.partition(".")[0]
+    there = f"there is {' '.join(known) or 'none'}{more}"
+    if len(known) > _MOST_NAMED:
+        from rtkit.rtc.nearest import nearest
+
+        near = nearest(first, known)
+        like = f", such as {' '.join(near)}" if near else ""
+        there = f"there are {len(known)}{like}{more}"
     return PropertyError("no-service", f"no service named {first} ({there})" if first else there)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from rtkit.tree.live_place import name_of_host, split
-from rtkit.tree.property_targets import parse
+from rtkit.tree.property_targets import no_service, parse
 
 
 @pytest.mark.parametrize(
@@ -54,3 +54,15 @@ def test_a_host_has_properties_too(typed: str, name: str | None) -> None:
 def test_the_longest_service_that_fits_is_meant(typed: str, service: str, name: str) -> None:
     assert parse(typed, "/", ["robots", "robots/r1"], "box")[1:3] == (service, name)
     assert parse(f"{typed}?a=1", "/", ["robots", "robots/r1"], "box")[3] == "a=1"
+
+
+def test_an_error_names_all_services_or_of_many_those_like_it() -> None:
+    for known, told in (
+        ([], "there is none"),
+        (["a", "b"], "there is a b"),
+        ([f"robots/r{at}" for at in range(100)], "there are 100, such as robots/r23"),
+        ([f"x{at}" for at in range(100)], "there are 100"),
+    ):
+        text = str(no_service("robts/r23.speed", known))
+        assert text.startswith(f"no service named robts/r23 ({told}"), text
+        assert len(text) < 120
