@@ -16,6 +16,19 @@ if TYPE_CHECKING:
     from rtkit.deployment.facts import ComponentFacts, Snapshot
 
 
+_ABSENT = "no "
+
+
+def device_absence(device: str) -> str:
+    """Return for which end a component is to be made again that waits for a device."""
+    return f"{_ABSENT}{device}"
+
+
+def is_device_absence(why: str) -> bool:
+    """Return whether a component that is to be made again waits for a device."""
+    return why.startswith(f"{_ABSENT}/")
+
+
 class ListingRow(NamedTuple):
     """One component in short.
 
@@ -55,10 +68,13 @@ class ListingRow(NamedTuple):
     @property
     def is_in_hand(self) -> bool:
         """Return whether it is dead, and its policy brings it back, or gave it up."""
-        return bool(self.zombie) and bool(self.due_s or self.given_up)
+        is_seen_to = self.due_s or self.given_up or is_device_absence(self.zombie)
+        return bool(self.zombie) and bool(is_seen_to)
 
     def coming(self, now_s: float) -> str:
         """Return in how long it comes back, from monotonic `now_s` [s] on; empty if it does not."""
+        if is_device_absence(self.zombie):
+            return "comes back with it"
         if not self.due_s:
             return ""
         left_s = self.due_s - now_s

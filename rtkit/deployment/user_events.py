@@ -11,7 +11,14 @@ from collections.abc import Iterable, Iterator, Mapping
 from typing import NamedTuple
 
 from rtkit.deployment.delta import Delta
-from rtkit.deployment.facts import ComponentFacts, Followed, ProcessFacts, RestartStatus, Snapshot
+from rtkit.deployment.facts import (
+    ComponentFacts,
+    Followed,
+    ProcessFacts,
+    RestartStatus,
+    Snapshot,
+)
+from rtkit.deployment.listing import is_device_absence
 from rtkit.rtc.enums import LifeCycleState
 from rtkit.rtc.profiles import ConnectorProfile, ExecutionContextProfile
 
@@ -185,9 +192,11 @@ def _restart_status(
         return
     if old.returning and not new.returning and not facts.zombie and new.took_s:
         detail = f"restart {new.restarts}, for {new.why}, after {new.took_s:.3f} s"
-        yield _of(SUPERVISION, facts, "", "MADE_AGAIN", detail)._replace(restart=new)
+        event = "DEVICE_APPEARED" if is_device_absence(new.why) else "MADE_AGAIN"
+        yield _of(SUPERVISION, facts, "", event, detail)._replace(restart=new)
     if new.returning and new.returning != old.returning:
-        yield _of(SUPERVISION, facts, "", "RETURNING", new.returning)
+        event = "DEVICE_GONE" if is_device_absence(new.returning) else "RETURNING"
+        yield _of(SUPERVISION, facts, "", event, new.returning)
     if new.given_up and not old.given_up:
         yield _of(SUPERVISION, facts, "", "GIVEN_UP", new.given_up)
     if new.degraded != old.degraded:

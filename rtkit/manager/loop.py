@@ -31,6 +31,7 @@ from rtkit.manager.core import events as ev
 from rtkit.manager.core.core import Core
 from rtkit.manager.core.event_ring import CORE, EventRing
 from rtkit.manager.core.requests import NOBODY, PendingRequests
+from rtkit.manager.device_watch import DeviceWatch
 from rtkit.manager.fault_guard import FaultGuard, header, select_but, text_of
 from rtkit.manager.following.following import Following
 from rtkit.manager.host_link_processes import HostLinkProcesses
@@ -128,14 +129,14 @@ class Loop:
             slave_supervisor.data_pattern, self._deadline_s, self._shortest_s, self._ask_for_stack
         )
         self._watchdog.watch(ev.OWN_PROCESS, core.state.pid)
+        self._devices = DeviceWatch(self._handle)
         self._descendants: Descendants | None = None
         self._limiter: Limiter | None = None  # made for the first slave with limits
         self.peers = Peers(core.state, self.post, self.requests.add, self.note_fault)
         self._stacks = open_stacks(slave_supervisor.data_pattern, core.state.pid)
         self._tidy_at = 0.0
         self._announce: dict[str, Callable[[str], object]] = {}
-        self._is_finished = False
-        self._is_closed = False
+        self._is_finished = self._is_closed = False
         self._selector = selectors.DefaultSelector()
         self._wake_read, self.wake_descriptor = os.pipe()
         for descriptor in (self._wake_read, self.wake_descriptor):
@@ -221,14 +222,15 @@ class Loop:
 
     def _all_duties(self) -> tuple[_Duty, ...]:
         """Return what is to be done at certain times; a new duty belongs here, and is guarded."""
-        supervisor, lines = self._slave_supervisor, self.connections
+        supervisor, lines, state = self._slave_supervisor, self.connections, self._core.state
         return (
             _Duty("settling", lambda: lines.deadline, lines.check_settled, is_each_turn=True),
             _Duty("timer", lambda: self._wake_at, self._tick),
             _Duty("zygote", lambda: supervisor.start_at, lines.restart_zygote),
             _Duty("callbacks", self._look_at, self._look),
             _Duty("limits", self._next_look_at_limits, self._look_at_limits),
-            _Duty("tidying", self._next_tidying, self._tidy),
+            _Duty("devices", lambda: self._devices.look_at, self._devices.look),
+            _Duty("tidying", lambda: self._tidy_at if state.components else None, self._tidy),
             _Duty("sweeping", lambda: supervisor.sweep_at, supervisor.sweep),
             _Duty("heartbeat", lambda: self.notifier.due_at, lambda: self.notifier.beat()),
         )
@@ -263,9 +265,6 @@ class Loop:
         assert self._limiter is not None
         for reached in self._limiter.look():
             self._handle(reached)
-
-    def _next_tidying(self) -> float | None:
-        return self._tidy_at if self._core.state.components else None
 
     def _limit(self, instruction: ev.LimitSlave) -> None:
         if self._limiter is None:
@@ -356,6 +355,7 @@ class Loop:
                 if isinstance(instruction, ev.StoreRows):  # replies wait for its outcome
                     why = f"a fault of the manager: {error}"
                     self.post(ev.RowsStored(instruction.number, why))
+        self._devices.watch(self._core.state.bound)
         self._guard.run("aftermath", self._follow_up, event)
 
     def _decide(self, event: ev.Event) -> Sequence[ev.Instruction]:

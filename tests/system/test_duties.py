@@ -27,7 +27,8 @@ from rtkit.manager.store import writer
 
 MANAGER = "/localhost/manager.mgr"
 HELD = Create(
-    "ConsoleIn?instance_name=Held&manager_name=held&rtkit.limit.memory=2G&rtkit.health.overrun=9:log"
+    "ConsoleIn?instance_name=Held&manager_name=held&rtkit.limit.memory=2G"
+    "&rtkit.health.overrun=9:log&rtkit.place.device=null"
 )
 SOURCES = [Path(module.__file__).read_text(encoding="utf-8") for module in (loop, writer)]
 POINTS = sorted({name for text in SOURCES for name in re.findall(r'point\("duty\.(\w+)"', text)})

@@ -30,11 +30,13 @@ def test_a_device_decides_and_a_component_that_keeps_without_it_stays(manager: S
     device.unlink()
     device.symlink_to("/dev/null")
     assert manager.run(f"rtapply {file}").status == 0
-    device.unlink()
-    assert manager.run(f"rtplan {file}").status == 1
     asked = {"device": f"{manager.folder}/cam?", "device_policy": "keep"}
     kept = free_profile(manager.folder / "kept.xml", In1=asked)
     assert "set policy of In1" in manager.ok(f"rtplan {kept}")
+    assert manager.run(f"rtapply {kept}").status == 0
+    device.unlink()
+    assert "nothing to do" in manager.ok(f"rtplan {kept}")
+    assert manager.run(f"rtplan {file}").status == 1
 
 
 def test_components_of_one_process_are_made_in_the_slave_of_one(manager: Shell) -> None:

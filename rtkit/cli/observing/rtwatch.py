@@ -76,7 +76,7 @@ def main(
     CONFIG_EVENT       a configuration set or parameter: changed, added, removed, activated
     FSM_EVENT          its state machine: state, structure, events
     SUPERVISION        its policy and rules of health: RETURNING MADE_AGAIN GIVEN_UP DEGRADED
-                       WELL STOPPED CRITICAL_STOP, with the reason
+                       WELL STOPPED CRITICAL_STOP DEVICE_GONE DEVICE_APPEARED, with the reason
     SYSTEM_STATE       a system that is followed (rtstate): to which state it came, or FOLLOWED
                        TRANSITION_FAILED WAITS NOT_FOLLOWED; with --system it is seen in what
                        lives: all conditions of the state hold

@@ -22,6 +22,7 @@ from rtkit.manager.core import events as ev
 from rtkit.manager.core.batches import STOPPING, Batches
 from rtkit.manager.core.change_feed import ChangeFeed
 from rtkit.manager.core.deletion import FINALISE_S, TERM_S, retire, stop_everything
+from rtkit.manager.core.devices import DeviceKeeper
 from rtkit.manager.core.durable_replies import DurableReplies
 from rtkit.manager.core.follows import Follows
 from rtkit.manager.core.health_monitor import HealthMonitor
@@ -30,6 +31,7 @@ from rtkit.manager.core.meetings import Meetings
 from rtkit.manager.core.metrics import MetricsCollector
 from rtkit.manager.core.modules import TRIAL
 from rtkit.manager.core.recovery import RESTORE_S, note_loss, repair, restore
+from rtkit.manager.core.required_devices import note_devices
 from rtkit.manager.core.state import ManagerState, Process
 from rtkit.manager.core.supervisor import Supervisor
 from rtkit.manager.core.tasks import Tasks
@@ -54,6 +56,7 @@ class Core:
         self._supervisor = Supervisor(state, self._tasks)
         self._batches = Batches(state, self._out, self._tasks, self._keeping, self._supervisor)
         self._announcer = ChangeFeed(state, self._out)
+        self._devices = DeviceKeeper(state, self._tasks, self._supervisor)
         self._limiting = Limiting(state, self._out, self._tasks)
         self._health_monitor = HealthMonitor(state, self._supervisor, self._tasks)
         self._survey = MetricsCollector(
@@ -91,6 +94,7 @@ class Core:
         self._reactions[type(event)](event)
         self._tasks.run(now)
         self._meetings.run(now)
+        self._devices.run(now)
         until = self._survey.run(now)
         self._tasks.run_new(now)  # what metrics have given cause for
         self._limiting.run()
@@ -125,6 +129,7 @@ class Core:
             ev.SpawnDisabled: lambda event: setattr(self.state, "barred", event.why),
             ev.SlaveStopped: lambda event: self._halted(event.key, event.is_halted),
             ev.SlaveOverLimit: lambda event: self._limiting.reached(event.key, event.why),
+            ev.DevicesSeen: self._devices.seen,
             ev.CallbackStuck: self._stuck,
             ev.ProcessInspected: lambda event: self._tasks.inspected(event.key),
             ev.StoreRead: self._remember,
@@ -165,6 +170,8 @@ class Core:
         is_same_boot = state.kept.begin_life(event.boot)
         state.kept.name_store(event.life)
         self._supervisor.recall(is_same_boot=is_same_boot)
+        for instance, desired in state.kept.components.items():
+            note_devices(state, instance, desired.create)
         for facts in list(state.kept.zombies.values()):
             if is_same_boot:
                 process = self._tasks.new_process(facts.process)
@@ -183,7 +190,12 @@ class Core:
             self._keeping.finish([act.Tick("", "")], [result], answer)
 
         self._is_restoring = self._meetings.is_open = True  # who reports from now on is late
-        self._tasks.begin(restore(self.state, self._supervisor.resume), RESTORE_S, done)
+        self._tasks.begin(restore(self.state, self._resume), RESTORE_S, done)
+
+    def _resume(self, now: float) -> None:
+        """Go on where an earlier manager was."""
+        self._supervisor.resume(now)
+        self._devices.run(now)
 
     # reports of processes
 

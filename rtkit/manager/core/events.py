@@ -252,6 +252,12 @@ class SlaveOverLimit(Event):
     why: str
 
 
+class DevicesSeen(Event):
+    """The devices were looked at that components require; these are absent."""
+
+    absent: tuple[str, ...]
+
+
 class CallbackStuck(Event):
     """A callback of a component exceeds its deadline; or, with no text, it goes on again.
 

@@ -12,6 +12,7 @@ from rtkit.errors import Refused
 from rtkit.manager.core.effects import Procedure
 from rtkit.manager.core.limiting import reserve
 from rtkit.manager.core.registration import remember
+from rtkit.manager.core.required_devices import note_devices
 from rtkit.manager.core.state import ManagerState, no_component
 from rtkit.rtc.create import parse_create
 
@@ -42,4 +43,5 @@ def set_policy(state: ManagerState, action: act.SetPolicy) -> Procedure:
     state.update(action.instance, create=create)
     state.kept.change(action.instance, create=create)
     (state.ruled.add if read_rules(action.policy) else state.ruled.discard)(action.instance)
+    note_devices(state, action.instance, create)
     return (yield from remember(state, action.instance))

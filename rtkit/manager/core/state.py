@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 
 from rtkit.deployment.facts import ComponentFacts, ProcessFacts, RestartStatus, Snapshot
 from rtkit.deployment.limits import Capacity, SlaveLimits
@@ -156,6 +156,8 @@ class ManagerState:
         returning: Instances that are to be restarted.
         unwell: Those of them that live, and are to be ended first.
         ruled: Instances with rules of health.
+        bound: Devices whose end ends components, by instance; replaced when that changes.
+        absent: Those of them that are not there.
         degraded: Which of those rules they break, by instance.
         limits: Limits of components that have any, by instance.
         capacity: Returns what this host has.
@@ -201,6 +203,8 @@ class ManagerState:
     returning: set[str] = field(default_factory=set)
     unwell: set[str] = field(default_factory=set)
     ruled: set[str] = field(default_factory=set)
+    bound: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+    absent: frozenset[str] = frozenset()
     degraded: dict[str, str] = field(default_factory=dict)
     limits: dict[str, SlaveLimits] = field(default_factory=dict)
     capacity: Callable[[], Capacity] = Capacity

@@ -14,6 +14,7 @@ from zlib import crc32
 from rtkit.deployment import actions as act
 from rtkit.deployment.actions import Result
 from rtkit.deployment.facts import ComponentFacts
+from rtkit.deployment.listing import is_device_absence
 from rtkit.deployment.supervision import WINDOW_S, RestartPolicy, RestartRule, at_end, at_health
 from rtkit.errors import Refused, RtkitError, Unreachable
 from rtkit.fast_dataclass import replace
@@ -31,7 +32,7 @@ from rtkit.rtc.enums import LifeCycleState, Transition
 _log = logging.getLogger(__name__)
 _REVIVE_S = 10.0
 """How long each step of a restart may take [s]."""
-_BREATH_S = 0.001
+BREATH_S = 0.001
 """Delay from the report of a component to the report of its restart [s]."""
 _STOP_S = 30.0
 """How long it may take to stop a system [s]."""
@@ -49,6 +50,11 @@ class Supervisor:
         self._state = state
         self._tasks = tasks
         self._early: list[tuple[list[str], str]] | None = None
+
+    @property
+    def is_early(self) -> bool:
+        """Return whether it is not known yet what an earlier manager left."""
+        return self._early is not None
 
     def policy(self, instance: str) -> RestartPolicy:
         """Return the policy of a component; one that is not desired is not restarted."""
@@ -79,7 +85,7 @@ class Supervisor:
         for instance, watched in list(kept.watched.items()):
             if instance not in kept.components:
                 kept.drop("watched", instance)
-            elif not watched.pending or instance in ended:
+            elif not watched.pending or instance in ended or is_device_absence(watched.pending):
                 continue
             elif lives(state, instance):
                 state.returning.discard(instance)
@@ -238,10 +244,10 @@ class Supervisor:
             still = [each for each in self._of_this(dues) if self._is_missed(each)]
             for instance in still:
                 if lives(state, instance):
-                    yield from _take_down(state, instance, why, failed)
+                    yield from take_down(state, instance, why, failed)
             still = [each for each in still if not lives(state, each)]
             yield from revive(state, still, failed)
-            yield Sleep(_BREATH_S)
+            yield Sleep(BREATH_S)
         finally:
             instances = self._of_this(dues)
             state.returning.difference_update(instances)
@@ -260,7 +266,12 @@ class Supervisor:
     def _of_this(self, dues: Mapping[str, tuple[float, ...]]) -> list[str]:
         """Return those for which no other restart is due by now."""
         watched = {each: self._state.watched(each) for each in dues}
-        return [i for i, w in watched.items() if not w.pending or w.ledger.times == dues[i]]
+        return [
+            instance
+            for instance, each in watched.items()
+            if (not each.pending or each.ledger.times == dues[instance])
+            and not is_device_absence(each.pending)
+        ]
 
     def _is_missed(self, instance: str) -> bool:
         """Return whether a component is desired, nothing usable exists, and nobody has reset it."""
@@ -291,7 +302,7 @@ def _is_in_error(facts: ComponentFacts) -> bool:
     return any(context.state is LifeCycleState.ERROR for context in facts.contexts)
 
 
-def _take_down(
+def take_down(
     state: ManagerState, instance: str, why: str, failed: Failed
 ) -> Generator[Yielded, Any, None]:
     """End a component that is bad, its process where that does not work; it stays desired."""

@@ -118,6 +118,16 @@ UPKEEP = {
         RestartStatus(3, "exit status 3", 0.1623),
         ["MADE_AGAIN restart 3, for exit status 3, after 0.162 s"],
     ),
+    "device gone": (
+        RestartStatus(),
+        RestartStatus(returning="no /dev/video0"),
+        ["DEVICE_GONE no /dev/video0"],
+    ),
+    "device there": (
+        RestartStatus(returning="no /dev/video0"),
+        RestartStatus(1, "no /dev/video0", 0.1),
+        ["DEVICE_APPEARED restart 1, for no /dev/video0, after 0.100 s"],
+    ),
     "dead again": (
         RestartStatus(2, "signal 9", returning="signal 9"),
         RestartStatus(3, "signal 9", returning="cannot create A: no"),

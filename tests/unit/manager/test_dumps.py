@@ -63,6 +63,7 @@ EVENTS: tuple[ev.Event, ...] = (
     ev.SlaveOverLimit(1, "memory"),
     ev.CallbackStuck(1, "A", "stuck", True),
     ev.ProcessInspected(1),
+    ev.DevicesSeen(("/dev/video0",)),
     ev.ContainerReported(1, MESSAGE),
     ev.TimerExpired(),
 )
