@@ -25,6 +25,7 @@ GROUPS = (
     "slaves",
     "managers",
     "hosts",
+    "links",
     "ports",
     "rates",
     "data",

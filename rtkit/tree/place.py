@@ -22,6 +22,9 @@ if TYPE_CHECKING:
 
 
 _Answer = TypeVar("_Answer")
+_PART_FOR_OTHERS = 0.4
+"""Part of the time-out that other managers and hosts may take: those that do not answer are named
+within 5 s."""
 
 
 def manager_of(path: Path) -> str:
@@ -184,11 +187,9 @@ def add_others(root: TreeNode, tree: Tree, path: Path, *, is_deep: bool) -> None
 def _of(
     ask: Callable[..., TreeNode], names: Iterable[str], tree: Tree | None, *, is_deep: bool
 ) -> list[Callable[[], TreeNode]]:
-    """Return what sends a request to each, with the time-out of the present connection."""
-    return [
-        partial(ask, name, tree.timeout_s if tree else DEFAULT_TIMEOUT_S, is_deep=is_deep)
-        for name in names
-    ]
+    """Return what sends a request to each, bounded by a part of the present time-out."""
+    bound_s = _PART_FOR_OTHERS * (tree.timeout_s if tree else DEFAULT_TIMEOUT_S)
+    return [partial(ask, name, bound_s, is_deep=is_deep) for name in names]
 
 
 def _at_once(asked: Sequence[Callable[[], _Answer]]) -> list[_Answer]:

@@ -45,3 +45,10 @@ def test_silence_is_told(stopped: Any, line: str, status: int) -> None:
     found, out, err = stopped.run(line)
     assert (found, SILENT in out + err) == (status, True)
     assert time.monotonic() - began < 9.0  # the usual time-out is 10 s
+
+
+def test_a_listing_of_all_waits_less_for_others_than_for_the_one_that_is_asked(
+    stopped: Any,
+) -> None:
+    assert "m2.mgr was not listed" in (told := stopped.run("rtls -R / --timeout 2").err)
+    assert "does not answer within 0.8 s" in told
