@@ -230,10 +230,14 @@ def _profile(owned: OwnedSystem) -> RtsProfile:
 
 
 def _why_lost(host: str) -> str:
-    """Return why a linked host cannot be reached; empty for one that can, and for none."""
+    """Return why a linked host cannot be reached; empty for one that can, and for none.
+
+    One whose link is just being made, as the manager here has begun, is not lost yet.
+    """
     if not host or not host_links.is_linked(host):
         return ""
-    return host_links.read(host).why
+    why = host_links.read(host).why
+    return "" if why == host_links.NOT_YET else why
 
 
 if __name__ == "__main__":

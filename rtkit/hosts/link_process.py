@@ -63,7 +63,7 @@ def main() -> None:
         comm.write(f"{host_links.COMM}{host.name}")
     signal.pthread_sigmask(signal.SIG_BLOCK, [signal.SIGCONT])  # `_keep` waits for it
     watch = ProcessWatch(os.getppid())
-    state = HostLink(host.name, manager, host.manager, "not linked yet", os.getpid())
+    state = HostLink(host.name, manager, host.manager, host_links.NOT_YET, os.getpid())
     host_links.write(state)
 
     def await_manager() -> None:

@@ -13,6 +13,8 @@ from rtkit.errors import Unreachable
 from rtkit.link import places
 
 _SUFFIX = ".link"
+NOT_YET = "not linked yet"
+"""Why a host cannot be reached while its link is being made for the first time."""
 COMM = "rtkit-> "
 """How the name of a process of a link begins."""
 

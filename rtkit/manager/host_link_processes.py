@@ -31,7 +31,11 @@ class HostLinkProcesses:
     def sync(self) -> None:
         """Have the links to the hosts that are desired, no others, and the owner if it owns any."""
         self._have(self._state.kept.hosts)
-        self._have_owner(is_wanted=bool(owned_files.of_manager(self._state.name)))
+        files = owned_files.of_manager(self._state.name)
+        if files and not self._state.kept.fences:  # of a manager that was stopped for good
+            for file in files:
+                owned_files.remove(file)
+        self._have_owner(is_wanted=bool(files and self._state.kept.fences))
 
     def _have(self, wanted: Mapping[str, str]) -> None:
         for name, (text, link) in [*self._links.items()]:
@@ -67,7 +71,7 @@ class HostLinkProcesses:
 
 
 def _link_process(manager: str, name: str, text: str) -> KeptProcess:
-    state = HostLink(name, manager, "", "not linked yet")
+    state = HostLink(name, manager, "", host_links.NOT_YET)
 
     def ended(how: str) -> None:
         why = f"the process of the link ended: {how}"
