@@ -101,8 +101,10 @@ def start(host: Host, near: Tree, show: Progress, *, replaces: bool, timeout_s: 
     return BroughtUp(done, found.was_running, found.its_build if _is_old(found) else "")
 
 
-def stop(host: Host, near: Tree | None, timeout_s: float) -> bool:
+def stop(host: Host, near: Tree | None, timeout_s: float, *, is_kept: bool = False) -> bool:
     """End the link to a host, then the manager there; return whether it ran.
+
+    What it holds is there again at its next start only if it `is_kept`.
 
     Raises:
         RtkitError: The host cannot be reached, or its manager does not end; the link has ended.
@@ -112,15 +114,15 @@ def stop(host: Host, near: Tree | None, timeout_s: float) -> bool:
         near.set("unlink_host", host.name)
     try:
         with connect(host, timeout_s) as connection:
-            return _stop(connection)
+            return _stop(connection, "keep" if is_kept else "stop")
     except RtkitError as error:
         ended = "; the link to it has ended" if is_linked else ""
         raise type(error)(f"{error}{ended}; its manager may still run") from error
 
 
-def _stop(connection: HostConnection) -> bool:
+def _stop(connection: HostConnection, word: str) -> bool:
     try:
-        return _ask(connection, "stop").was_running
+        return _ask(connection, word).was_running
     except Refused:
         if not far_side.look(connection).current:
             return False  # there is no rtkit yet, so no manager

@@ -65,13 +65,13 @@ def ask(
                 seen += len(line) + 1
                 on_line(line.decode("utf-8", "replace").strip())
             if len(text) > _MOST or time.monotonic() > deadline:
-                raise Refused(f"it writes without end: {_shown(text[:200])}")
+                raise Refused(f"it writes without end: {last_lines(text[:200])}")
         if found is None:
             channel.status_event.wait(timeout_s)
             # A link that breaks ends the text, too: only a program that ended has a status.
             if channel.exit_status < 0:
                 connection.ping()
-            raise Refused(_shown(text) or f"exit status {channel.exit_status}")
+            raise Refused(last_lines(text) or f"exit status {channel.exit_status}")
         return found
     except TimeoutError as error:
         raise Unreachable(f"{name}: no answer in {timeout_s:g} s") from error
@@ -103,7 +103,7 @@ def answer_in(text: bytes) -> str | None:
     return line.decode("utf-8", "replace") if mark and end else None
 
 
-def _shown(text: bytes) -> str:
+def last_lines(text: bytes) -> str:
     """Return the end of what a program writes, on one line."""
     lines = [each for each in text.decode("utf-8", "replace").splitlines() if each.strip()]
     own = [each for each in lines if not each.startswith(("installing ", "waiting "))]

@@ -9,7 +9,8 @@ from __future__ import annotations
 import json
 import os
 import posixpath
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from typing import NamedTuple
 
 from rtkit import fault
@@ -26,6 +27,22 @@ from rtkit.rtc.serde import decode_text
 _SILENT_S = 60.0
 """For how long nothing may come from a host while rtkit is made there [s]."""
 _CHUNK = 1 << 15
+_LONGEST = 1 << 20
+_TURN = """
+import fcntl, os, sys, time
+base = os.path.join(os.path.expanduser("~"), ".local", "share", "rtkit")
+os.makedirs(base, mode=0o700, exist_ok=True)
+with open(os.path.join(base, "turn"), "w") as lock:
+    while True:
+        try:
+            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            break
+        except OSError:
+            print("waiting")
+            time.sleep(0.5)
+    print(sys.argv[1] + "mine")
+    sys.stdin.read()
+"""
 _TIMES = 2
 """How often what is lacking is sent: it may stand behind the beginning of another file."""
 
@@ -71,7 +88,7 @@ def provision(
         Malformed: What it answers makes no sense.
         Unreachable: The connection ended.
     """
-    name, sent = connection.host.name, 0
+    name = connection.host.name
     # What has a version needs no room for another, if that is the one.
     far_side.check(far.obstacles(needs_room=not far.current), name)
     chosen = _chosen(name, far, show)
@@ -79,6 +96,13 @@ def provision(
         return Provisioned(chosen.id, False, 0)
     far_side.check(far.obstacles(), name)
     check()
+    with _turn(connection, show):
+        return _made(connection, chosen, show)
+
+
+def _made(connection: HostConnection, chosen: WheelSet, show: Progress) -> Provisioned:
+    """Have a version on a host; only one command at a time does."""
+    name, sent = connection.host.name, 0
     answer = _install(connection, chosen, show)
     for _ in range(_TIMES):
         if not answer.lacking:
@@ -95,6 +119,32 @@ def provision(
     for each in answer.removed:
         show(name, HostStep(f"rtkit {each} is removed, nothing uses it"))
     return Provisioned(chosen.id, answer.made, sent)
+
+
+@contextmanager
+def _turn(connection: HostConnection, show: Progress) -> Iterator[None]:
+    """Have no other command send to the host while inside: both would write to one file.
+
+    A program there holds a lock until its input ends, as it does when the connection breaks.
+    """
+    name = connection.host.name
+    channel = connection.open([connection.host.python, "-u", "-c", _TURN, far_program.MARK])
+    try:
+        channel.settimeout(_SILENT_S)
+        text = b""
+        while far_program.answer_in(text) is None:
+            data = channel.recv(1 << 12)
+            text += data
+            if not data or len(text) > _LONGEST:
+                why = far_program.last_lines(text + channel.recv_stderr(_LONGEST))
+                raise Refused(f"{name}: rtkit cannot be made there: {why}")
+            if b"waiting" in data:
+                show(name, HostStep("waiting for another command that sends there"))
+        yield
+    except TimeoutError as error:
+        raise Unreachable(f"{name}: no answer in {_SILENT_S:g} s") from error
+    finally:
+        channel.close()
 
 
 def _chosen(name: str, far: FarSide, show: Progress) -> WheelSet:

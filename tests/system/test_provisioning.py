@@ -286,8 +286,27 @@ def test_a_manager_of_another_version_is_refused_before_anything_is_sent(
     refused = shell_to.run("rtmgr start --host bare")
     assert refused.status == 1
     assert "bare: manager manager runs there with rtkit 0.0.9, as host bare; here is" in refused.err
-    assert far.run("ls", _BASE).split() == ["current", "lock", "versions"]
+    assert far.run("ls", _BASE).split() == ["current", "lock", "turn", "versions"]
     assert "is new there" in shell_to.ok("rtmgr start --host bare --replace")
+    shell_to.ok("rtmgr stop --host bare")
+
+
+def test_two_commands_at_once_make_one_host_ready_one_after_the_other(
+    shell_to: Shell, far: FarHost
+) -> None:
+    both = [shell_to.open("rtmgr start --host bare") for _ in range(2)]
+    told = [each.communicate(timeout=60.0) for each in both]
+    assert [each.returncode for each in both] == [0, 0], told
+    assert len([out for out, _ in told if "is new there" in out]) == 1
+    shell_to.ok("rtmgr stop --host bare")
+
+
+def test_a_manager_is_stopped_with_all_kept_for_its_next_start(shell_to: Shell) -> None:
+    shell_to.ok("rtmgr start --host bare")
+    shell_to.ok("rtmgr -c ConsoleIn /bare/manager.mgr")
+    shell_to.ok("rtmgr stop --host bare --keep")
+    shell_to.ok("rtmgr start --host bare")
+    assert "ConsoleIn0.rtc" in shell_to.ok("rtls /bare")
     shell_to.ok("rtmgr stop --host bare")
 
 

@@ -9,8 +9,10 @@ from typing import TYPE_CHECKING
 
 from rtkit.cli.shared import terminal
 from rtkit.cli.shared.app import App
-from rtkit.errors import RtkitError, Unreachable, UsageProblem
+from rtkit.errors import Malformed, RtkitError, Unreachable, UsageProblem
 from rtkit.fast_dataclass import replace
+from rtkit.rtc.manager_address import is_address
+from rtkit.rtc.names import check_instance_name
 
 if TYPE_CHECKING:
     from rtkit.cli.shared.progress import Meter
@@ -20,7 +22,15 @@ if TYPE_CHECKING:
     from rtkit.tree.client import Tree
 
 
-def run_at_hosts(app: App, word: str, names: Sequence[str], manager: str, *, replaces: bool) -> int:
+def run_at_hosts(
+    app: App,
+    word: str,
+    names: Sequence[str],
+    manager: str,
+    *,
+    replaces: bool = False,
+    is_kept: bool = False,
+) -> int:
     """Start or stop the manager of each host; return the exit status.
 
     All are tried, at the same time. Each that failed is told at once, with its step, and each that
@@ -34,7 +44,7 @@ def run_at_hosts(app: App, word: str, names: Sequence[str], manager: str, *, rep
     app.warn(ssh_config.remarks(hosts))
     near = _near(app) if word == "start" else _near_if_running(app)
     try:
-        found = _at_all(app, hosts, _work(app, word, near, replaces=replaces))
+        found = _at_all(app, hosts, _work(app, word, near, replaces=replaces, is_kept=is_kept))
     finally:
         if near is not None:
             near.close()
@@ -47,6 +57,7 @@ def _hosts(word: str, names: Sequence[str], manager: str) -> list[Host]:
 
     Raises:
         NotFound: A host is not known.
+        Malformed: A manager cannot have that name.
         UsageProblem: The name of the manager is that of a host.
     """
     from rtkit.hosts import inventory
@@ -55,17 +66,22 @@ def _hosts(word: str, names: Sequence[str], manager: str) -> list[Host]:
     if manager in inventory.read():
         line = " ".join(f"--host {each}" for each in (*names, manager))
         raise UsageProblem(f"{manager} is a host: rtmgr {word} {line} (--host before each)")
-    return [replace(host, manager=manager) for host in hosts] if manager else hosts
+    if not manager:
+        return hosts
+    if is_address(manager):
+        raise Malformed(f"an address is no name of a manager: {manager}")
+    check_instance_name(manager)
+    return [replace(host, manager=manager) for host in hosts]
 
 
 def _work(
-    app: App, word: str, near: Tree | None, *, replaces: bool
+    app: App, word: str, near: Tree | None, *, replaces: bool, is_kept: bool
 ) -> Callable[[Host, Progress], str]:
     """Return what is done for a host, and returns what was done."""
     from rtkit.hosts import bring_up
 
     def stop(host: Host, show: Progress) -> str:
-        was_running = bring_up.stop(host, near, app.timeout_s)
+        was_running = bring_up.stop(host, near, app.timeout_s, is_kept=is_kept)
         return f"{host.manager} {'ended' if was_running else 'did not run'}"
 
     def start(host: Host, show: Progress) -> str:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from rtkit.cli.shared import json_records, terminal
 from rtkit.cli.shared.app import App
-from rtkit.errors import Malformed, NotFound, Partial, Refused, Unreachable
+from rtkit.errors import Malformed, NotFound, Partial, Refused, Unreachable, UsageProblem
 from rtkit.link import places
 from rtkit.rtc.manager_address import is_address
 from rtkit.rtc.names import MANAGER_SUFFIX, check_instance_name
@@ -39,7 +39,10 @@ def run_word(
     if options.hosts:
         from rtkit.cli.hosts.far_managers import run_at_hosts
 
-        return run_at_hosts(app, word, options.hosts, typed, replaces=options.replaces)
+        if any(wanted):
+            raise UsageProblem("--host starts a manager as it is by default: no -f, -o, -p, -a, -i")
+        how = {"replaces": options.replaces, "is_kept": options.is_kept}
+        return run_at_hosts(app, word, options.hosts, typed, **how)
     if word in ("start", "run", "install"):
         return _launch(app, word, typed, wanted, options, shows)
     chosen = typed or places.usual_manager()

@@ -95,6 +95,26 @@ def test_a_host_without_its_option_is_no_name_of_a_manager(
         assert f"two is a host: {hint} (--host before each)" in capsys.readouterr().err
 
 
+@pytest.mark.parametrize(
+    ("line", "status", "why"),
+    [
+        ("start --host one -p 3000", 2, "no -f, -o, -p, -a, -i"),
+        ("start --host one -o a:b", 2, "no -f, -o, -p, -a, -i"),
+        ("start --host one -i", 2, "no -f, -o, -p, -a, -i"),
+        ("start --host one localhost:2810", 1, "an address is no name of a manager"),
+        ("start --host one a/b", 1, "instance name 'a/b' has"),
+        ("start --host four", 1, "no such host: four"),
+        ("restart --host one", 2, "--host is for rtmgr start and stop"),
+        ("start --host one --keep", 2, "--keep is for rtmgr stop"),
+    ],
+)
+def test_what_makes_no_sense_is_refused_before_a_host_is_asked(
+    line: str, status: int, why: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(line.split()) == status
+    assert why in capsys.readouterr().err
+
+
 def test_a_manager_of_another_name_is_named(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
