@@ -96,6 +96,8 @@ def test_services_there_are_asked_and_listed(fleet: Shell) -> None:
     assert "water" in fleet.ok(f"rtget --raw {target}.today.txt")
     assert fleet.ok(f"rtget {target}.type {target}/status") == '(storage)\n"ready"\n'
     assert "home/notes" in fleet.ok("rtget /robot1.services")
+    assert "quota" in fleet.ok(f"rtls {target}")
+    assert '"ready"' in fleet.ok(f"rtls -l {target}")
     assert fleet.ok("rtget localhost.hosts") == "(robot1 robot2 robot3)\n"
     for path, why in (
         (f"{target}.nix", "unknown: no such property: nix"),

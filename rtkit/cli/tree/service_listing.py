@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, cast
 
 from rtkit.cli.shared import terminal
 from rtkit.cli.shared.app import App, working_directory
-from rtkit.errors import Unreachable
+from rtkit.errors import RtkitError, Unreachable
 from rtkit.link.places import host_name
 
 if TYPE_CHECKING:
@@ -28,11 +28,28 @@ def service_at(typed: str) -> PropertyTarget | None:
 
     known = services()
     if not known:
-        return None
+        return _far_service_at(typed)
     from rtkit.tree.property_targets import parse
 
     place = parse(typed, working_directory(), known, host_name())
-    return place if place.service else None
+    return place if place.service else _far_service_at(typed)
+
+
+def _far_service_at(typed: str) -> PropertyTarget | None:
+    """Return the place in a service of a linked host that a path names, None if none does."""
+    from rtkit.link.host_links import is_linked
+
+    host, *rest = typed.strip("/").split("/")
+    if not (typed.startswith("/") and host and rest and is_linked(host)):
+        return None
+    from rtkit.tree.far_places import far_place
+    from rtkit.tree.property_targets import PropertyTarget
+
+    try:
+        place, kind = far_place(PropertyTarget.of_path(typed, typed), [host, *rest], (), _CALLS_S)
+    except RtkitError:
+        return None  # the tree says what there is, and what is not
+    return place if kind == "far" else None
 
 
 def above_services(typed: str) -> str:
