@@ -158,8 +158,12 @@ class PanelRow(Widget, can_focus=True):
                 set = partial(self._live.set, self.panel.name, given[self.panel.name])
                 self._panel_app.ask(self.panel.name, given[self.panel.name], set)
 
-        asked = [(self.panel, as_text(self.shown.value))]
-        await self.app.push_screen(Form(self.panel.name, asked), done)
+        text = as_text(self.shown.value)
+        if "\n" in text:  # a field has one line
+            self.shown.problem = "several lines: rtset with --file sets them"
+            self._panel_app.show(self)
+            return
+        await self.app.push_screen(Form(self.panel.name, [(self.panel, text)]), done)
 
     async def _start(self) -> None:
         def call(given: dict[str, str] | None) -> None:

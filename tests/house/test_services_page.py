@@ -21,3 +21,10 @@ def test_every_component_is_on_the_page() -> None:
 def test_every_class_is_where_the_page_says() -> None:
     for module, name in re.findall(r"`(rtkit\.services[\w.]*):(\w+)`", PAGE):
         assert isinstance(getattr(import_module(module), name), type)
+
+
+def test_the_first_light_has_25_lines_and_the_first_robot_40() -> None:
+    page = (ROOT / "docs" / "howto" / "write-a-service.md").read_text("utf-8")
+    for name, most in (("light", 25), ("robot", 40)):
+        (code,) = re.findall(rf"<!-- file: {name}\.py -->\n```python\n(.*?)```", page, re.DOTALL)
+        assert len([line for line in code.splitlines() if line.strip()]) <= most

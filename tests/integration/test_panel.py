@@ -221,6 +221,8 @@ def test_a_component_of_a_stranger_is_shut_in(place: str) -> None:
     with shown(robot, place, "/ps/robots/r1") as (served, page):
         served.owned(lambda: served.service.add("lamp.html", STRANGER, "text"))
         served.owned(lambda: served.service.add("lamp.title", "", "string"))
+        page.wait_for(f"{widget('lamp.title', 'input')}")  # what comes late moves the button
+        page.wait_for(f"{widget('lamp.html', 'textarea')}?.value")
         page.evaluate("""(() => {
             const frame = document.createElement("rt-frame");
             document.querySelector("main").append(frame);
@@ -256,6 +258,28 @@ def test_a_service_has_a_page_for_all_of_it_and_fields_that_are_only_set(place: 
         page.click('rt-frame[data-of=""] button')
         page.wait_for("document.querySelector('iframe')?.src.endsWith('/ps/robots/r1/gui.html')")
         assert page.evaluate(f"{widget('event', 'input')}.value") == ""
+        assert page.troubles() == []
+
+
+def test_a_text_keeps_its_lines_when_it_is_edited(place: str) -> None:
+    class Notes:
+        title: str = "one line"
+        body: rtkit.Text = rtkit.Text("a\nb")
+
+    with shown(Notes(), place, "/ps/robots/r1") as (_, page):
+        page.wait_for(f"{widget('body', 'textarea')}?.value === 'a\\nb'")
+        page.wait_for(f"{widget('title', 'input')}?.value === 'one line'")
+        page.click('[data-name="body"] textarea')
+        page.key("x")
+        page.key("Tab")
+        page.wait_for(f"{widget('body', 'textarea')}.value.includes('x')")
+        with rtkit.Client() as client:
+            page.wait_for(f"!{widget('body')}.isSettling")
+            text = client.get("robots/r1.body")
+            assert "x" in text.replace("\n", "", 1)
+            assert len(text.splitlines()) == 2
+            client.set("robots/r1.title", '"now\\ntwo"')
+        page.wait_for(f"{widget('title', 'textarea')}?.value === 'now\\ntwo'")
         assert page.troubles() == []
 
 

@@ -306,6 +306,21 @@ def test_what_is_only_shown_is_seen_too(place: str) -> None:
         run(work)
 
 
+def test_a_text_of_several_lines_is_not_put_into_one(place: str) -> None:
+    robot = Robot()
+    robot.title = "two\nlines"
+
+    async def work(app: PanelApp) -> None:
+        await until(lambda: "lines" in row(app, "title"))
+        app._rows["title"].focus()
+        press(app, "enter", "enter")
+        await until(lambda: "several lines: rtset with --file" in row(app, "title"))
+        assert robot.title == "two\nlines"
+
+    with rtkit.serve(robot, "robots/r1", is_on_zenoh=False):
+        run(work)
+
+
 def test_what_is_clicked_is_set(place: str) -> None:
     robot = Robot()
 

@@ -123,7 +123,7 @@ async function open() {
       const focused = document.activeElement?.closest("[data-name]")?.dataset.name;
       panel.draw(gui, new Source(service, known));
       shown = key;
-      if (focused) panel.querySelector(`[data-name="${CSS.escape(focused)}"] :is(input, select, button, [tabindex])`)?.focus();
+      if (focused) panel.querySelector(`[data-name="${CSS.escape(focused)}"] :is(input, textarea, select, button, [tabindex])`)?.focus();
     }
     document.title = `${[service, part].filter(Boolean).join("/")} – panel`;
     element("name").textContent = document.title.replace(" – panel", "");

@@ -92,7 +92,7 @@ export class Widget extends HTMLElement {
   }
 
   lock(isLocked) {
-    for (const each of this.body.querySelectorAll("input, select, button"))
+    for (const each of this.body.querySelectorAll("input, textarea, select, button"))
       each.disabled = isLocked || this.readOnly;
   }
 
@@ -122,8 +122,8 @@ export class Widget extends HTMLElement {
     }, 300);
   }
 
-  input(attributes) {
-    const made = make("input", {"aria-labelledby": `${this.id}-name`, disabled: this.readOnly, ...attributes});
+  input(attributes, tag = "input") {
+    const made = make(tag, {"aria-labelledby": `${this.id}-name`, disabled: this.readOnly, ...attributes});
     made.autocomplete = "off";
     return made;
   }
@@ -131,13 +131,19 @@ export class Widget extends HTMLElement {
 
 class TextField extends Widget {
   draw(body) {
-    this.field = this.input({type: this.is.kind === "number" ? "number" : "text", step: this.is.step ?? "any",
-                             min: this.is.min, max: this.is.max});
-    this.field.addEventListener("input", () => { this.isHeld = true; });
-    this.field.addEventListener("change", () => { this.isHeld = false; this.send(this.wanted()); });
-    this.field.addEventListener("keydown", (event) => { if (event.key === "Escape") this.leave(); });
-    this.field.addEventListener("blur", () => this.leave());
-    body.append(this.field);
+    this.field = body.appendChild(this.made(this.is.type === "text"));
+  }
+
+  // A text may have several lines: a field of one line would lose their ends.
+  made(isLong) {
+    const field = isLong ? this.input({rows: 6, spellcheck: false}, "textarea")
+      : this.input({type: this.is.kind === "number" ? "number" : "text", step: this.is.step ?? "any",
+                    min: this.is.min, max: this.is.max});
+    field.addEventListener("input", () => { this.isHeld = true; });
+    field.addEventListener("change", () => { this.isHeld = false; this.send(this.wanted()); });
+    field.addEventListener("keydown", (event) => { if (event.key === "Escape") this.leave(); });
+    field.addEventListener("blur", () => this.leave());
+    return field;
   }
 
   leave() {
@@ -150,7 +156,13 @@ class TextField extends Widget {
   }
 
   display(value, text) {
-    this.field.value = typeof value === "string" && this.is.type !== "any" ? value : text;
+    const wanted = typeof value === "string" && this.is.type !== "any" ? value : text;
+    if (wanted.includes("\n") && this.field.matches("input")) {
+      const field = this.made(true);
+      this.field.replaceWith(field);
+      this.field = field;
+    }
+    this.field.value = wanted;
   }
 }
 
