@@ -29,6 +29,9 @@ _TOKEN = re.compile(
     re.VERBOSE,
 )
 _FLAT = re.compile(r"\([^()<>\"{}\x00-\x08\x0b\x0c\x0e-\x1f\x7f-\x9f]*\)")
+_DECIMAL = r"[+-]?\d+\.\d+(?:e[+-]?\d+)?"
+_VECTOR = re.compile(rf"\({_DECIMAL}(?: {_DECIMAL})*\)", re.ASCII)
+"""A group of numbers as they are written here, which needs no look at each."""
 _NUMBER = re.compile(r"[+-]?(?:(\d+)|(?:\d+\.\d*|\.?\d+)(?:[eE][+-]?\d+)?|inf)|nan", re.ASCII)
 _ESCAPE = re.compile(r"\\(?:([\"\\nrt])|u\{([0-9A-Fa-f]{1,6})\}|)")
 _ESCAPED = {'"': '"', "\\": "\\", "n": "\n", "r": "\r", "t": "\t"}
@@ -112,6 +115,8 @@ def _flat(text: str, depth: int, budget: Budget) -> Value:
     tokens = text[1:-1].split()
     budget.items += len(tokens)
     budget.check()
+    if _VECTOR.fullmatch(text):
+        return tuple(map(float, tokens))
     atom = _atom
     return tuple([atom(token, 0) for token in tokens])
 
