@@ -39,6 +39,7 @@ GROUPS = (
     "prompt",
     "planner",
     "vision",
+    "secure",
     "table3",
 )
 _BUSY = 0.5

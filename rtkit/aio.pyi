@@ -13,8 +13,8 @@ from rtkit.api.system_profiles import Source, SystemProfile
 from rtkit.deployment.actions import Action, Result
 from rtkit.deployment.facts import ComponentFacts, Snapshot
 from rtkit.deployment.listing import Listing
+from rtkit.logs.logbook import LogEntry
 from rtkit.tree.api import Value
-from rtkit.tree.logbook import LogEntry
 
 T = TypeVar("T")
 

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from rtkit.api.ports import PortValue
     from rtkit.api.properties import Properties
     from rtkit.link.transport import Link
-    from rtkit.tree.logbook import LogEntry
+    from rtkit.logs.logbook import LogEntry
     from rtkit.tree.subscription import ManagerSubscription
 
 
@@ -285,14 +285,16 @@ class DataTree(client.Tree):
             NotFound: Nothing is at a path.
         """
         from rtkit.api import logs
+        from rtkit.logs.selection import Selection
 
         until = None if timeout_s is None else time.monotonic() + timeout_s
-        chosen = logs.selected(level, sources, text, since_s)
         with ScriptSession(self, self.notify) as session:
             named = paths or (f"/localhost/{self.manager}.mgr",)
-            tests = [logs.about(session, session.path(path)) for path in named]
-            wanted = logs.all_of(chosen, lambda entry: any(test(entry) for test in tests))
-            return begun(logs.follow(session, wanted, last, until, is_over=not follow))
+            subjects = tuple(logs.about(session.tree, session.path(path)) for path in named)
+            wanted = Selection(level, tuple(sources), text, since_s, subjects)
+            wanted.wanted()  # which tells whether there is such a level
+            read = logs.follow(session, session.tree, wanted, last, until, is_over=not follow)
+            return begun(read)
 
     def events(
         self, *paths: str, kinds: Iterable[str] = (), timeout_s: float | None = None

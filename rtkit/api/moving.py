@@ -57,7 +57,14 @@ def prepare(session: Session, path: Path, target: Path, *, lock: PlanLocks | Non
     """
     from rtkit.deployment.moving import before, move_goal
     from rtkit.fast_dataclass import replace
+    from rtkit.tree.place import is_far_address
 
+    for each in (path, target):
+        if each.elements and is_far_address(each.elements[0]):
+            raise Refused(
+                f"{each.typed} is reached over TLS: components are moved there by commands of that"
+                " host, or over a link to it (rthost add NAME USER@ADDRESS)"
+            )
     place = _place(target)
     record = _unfinished(path, place)
     if record is None:

@@ -62,13 +62,16 @@ def streams_of(
     from rtkit.component.typenames import type_by_name
     from rtkit.probe.port_spec import find_streams
     from rtkit.rtc.data_types import scoped_name
+    from rtkit.tree.clock import stamp_clock
 
     if any(each.is_pattern for each in ports):
         from rtkit.probe.port_pattern import expanded
 
         found = expanded(tree.snapshot(), ports, wanted, is_patient=is_patient)
         ports = [each for each, _ in found]
-    streams = find_streams(tree, ports, wanted, unnamed)
+    clock = stamp_clock(tree)
+    asked = find_streams(tree, ports, wanted, unnamed)
+    streams = tuple(each._replace(clock=clock) for each in asked)
     names = [scoped_name(each.data_type) for each in streams if not each.definition]
     if all(type_by_name(name) for name in names if name):
         return streams
@@ -112,8 +115,14 @@ def reading(
         Refused: A connection is not possible.
     """
     from rtkit.probe.probe import LOSSLESS, Probe, tap_ports
+    from rtkit.tree.connect import is_behind_tls
 
-    probe = Probe(tree, name, streams, tap_ports(streams), rate)
+    if is_behind_tls(tree):
+        from rtkit.probe.far_probe import FarProbe
+
+        probe: Probe = FarProbe(tree, name, streams, rate, writes=False)
+    else:
+        probe = Probe(tree, name, streams, tap_ports(streams), rate)
     probe.is_patient = refused is not None
     return _connected(probe, LOSSLESS if lossless else {}, refused)
 
@@ -131,8 +140,14 @@ def writing(
     See `reading`; `lossless` waits where a port has no room for a value.
     """
     from rtkit.probe.probe import LOSSLESS, SURE, Probe, out_ports
+    from rtkit.tree.connect import is_behind_tls
 
-    probe = Probe(tree, name, streams, out_ports(types))
+    if is_behind_tls(tree):
+        from rtkit.probe.far_probe import FarProbe
+
+        probe: Probe = FarProbe(tree, name, streams, 0.0, writes=True)
+    else:
+        probe = Probe(tree, name, streams, out_ports(types))
     return _connected(probe, LOSSLESS if lossless else SURE)
 
 

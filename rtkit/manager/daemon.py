@@ -38,7 +38,7 @@ from rtkit.manager.predecessor.crashes import unseen_crashes
 from rtkit.manager.predecessor.descendants import bear_mark, end_descendants
 from rtkit.manager.predecessor.stale_resources import end_lost
 from rtkit.manager.predecessor.unreported import checkpoints_of_the_dead, living_slaves
-from rtkit.manager.report import Report, execute_again
+from rtkit.manager.report import WANTED_VARIABLE, Report, execute_again
 from rtkit.manager.service_notifier import ServiceNotifier
 from rtkit.manager.slaves.slave_supervisor import SlaveSupervisor
 from rtkit.manager.store.writer import StoreWriter
@@ -109,7 +109,9 @@ def run(name: str, wanted: CommandLineSettings, is_shown: bool = False) -> int:
         report.give_up(str(error))
         return error.exit_code
     if loop.query_server.restart is not None:
-        execute_again(folder, loop.query_server.restart.report, loop.notifier.variables)
+        given = {} if is_shown else {WANTED_VARIABLE: wanted.to_text()}
+        taken_out = {**loop.notifier.variables, **given}
+        execute_again(folder, loop.query_server.restart.report, taken_out)
     return 1 if loop.has_failed else 0
 
 
@@ -307,6 +309,7 @@ def _open_endpoints(
     stack.callback(link.close)
     fault.point("manager.inner_open")
     loop.open_lines(link, zenoh_keys.service(host, name))
+    stack.callback(loop.query_server.logs.open(link, zenoh_keys.service(host, name)))
     link.serve(zenoh_keys.service(host, name), loop.post)
     fault.point("manager.serving")
     _open_front(state, session, endpoint, inner, warn, stack)
@@ -477,8 +480,8 @@ def catch_signals(post: Callable[[StopRequested], object], *, is_shown: bool) ->
 
 def main() -> int:
     """Run as a process of its own: name, and properties of the command line."""
-    name, wanted = sys.argv[1], wanted_from_text(sys.argv[2])
-    return run(name, wanted)
+    wanted = wanted_from_text(os.environ.pop(WANTED_VARIABLE))
+    return run(sys.argv[1], wanted)
 
 
 if __name__ == "__main__":

@@ -13,7 +13,7 @@ from rtkit import fault
 from rtkit.errors import Partial, Refused, Unreachable
 from rtkit.link import places
 from rtkit.manager.child_process import unmarked, withhold
-from rtkit.manager.report import ERROR, FAILURE, READY, READY_VARIABLE, WARNING
+from rtkit.manager.report import ERROR, FAILURE, READY, READY_VARIABLE, WANTED_VARIABLE, WARNING
 from rtkit.settings.configuration import CommandLineSettings
 
 _LONGEST_S = 86_400.0
@@ -41,8 +41,12 @@ def start(name: str, wanted: CommandLineSettings, timeout_s: float) -> Started:
     withhold()
     os.set_inheritable(ready_write, True)
     # -P: no file of this folder stands in for a standard module.
-    arguments = [sys.executable, "-P", "-m", "rtkit.manager.daemon", name, wanted.to_text()]
-    environment = {**unmarked(os.environ), READY_VARIABLE: str(ready_write)}
+    arguments = [sys.executable, "-P", "-m", "rtkit.manager.daemon", name]
+    environment = {
+        **unmarked(os.environ),
+        READY_VARIABLE: str(ready_write),
+        WANTED_VARIABLE: wanted.to_text(),  # there may be secrets in it, and others see arguments
+    }
     pid = _spawn(arguments, environment, places.output_file(name))
     os.close(ready_write)
     fault.point("start.spawned")

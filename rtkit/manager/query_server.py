@@ -8,6 +8,7 @@ from __future__ import annotations
 import itertools
 import json
 from collections.abc import Callable, Iterable, Iterator, Sequence
+from functools import partial
 from time import monotonic, time
 from typing import Any, NamedTuple
 
@@ -29,6 +30,7 @@ from rtkit.manager.core.history import TimedItem, history, to_text
 from rtkit.manager.core.operations import record
 from rtkit.manager.core.requests import PendingRequests
 from rtkit.manager.core.state import ManagerState
+from rtkit.manager.log_server import LogServer
 from rtkit.manager.report import open_report
 from rtkit.modules.creatable import lacking
 from rtkit.modules.describing import OfferedType, describe
@@ -54,6 +56,7 @@ class ManagerQueryServer:
         follow: Receives requests to follow a system, or not to.
         dump: Captures the last events, and returns what makes the text of them, on any thread.
         events: Captures the last events that may be about one component.
+        logs: Reads the logs for other hosts.
     """
 
     def __init__(self, state: ManagerState, requests: PendingRequests) -> None:
@@ -62,6 +65,7 @@ class ManagerQueryServer:
         self.follow: Callable[[Request], object] = lambda _request: None
         self.dump: Callable[[], Callable[[], str]] = lambda: lambda: ""
         self.events: Callable[[str], Callable[[], Iterable[TimedItem]]] = lambda _name: tuple
+        self.logs = LogServer(state.name)
         self._state = state
         self._requests = requests
         self._views: dict[str, str] = {}
@@ -116,6 +120,10 @@ class ManagerQueryServer:
             self._find(request)
         elif name == "host" and request.payload is not None:
             self._look_at_host(request, request.payload)
+        elif name == "logs" and request.payload is not None:
+            _aside(request, partial(self.logs.answer, request.payload))
+        elif name == "clock":
+            request.answer(Reply(repr(time())))
         elif name == "dump":
             _aside(request, self.dump())
         elif name.startswith("events/"):

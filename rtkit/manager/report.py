@@ -16,6 +16,8 @@ from collections.abc import Mapping
 from rtkit.errors import Malformed, Refused
 
 READY_VARIABLE = "RTKIT_READY"
+WANTED_VARIABLE = "RTKIT_WANTED"
+"""Variable with the properties of the command line, for a daemon."""
 READY = "ready"
 WARNING = "warning "
 FAILURE = "failure "

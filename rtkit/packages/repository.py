@@ -90,11 +90,12 @@ def opened(names: Sequence[str]) -> Iterator[Repositories]:
 
     Raises:
         NotFound: A folder is not there.
-        Refused: A git repository cannot be cloned.
+        Refused: A git repository cannot be cloned; an address has a secret in it.
     """
     found = Repositories({}, [])
     with ExitStack() as stack:
         for each in names:
+            _check_no_secret(each)
             if each.startswith("git+"):
                 found.folders[each] = stack.enter_context(_cloned(each))
             elif each.startswith(("http://", "https://")):
@@ -107,6 +108,15 @@ def opened(names: Sequence[str]) -> Iterator[Repositories]:
                     raise NotFound(f"no such repository: {each} (a folder, URL or git+URL)")
                 found.folders[each] = os.path.abspath(folder)
         yield found
+
+
+def _check_no_secret(name: str) -> None:
+    """Refuse an address that names who asks: pip and git are given it where others see it (ps)."""
+    parts = urlsplit(name.removeprefix("git+"))
+    if parts.password is not None or (parts.username and parts.scheme in ("http", "https")):
+        plain = f"{parts.scheme}://{parts.netloc.rpartition('@')[2]}{parts.path}"
+        hint = "write user and password into ~/.netrc, which pip and git read"
+        raise Refused(f"a secret in the address of a repository: {plain} ({hint})")
 
 
 @contextmanager

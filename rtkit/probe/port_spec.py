@@ -13,6 +13,7 @@ from rtkit.errors import Malformed, NotFound, Refused
 from rtkit.rtc.enums import PortType
 from rtkit.rtc.names import Path, is_glob, parse_path
 from rtkit.rtc.profiles import PortProfile, PortRef
+from rtkit.tree.clock import StampClock
 from rtkit.tree.resolve import component_of_port, no_port
 from rtkit.tree.view import build
 from rtkit.tree.wiring import Facts, ResolvedPort
@@ -48,12 +49,14 @@ class Stream(NamedTuple):
 
     Attributes:
         elsewhere: IDL of its type that another port has; for where these have none.
+        clock: Whose time stamps of its values are.
     """
 
     name: str
     ends: tuple[ResolvedPort, ...]
     formatter: str = ""
     elsewhere: str = ""
+    clock: StampClock = StampClock()
 
     @property
     def data_type(self) -> str:

@@ -54,8 +54,12 @@ class Summary(NamedTuple):
 class Stats:
     """Computes statistics of one stream's arrivals in bounded memory."""
 
-    def __init__(self, stamp: Stamp, numbers: Mapping[str, Number] = NO_NUMBERS) -> None:
+    def __init__(
+        self, stamp: Stamp, numbers: Mapping[str, Number] = NO_NUMBERS, ahead_ns: int = 0
+    ) -> None:
+        """Begin; time stamps are of a clock that is so much ahead of the one here [ns]."""
         self._stamp = stamp
+        self._ahead_ns = ahead_ns
         self._numbers = numbers
         self._fields: dict[str, deque[float]] = {name: deque(maxlen=_KEPT) for name in numbers}
         self._first_ns = self._last_ns = 0
@@ -78,7 +82,7 @@ class Stats:
         self._sizes.append(size)
         stamp = self._stamp(arrival.payload)
         if stamp:
-            self._latencies.append((arrival.time_ns - stamp) * 1e-9)
+            self._latencies.append((arrival.time_ns + self._ahead_ns - stamp) * 1e-9)
         for name, number in self._numbers.items():
             value = number(arrival.payload)
             if math.isfinite(value):

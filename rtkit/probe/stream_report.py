@@ -23,6 +23,9 @@ def lines_of(stream: Stream, summary: Summary) -> Iterator[str]:
         yield f"  size      {least}" + (f" to {most}" if least != most else "")
     if summary.latency_s is not None:
         yield f"  latency   {_times(summary.latency_s)}"
+        if stream.clock.offset_s:
+            ahead = f"{stream.clock.offset_s:+.4f} s (± {stream.clock.bound_s:.4f} s)"
+            yield f"  clock     of {stream.clock.host}, {ahead}, taken off"
     for name, spread in summary.fields.items():
         if spread is not None:
             yield f"  {name:<8}  {_numbers(spread)}"
@@ -40,6 +43,7 @@ def record_of(stream: Stream, summary: Summary, lost: int) -> dict[str, Any]:
         "bytes_per_s": summary.bytes_per_s,
         "interval_s": summary.interval_s._asdict() if summary.interval_s else None,
         "size_bytes": summary.size_bytes._asdict() if summary.size_bytes else None,
+        "clock": stream.clock._asdict(),
         "latency_s": summary.latency_s._asdict() if summary.latency_s else None,
         "fields": {name: each._asdict() if each else None for name, each in summary.fields.items()},
     }

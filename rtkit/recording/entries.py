@@ -17,27 +17,36 @@ class RecordedStream(NamedTuple):
         data_type: Name of the type of its values; empty where they may be of any.
         sources: Paths of the ports that it was recorded from.
         definition: IDL of the type, as a recording has it.
+        clock: Host whose clock the time stamps of its values are of; empty if that is not known.
+        offset_s: How far that was ahead of the one of the recorder [s].
+        bound_s: By how much that may have been wrong [s].
     """
 
     name: str
     data_type: str
     sources: tuple[str, ...] = ()
     definition: str = ""
+    clock: str = ""
+    offset_s: float = 0.0
+    bound_s: float = 0.0
 
 
 class RecordedValue(NamedTuple):
     """One value of a recording.
 
     Attributes:
-        time_ns: Its own time stamp, else when it arrived, Unix time [ns].
+        time_ns: Its own time stamp, by the clock of the recorder, else when it arrived, Unix
+            time [ns].
         arrived_ns: When it arrived, Unix time [ns].
         payload: The value in CDR.
+        offset_ns: By how much its own time stamp is later than `time_ns`, of another clock [ns].
     """
 
     channel: str
     time_ns: int
     arrived_ns: int
     payload: bytes
+    offset_ns: int = 0
 
 
 class Span(NamedTuple):

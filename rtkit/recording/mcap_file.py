@@ -16,7 +16,7 @@ from typing import IO, Any, Self
 
 from rtkit.component.definition import ENCODING, idl_of, name_of
 from rtkit.errors import Malformed
-from rtkit.recording.entries import Info, RecordedStream, RecordedValue, Span
+from rtkit.recording.entries import NANOSECONDS, Info, RecordedStream, RecordedValue, Span
 from rtkit.rtc.data_types import scoped_name
 
 CHUNK_S = 0.5
@@ -26,6 +26,8 @@ _CHUNK_BYTES = 512 * 1024
 _PROFILE = "rtkit"
 _META = "rtkit.recording"
 _MAX_RECORD = 1 << 30
+_LONGEST_S = 1e12
+"""Offset of a clock above which a file tells no sense [s]."""
 
 
 class RecordingWriter:
@@ -81,7 +83,11 @@ class RecordingWriter:
             channel.name,
             "cdr",
             number,
-            {"data_type": channel.data_type, "sources": "\n".join(channel.sources)},
+            {
+                "data_type": channel.data_type,
+                "sources": "\n".join(channel.sources),
+                **_of_clock(channel),
+            },
         )
 
     def write(self, entry: RecordedValue) -> None:
@@ -90,7 +96,8 @@ class RecordingWriter:
         number = self._numbers[entry.channel]
         self.count += 1
         # Viewers go by the first time, which is that of the arrival.
-        self._mcap.add_message(number, entry.arrived_ns, entry.payload, entry.time_ns, sequence)
+        stamp_ns = entry.time_ns + entry.offset_ns
+        self._mcap.add_message(number, entry.arrived_ns, entry.payload, stamp_ns, sequence)
         now = time.monotonic()
         if self._close_at is None:
             self._close_at = now + CHUNK_S
@@ -101,6 +108,22 @@ class RecordingWriter:
         """Close the present chunk, so that its values can be read."""
         self._mcap.flush()  # type: ignore[no-untyped-call]
         self._close_at = None
+
+
+def _of_clock(channel: RecordedStream) -> dict[str, str]:
+    """Return what a recording says of the clock of the time stamps; nothing if it is not known."""
+    if not channel.clock:
+        return {}
+    numbers = {"clock_offset_s": repr(channel.offset_s), "clock_bound_s": repr(channel.bound_s)}
+    return {"clock": channel.clock, **numbers}
+
+
+def _number(text: str) -> float:
+    try:
+        number = float(text)
+    except ValueError:
+        return 0.0
+    return number if abs(number) < _LONGEST_S else 0.0
 
 
 def _text_of(cls: type) -> str:
@@ -213,7 +236,16 @@ class _Walk:
             schema, definition = self._schemas.get(record.schema_id, ("", ""))
             named = record.metadata.get("data_type", "") or schema
             sources = tuple(filter(None, record.metadata.get("sources", "").split("\n")))
-            found = RecordedStream(record.topic, scoped_name(named), sources, definition)
+            about = record.metadata
+            found = RecordedStream(
+                record.topic,
+                scoped_name(named),
+                sources,
+                definition,
+                about.get("clock", ""),
+                _number(about.get("clock_offset_s", "")),
+                _number(about.get("clock_bound_s", "")),
+            )
             self.channels[record.topic] = found
         elif isinstance(record, records.Metadata) and record.name == _META:
             text = record.metadata.get("began_ns", "")
@@ -221,6 +253,10 @@ class _Walk:
                 self.began_ns = int(text)
 
     def _entry(self, message: Any) -> RecordedValue:
-        return RecordedValue(
-            self._names[message.channel_id], message.publish_time, message.log_time, message.data
-        )
+        name = self._names[message.channel_id]
+        channel = self.channels.get(name)
+        # Without a stamp of its own a value bears the time of its arrival, which needs no offset.
+        is_stamped = message.publish_time != message.log_time
+        offset_ns = round(channel.offset_s * NANOSECONDS) if channel and is_stamped else 0
+        time_ns = message.publish_time - offset_ns
+        return RecordedValue(name, time_ns, message.log_time, message.data, offset_ns)

@@ -52,7 +52,7 @@ def _status() -> Iterator[str]:
 
 def _log() -> Iterator[str]:
     from rtkit.link.places import state_dir
-    from rtkit.tree.logbook import Logbook
+    from rtkit.logs.logbook import Logbook
 
     logbook = Logbook(state_dir(), lambda _entry: True)
     try:

@@ -78,7 +78,7 @@ class Tree(ByPath, Closing):
         """
         from rtkit.deployment.listing import listing_from_text
 
-        return listing_from_text(self._view("listing"))
+        return listing_from_text(self.view("listing"))
 
     def snapshot(self) -> Snapshot:
         """Return everything that the manager knows.
@@ -145,7 +145,7 @@ class Tree(ByPath, Closing):
     def _plain(self, name: str) -> dict[str, Any]:
         import json
 
-        text = self._view(name)
+        text = self.view(name)
         try:
             return dict(json.loads(text))
         except (TypeError, ValueError) as error:
@@ -157,7 +157,7 @@ class Tree(ByPath, Closing):
         Raises:
             Unreachable: The manager does not answer in time.
         """
-        return self._view("dump")
+        return self.view("dump")
 
     def past_events(self, instance: str) -> list[tuple[float, str, str, str]]:
         """Return the last events about a component: time [s since 1970], event, subject, detail.
@@ -168,7 +168,7 @@ class Tree(ByPath, Closing):
         """
         import json
 
-        text = self._view(f"events/{zenoh_keys.escape(instance)}")
+        text = self.view(f"events/{zenoh_keys.escape(instance)}")
         try:
             rows = json.loads(text)
             return [
@@ -192,7 +192,7 @@ class Tree(ByPath, Closing):
         if not makings:
             return []
         try:
-            reasons = json.loads(self._view("lacking", json.dumps(makings)))
+            reasons = json.loads(self.view("lacking", json.dumps(makings)))
             return [str(why) for _, why in zip(makings, reasons, strict=True)]
         except (TypeError, ValueError) as error:
             raise Malformed(f"the manager's answer cannot be read: {error}") from error
@@ -209,7 +209,7 @@ class Tree(ByPath, Closing):
         from rtkit.link.devices import HostFacts
         from rtkit.rtc.serde import decode_text
 
-        return decode_text(HostFacts, self._view("host", json.dumps([*devices])))
+        return decode_text(HostFacts, self.view("host", json.dumps([*devices])))
 
     def apply(
         self, actions: Sequence[Action], *, is_ordered: bool = True, timeout_s: float | None = None
@@ -262,7 +262,7 @@ class Tree(ByPath, Closing):
         import json
 
         text = json.dumps(request) if request is not None else None
-        return self._view("lease", text)
+        return self.view("lease", text)
 
     @property
     def trees(self) -> dict[str, Tree]:
@@ -278,7 +278,7 @@ class Tree(ByPath, Closing):
         from rtkit.deployment.delta import FullSnapshot
         from rtkit.rtc.serde import decode_text
 
-        return decode_text(FullSnapshot, self._view("picture"))
+        return decode_text(FullSnapshot, self.view("picture"))
 
     def listen(self, line: str, receive: Callable[[str], object]) -> Callable[[], object]:
         """Have `receive` called with what the manager sends on a topic; return what ends that.
@@ -314,7 +314,7 @@ class Tree(ByPath, Closing):
             key += f"?id={request_id()}"
         return self._ask(key, as_text(value, f"value of {name}"), timeout_s)
 
-    def _view(self, name: str, payload: str | None = None) -> str:
+    def view(self, name: str, payload: str | None = None) -> str:
         """Ask for a view of what the manager knows, beside its properties."""
         return self._ask(zenoh_keys.extension_key(self._service, name), payload)
 

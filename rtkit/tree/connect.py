@@ -84,13 +84,20 @@ def connect_far(
     return tree
 
 
+def is_behind_tls(tree: Tree) -> bool:
+    """Return whether a manager is reached by a certificate, at its port for those."""
+    from rtkit.rtc.manager_address import is_address
+
+    return is_address(tree.place)
+
+
 def near_of(tree: Tree) -> Tree:
     """Return a connection to the manager of this host that links the one of a tree.
 
     It is that tree itself where that is of this host; else it shares its link.
 
     Raises:
-        Refused: There is no link, but a port of that host for certificates: no values pass there.
+        Refused: There is no link, but a port of that host for certificates: no calls pass there.
     """
     from rtkit.link import host_links
     from rtkit.rtc.names import is_local_host
@@ -98,7 +105,7 @@ def near_of(tree: Tree) -> Tree:
     if is_local_host(tree.host, host_name()):
         return tree
     if not host_links.is_linked(tree.host):
-        why = f"values of ports take a link to it (rthost add {tree.host} USER@ADDRESS)"
+        why = f"calls of services take a link to it (rthost add {tree.host} USER@ADDRESS)"
         raise Refused(f"manager {tree.manager} of host {tree.host} is reached over TLS: {why}")
     return Tree(tree.link, host_name(), host_links.read(tree.host).manager, tree.timeout_s)
 

@@ -58,9 +58,18 @@ def check_is_here(path: Path, what: str) -> None:
     Raises:
         Refused: It leads there; says that `what` is not possible.
     """
+    if is_on_another_host(path):
+        raise Refused(
+            f"{path.typed} is on host {path.elements[0]}: {what} only on this host so far"
+        )
+
+
+def is_on_another_host(path: Path) -> bool:
+    """Return whether a path leads to a linked host, or to the address of a manager elsewhere."""
     host = path.elements[0] if path.elements else ""
-    if is_far_address(host) or (host and not is_local_host(host, host_name()) and is_linked(host)):
-        raise Refused(f"{path.typed} is on host {host}: {what} only on this host so far")
+    return is_far_address(host) or (
+        bool(host) and not is_local_host(host, host_name()) and is_linked(host)
+    )
 
 
 def servers() -> list[str]:

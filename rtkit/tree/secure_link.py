@@ -21,13 +21,14 @@ from rtkit.link.deadline import with_deadline
 from rtkit.link.transport import Link
 from rtkit.property.codes import PropertyError
 from rtkit.property.exchange import Reply
-from rtkit.property.messages import Answer, PropertyEvent
+from rtkit.property.messages import Answer, Payload, PropertyEvent
 from rtkit.serving.event_loop import PropertyEventLoop
 from rtkit.wires.line.client import LineClient
 from rtkit.wires.line.provider_connection import LineConnection
 from rtkit.wires.secure import connected
 
 IDENTITY = "~identity"
+_TAP = "@x/tap/"
 _GRACE_S = 0.5
 _QUEUE = "queue=256&mode=all"
 _KINDS = {"timeout": "unreachable", "no-service": "unreachable", "busy": "unreachable"}
@@ -55,7 +56,11 @@ class SecureLink(Link, Closing):
 
     def send(self, key: str, payload: str | None, timeout_s: float) -> Callable[[], Reply]:
         """See `Link.send`."""
-        target, until = self._target(key), monotonic() + timeout_s
+        answer = self._ask(self._target(key), payload, timeout_s)
+        return lambda: _reply(answer())
+
+    def _ask(self, target: str, payload: Payload | None, timeout_s: float) -> Callable[[], Answer]:
+        until = monotonic() + timeout_s
         done, answers = threading.Event(), list[Answer]()
 
         def take(answer: Answer) -> None:
@@ -69,14 +74,30 @@ class SecureLink(Link, Closing):
             about = target if payload is not None else with_deadline(target, until)
             self._connection.ask(about, payload, str(next(self._ids)), take, until)
 
-        def reply() -> Reply:
+        def answer() -> Answer:
             # The other end answers in time, or says that nobody did.
             if not done.wait(max(0.0, until - monotonic()) + _GRACE_S):
                 raise Unreachable(f"no answer within {timeout_s:g} s")
-            return _reply(answers[0])
+            return answers[0]
 
         self._loop.post(ask)
-        return reply
+        return answer
+
+    def ask_tap(self, word: str, body: bytes, timeout_s: float) -> Callable[[], bytes]:
+        """Send a request to the tap of this connection (`rtkit.link.tap_messages`).
+
+        What is returned awaits the answer, once; it raises what went wrong.
+        """
+        answer = self._ask(quote(f"{_TAP}{word}", safe=""), body, timeout_s)
+
+        def awaited() -> bytes:
+            given = answer()
+            if given.error:
+                _reply(given).value()
+            text = given.payload
+            return text.encode("utf-8", "surrogatepass") if isinstance(text, str) else text
+
+        return awaited
 
     def listen(self, key: str, on_text: Callable[[str], object]) -> Callable[[], object]:
         """See `Link.listen`.

@@ -8,9 +8,10 @@ from __future__ import annotations
 import contextlib
 import json
 import socket
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 
 import pytest
+from clockkit import WallClock
 from forked import Commands
 from shells import Outcome, Shell, opened_shell
 
@@ -21,15 +22,19 @@ from rtkit.wires.secure import connected
 
 AT = "127.0.0.2"
 BOUND_S = 20.0
+NONE: Mapping[str, str] = {}
 
 
 class Robot:
     """The other host: commands there, and at its port as somebody."""
 
     def __init__(self, shell: Shell) -> None:
+        """Make its folders and keys; `more` variables are for what is started there."""
         self.shell = shell
         self.keys = str(shell.folder / "keys")
         self.port = 0
+        self.more: dict[str, str] = {}
+        self.clock: WallClock
         for name in ("robot.run", "robot.state"):
             (shell.folder / name).mkdir(mode=0o700)
         with pytest.MonkeyPatch.context() as patch:
@@ -69,6 +74,7 @@ class Robot:
         return self._with(
             RTKIT_HOSTNAME="robot1", RTKIT_KEYS=f"{self.keys}.robot1",
             RTKIT_RUNTIME_DIR=f"{folder}/robot.run", RTKIT_STATE_DIR=f"{folder}/robot.state",
+            **self.more,
         )  # fmt: skip
 
     def port_of(self, manager: str) -> int:
@@ -104,9 +110,11 @@ class Robot:
 
 
 @contextlib.contextmanager
-def opened_robot(commands: Commands) -> Iterator[Robot]:
+def opened_robot(commands: Commands, modules: Mapping[str, str] = NONE) -> Iterator[Robot]:
     """Start the manager of a robot, with two components, and end it."""
     with opened_shell(commands) as shell:
+        for name, text in modules.items():
+            (shell.modules / name).write_text(text)
         robot = Robot(shell)
         assert robot.there(f"rtmgr start -a --tls {AT}:0") == (0, "", "")
         robot.port = robot.port_of("manager")

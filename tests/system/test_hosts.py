@@ -153,7 +153,6 @@ def test_a_cut_link_is_told_at_once_and_heals(fleet: Shell, hosts: list[FarHost]
 @pytest.mark.parametrize(
     ("line", "why"),
     [
-        ("rtvlog /robot1/A0.rtc", "logs are read only on this host so far"),
         ("rtls /robot1/m2.mgr", "leads to its manager manager"),
     ],
 )
@@ -164,6 +163,17 @@ def test_what_is_not_yet_possible_on_another_host_is_said(
     assert told.status == 1
     assert why in told.err
     assert "robot1" in told.err
+
+
+def test_logs_of_hosts_are_merged(fleet: Shell) -> None:
+    for host in ("localhost", "robot1"):
+        fleet.ok(f"rtmgr -c ConsoleIn /{host}/manager.mgr")
+    shown = [json.loads(line) for line in fleet.ok("rtvlog --json --no-follow /").splitlines()]
+    assert {"localhost", "robot1", "robot2"} <= {record["host"] for record in shown}
+    assert [each["time"] for each in shown] == sorted(each["time"] for each in shown)
+    assert fleet.ok("rtvlog --no-follow /robot1/manager.mgr")
+    for host in ("localhost", "robot1"):
+        fleet.ok(f"rtmgr -d ConsoleIn0 /{host}/manager.mgr")
 
 
 def test_a_host_is_shown_as_a_whole_by_what_looks_on(fleet: Shell) -> None:

@@ -384,13 +384,6 @@ def test_who_listens_is_told_when_the_manager_is_back(robot: Robot) -> None:
     assert robot.there("rtmgr stop manager3") == (0, "", "")
 
 
-def test_values_of_ports_take_a_link(robot: Robot) -> None:
-    for line in ("rtprint -n 1 AT/ConsoleIn0.rtc:out", "rtinject -c 1 AT/ConsoleOut0.rtc:in"):
-        done = robot.by("owner1", line)
-        assert done.status == 1
-        assert "is reached over TLS: values of ports take a link to it" in done.err
-
-
 def test_the_manager_of_that_name_here_is_another_one(robot: Robot) -> None:
     """To stop the one at an address stops that one, though one of its name runs here."""
     robot.shell.ok("rtmgr start")

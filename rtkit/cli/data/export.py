@@ -108,6 +108,7 @@ def _as_json(channels: dict[str, RecordedStream]) -> Line:
             "ports": list(channel.sources),
             "type": channel.data_type,
             "received": json_records.time_text(entry.arrived_ns),
+            "clock": {"host": channel.clock, **json_records.picked(channel, "offset_s bound_s")},
             "value": plain(value),
         }
         return [json_records.line("value", record)]

@@ -108,6 +108,9 @@ def _lines(name: str, info: Info) -> Iterator[str]:
         if span is not None:
             yield f"  Indices: {span.first_index} to {span.last_index}"
             yield f"  Times: {_date(span.first_ns)} to {_date(span.last_ns)}"
+        if channel.clock:
+            ahead = f", {channel.offset_s:+.4f} s (± {channel.bound_s:.4f} s), taken off the times"
+            yield f"  Clock of time stamps: {channel.clock}{ahead * bool(channel.offset_s)}"
         yield "  Sources:"
         yield from (f"    {source}" for source in channel.sources)
 
@@ -264,7 +267,11 @@ def _write(
             probe.wait(until)
             return False
         probe.wait(due)
-        payload = entry.payload if pace.is_absolute else shifted(entry.payload, entry.time_ns)
+        payload = (
+            entry.payload
+            if pace.is_absolute
+            else shifted(entry.payload, entry.time_ns + entry.offset_ns)
+        )
         for port in outs[entry.channel]:
             probe.write(port, payload)
         count(index + 1)

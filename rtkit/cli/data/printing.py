@@ -71,8 +71,12 @@ class Counter(Sink):
         self._streams = streams
         self._is_json = options.is_json
         self._stats = {
-            name: Stats(stamp_reader(cls), _numbers(cls, options.fields))
-            for name, cls in types.items()
+            each.name: Stats(
+                stamp_reader(types[each.name]),
+                _numbers(types[each.name], options.fields),
+                round(each.clock.offset_s * 1e9),
+            )
+            for each in streams
         }
 
     def take(self, piece: Sequence[Arrival]) -> None:
@@ -212,7 +216,7 @@ def json_line(stream: Stream, decode: Callable[[bytes], Any], fields: tuple[str,
     from rtkit.probe.value_text import field_reader, plain
 
     readers = {text: field_reader(text) for text in fields}
-    ports = [str(end.path) for end in stream.ends]
+    ports, clock = [str(end.path) for end in stream.ends], stream.clock._asdict()
 
     def line(arrival: Arrival) -> str:
         value = decode(arrival.payload)
@@ -222,6 +226,7 @@ def json_line(stream: Stream, decode: Callable[[bytes], Any], fields: tuple[str,
             "ports": ports,
             "type": stream.data_type,
             "received": json_records.time_text(arrival.time_ns),
+            "clock": clock,
             "value": shown,
         }
         return json_records.line("value", record)

@@ -139,7 +139,8 @@ class _Stamps:
         from rtkit.recording.entries import RecordedStream
 
         sources = tuple(str(end.path) for end in stream.ends)
-        channel = RecordedStream(stream.name, stream.data_type, sources, stream.definition)
+        known = stream.data_type, sources, stream.definition
+        channel = RecordedStream(stream.name, *known, *stream.clock)
         self._sink.add_channel(channel, cls)
         self.of[stream.name] = stamp_reader(cls)
 

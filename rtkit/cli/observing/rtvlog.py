@@ -5,11 +5,12 @@ from __future__ import annotations
 import time
 from collections.abc import Sequence
 from contextlib import closing
+from functools import partial
 from typing import TYPE_CHECKING
 
 import click
 
-from rtkit.api.logs import LEVELS, about, about_name, all_of, pieces, selected
+from rtkit.api.logs import LEVELS, FarLogs, about, about_name, is_far, pieces
 from rtkit.cli.shared import terminal
 from rtkit.cli.shared.app import App, WrongArguments
 from rtkit.cli.shared.command import command
@@ -22,10 +23,12 @@ from rtkit.cli.shared.options import (
     option,
     several,
 )
-from rtkit.errors import Malformed, Unreachable
+from rtkit.errors import Malformed, RtkitError, Unreachable
+from rtkit.logs.selection import About, Selection
 
 if TYPE_CHECKING:
-    from rtkit.tree.logbook import LogEntry, Wanted
+    from rtkit.logs.logbook import LogEntry
+    from rtkit.tree.client import Tree
 
 _BEFORE = 10
 _STYLES = {
@@ -73,13 +76,14 @@ def main(
     duration_s: float | None = lasting(),
     is_json: bool = json_flag(),
     paths: tuple[str, ...] = arguments("PATH..."),
-) -> None:
+) -> int:
     r"""Print what components log.
 
     PATH is a component; a slave, for all that its process logs; a manager, for its own log and
     those of its slaves; or a directory, for the components in it; / for everything. What is there
-    comes first, then what is logged, in the order of time. Zombies, and components of a manager
-    that does not run, have logs too.
+    comes first, then what is logged, in the order of time. PATHs may be on several hosts, / is all
+    linked ones, too: the offsets of their clocks are told, and taken off their times. Zombies, and
+    components of a manager that does not run, have logs too.
 
     \b
     levels   FATAL ERROR WARN INFO NORMAL DEBUG TRACE VERBOSE PARANOID
@@ -95,44 +99,81 @@ def main(
     if not paths:
         raise WrongArguments("No component specified.")
     app.bound(duration_s)
-    is_meant, unlogged = _about(app, paths)
-    wanted = all_of(is_meant, selected(level, sources, grep, since_s))
+    Selection(level).wanted()  # which tells whether there is such a level
+    near, unlogged, far, failed = _about(app, paths)
+    chosen = Selection(level, sources, grep, since_s)
+    selection = chosen._replace(about=tuple(near)) if near else None
+    there = [FarLogs(tree, chosen._replace(about=tuple(each))) for tree, each in far.items()]
     is_tail = follow and since_s is None
     before = number if number is not None else _BEFORE if is_tail else None
-    show = _json if is_json else _text
+    show = _json if is_json else partial(_text, is_named=bool(far))
     until = None if duration_s is None else time.monotonic() + duration_s
-    with closing(pieces(app, wanted, before, until, is_over=not follow, unlogged=unlogged)) as read:
+    read = pieces(app, selection, before, until, is_over=not follow, unlogged=unlogged, far=there)
+    with closing(read):
         for piece in read:
             terminal.write_now([line for entry in piece for line in show(entry)])
+    return failed
 
 
-def _about(app: App, typed: Sequence[str]) -> tuple[Wanted, list[LogEntry]]:
-    """Return whether a record is about one of the paths, and records that are in no log yet."""
-    from rtkit.tree.place import check_is_here
+Far = dict["Tree", list[About]]
 
-    read = [app.path(each) for each in typed]
-    for path in read:
+
+def _about(app: App, typed: Sequence[str]) -> tuple[list[About], list[LogEntry], Far, int]:
+    """Return what of this host and of others paths name, and records that are in no log yet.
+
+    The last is the exit status for hosts that cannot be reached.
+    """
+    from rtkit.tree.place import is_on_another_host
+
+    near: list[About] = []
+    unlogged: list[LogEntry] = []
+    far: Far = {}
+    failed = 0
+    for path in [app.beside(each) for each in typed]:
         if path.port is not None:
             raise Malformed(f"Not a component: {path.typed}")
-        check_is_here(path, "logs are read")
-    unlogged: list[LogEntry] = []
-    try:
-        tests = [about(app, path) for path in read]
-    except Unreachable as error:
-        from rtkit.cli.observing.unseen import unseen_entries
+        try:
+            tree = app.tree_at(path)
+            (far.setdefault(tree, []) if is_far(tree) else near).append(about(tree, path))
+            is_everything = not path.elements and not is_far(tree)
+        except Unreachable as error:
+            if is_on_another_host(path):
+                raise
+            from rtkit.cli.observing.unseen import unseen_entries
 
-        app.fail(f"{error}; logs are looked for by name")
-        tests = [about_name(path) for path in read]
-        unlogged = list(unseen_entries(app.manager))
-    return lambda entry: any(test(entry) for test in tests), unlogged
+            app.fail(f"{error}; logs are looked for by name")
+            near.append(about_name(path))
+            unlogged += [] if unlogged else unseen_entries(app.manager)
+            is_everything = not path.elements
+        failed |= is_everything and _add_linked(app, far)
+    return near, unlogged, far, failed
 
 
-def _text(entry: LogEntry) -> list[str]:
+def _add_linked(app: App, far: Far) -> int:
+    """Add all of each linked host; return 1 if one cannot be reached."""
+    from rtkit.link.host_links import hosts
+
+    status = 0
+    for host in hosts():
+        try:
+            tree = app.tree_at(app.beside(f"/{host}"))
+            tree.get("manager.pid")
+        except RtkitError as error:
+            app.fail(str(error))
+            status = 1
+        else:
+            far.setdefault(tree, []).append(About())
+    return status
+
+
+def _text(entry: LogEntry, *, is_named: bool) -> list[str]:
     from datetime import datetime
 
     from rtkit.cli.shared.terminal import clock
+    from rtkit.rtc.names import LOCAL
 
     who = entry.component or entry.process
+    who = f"{entry.host or LOCAL}/{who}" if is_named else who
     head = f"[{who} {clock(datetime.fromisoformat(entry.time).timestamp())}] "
     first, *others = entry.message.split("\n")
     rest = f" <{entry.source}> {first}"
@@ -147,5 +188,6 @@ def _json(entry: LogEntry) -> list[str]:
 
     manager = entry.file.removesuffix(f".{entry.process}")
     fields = {**entry._asdict(), "manager": manager, "time": f"{entry.time[:-1]}000Z"}
+    fields["host"] = entry.host or "localhost"
     del fields["file"]
     return [line("log-record", fields)]

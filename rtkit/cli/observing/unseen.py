@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from rtkit.link import places
-from rtkit.tree.logbook import LogEntry
+from rtkit.logs.logbook import LogEntry
 
 
 def unseen_entries(manager: str) -> Iterator[LogEntry]:

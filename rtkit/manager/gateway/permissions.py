@@ -25,7 +25,9 @@ _OF_OPERATORS = (
     act.ActivateSet, act.ChangeState, act.Connect, act.Disconnect, act.RemoveSet,
     act.SetParameters, act.SetRate, act.Tick,
 )  # fmt: skip
-_VIEWS = ("listing", "snapshot", "part", "picture", "events", "lease", "line")
+_VIEWS = ("listing", "snapshot", "part", "picture", "events", "lease", "line", "clock")
+_QUESTIONS = ("logs",)
+"""Views of which the payload says what is wanted."""
 _NOT_FROM_AFAR = {
     "@/restart": "rtmgr restart",
     "@x/half": "a half of a connector",
@@ -70,7 +72,7 @@ def permission(name: str, payload: str | None) -> Permission:
     if name == "@/batch" and payload is not None:
         return _of_batch(batch_from_text(payload).actions)
     if mark == "@x":
-        is_view = payload is None and rest.partition("/")[0] in _VIEWS
+        is_view = (payload is None and rest.partition("/")[0] in _VIEWS) or rest in _QUESTIONS
         what = "look for modules" if rest == "lacking" else f"get {rest}"
         return Permission(VIEWER if is_view else ADMINISTRATOR, what)
     if payload is None or rest == "get_components_by_name":
@@ -93,17 +95,18 @@ def _of_batch(actions: Sequence[Action]) -> Permission:
 def _of_action(action: Action) -> Permission:
     role = OPERATOR if isinstance(action, _OF_OPERATORS) else ADMINISTRATOR
     if isinstance(action, act.ChangeState):
-        return Permission(role, f"{action.transition} {_shown(action.instance)}")
+        return Permission(role, f"{action.transition} {shown(action.instance)}")
     if isinstance(action, act.Connect):
         ports = " and ".join(str(each) for each in action.connector.ports)
         # The manager at the other end has not been asked who this is.
         role = ADMINISTRATOR if peer_of(action.connector) else role
-        return Permission(role, f"connect {_shown(ports)}")
+        return Permission(role, f"connect {shown(ports)}")
     verb = re.sub(r"(?<=[a-z])(?=[A-Z])", " ", type(action).__name__).lower()
     # Properties behind the type of what is made may be secrets.
     whom = str(getattr(action, type(action).__match_args__[0]))
-    return Permission(role, f"{verb} {_shown(whom.partition('?')[0])}")
+    return Permission(role, f"{verb} {shown(whom.partition('?')[0])}")
 
 
-def _shown(text: str) -> str:
+def shown(text: str) -> str:
+    """Return a name of a client as a record and a terminal show it."""
     return "".join(c if c.isprintable() else "?" for c in text)[:60]

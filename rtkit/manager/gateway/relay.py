@@ -25,6 +25,7 @@ from rtkit.link.zenoh import ZenohLink
 from rtkit.manager.core.secrets import HIDDEN, hidden_in_json, is_secret
 from rtkit.manager.gateway.permissions import ADMINISTRATOR, LOCK, VIEWER, Permission, permission
 from rtkit.manager.gateway.plan_locks import PlanLocksOfClients
+from rtkit.manager.gateway.taps import PREFIX, Taps
 from rtkit.property.access import EndpointLimits
 from rtkit.property.codes import PropertyError
 from rtkit.property.exchange import Reply
@@ -96,6 +97,7 @@ class ManagerRelay(PropertyProvider):
         self._service = zenoh_keys.service(identity.host, identity.manager)
         self._topics: dict[str, _Topic] = {}
         self._locks = PlanLocksOfClients(identity.host)
+        self._taps = Taps(host, identity.manager)
 
     def handle(self, ask: PropertyRequest) -> None:
         """See `PropertyProvider.handle`."""
@@ -123,12 +125,21 @@ class ManagerRelay(PropertyProvider):
             self._listen(topic, name, parameters, caller)
             ask.answer(DONE)
             return
+        if name.startswith(PREFIX) and ask.payload is not None:
+            self._tap(ask, name.removeprefix(PREFIX), caller)
+            return
         payload = ask.payload.decode() if isinstance(ask.payload, bytes) else ask.payload
         wanted = permission(name, payload)
         self._check(wanted, caller)
         if name == LOCK and payload is not None:
             payload = self._locks.stated(payload, caller, f"{caller.identity} at {caller.address}")
         self._pass_on(ask, name, payload, wanted)
+
+    def _tap(self, ask: PropertyRequest, word: str, caller: GatewayConnection) -> None:
+        def record(what: str, result: str) -> None:
+            caller.record(f"{what} at {self._identity.manager}", result)
+
+        self._taps.take(ask, word, caller, lambda wanted: self._check(wanted, caller), record)
 
     @staticmethod
     def _may(caller: GatewayConnection, role: str) -> bool:
@@ -224,6 +235,7 @@ class ManagerRelay(PropertyProvider):
 
     def forget(self, caller: Requester) -> None:
         """See `PropertyProvider.forget`: what it listens to ends, and the locks that it has."""
+        self._taps.forget(caller)
         for given in self._locks.left_by(caller):
             with suppress(Unreachable):
                 key = f"{self._service}/{LOCK}"

@@ -22,9 +22,9 @@ from rtkit.container.heartbeats import Heartbeats
 from rtkit.container.slave_checkpoint import SlaveCheckpoint
 from rtkit.link import places
 from rtkit.logs import outputs
+from rtkit.logs.logbook import Logbook
 from rtkit.logs.outputs import cut, forget_old, head
 from rtkit.manager.predecessor.crashes import unseen_crashes
-from rtkit.tree.logbook import Logbook
 
 CRASH = f"""Fatal Python error: Segmentation fault
 

@@ -134,3 +134,25 @@ def test_a_stream_of_bytes_has_the_schema_that_there_is(
     assert schema.data.decode() == definition
     info = RecordingReader(str(path)).info()
     assert info.channels[0] == stream._replace(data_type="V::T")
+
+
+def test_time_stamps_of_another_clock_are_put_right(tmp_path: Path) -> None:
+    stream = LONG._replace(clock="robot1", offset_s=30.25, bound_s=0.001)
+    payload = codec_for(TimedLong).encode(TimedLong(Time(1_000_030, 250_000_000), 7))
+    with open(tmp_path / "run.mcap", "xb") as file, RecordingWriter(file) as writer:
+        writer.add_channel(stream, TimedLong)
+        writer.write(RecordedValue("a", 1_000_030_250_000_000, 5, payload))
+        writer.write(RecordedValue("a", 9, 9, payload))  # of no stamp: when it arrived, here
+    reader = RecordingReader(str(tmp_path / "run.mcap"))
+    assert reader.info().channels == (stream._replace(definition=idl_of(TimedLong)),)
+    first, second = reader.entries()
+    assert (first.time_ns, first.offset_ns) == (1_000_000_000_000_000, 30_250_000_000)
+    assert (second.time_ns, second.offset_ns) == (9, 0)
+    assert first.payload == payload
+
+
+@pytest.mark.parametrize("text", ["", "soon", "nan", "inf", "1e300", "-1e300"])
+def test_an_offset_of_no_sense_is_none(tmp_path: Path, text: str) -> None:
+    from rtkit.recording import mcap_file
+
+    assert mcap_file._number(text) == 0.0

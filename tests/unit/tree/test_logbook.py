@@ -9,8 +9,8 @@ from pathlib import Path
 import pytest
 
 from rtkit.errors import Refused
+from rtkit.logs.logbook import Logbook
 from rtkit.logs.logfile import LogFile
-from rtkit.tree.logbook import Logbook
 
 
 def record(moment: int, message: str, component: str = "") -> bytes:

@@ -13,9 +13,9 @@ from rtkit.cli.shared.progress import metered_each
 from rtkit.errors import Refused, RtkitError
 
 if TYPE_CHECKING:
-    from rtkit.hosts.clock import ClockOffset
     from rtkit.hosts.far_side import FarSide
     from rtkit.hosts.host import Host
+    from rtkit.tree.clock import ClockOffset
 
     Found = tuple[FarSide, ClockOffset]
 

@@ -10,12 +10,12 @@ from rtkit.cli.shared.json_records import time_text
 from rtkit.container.exit_diagnostics import CRASH_HEAD, exit_diagnostics
 from rtkit.errors import NotFound
 from rtkit.link.places import state_dir
-from rtkit.tree.logbook import Logbook
+from rtkit.logs.logbook import Logbook
 
 if TYPE_CHECKING:
     from rtkit.deployment.facts import ComponentFacts, ProcessFacts
+    from rtkit.logs.logbook import LogEntry
     from rtkit.tree.client import Tree
-    from rtkit.tree.logbook import LogEntry
 
 _MANAGER = "rtkit.manager"
 """Loggers below this one tell what a manager did; where it labels a component, it is an event."""

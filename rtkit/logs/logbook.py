@@ -29,6 +29,9 @@ class LogEntry(NamedTuple):
         process: Name of the manager or slave that wrote it.
         component: Instance name, if code of a component wrote it.
         source: Name of the logger; that of a component is its instance name.
+        host: Where it was logged; empty for this host.
+        offset_s: By how much the clock there was ahead, which `time` is put right by [s].
+        bound_s: By how much that may be wrong [s].
     """
 
     time: str
@@ -40,6 +43,9 @@ class LogEntry(NamedTuple):
     source: str
     message: str
     exception: str
+    host: str = ""
+    offset_s: float = 0.0
+    bound_s: float = 0.0
 
 
 Wanted = Callable[[LogEntry], bool]
@@ -158,6 +164,10 @@ class Logbook:
                 self._files[name] = _File(os.path.join(self._folder, name), match[1])
             entries += self._entries(self._files[name])
         return sorted(entries, key=attrgetter("time"))
+
+    def news(self) -> list[str]:
+        """Return what else is to be told: nothing."""
+        return []
 
     def _names(self) -> list[tuple[str, int]]:
         """Return the files there are, the present ones of all logs first."""
