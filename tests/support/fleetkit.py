@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import os
+import subprocess
+import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
+from functools import cache
 
 from farkit import FarHost
 from forked import Commands
@@ -20,10 +23,19 @@ def give_home(shell: Shell, hosts: list[FarHost]) -> None:
         key = home / ".ssh" / "id_ed25519"
         key.write_bytes(hosts[0].key.read_bytes())
         key.chmod(0o600)
-    cache = os.environ.get("XDG_CACHE_HOME") or str(ROOT / ".venv" / "cache")
-    shell.environment |= {"HOME": str(home), "XDG_CACHE_HOME": cache}
+    wheels = os.environ.get("XDG_CACHE_HOME") or str(ROOT / ".venv" / "cache")
+    shell.environment |= {"HOME": str(home), "XDG_CACHE_HOME": wheels}
+    _make_wheel(wheels)
     for name in ("XDG_CONFIG_HOME", "SSH_AUTH_SOCK"):
         shell.environment.pop(name, None)
+
+
+@cache
+def _make_wheel(folder: str) -> None:
+    """Have the wheel of this rtkit made, which a command takes a minute for on a busy machine."""
+    code = "from rtkit.hosts.wheels import own_wheel; own_wheel()"
+    environment = {**os.environ, "XDG_CACHE_HOME": folder}
+    subprocess.run([sys.executable, "-c", code], env=environment, check=True)
 
 
 def accept_key(shell: Shell, name: str) -> None:

@@ -123,6 +123,27 @@ def test_a_host_that_cannot_be_asked_is_named_before_anything_is_done(
     assert shell.ok("rtpkg list") == ""
 
 
+def test_a_package_that_is_there_chooses_the_host(shell: Shell, wheels: Path) -> None:
+    """A component that may be anywhere goes where nothing is to be installed, if it can."""
+    file = profile(shell, ("Loss", "1.0", "*"))
+    shell.ok("rtmgr start --host robot1")
+    assert "install loss==1.0 on localhost" in steps(shell, file)
+    text = (shell.folder / file).read_text()
+    required = '<rtsExt:Properties rtsExt:name="rtkit.place.hosts" rtsExt:value="robot1"/>'
+    there = text.replace('"None"/>', f'"None">{required}</rts:Components>').replace(
+        " rts:updateDate",
+        ' xmlns:rtsExt="http://www.openrtp.org/namespaces/rts_ext" rts:updateDate',
+    )
+    (shell.folder / "there.xml").write_text(there)
+    assert "install loss==1.0 on robot1" in steps(shell, "there.xml")
+    shell.ok("rtpkg install --host robot1 loss")
+    assert not any("install" in each for each in steps(shell, file))
+    assert shell.run(f"rtapply {file}").status == 0
+    assert "Version        1.0" in shell.ok("rtcat /robot1/loss.rtc")
+    assert steps(shell, file) == []
+
+
+@pytest.mark.timeout(240)  # rtkit is made on a bare host, and pip asked, on a busy machine
 def test_a_bundle_brings_hosts_up_without_a_repository(shell: Shell, wheels: Path) -> None:
     file = profile(shell, *BOTH)
     shell.ok("rtmgr start --host robot1")

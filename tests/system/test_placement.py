@@ -14,7 +14,10 @@ from placekit import TYPES, free_profile
 from shells import Shell
 from waiting import until
 
-pytestmark = pytest.mark.skipif(bool(farkit.missing()), reason=farkit.missing())
+pytestmark = [
+    pytest.mark.skipif(bool(farkit.missing()), reason=farkit.missing()),
+    pytest.mark.timeout(240),  # rtkit is made on two bare hosts, on a busy machine
+]
 
 
 @pytest.fixture(scope="module")
