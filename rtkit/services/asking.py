@@ -56,14 +56,18 @@ def pose_in_world(get: Callable[..., Any], name: str, resource: str = "resource"
     """
     place = f"{name}.location"
     try:
-        return tuple(get(place, frame="world"))
+        return _pose(get(place, frame="world"))
     except rtkit.PropertyError as error:
         if error.code in _NOT_THERE:
-            return tuple(get(f"{resource}.frames.{name}"))
+            return _pose(get(f"{resource}.frames.{name}"))
         # Where it takes no frame it is told in the world; a sensor without a base is nowhere.
         if error.code != "bad-parameter" or "frame" in _parameters_of(get, place):
             raise
-        return tuple(get(place))
+        return _pose(get(place))
+
+
+def _pose(found: Any) -> Pose:
+    return found if isinstance(found, tuple) else ()
 
 
 def _parameters_of(get: Callable[..., Any], target: str) -> list[str]:

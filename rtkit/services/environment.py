@@ -12,14 +12,14 @@ import math
 import threading
 import time
 import uuid
-from typing import Annotated, Final
+from typing import Annotated, Any, Final
 
 import rtkit
 from rtkit import init_of
 from rtkit.services.asking import Asking
 from rtkit.services.frames import ORIGIN, Frames
 from rtkit.services.fusion import MarkerFusion
-from rtkit.services.grids import Grids
+from rtkit.services.grids import Grids, Share
 from rtkit.services.sensor import moved
 
 
@@ -106,13 +106,7 @@ class Environment(Asking):
 
     def set_merge(self, model: str) -> None:
         """Service of another model: what it knows, and was not known here, counts here, too."""
-        get = self._asked().get
-        shares = [
-            (str(id), count, [self._placed(each, "") for each in markers])
-            for id, count, markers in get(f"{model}.shares")
-        ]
-        grids = get(f"{model}.properties", all=True, match="grids.*.shares")
-        measured = {each.split(".")[1]: get(f"{model}.{each}") for each in grids}
+        shares, measured = self._shares_of(model)
         with self._lock:
             for id, count, markers in shares:
                 if id != self._id and count > self._shares.get(id, (0,))[0]:
@@ -123,18 +117,49 @@ class Environment(Asking):
         for name, each in measured.items():
             self.grids._merge(name, each)  # noqa: SLF001  no action
 
+    def _shares_of(
+        self, model: str
+    ) -> tuple[list[tuple[str, int, list[rtkit.Marker]]], dict[str, list[Share]]]:
+        """Return what a service tells that models have seen, and measured by names of grids."""
+        get = self._asked().get
+        told = get(f"{model}.shares")
+        grids = get(f"{model}.properties", all=True, match="grids.*.shares")
+        cells = {each.split(".")[1]: get(f"{model}.{each}") for each in grids}
+        try:
+            shares = [
+                (str(id), int(count), [self._placed(each, "") for each in markers])
+                for id, count, markers in told
+            ]
+            measured = {name: [*map(_share, each)] for name, each in cells.items()}
+        except (TypeError, ValueError, AttributeError):
+            raise rtkit.PropertyError(
+                "bad-value", f"no model that can be merged: {model}"
+            ) from None
+        return shares, measured
+
     def _forget(self) -> None:
         """Forget what was not seen for too long."""
         if self.maxage > 0:
             before = time.time() - self.maxage
             for each in {self._own, self._model}:
                 each.forget(before)
+            self._shares = {
+                id: (count, markers)
+                for id, (count, markers) in self._shares.items()
+                if any((each.time or 0.0) >= before for each in markers)
+            }
 
     def _placed(self, marker: rtkit.Marker, frame: str) -> rtkit.Marker:
         """Return a marker in the frame of the model."""
         own = marker.frame or frame or self.frame
         pose = ORIGIN if own == self.frame else self._frames.between(own, self.frame)
         return marker if pose is ORIGIN else moved(marker, pose, self.frame)
+
+
+def _share(told: Any) -> Share:
+    """Return what a model has measured in a grid; ValueError, TypeError: it is something else."""
+    id, side, rows = told
+    return str(id), float(side), [(int(x), int(y), int(n), float(v)) for x, y, n, v in rows]
 
 
 def _is_near(marker: rtkit.Marker, near: tuple[float, float, float] | None) -> bool:

@@ -171,8 +171,8 @@ class Frames:
             raise rtkit.PropertyError("bad-parameter", f"no frame: {name}")
         try:
             return pose_of(self._lookup(name))
-        except (rtkit.PropertyError, TypeError) as error:
-            if getattr(error, "code", "bad-value") not in _NO_FRAME:
+        except rtkit.PropertyError as error:
+            if error.code not in _NO_FRAME:
                 raise  # it may be there, and is only silent now
             raise rtkit.PropertyError("bad-parameter", f"no frame: {name} ({error})") from None
 
@@ -180,7 +180,7 @@ class Frames:
 def _checked(location: Sequence[float]) -> Sequence[float]:
     if len(location) not in (2, 3, 6):
         raise rtkit.PropertyError("bad-value", f"a location has 2, 3 or 6 numbers, not {location}")
-    if not all(map(math.isfinite, location)):
+    if not all(is_number(each) and math.isfinite(each) for each in location):
         raise rtkit.PropertyError("bad-value", f"a location has finite numbers, not {location}")
     return location
 

@@ -68,7 +68,13 @@ class Grid:
                 self._of[model] = sums
 
     def at(self, x: float, y: float) -> tuple[int, float]:
-        """Return how many values the cell at a place has, and their mean; nan of none."""
+        """Return how many values the cell at a place has, and their mean; nan of none.
+
+        Raises:
+            PropertyError: ``bad-parameter``: no finite numbers.
+        """
+        if not (math.isfinite(x) and math.isfinite(y)):
+            raise PropertyError("bad-parameter", f"a place has finite numbers, not ({x} {y})")
         return self._at(self._cell(x, y))
 
     def rows(self, which: int) -> list[list[float]]:

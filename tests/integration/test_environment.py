@@ -102,8 +102,14 @@ def test_models_that_merge_in_a_ring_count_what_was_seen_once(client: rtkit.Clie
         assert thing.variance == pytest.approx(0.01)
         assert client.get(f"{model}.grids.heat.counts") == ((3,),)
         assert client.get(f"{model}.grids.heat", at=(0.1, 0.1)) == 21
+    for wrong in ([("x", 5, 7)], 7, [("x", "many", ())]):
+        with rtkit.serve(type("Other", (), {"shares": wrong})(), "other"):
+            assert code(client, "map.merge", "other") == "bad-value"
     client.set("map.merge", "map")  # nothing that it does not know
     assert client.get("map.markers.0.count") == 4
+    client.set("map.maxage", 1e-3)
+    assert client.get("map.markers") == ()
+    assert [len(each) for each in client.get("map.shares")] == [3]
 
 
 def test_markers_are_selected(client: rtkit.Client) -> None:

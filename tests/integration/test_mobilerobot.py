@@ -228,7 +228,9 @@ def test_frames_of_robots_that_ask_each_other_of_parts_and_of_the_resource_agree
         for target, there in (("robots/r2", poses["r2"]), ("robots/r1/pace", place)):
             wanted = pytest.approx(compose(inverse(pose), there), abs=1e-8)
             assert client.get(f"{target}.location", frame=frame) == wanted
-    for frame in ("lone", "cellar", "no frame"):  # a sensor without a base is nowhere
+    lamp = type("Lamp", (), {"location": "hall", "level": 0.5})()
+    ends.enter_context(rtkit.serve(lamp, "lamp", is_on_zenoh=False))
+    for frame in ("lone", "cellar", "no frame", "lamp"):  # a sensor without a base is nowhere
         with pytest.raises(rtkit.PropertyError, match="no frame") as refused:
             client.get("robots/r2.location", frame=frame)
         assert refused.value.code == "bad-parameter"

@@ -179,6 +179,9 @@ def test_a_grid_is_bounded() -> None:
             grid.observe(far, far, 1.0)
     with pytest.raises(PropertyError):
         grid.observe(float("nan"), 0.0, 1.0)
+    for nowhere in (float("nan"), float("inf")):
+        with pytest.raises(PropertyError, match="finite"):
+            grid.at(nowhere, 0.0)
     assert grid.rows(1) == [[1.0]]
 
 
