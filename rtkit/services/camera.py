@@ -19,7 +19,7 @@ from rtkit import init_of
 from rtkit.services.device import LOOK_S, SilenceLimit
 from rtkit.services.frames import ORIGIN, Frames
 from rtkit.services.images import decode, encode, opencv
-from rtkit.services.sensor import MIDDLE, Pose6, Sensor, limit_of_silence
+from rtkit.services.sensor import MIDDLE, Pose6, Sensor, within
 
 if TYPE_CHECKING:
     from rtkit.services.images import Picture
@@ -55,13 +55,11 @@ class Camera(Sensor):
         silence: Annotated[float, rtkit.Unit("s")] = 3.0,
     ) -> None:
         super().__init__(location, base, frames)
-        if not rate > 0:
-            raise ValueError(f"a rate is above 0, not {rate}")
-        self.rate: Final[Annotated[float, rtkit.Unit("Hz")]] = rate  # type: ignore[misc]
+        self.rate: Final[Annotated[float, rtkit.Unit("Hz")]] = within("rate", rate, 1e-3)  # type: ignore[misc]
         self.source: Final[str] = str(source)
-        self.field: Final[Annotated[float, rtkit.Unit("rad")]] = field
+        self.field: Final[Annotated[float, rtkit.Unit("rad")]] = within("field", field, 0.01, 3)
         self._look = look
-        self._silence_s = limit_of_silence(silence)
+        self._silence_s = within("silence", silence, 0)
         self._lock = threading.Lock()
         self._picture: Picture | None = None
         self._encoded: dict[tuple[str, int], bytes] = {}

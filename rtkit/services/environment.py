@@ -20,7 +20,7 @@ from rtkit.services.asking import Asking
 from rtkit.services.frames import ORIGIN, Frames
 from rtkit.services.fusion import MarkerFusion
 from rtkit.services.grids import Grids, Share
-from rtkit.services.sensor import moved
+from rtkit.services.sensor import moved, within
 
 
 class Environment(Asking):
@@ -57,8 +57,10 @@ class Environment(Asking):
         most: int = 1000,
     ) -> None:
         super().__init__()
-        if not (variance > 0 and gate > 0 and drift >= 0 and side > 0):
-            raise ValueError("variance, gate and side are above 0, drift is not below")
+        for name, given in (("variance", variance), ("gate", gate), ("side", side)):
+            within(name, given, 1e-9)
+        for name, given, low in (("drift", drift, 0), ("maxage", maxage, 0), ("most", most, 1)):
+            within(name, given, low)
         self.frame = frame
         self.maxage: Annotated[float, rtkit.Unit("s"), rtkit.Range(0)] = maxage
         self._id = uuid.uuid4().hex[:12]

@@ -13,7 +13,7 @@ import rtkit
 from rtkit import init_of
 from rtkit.errors import Refused
 from rtkit.services.frames import ORIGIN, Frames, plain, transform
-from rtkit.services.sensor import MIDDLE, DeviceSensor, Pose6, numbers
+from rtkit.services.sensor import MIDDLE, DeviceSensor, Pose6, numbers, within
 
 _LONGEST = 256
 _EARTH_M = 6_378_137.0
@@ -143,7 +143,7 @@ class Gps(DeviceSensor):
     ) -> None:
         super().__init__(device, baud, location, base, frames, silence)
         self.origin: tuple[float, ...] = numbers("origin", origin, 0, 3)
-        self.accuracy = accuracy
+        self.accuracy = within("accuracy", accuracy, 0)
         self._nmea = NmeaReader()
 
     def _opened(self, descriptor: int) -> None:

@@ -13,7 +13,7 @@ import rtkit
 from rtkit import init_of
 from rtkit.services.frames import Frames
 from rtkit.services.input_events import ABS, KEY, REL, InputEvent, InputReader, axis_range
-from rtkit.services.sensor import MIDDLE, DeviceSensor, Pose6, numbers
+from rtkit.services.sensor import MIDDLE, DeviceSensor, Pose6, numbers, within
 
 _TRIGGERS = frozenset({"gas", "brake", "throttle", "pressure"})
 _SLOT, _SLOT_X, _SLOT_Y, _SLOT_ID = 47, 53, 54, 57
@@ -85,7 +85,7 @@ class Joystick(_InputSensor):
         frames: Frames | None = None,
     ) -> None:
         super().__init__(device, limits, location, base, frames)
-        self.dead: Annotated[float, rtkit.Range(0, 1)] = dead
+        self.dead: Annotated[float, rtkit.Range(0, 1)] = within("dead", dead, 0, 1)
         self.axes: Final[dict[str, float]] = {}
         self.buttons: Final[dict[str, bool]] = {}
         self._raw: dict[str, int] = {}

@@ -16,7 +16,7 @@ from typing import Annotated, Final, Self
 import rtkit
 from rtkit import init_of
 from rtkit.services.frames import ORIGIN, Frames
-from rtkit.services.sensor import MIDDLE, DeviceSensor, Pose6
+from rtkit.services.sensor import MIDDLE, DeviceSensor, Pose6, within
 
 
 class Microphone(DeviceSensor):
@@ -55,9 +55,9 @@ class Microphone(DeviceSensor):
         silence: Annotated[float, rtkit.Unit("s")] = 2.0,
     ) -> None:
         super().__init__(device, 0, location, base, frames, silence)
-        if rate < 1 or channels < 1 or not 0.005 <= block <= 5:
-            raise ValueError("a rate and channels are 1 or more, a block is 0.005 to 5 s")
-        self.block: Final[Annotated[float, rtkit.Unit("s")]] = block
+        within("rate", rate, 1, 1e6)
+        within("channels", channels, 1, 64)
+        self.block: Final[Annotated[float, rtkit.Unit("s")]] = within("block", block, 0.005, 5)
         self._set_format(rate, channels)
         self._rest_of_block = b""
 

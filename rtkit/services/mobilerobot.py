@@ -8,13 +8,12 @@ from typing import Annotated, Any, Final, Literal, Self
 from uuid import uuid4
 
 import rtkit
-from rtkit.errors import Malformed
 from rtkit.services.asking import Asking
 from rtkit.services.behaviors import MoveTo, behaviors_of, loaded
 from rtkit.services.chassis import Chassis, Wheels
 from rtkit.services.frames import ORIGIN, Frames, plain, transform
 from rtkit.services.mounted import Eye, Laser, SimulatedCamera
-from rtkit.services.sensor import MIDDLE, Pose6
+from rtkit.services.sensor import MIDDLE, Pose6, numbers, within
 
 _NAME = re.compile(r"(?!(?:properties|parameters|gui|listen|meta|history)$)[\w+~-]+", re.ASCII)
 """Names that a part may bear: those of properties that end in none of the reserved words."""
@@ -59,10 +58,9 @@ class MobileRobot(Asking):
     ) -> None:
         super().__init__(resource)
         body = body or f"body{uuid4().hex[:12]}"  # processes of two hosts may have one id
-        if len(start) != 3 or not (top_speed > 0 < top_turning):
-            raise Malformed("start is x, y and heading; top_speed and top_turning are more than 0")
-        x, y, theta = map(float, start)
-        tops = float(top_speed), float(top_turning)
+        x, y, theta = numbers("start", start, 3)
+        tops = within("top_speed", top_speed, 1e-6), within("top_turning", top_turning, 1e-6)
+        within("noise", noise, 0)
         self._chassis = chassis = self.chassis_type(world, body, (x, y, theta), tops)
         self._frames = frames = Frames(self._pose_of, self.get_location)
         self.actuators: dict[str, Any] = chassis.actuators(frames)

@@ -129,14 +129,14 @@ def numbers(name: str, given: object, *counts: int) -> tuple[float, ...]:
     raise ValueError(f"{name} is {' or '.join(map(str, counts))} numbers in brackets, not {given}")
 
 
-def limit_of_silence(given: float) -> float:
-    """Return how long something may be silent [s], as it was configured.
+def within(name: str, given: float, low: float, high: float = 1e9) -> float:
+    """Return a setting that is a number within bounds.
 
     Raises:
-        ValueError: It is no such time.
+        ValueError: It is not.
     """
-    if not 0 <= given < math.inf:
-        raise ValueError(f"silence is 0 s (for ever) or more, not {given}")
+    if not low <= given <= high:
+        raise ValueError(f"{name} is {low:g} to {high:g}, not {given}")
     return given
 
 
@@ -160,7 +160,7 @@ class DeviceSensor(Sensor, ABC):
         silence: float = 0.0,
     ) -> None:
         super().__init__(location, base, frames)
-        self._silence_s = limit_of_silence(silence)
+        self._silence_s = within("silence", silence, 0)
         self.device: Final[str] = str(device)
         self._publish("status", f"waiting: {device}: not opened")
         self._baud = baud

@@ -18,7 +18,7 @@ from rtkit import init_of
 from rtkit.services import vision_methods
 from rtkit.services.frames import Frames, Pose, compose, pose_of, transform
 from rtkit.services.images import decode, encode, opencv
-from rtkit.services.sensor import MIDDLE, Pose6, Sensor, moved
+from rtkit.services.sensor import MIDDLE, Pose6, Sensor, moved, within
 from rtkit.services.vision_methods import Lens
 
 if TYPE_CHECKING:
@@ -376,17 +376,17 @@ class Vision(Sensor, rtkit.Names):
         active = (active,) if isinstance(active, str) else active
         if unknown := set(active) - METHODS.keys():
             raise ValueError(f"no method {min(unknown)} (there is {' '.join(METHODS)})")
-        if not rate > 0:
-            raise ValueError(f"a rate is above 0, not {rate}")
         if any(isinstance(each, str) or len(each) != 2 for each in cameras):
             raise ValueError("cameras are names and sources, ((left a.image) (right b.image))")
         named = dict(cameras) if cameras else {"camera": source}
         self._stores = {
-            name: PictureStore(self._picture_of, each, 1 / rate) for name, each in named.items()
+            name: PictureStore(self._picture_of, each, 1 / within("rate", rate, 1e-3))
+            for name, each in named.items()
         }
         self.rate: Final[Annotated[float, rtkit.Unit("Hz")]] = rate  # type: ignore[misc]
         self.cameras: Final[dict[str, CameraView]] = {
-            name: CameraView(each, field) for name, each in self._stores.items()
+            name: CameraView(each, within("field", field, 0.01, 3))
+            for name, each in self._stores.items()
         }
         self.camera: Annotated[str, rtkit.Choices("cameras")] = next(iter(named))
         self.methods: Final[dict[str, Method]] = {

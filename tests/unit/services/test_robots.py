@@ -12,7 +12,7 @@ from typing import Any
 import pytest
 
 import rtkit
-from rtkit.errors import InvalidDocument, Malformed, Refused
+from rtkit.errors import InvalidDocument, Refused
 from rtkit.services import driving
 from rtkit.services.frames import transform
 from rtkit.services.legged import LeggedRobot
@@ -330,7 +330,7 @@ def test_each_sensor_of_a_robot_tells_readings_as_markers_in_any_frame(
     wall(home, (2, -3), (3, -3), (3, 3), (2, 3))
     robot = enter(kind(world=home, start=(1.0, 0.0, 0.5)))
     for sensor in robot.sensors.values():
-        assert "sensor" in sensor.type
+        assert rtkit.Word("sensor") in sensor.type
         assert sensor.get_data() is not None
         place = sensor.get_location("world")
         own, far = sensor.get_markers(), sensor.get_markers("world")
@@ -456,9 +456,15 @@ def test_a_home_has_rooms_that_are_dark_while_no_light_is_on(tmp_path: Path) -> 
         assert home.get_image((0.5, 0.5, 1, 0), 32, 24) != dark
 
 
-@pytest.mark.parametrize("given", [{"start": (1, 2)}, {"top_speed": 0}, {"top_turning": -1}])
+@pytest.mark.parametrize(
+    "given",
+    [
+        {"start": (1, 2)}, {"start": (math.nan, 0, 0)}, {"top_speed": 0}, {"top_speed": math.inf},
+        {"top_turning": -1}, {"noise": math.nan},
+    ],
+)  # fmt: skip
 def test_what_no_robot_can_be_is_refused(given: dict[str, Any]) -> None:
-    with pytest.raises(Malformed, match="more than 0"):
+    with pytest.raises(ValueError, match=f"{next(iter(given))} is"):
         DifferentialRobot(**given)
 
 

@@ -12,12 +12,15 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import rtkit
+from rtkit.services.camera import Camera
+from rtkit.services.environment import Environment
 from rtkit.services.frames import Frames, compose, inverse, transform
 from rtkit.services.gps import Gps, NmeaReader, local
 from rtkit.services.input_events import EVENT
 from rtkit.services.joystick import Joystick, Pointer, _InputSensor
+from rtkit.services.microphone import Microphone
 from rtkit.services.sensor import DeviceSensor, Sensor
-from rtkit.services.vision import CameraView, PictureStore
+from rtkit.services.vision import CameraView, PictureStore, Vision
 
 coordinate = st.floats(-50, 50)
 angle = st.floats(-math.pi, math.pi)
@@ -254,6 +257,27 @@ def test_wrong_settings_are_refused_at_once(wrong: dict[str, Any], why: str) -> 
     with pytest.raises(ValueError, match=why):
         Joystick("/nowhere", **wrong)
     assert Joystick(5).device == "5"  # type: ignore[arg-type]  as a shell may give it
+
+
+@pytest.mark.parametrize(
+    ("kind", "given"),
+    [
+        (Camera, {"rate": math.inf}), (Camera, {"field": -1}), (Camera, {"silence": math.nan}),
+        (Vision, {"rate": 0}), (Vision, {"field": math.nan}), (Environment, {"most": 0}),
+        (Environment, {"maxage": math.nan}), (Environment, {"side": math.inf}),
+        (Environment, {"gate": 0}), (Environment, {"drift": -1}),
+    ],
+)  # fmt: skip
+def test_a_setting_out_of_its_bounds_is_refused_by_its_name(kind: Any, given: Any) -> None:
+    with pytest.raises(ValueError, match=f"{next(iter(given))} is"):
+        kind(**given)
+
+
+@pytest.mark.parametrize("wrong", [-1.0, math.nan])
+def test_settings_of_devices_are_within_bounds(wrong: float) -> None:
+    for kind, name in ((Gps, "accuracy"), (Joystick, "dead"), (Microphone, "block")):
+        with pytest.raises(ValueError, match=f"{name} is"):
+            kind("/nowhere", **{name: wrong})
 
 
 def test_an_origin_has_three_numbers() -> None:
