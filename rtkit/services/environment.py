@@ -124,13 +124,13 @@ class Environment(Asking):
     ) -> tuple[list[tuple[str, int, list[rtkit.Marker]]], dict[str, list[Share]]]:
         """Return what a service tells that models have seen, and measured by names of grids."""
         get = self._asked().get
-        told = get(f"{model}.shares")
+        listed = get(f"{model}.shares")
         grids = get(f"{model}.properties", all=True, match="grids.*.shares")
         cells = {each.split(".")[1]: get(f"{model}.{each}") for each in grids}
         try:
             shares = [
                 (str(id), int(count), [self._placed(each, "") for each in markers])
-                for id, count, markers in told
+                for id, count, markers in listed
             ]
             measured = {name: [*map(_share, each)] for name, each in cells.items()}
         except (TypeError, ValueError, AttributeError):
@@ -158,9 +158,9 @@ class Environment(Asking):
         return marker if pose is ORIGIN else moved(marker, pose, self.frame)
 
 
-def _share(told: Any) -> Share:
+def _share(value: Any) -> Share:
     """Return what a model has measured in a grid; ValueError, TypeError: it is something else."""
-    id, side, rows = told
+    id, side, rows = value
     return str(id), float(side), [(int(x), int(y), int(n), float(v)) for x, y, n, v in rows]
 
 
