@@ -53,6 +53,7 @@ def linked(commands: Commands, hosts: list[FarHost]) -> Iterator[Shell]:
         for host in hosts:
             shell.ok(f"rthost add {host.name} root@{host.address}")
             accept_key(shell, host.name)
-        shell.ok("rtmgr start " + " ".join(f"--host {host.name}" for host in hosts))
+        for host in hosts:  # one by one: on a busy machine each may take most of a command's time
+            shell.ok(f"rtmgr start --host {host.name}")
         yield shell
         shell.ok("rtmgr stop")
