@@ -152,6 +152,8 @@ def parse_document(
 ) -> SystemProfile:
     """Read a system profile, with values for its parameters; tell repairs when verbose.
 
+    An inventory of hosts beside its file, ``hosts.toml``, counts in this process from now on.
+
     Raises:
         InvalidDocument: It is no system profile, or its parameters make no sense.
         UsageProblem: A value is for nothing.
@@ -161,6 +163,7 @@ def parse_document(
 
     if is_saved_plan(data):
         raise InvalidDocument(f"{source}: is a saved plan; only rtapply takes it")
+    _heed_inventory(source)
     if parameters is not None or has_parameters(data):
         found = read_parametrised(session, source, data, form, parameters)
         return SystemProfile(found.profile, found.data, source, found.form, found)
@@ -168,6 +171,17 @@ def parse_document(
     for note in reading.notes:
         session.verbose(f"{source}:{note.line}: {note.text}")
     return SystemProfile(reading.profile, data, source, form)
+
+
+def _heed_inventory(source: str) -> None:
+    """Have an inventory of hosts beside the file of a profile count; few profiles have one."""
+    from rtkit.link.places import INVENTORY
+
+    folder = os.path.dirname(source)
+    if folder and os.path.lexists(os.path.join(folder, INVENTORY)):
+        from rtkit.hosts import inventory
+
+        inventory.heed(folder)
 
 
 def read_parametrised(

@@ -1,7 +1,8 @@
 """Inventory of hosts: ``hosts.toml``, a table for each host.
 
-The user's own is in the configuration folder; one beside a system profile, or in the present
-folder, counts more. As what it names is trusted with code, no stranger may be able to write it.
+The user's own is in the configuration folder; one in the present folder takes precedence over it,
+and one beside the system profile that a command reads over both. As the hosts that it names are
+trusted with code, no stranger may be able to write it.
 """
 
 from __future__ import annotations
@@ -20,23 +21,30 @@ from rtkit.rtc.names import check_host_name
 from rtkit.rtc.nearest import did_you_mean
 from rtkit.settings.reading import read_private
 
-FILE = "hosts.toml"
 _KEYS = ("address", "python", "manager", "tags")
+_beside: list[str] = []
+"""Folders of the system profiles that this process has read, the last one first."""
 
 
 def user_file() -> str:
     """Return the path of the user's own inventory."""
     base = os.environ.get("XDG_CONFIG_HOME") or os.path.expanduser("~/.config")
-    return os.path.join(base, "rtkit", FILE)
+    return os.path.join(base, "rtkit", places.INVENTORY)
 
 
-def files(folder: str = ".") -> list[str]:
+def heed(folder: str) -> None:
+    """Have an inventory in the folder of a system profile take precedence in this process."""
+    folder = os.path.abspath(folder)
+    _beside[:] = [folder, *(each for each in _beside if each != folder)]
+
+
+def files() -> list[str]:
     """Return the inventories that are there, the strongest first; one beside a profile first."""
-    here = os.path.join(os.path.abspath(folder), FILE)
-    return [each for each in dict.fromkeys((here, user_file())) if os.path.lexists(each)]
+    inventories = (os.path.join(each, places.INVENTORY) for each in (*_beside, os.getcwd()))
+    return [each for each in dict.fromkeys((*inventories, user_file())) if os.path.lexists(each)]
 
 
-def read(folder: str = ".") -> dict[str, Host]:
+def read() -> dict[str, Host]:
     """Return all known hosts by name.
 
     Raises:
@@ -44,18 +52,18 @@ def read(folder: str = ".") -> dict[str, Host]:
         Refused: A stranger can have written a file.
     """
     found: dict[str, Host] = {}
-    for file in reversed(files(folder)):
+    for file in reversed(files()):
         found.update(_parsed(file, read_private(file, must_be_ours=True)))
     return dict(sorted(found.items()))
 
 
-def host(name: str, folder: str = ".") -> Host:
+def host(name: str) -> Host:
     """Return a known host.
 
     Raises:
         NotFound: There is none of that name; tells what may have been meant.
     """
-    known = read(folder)
+    known = read()
     if name not in known:
         hint = did_you_mean(name, known) or f" (add it: rthost add {name} USER@ADDRESS)"
         raise NotFound(f"no such host: {name}{hint}")

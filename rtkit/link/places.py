@@ -8,6 +8,8 @@ import stat
 from rtkit.errors import Refused
 
 DEFAULT_MANAGER = "manager"
+INVENTORY = "hosts.toml"
+"""Name of the files that name other hosts (`rtkit.hosts.inventory`)."""
 """Name of the manager that is asked when none is named."""
 
 _MAX_SOCKET_PATH = 107

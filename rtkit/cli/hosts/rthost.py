@@ -6,8 +6,9 @@ from rtkit.cli.shared.group import group
 
 _HELP = """Keep the inventory of other hosts, and look at them over SSH.
 
-It is hosts.toml in this folder, or of the user (in XDG_CONFIG_HOME/rtkit, else ~/.config/rtkit). A
-host needs sshd and Python; rtmgr start --host NAME does the rest. Of OpenSSH's own files
+It is hosts.toml of the user (in XDG_CONFIG_HOME/rtkit, else ~/.config/rtkit); one in this folder
+takes precedence over it, and one beside the system profile that a command reads over both. A host
+needs sshd and Python; rtmgr start --host NAME does the rest. Of OpenSSH's own files
 ~/.ssh/config and /etc/ssh/ssh_config these keywords count: Host, Match (but exec: nothing is run),
 Include, HostName, Port, User, IdentityFile, IdentitiesOnly, IdentityAgent, CertificateFile,
 UserKnownHostsFile, GlobalKnownHostsFile, HostKeyAlias, HashKnownHosts, ProxyJump. Others that are

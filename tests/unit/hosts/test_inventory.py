@@ -1,0 +1,47 @@
+"""Which inventory of hosts counts: the user's, one in the present folder, one beside a profile."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+import rtkit
+from rtkit.errors import Refused
+from rtkit.hosts import inventory
+from rtkit.profile.rts_model import RtsProfile
+from rtkit.profile.write import write_profile
+
+
+@pytest.fixture
+def profile(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> str:
+    """A system profile in a folder below, a present folder, and a user, each with an inventory."""
+    monkeypatch.setattr(inventory, "_beside", [])
+    monkeypatch.setenv("XDG_CONFIG_HOME", str(tmp_path / "config"))
+    monkeypatch.chdir(tmp_path)
+    places = {"config/rtkit": "user", ".": "present", "systems": "beside"}
+    for at, (folder, name) in enumerate(places.items()):
+        (tmp_path / folder).mkdir(parents=True, exist_ok=True)
+        tables = [f'[{each}]\naddress = "{name}"\n' for each in ("a", "b", "c")[: 3 - at]]
+        (tmp_path / folder / "hosts.toml").write_text("".join(tables))
+    now = "2026-11-28T12:00:00"
+    robot = RtsProfile("RTSystem:Acme.Robot:1.0", "0.2", now, now)
+    (tmp_path / "systems/robot.xml").write_bytes(write_profile(robot))
+    return "systems/robot.xml"
+
+
+def _addresses() -> dict[str, str]:
+    return {name: host.address for name, host in inventory.read().items()}
+
+
+def test_an_inventory_beside_the_profile_takes_precedence_once_that_is_read(profile: str) -> None:
+    assert _addresses() == {"a": "present", "b": "present", "c": "user"}
+    rtkit.load(profile)
+    assert _addresses() == {"a": "beside", "b": "present", "c": "user"}
+
+
+def test_an_inventory_that_others_can_write_is_refused_beside_a_profile_too(profile: str) -> None:
+    Path("systems/hosts.toml").chmod(0o666)
+    rtkit.load(profile)
+    with pytest.raises(Refused, match=r"systems/hosts\.toml"):
+        inventory.read()
