@@ -374,9 +374,15 @@ def test_a_mounted_place_has_its_widgets_also_when_its_owner_comes_later(place: 
                 await until(
                     lambda angle=angle: f" {angle} rad\n" in row(app, "far.arm.angle") + "\n"
                 )
-                app._rows["far.arm.angle"].focus()
-                press(app, "end")
-                await until(lambda robot=robot: robot.arm.angle == 1.5)
+
+                def is_set(robot: Robot = robot) -> bool:
+                    # A row that is just drawn anew, as others have come, takes no key.
+                    if "far.arm.angle" in app._rows:
+                        app._rows["far.arm.angle"].focus()
+                        press(app, "end")
+                    return robot.arm.angle == 1.5
+
+                await until(is_set)
             # At the next look of the panel the place itself stands there again.
             names = ("far.arm.angle", "far")
             await until(lambda: any("⊘ gone" in row(app, n) for n in names if n in app._rows))  # noqa: B023
