@@ -10,7 +10,7 @@ from rtkit.api.system_profiles import BUNDLE
 from rtkit.closing import Closing
 from rtkit.deployment.described import properties_of, type_of
 from rtkit.deployment.extension import CREATE, MODULE, STAND_IN
-from rtkit.errors import Unreachable
+from rtkit.errors import Refused, Unreachable
 from rtkit.fast_dataclass import replace
 from rtkit.rtc.create import readable_create
 from rtkit.rtc.names import LOCAL
@@ -62,6 +62,7 @@ def placed(
         InvalidDocument: Requirements make no sense.
         Impossible: Required components have no place; names a minimal set of reasons.
         Unreachable: A component may live on a host that cannot be reached.
+        Refused: One is a zombie elsewhere, which might come back there.
     """
     from rtkit.deployment.placement.profiles import has_requirements, with_places
 
@@ -72,6 +73,7 @@ def placed(
     with _placer(session, document, mapped, stand_in=stand_in) as placer:
         problem = placer.problem()
         choice, lacks = chosen(problem)
+        placer.check_zombies(choice.places)
     if choice.gap:
         session.report(f"the places may cost {choice.gap:g} more than the cheapest ones")
     homes = {each.name: each.home for each in problem.components if each.home}
@@ -159,6 +161,24 @@ class _Placer(Closing):
                 if not facts.zombie and self._stated.get(name, "?") in ("", each.place):
                     found.setdefault(name, each.place)
         return found
+
+    def check_zombies(self, places: Mapping[str, str]) -> None:
+        """Have nothing made beside a zombie of its name that is elsewhere.
+
+        Raises:
+            Refused: Names it, and the command that ends it.
+        """
+        for each in self._places.seen.values():
+            for facts in each.snapshot.components if each.snapshot is not None else ():
+                name = facts.instance
+                if (
+                    facts.zombie
+                    and name in self.free
+                    and places.get(name, each.place) != each.place
+                ):
+                    path = f"/{facts.names[0].replace(LOCAL, each.place, 1)}" if facts.names else ""
+                    hint = f"; rtexit {path} or rtdel {path} ends it first" if path else ""
+                    raise Refused(f"{name} is a zombie on {each.place} ({facts.zombie}){hint}")
 
     def _open_places(self) -> list[str]:
         """Return the places where a free component may be, this host first."""

@@ -72,6 +72,7 @@ def test_components_go_where_their_requirements_are_met_and_stay(
     # The camera is plugged in elsewhere, where Out2 may not be, which is to be with In1.
     hosts[0].run("rm", "/tmp/camera")
     hosts[1].write("/tmp/camera", "")
+    until(lambda: "comes back with it" in shell.ok("rtls -l /robot1"), "the end of In1")
     assert shell.run(f"rtplan {file}").err == (
         "rtplan: no place for In1 and Out1 and Out2 together: Out2 is to be in the process of In1;"
         " Out2 is not to be on the host of Out1; localhost: no /tmp/cam* (In1), lacks tag arm"
@@ -82,6 +83,13 @@ def test_components_go_where_their_requirements_are_met_and_stay(
     moved = file.replace("free.xml", "moved.xml")
     text = Path(file).read_text().replace("/tmp/cam*", str(shell.folder / "here"))
     Path(moved).write_text(text)
+    # The manager there has ended In1 with its camera, and would make it again: it is not doubled.
+    refused = shell.run(f"rtapply {moved}").err
+    assert refused == (
+        "rtapply: In1 is a zombie on robot1 (no /tmp/cam*);"
+        " rtexit /robot1/In1.rtc or rtdel /robot1/In1.rtc ends it first\n"
+    )
+    shell.ok("rtexit /robot1/In1.rtc")
     assert shell.run(f"rtapply {moved}").status == 0
     assert homes(shell) == {"In1": "localhost", "Out1": "robot2", "Out2": "localhost"}
     assert "w1" in shell.ok("rtcat -ll /localhost/In1.rtc")
