@@ -28,7 +28,6 @@ class HostLink(NamedTuple):
         far_manager: The manager there.
         why: Why it cannot be reached; empty while it is linked.
         pid: The process of the link; 0 for none.
-        round_trip_s: How long a question to its sshd took [s].
     """
 
     host: str
@@ -36,7 +35,6 @@ class HostLink(NamedTuple):
     far_manager: str
     why: str = ""
     pid: int = 0
-    round_trip_s: float = 0.0
 
 
 def link_file(host: str) -> str:
