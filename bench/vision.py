@@ -27,7 +27,8 @@ def _pictures() -> list[bytes]:
 
 def _inactive() -> Lines:
     from rtkit.services.images import decode
-    from rtkit.services.vision import METHODS, Lens, Method, Vision
+    from rtkit.services.vision import METHODS, Method, Vision
+    from rtkit.services.vision_methods import Lens
 
     data = _pictures()
 
