@@ -70,9 +70,10 @@ class ManagerSet(Tree):
             unreachable: Why some cannot be asked though they may live, by their names.
         """
         first = next(iter(trees.values()), None)
+        near = (tree.host for name, tree in trees.items() if not split_manager(name)[1])
         super().__init__(
             first.link if first is not None else DeadLink(),
-            first.host if first is not None else host_name(),
+            next(near, None) or host_name(),
             names[0],
             first.timeout_s if first is not None else DEFAULT_TIMEOUT_S,
         )

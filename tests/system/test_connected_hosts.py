@@ -190,6 +190,7 @@ def test_two_robots_are_joined_through_here(fleet: Shell, hosts: list[FarHost]) 
     fleet.ok(f"rtcon -i across {FAR_OUT} {OTHER}")
     flowing(fleet, hosts, (2,))
     assert " +Connected to  /robot2/manager.mgr/E.rtc:into\n" in fleet.ok(f"rtcat -l {FAR_OUT}")
+    assert 'connectorId="across"' in fleet.ok("rtcryo /robot1 /robot2")
     cut_off(fleet, hosts[1])
     why = "host robot2 cannot be reached: it, or the host that links both, is away"
     awaited(fleet, FAR_OUT, "across", why)

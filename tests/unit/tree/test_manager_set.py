@@ -14,7 +14,7 @@ from rtkit.deployment.applying import Applier
 from rtkit.deployment.creation import creation_plan
 from rtkit.deployment.goal import DeploymentGoal
 from rtkit.deployment.live_index import LiveIndex
-from rtkit.deployment.multi_manager import homes_in, inward, outward
+from rtkit.deployment.multi_manager import down, homes_in, inward, outward
 from rtkit.deployment.runner import PlanRunner
 from rtkit.deployment.wanted import wanted
 from rtkit.errors import Refused, Unreachable
@@ -23,7 +23,7 @@ from rtkit.profile import rts_model as rts
 from rtkit.profile.common import ExtensionProperty
 from rtkit.rtc.enums import LifeCycleState, PortType
 from rtkit.rtc.pattern import ComponentPattern
-from rtkit.rtc.profiles import PortProfile, PortRef, TypeProfile
+from rtkit.rtc.profiles import ConnectorProfile, PortProfile, PortRef, TypeProfile
 from rtkit.tree import managers
 from rtkit.tree.manager_set import ManagerSet, subscription_at
 from rtkit.tree.resurrect import resurrect
@@ -344,3 +344,18 @@ def test_facts_of_one_manager_stay_as_they_are() -> None:
     one = ManagerSet(NAMES[:1], {"manager": tree}, {})
     assert one.snapshot() == tree.snapshot()
     assert replace(one.snapshot(), pid=1).others == ()
+
+
+def test_a_connector_of_two_other_hosts_is_whole_where_no_manager_here_is_asked() -> None:
+    ends = {"robot1": ("A", "robot2/manager.mgr/B"), "robot2": ("robot1/manager.mgr/A", "B")}
+    trees, told = {}, []
+    for host, (out, into) in ends.items():
+        wire = ConnectorProfile("w", "w", (PortRef(out, "out"), PortRef(into, "in")), {})
+        world = make_world("manager")
+        world.perform(act.Create(f"Node?instance_name={'A' if host == 'robot1' else 'B'}"))
+        told.append(replace(world.snapshot(), host=host, connectors=(wire,)))
+        trees[f"manager@{host}"] = fake_tree(world)
+        trees[f"manager@{host}"].host = host
+    here = down("laptop", "manager")
+    (wire,) = ManagerSet(["manager", *trees], trees, {}).joined([here, *told]).connectors
+    assert wire.ports == (PortRef("A", "out"), PortRef("B", "in"))
