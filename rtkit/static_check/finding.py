@@ -23,7 +23,7 @@ RULES: dict[str, str] = {
     "parameter-constraint": "A value breaks the constraint of its parameter",
     "parameter-type": "A value is not of its parameter's type",
     "path-clash": "Two components are registered under one path",
-    "placement": "A requirement about the place of a component makes no sense",
+    "placement": "A requirement about the place of a component, or where it may go, makes no sense",
     "port-direction": "A port has another direction than the type's",
     "service-interface": "Service ports have no interface in common",
     "service-polarity": "An interface is provided, or required, at both ends of a connector",

@@ -12,6 +12,7 @@ from rtkit.deployment.described import properties_of
 from rtkit.deployment.extension import (
     CREATE,
     LIMIT,
+    MOVABLE,
     PLACE,
     SLAVE_RESTART,
     STATE_CHART,
@@ -29,6 +30,7 @@ from rtkit.deployment.limits import (
     overbooked,
     read_limits,
 )
+from rtkit.deployment.owned import read_movable
 from rtkit.deployment.placement.requirements import check_named, read_requirements, shared_slaves
 from rtkit.deployment.states.machine import machine_of
 from rtkit.deployment.supervision import read_policy, restart_of
@@ -123,7 +125,7 @@ def property_remarks(view: View) -> Iterator[StaticFinding]:
 
 
 def placement_findings(view: View) -> Iterator[StaticFinding]:
-    """Yield requirements about places that make no sense, alone or together."""
+    """Yield requirements about places, and policies of moving, that make no sense."""
     required = {}
     names = {part.name for part in view.parts}
     for part in view.parts:
@@ -144,11 +146,13 @@ def placement_findings(view: View) -> Iterator[StaticFinding]:
 
 def _bad_requirements(part: CheckedComponent, names: Collection[str]) -> Iterator[StaticFinding]:
     for number, each in enumerate(part.component.properties):
-        if each.name.startswith(PLACE):
-            try:
-                own = read_requirements({each.name: each.value or ""})
-                check_named(part.name, own, names)
-            except Malformed as error:
-                where = part.place.below("properties", number).at("value")
-                text = f"{part.name}: {error}"
-                yield StaticFinding(ERROR, "placement", text, where, each.value)
+        text = each.value or ""
+        try:
+            if each.name == MOVABLE:
+                read_movable(part.name, text)
+            elif each.name.startswith(PLACE):
+                check_named(part.name, read_requirements({each.name: text}), names)
+        except Malformed as error:
+            where = part.place.below("properties", number).at("value")
+            why = str(error) if each.name == MOVABLE else f"{part.name}: {error}"
+            yield StaticFinding(ERROR, "placement", why, where, each.value)

@@ -96,6 +96,16 @@ CASES = [
     ),
     Case(
         ROBOT,
+        MOTOR_MADE,
+        f'{MOTOR_MADE}<rtsExt:Properties rtsExt:name="rtkit.movable" rtsExt:value="soon robot2"/>',
+        ERROR,
+        "placement",
+        "soon robot2",
+        "",
+        "Motor0: rtkit.movable: not SECONDS [HOST...]: 'soon robot2'",
+    ),
+    Case(
+        ROBOT,
         "Motor?manager_name=motor&amp;instance_name=Motor0",
         "Motor?rtkit.limit.memory=1G",
         ERROR,
