@@ -132,25 +132,36 @@ def _stop(connection: HostConnection, word: str) -> bool:
 def link(host: Host, near: Tree, timeout_s: float) -> None:
     """Have a manager of this host linked to that of another one; return when it is.
 
+    The manager tries at once, also where it was refused before: only a try since then counts.
+
     Raises:
+        Refused: The manager is not let in, or not sure of the host; tells why. It goes on trying.
         Unreachable: It was not in time; tells why. The manager goes on trying.
     """
+    asked_at = time.monotonic()
     with closing(FolderWatch(places.runtime_dir())) as watch:
         near.set("link_host", encode_text(host))
         deadline = time.monotonic() + timeout_s
-        while (why := _why(host.name)) and (left_s := deadline - time.monotonic()) > 0:
+        while (why := _why(host.name, asked_at)) and (left_s := deadline - time.monotonic()) > 0:
             select.select([watch], [], [], left_s)
             watch.take()
     if why:
         raise Unreachable(f"host {host.name} is not linked within {timeout_s:g} s: {why}")
 
 
-def _why(name: str) -> str:
-    """Return why a link is not up; its file is made by the manager as soon as it is asked."""
+def _why(name: str, asked_at: float) -> str:
+    """Return why a link is not up; its file is made by the manager as soon as it is asked.
+
+    Raises:
+        Refused: It was refused since the manager was asked.
+    """
     try:
-        return host_links.read(name).why
+        state = host_links.read(name)
     except Unreachable as error:
         return str(error)
+    if state.refused_at >= asked_at:
+        raise Refused(f"manager {state.manager} of this host cannot link {name}: {state.why}")
+    return state.why
 
 
 def _check_running(connection: HostConnection) -> None:

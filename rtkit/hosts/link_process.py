@@ -79,7 +79,7 @@ def _keep(host: Host, state: HostLink) -> None:
     """Hold the link, and make it again whenever it is lost; a signal of the manager hastens it."""
     linked_at, tries = time.monotonic(), 0
     while True:
-        is_denied = False
+        is_denied, tried_at = False, time.monotonic()
         with ExitStack() as stack:
             try:
                 if tries:
@@ -92,7 +92,7 @@ def _keep(host: Host, state: HostLink) -> None:
                 tries = 0 if linked_at - began > _SOON_S else tries
             except RtkitError as error:
                 why, is_denied = str(error), isinstance(error, Refused)
-            host_links.write(state._replace(why=why))
+            host_links.write(state._replace(why=why, refused_at=tried_at if is_denied else 0.0))
         pause_s = pause_until(tries, time.monotonic() - linked_at, is_denied=is_denied)
         signal.sigtimedwait([signal.SIGCONT], pause_s)
         tries += 1

@@ -28,6 +28,7 @@ class HostLink(NamedTuple):
         far_manager: The manager there.
         why: Why it cannot be reached; empty while it is linked.
         pid: The process of the link; 0 for none.
+        refused_at: When the try began that was refused last [s, monotonic clock]; 0 for none.
     """
 
     host: str
@@ -35,6 +36,7 @@ class HostLink(NamedTuple):
     far_manager: str
     why: str = ""
     pid: int = 0
+    refused_at: float = 0.0
 
 
 def link_file(host: str) -> str:

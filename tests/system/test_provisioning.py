@@ -6,6 +6,7 @@ import json
 import os
 import shutil
 import signal
+import subprocess
 import zipfile
 from collections.abc import Iterator
 from pathlib import Path
@@ -16,6 +17,7 @@ from farkit import FarHost, far_hosts
 from forked import Commands
 from forwarding import Forwarder
 from shells import ROOT, Shell, opened_shell
+from terminal import opened
 from waiting import until
 
 from rtkit.errors import RtkitError, Unreachable
@@ -249,6 +251,23 @@ def test_a_link_goes_neither_to_somebody_in_between_nor_in_without_a_key(
         shell_to.ok("rtls /bare")
     shell_to.ok("rtmgr stop --host bare")
     between.close()
+
+
+def test_a_key_that_the_manager_cannot_open_ends_the_wait_for_its_link(shell_to: Shell) -> None:
+    key = shell_to.folder / "home" / ".ssh" / "id_ed25519"
+    change = ["ssh-keygen", "-q", "-p", "-f", str(key)]
+    subprocess.run([*change, "-N", "secret"], check=True)
+    command = shell_to.command("rtmgr start --host bare")
+    with opened(command, shell_to.environment, shell_to.folder) as terminal:
+        terminal.until(f"Passphrase of {key}: ")
+        terminal.type("secret\n")
+        told = " ".join(terminal.rest().split())
+    assert "manager manager of this host cannot link bare: " in told
+    assert f"{key} has a passphrase and no agent holds it: ssh-add {key}" in told
+    assert "Passphrase of" not in told
+    subprocess.run([*change, "-P", "secret", "-N", ""], check=True)
+    assert shell_to.ok("rtmgr start --host bare") == "bare: linked, manager ran already\n"
+    shell_to.ok("rtmgr stop --host bare")
 
 
 def test_a_manager_of_another_build_runs_on_until_it_is_to_be_replaced(
