@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import select
 import time
-from contextlib import closing
+from contextlib import closing, suppress
 from typing import NamedTuple
 
 from rtkit import fault
@@ -56,11 +56,15 @@ class BroughtUp(NamedTuple):
         provisioned: The version of rtkit there.
         was_running: Whether its manager ran already.
         old_build: The build of rtkit that this one runs with, if that is another one.
+        replaced_build: The build of the one that was ended for it, if any was.
+        unlinked: The manager there to which the link led before, if that is another one.
     """
 
     provisioned: Provisioned
     was_running: bool
     old_build: str
+    replaced_build: str = ""
+    unlinked: str = ""
 
 
 def start(host: Host, near: Tree, show: Progress, *, replaces: bool, timeout_s: float) -> BroughtUp:
@@ -86,19 +90,32 @@ def start(host: Host, near: Tree, show: Progress, *, replaces: bool, timeout_s: 
 
         done = provisioned.provision(connection, look, show, check)
         fault.point("provision.used")
-        show(host.name, HostStep("starting its manager"))
-        found = _ask(connection, "start")
-        fault.point("provision.started")
-        if (why := _misfit(host, found)) or (replaces and _is_old(found)):
-            if not replaces:
-                raise Refused(why)
-            show(host.name, HostStep("replacing its manager"))
-            _ask(connection, "stop")
-            found = _ask(connection, "start")
+        found, replaced_build = _run(connection, show, replaces=replaces)
     show(host.name, HostStep("linking"))
-    link(host, near, max(timeout_s, LEAST_S))
+    unlinked = link(host, near, max(timeout_s, LEAST_S))
     show(host.name, HostStep("linked"))
-    return BroughtUp(done, found.was_running, found.its_build if _is_old(found) else "")
+    old_build = found.its_build if _is_old(found) else ""
+    return BroughtUp(done, found.was_running, old_build, replaced_build, unlinked)
+
+
+def _run(connection: HostConnection, show: Progress, *, replaces: bool) -> tuple[_Found, str]:
+    """Have the manager run; return it, and the build of one that was ended for it.
+
+    Raises:
+        RtkitError: It does not start, or is one that may not be replaced.
+    """
+    host = connection.host
+    show(host.name, HostStep("starting its manager"))
+    found = _ask(connection, "start")
+    fault.point("provision.started")
+    why = _misfit(host, found)
+    if not (why or (replaces and _is_old(found))):
+        return found, ""
+    if not replaces:
+        raise Refused(why)
+    show(host.name, HostStep("replacing its manager"))
+    _ask(connection, "stop")
+    return _ask(connection, "start"), found.its_build or found.version
 
 
 def stop(host: Host, near: Tree | None, timeout_s: float, *, is_kept: bool = False) -> bool:
@@ -129,9 +146,10 @@ def _stop(connection: HostConnection, word: str) -> bool:
         raise
 
 
-def link(host: Host, near: Tree, timeout_s: float) -> None:
+def link(host: Host, near: Tree, timeout_s: float) -> str:
     """Have a manager of this host linked to that of another one; return when it is.
 
+    The result is the manager there to which the link led before, if that is another one.
     The manager tries at once, also where it was refused before: only a try since then counts.
 
     Raises:
@@ -139,6 +157,9 @@ def link(host: Host, near: Tree, timeout_s: float) -> None:
         Unreachable: It was not in time; tells why. The manager goes on trying.
     """
     asked_at = time.monotonic()
+    before = ""
+    with suppress(Unreachable):
+        before = host_links.read(host.name).far_manager
     with closing(FolderWatch(places.runtime_dir())) as watch:
         near.set("link_host", encode_text(host))
         deadline = time.monotonic() + timeout_s
@@ -147,6 +168,7 @@ def link(host: Host, near: Tree, timeout_s: float) -> None:
             watch.take()
     if why:
         raise Unreachable(f"host {host.name} is not linked within {timeout_s:g} s: {why}")
+    return before if before != host.manager else ""
 
 
 def _why(name: str, asked_at: float) -> str:

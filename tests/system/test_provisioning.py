@@ -284,7 +284,9 @@ def test_a_manager_of_another_build_runs_on_until_it_is_to_be_replaced(
     new, _ = _versions(far)
     assert f"manager ran already; it runs with rtkit {old} until --replace has it end" in told
     assert f"rtkit {new} is new there" in told
-    assert shell_to.ok("rtmgr start --host bare --replace") == "bare: linked, manager started\n"
+    ended = f"that of rtkit {old} has ended, with its components"
+    told = shell_to.ok("rtmgr start --host bare --replace")
+    assert told == f"bare: linked, manager replaced; {ended}\n"
     assert shell_to.ok("rtmgr start --host bare") == "bare: linked, manager ran already\n"
     shell_to.ok("rtmgr stop --host bare")
 
@@ -306,8 +308,21 @@ def test_a_manager_of_another_version_is_refused_before_anything_is_sent(
     assert refused.status == 1
     assert "bare: manager manager runs there with rtkit 0.0.9, as host bare; here is" in refused.err
     assert far.run("ls", _BASE).split() == ["current", "lock", "turn", "versions"]
-    assert "is new there" in shell_to.ok("rtmgr start --host bare --replace")
+    told = shell_to.ok("rtmgr start --host bare --replace")
+    assert "manager replaced; that of rtkit 0.0.9 has ended, with its components" in told
+    assert "is new there" in told
     shell_to.ok("rtmgr stop --host bare")
+
+
+def test_a_link_that_leads_to_another_manager_there_is_told(shell_to: Shell) -> None:
+    shell_to.ok("rtmgr start --host bare")
+    for name, before in (("m2", "manager"), ("manager", "m2")):
+        told = shell_to.ok(f"rtmgr start {name} --host bare")
+        assert told.startswith(f"bare: linked, {name} ")
+        assert told.endswith(f"; the link to {before} there has ended\n")
+        assert shell_to.ok("rtls /bare") == f"{name}.mgr/\n"
+    for name in ("m2", "manager"):
+        assert shell_to.ok(f"rtmgr stop {name} --host bare") == f"bare: {name} ended\n"
 
 
 def test_two_commands_at_once_make_one_host_ready_one_after_the_other(

@@ -94,7 +94,12 @@ def _work(
 
 def _summary(host: Host, done: BroughtUp) -> str:
     made = done.provisioned
-    parts = [f"linked, {host.manager} {'ran already' if done.was_running else 'started'}"]
+    how = "replaced" if done.replaced_build else "ran already" if done.was_running else "started"
+    parts = [f"linked, {host.manager} {how}"]
+    if done.replaced_build:
+        parts.append(f"that of rtkit {done.replaced_build} has ended, with its components")
+    if done.unlinked:
+        parts.append(f"the link to {done.unlinked} there has ended")
     if done.old_build:
         parts.append(f"it runs with rtkit {done.old_build} until --replace has it end")
     if made.is_new:

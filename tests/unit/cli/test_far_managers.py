@@ -57,6 +57,17 @@ def test_each_host_has_a_line_in_the_order_of_the_command(
     ]
 
 
+def test_what_ended_for_a_manager_is_told(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    _started(monkeypatch, lambda _host, _show: BroughtUp(OLD, False, "", "1.0-old", "m2"))
+    assert main(["start", "--host", "one"]) == 0
+    assert capsys.readouterr().out == (
+        "one: linked, manager replaced; that of rtkit 1.0-old has ended, with its components;"
+        " the link to m2 there has ended\n"
+    )
+
+
 def test_the_status_is_that_of_the_first_host_named_that_failed(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

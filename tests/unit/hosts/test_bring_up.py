@@ -1,9 +1,10 @@
-"""Wait for a link: ended by its refusal, but not by one from before."""
+"""Wait for a link: what ends it, and what is told of the link before."""
 
 from __future__ import annotations
 
 import time
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
@@ -38,6 +39,13 @@ def test_a_refused_link_ends_the_wait_with_its_reason() -> None:
     why = "manager m2 of this host cannot link robot1: no key"
     with pytest.raises(Refused, match=f"^{why}$"):
         link(ROBOT, Near(0.0), 60.0)  # type: ignore[arg-type]
+
+
+def test_the_manager_is_told_to_which_a_link_led_before() -> None:
+    near = SimpleNamespace(set=lambda *_: host_links.write(HostLink("robot1", "m2", "manager")))
+    for before, told in (("", ""), ("m3", "m3"), ("manager", "")):
+        host_links.write(HostLink("robot1", "m2", before))
+        assert link(ROBOT, near, 60.0) == told  # type: ignore[arg-type]
 
 
 def test_a_refusal_from_before_does_not_end_the_wait() -> None:
