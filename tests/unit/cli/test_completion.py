@@ -342,6 +342,7 @@ def test_nothing_heavy_is_imported(line: str, tmp_path: Path) -> None:
         "rows = (row,)\n"
         "class Tree:\n"
         "    manager = 'm'\n"
+        "    timeout_s = 1.0\n"
         "    def close(self): pass\n"
         "    def listing(self): return Listing('box', 'm', 1, (), rows)\n"
         "    def plain(self, names): return {'components': [{'instance': 'A', 'ports':\n"
