@@ -11,7 +11,8 @@ import os
 import select
 import signal
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from time import monotonic, time
 from typing import TYPE_CHECKING
 
@@ -27,6 +28,7 @@ from rtkit.rtc.enums import LifeCycleState
 from rtkit.rtc.names import LOCAL, manager_on, split_manager
 
 if TYPE_CHECKING:
+    from rtkit.api.session import ScriptSession
     from rtkit.api.system_profiles import SystemProfile
     from rtkit.profile.rts_model import RtsProfile
     from rtkit.tree.client import Tree
@@ -115,6 +117,7 @@ class SystemOwner:
             del self._lost_since[host]
         owned = self._ended_elsewhere(owned)
         rules: dict[str, MovableRule] = {}
+        due: dict[str, tuple[str, ...]] = {}
         for name, each in owned.components.items():
             host = split_manager(each.home)[1]
             if not _why_lost(host):
@@ -124,12 +127,12 @@ class SystemOwner:
             due_at = self._lost_since.setdefault(host, monotonic()) + rules[name].wait_s
             if due_at > monotonic():
                 yield due_at
-                continue
-            target = self._target(rules[name], host)
-            owned = owned.moved(name, target, time(), is_stale=True)
-            _log.warning("%s: host %s is lost: %s is made in %s", owned.system, host, name, target)
-            owning.write(self._manager, owned)  # first: who is killed here goes on from there
-            self._left_out.pop(owned.system, None)
+            else:
+                due[name] = (*rules[name].hosts, LOCAL)
+        places, whys = self._places(owned, due) if due else ({}, {})
+        owned = self._rehomed(owned, places, whys)
+        if whys:
+            yield monotonic() + _AGAIN_S
         lost = frozenset(filter(_why_lost, host_links.hosts()))
         if owned.is_pending and self._left_out.get(owned.system) != lost:
             self._carry_out(owned)
@@ -142,14 +145,45 @@ class SystemOwner:
             _log.error("%s: %s", owned.system, why)
             owning.write(self._manager, replace(owned, why=why))
 
-    def _target(self, rule: MovableRule, lost: str) -> str:
-        """Return the manager that a component goes to: the first that can be reached."""
-        for host in rule.hosts:
-            if host == LOCAL:
-                break
-            if host != lost and host_links.is_linked(host) and not _why_lost(host):
-                return manager_on(host_links.read(host).far_manager, host)
-        return self._manager
+    def _places(
+        self, owned: OwnedSystem, due: Mapping[str, Sequence[str]]
+    ) -> tuple[Mapping[str, str], Mapping[str, str]]:
+        """Return where components go whose hosts are lost, and why there is no place for some."""
+        from rtkit.api.placing import other_places
+        from rtkit.api.system_profiles import made
+        from rtkit.deployment.owned import opened
+
+        document = made(opened(_profile(owned), owned, due), owned.source)
+        with self._session(owned) as session:
+            return other_places(session, document, due)
+
+    def _rehomed(
+        self, owned: OwnedSystem, places: Mapping[str, str], whys: Mapping[str, str]
+    ) -> OwnedSystem:
+        """Keep the new places of components in the record, and why there is none for others."""
+        found = owned
+        for name, each in owned.components.items():
+            why = whys.get(name, "")
+            if name in places:
+                target = self._manager_at(places[name])
+                lost = split_manager(each.home)[1]
+                _log.warning("%s: host %s is lost: %s is made in %s",
+                             owned.system, lost, name, target)  # fmt: skip
+                found = found.moved(name, target, time(), is_stale=True)
+                self._left_out.pop(owned.system, None)
+            elif why != each.why:
+                if why:
+                    _log.warning("%s: %s", owned.system, why)
+                found = found.with_component(name, replace(each, why=why))
+        if found != owned:
+            owning.write(self._manager, found)  # first: who is killed here goes on from there
+        return found
+
+    def _manager_at(self, place: str) -> str:
+        """Return the manager of a host, as plans call it."""
+        if place == LOCAL:
+            return self._manager
+        return manager_on(host_links.read(place).far_manager, place)
 
     def _ended_elsewhere(self, owned: OwnedSystem) -> OwnedSystem:
         """End older ones of components where their host is back."""
@@ -189,23 +223,32 @@ class SystemOwner:
             facts = tree.snapshot().component(name)
         return facts is not None and not facts.zombie
 
+    @contextmanager
+    def _session(self, owned: OwnedSystem) -> Iterator[ScriptSession]:
+        """Have a connection to the manager for what is done about a system."""
+        from rtkit.api.session import ScriptSession
+        from rtkit.tree.connect import connect
+
+        with (
+            connect(self._manager, _TIMEOUT_S) as tree,
+            ScriptSession(tree, _log.info, f"owner of {owned.system}") as session,
+        ):
+            yield session
+
     def _carry_out(self, owned: OwnedSystem) -> None:
         """Lead the system to where its components are to be; lost hosts are left out."""
         from rtkit.api import planning
         from rtkit.api.plan import carry_out
-        from rtkit.api.session import ScriptSession
         from rtkit.api.system_profiles import made
         from rtkit.deployment.owned import placed
-        from rtkit.tree.connect import connect
         from rtkit.tree.plan_locks import PlanLocks
 
         document = made(placed(_profile(owned), owned), owned.source)
         with (
-            connect(self._manager, _TIMEOUT_S) as tree,
-            ScriptSession(tree, _log.info, f"owner of {owned.system}") as session,
+            self._session(owned) as session,
             PlanLocks(session.name, _WAIT_S, _log.info) as lock,
         ):
-            aim = planning.GoalOptions(state=_state(tree, document))
+            aim = planning.GoalOptions(state=_state(session.tree, document))
             prepared = planning.prepare(
                 session, document, (), aim, is_dry=False, lock=lock, leaves_out=True
             )

@@ -159,8 +159,9 @@ def troubles(manager: str) -> dict[str, str]:
         for name, each in owned.components.items():
             left = [f"an older one may live in {manager}" for manager in each.stale]
             failed = [owned.why or "not all is connected yet"] if owned.is_pending else []
-            if failed or left:
-                found[name] = "; ".join([*failed, *left])
+            whys = [*filter(None, [each.why]), *failed, *left]
+            if whys:
+                found[name] = "; ".join(whys)
     return found
 
 

@@ -85,6 +85,19 @@ def placed(
     return PlacedProfile(replace(document, profile=profile), lacks, moving)
 
 
+def other_places(
+    session: Session, document: SystemProfile, named: Mapping[str, Sequence[str]]
+) -> tuple[Mapping[str, str], Mapping[str, str]]:
+    """Return places for components whose host is open, and why there is none for some.
+
+    Each has the first of the hosts named for it that meets the requirements; all others stay.
+    """
+    from rtkit.deployment.placement.elsewhere import elsewhere
+
+    with _placer(session, document, (), stand_in=False) as placer:
+        return elsewhere(placer.problem_among(named), named)
+
+
 def settled(session: Session, document: SystemProfile, mapped: Iterable[str] = ()) -> SystemProfile:
     """Return a profile whose components are where they live, or may live unseen, else here."""
     from rtkit.deployment.placement.profiles import is_free, with_places
@@ -154,6 +167,9 @@ class _Placer(Closing):
     def homes(self) -> dict[str, str]:
         """Return where components live that may be there, as far as managers can be asked."""
         self._places.look(self._open_places(), is_remote=False)
+        return self._seen_homes()
+
+    def _seen_homes(self) -> dict[str, str]:
         found: dict[str, str] = {}
         for each in self._places.seen.values():
             for facts in each.snapshot.components if each.snapshot is not None else ():
@@ -195,8 +211,7 @@ class _Placer(Closing):
         from rtkit.deployment.placement.choice import choose
         from rtkit.deployment.planning.model import DEFAULT_COSTS
 
-        stated = {self._stated[name] for name in self._demanding} - {""}
-        self._places.look(sorted(stated), is_remote=True)
+        self._look_at_stated(is_remote=True)
         homes = self.homes()
         self._check_reached(homes)
         problem = self._posed(homes)
@@ -206,6 +221,16 @@ class _Placer(Closing):
             self._places.look(self._open_places(), is_remote=True)
             problem = self._posed(homes)
         return problem
+
+    def _look_at_stated(self, *, is_remote: bool) -> None:
+        stated = {self._stated[name] for name in self._demanding} - {""}
+        self._places.look(sorted(stated), is_remote=is_remote)
+
+    def problem_among(self, named: Mapping[str, Sequence[str]]) -> PlacementProblem:
+        """Return the problem with the hosts that are named for components as candidates."""
+        self._look_at_stated(is_remote=True)
+        self._places.look({host for hosts in named.values() for host in hosts}, is_remote=False)
+        return self._posed(self._seen_homes())
 
     def _check_reached(self, homes: Mapping[str, str]) -> None:
         """Have nothing made a second time: where it may live unseen, it is not placed.

@@ -5,17 +5,18 @@ The owner is the manager on which a system was applied. See decision 79.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import NamedTuple
 
 from rtkit.deployment.extension import MOVABLE
+from rtkit.deployment.placement.requirements import FREE
 from rtkit.errors import Malformed
 from rtkit.fast_dataclass import dataclass, field, replace
 from rtkit.profile.common import ExtensionProperty
 from rtkit.profile.rts_model import RtsProfile, TargetPort
 from rtkit.profile.words import PATH_ID
 from rtkit.rtc.connector_properties import finite
-from rtkit.rtc.names import LOCAL, split_manager
+from rtkit.rtc.names import LOCAL, manager_on, split_manager
 
 _MOST_S = 86_400.0
 
@@ -24,7 +25,7 @@ class MovableRule(NamedTuple):
     """Policy of a movable component: how long its host may be lost, and where it goes then [s].
 
     Attributes:
-        hosts: Those that it may go to, the first one that can be reached; empty for the owner's.
+        hosts: Those that it may go to, the first one that will do; the owner's comes last.
     """
 
     wait_s: float
@@ -53,12 +54,14 @@ class OwnedComponent:
         origin: The one that its profile says.
         epoch: A number that grows each time it is made elsewhere: seconds since 1970, or more.
         stale: Managers in which an older one may live, which was not seen to end.
+        why: Why there is no other place for it though its host is lost.
     """
 
     home: str
     origin: str
     epoch: int
     stale: tuple[str, ...] = ()
+    why: str = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -114,6 +117,14 @@ def rules_of(profile: RtsProfile) -> dict[str, MovableRule]:
         for item in each.properties
         if item.name == MOVABLE
     }
+
+
+def opened(profile: RtsProfile, owned: OwnedSystem, names: Iterable[str]) -> RtsProfile:
+    """Return the same as `placed`, in which the hosts of some components are open."""
+    for name in names:
+        row = replace(owned.components[name], home=manager_on("", FREE))
+        owned = owned.with_component(name, row)
+    return placed(profile, owned)
 
 
 def placed(profile: RtsProfile, owned: OwnedSystem) -> RtsProfile:

@@ -67,10 +67,10 @@ def give_modules(shell: Shell, hosts: list[FarHost]) -> None:
         host.write("/root/Checker.py", CHECKER)
 
 
-def profile() -> str:
+def profile(**policy: str) -> str:
     """Return a system whose source is movable, with a receiver here and one on robot2."""
     rows = (
-        ("Counter", "Num", "out", "robot1", {"movable": "0.5"}),
+        ("Counter", "Num", "out", "robot1", {"movable": "0.5", **policy}),
         ("Checker", "Near", "into", "localhost", {}),
         ("Checker", "Far", "into", "robot2", {}),
     )
@@ -225,12 +225,36 @@ def test_what_cannot_be_made_elsewhere_is_where_it_was(
     assert applied.run(f"rtteardown --exit {FILE}").status == 0
     assert applied.run("rtapply only.xml").status == 0
     cut(applied, hosts[0])
-    until(lambda: "impossible: Num" in trouble(applied), "the reason is told")
+    until(lambda: trouble(applied).startswith("no place for Num: localhost: "), "it is told why")
     linked_again(applied, hosts[0])
     until(lambda: is_settled(applied), "the owner has nothing left to do")
     assert places(applied) == [THERE]
     applied.ok("rtcheck only.xml")
     assert applied.run("rtteardown --exit only.xml").status == 0
+
+
+def test_only_a_host_that_meets_the_requirements_is_taken(
+    applied: Shell, hosts: list[FarHost]
+) -> None:
+    for host in hosts:
+        applied.ok(f"rthost add --force {host.name} root@{host.address} --tag arm")
+    file = applied.folder / "arm.xml"
+    file.write_text(profile(**{"movable": "0", "place.tags": "arm"}))
+    assert applied.run("rtapply arm.xml").status == 0
+    cut(applied, hosts[0])
+    why = "no place for Num: localhost: lacks tag arm"
+    until(lambda: why in trouble(applied), "it is told why it stays")
+    assert places(applied) == []
+    linked_again(applied, hosts[0])
+    until(lambda: not trouble(applied), "it is where it was")
+    assert places(applied) == [THERE]
+
+    file.write_text(profile(**{"movable": "0 localhost robot2", "place.tags": "arm"}))
+    assert applied.run("rtapply arm.xml").status == 0
+    cut(applied, hosts[0])
+    until(lambda: places(applied) == ["/robot2/Num.rtc"], "it is on the host with the tag")
+    linked_again(applied, hosts[0])
+    ended_on_robot1(applied)
 
 
 def test_while_the_owner_is_away_nothing_moves(applied: Shell, hosts: list[FarHost]) -> None:
