@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import select
 import time
-from contextlib import closing, suppress
+from contextlib import closing
 from typing import NamedTuple
 
 from rtkit import fault
@@ -119,14 +119,16 @@ def _run(connection: HostConnection, show: Progress, *, replaces: bool) -> tuple
 
 
 def stop(host: Host, near: Tree | None, timeout_s: float, *, is_kept: bool = False) -> bool:
-    """End the link to a host, then the manager there; return whether it ran.
+    """End the link to a manager of another host, then that manager; return whether it ran.
 
-    What it holds is there again at its next start only if it `is_kept`.
+    A link to another manager there stays. What the manager that is ended holds is there again at
+    its next start only if it `is_kept`.
 
     Raises:
         RtkitError: The host cannot be reached, or its manager does not end; the link has ended.
     """
     is_linked = near is not None and host.name in near.get("get_hosts").splitlines()
+    is_linked = is_linked and _linked_manager(host.name) in ("", host.manager)
     if near is not None and is_linked:
         near.set("unlink_host", host.name)
     try:
@@ -157,9 +159,7 @@ def link(host: Host, near: Tree, timeout_s: float) -> str:
         Unreachable: It was not in time; tells why. The manager goes on trying.
     """
     asked_at = time.monotonic()
-    before = ""
-    with suppress(Unreachable):
-        before = host_links.read(host.name).far_manager
+    before = _linked_manager(host.name)
     with closing(FolderWatch(places.runtime_dir())) as watch:
         near.set("link_host", encode_text(host))
         deadline = time.monotonic() + timeout_s
@@ -169,6 +169,14 @@ def link(host: Host, near: Tree, timeout_s: float) -> str:
     if why:
         raise Unreachable(f"host {host.name} is not linked within {timeout_s:g} s: {why}")
     return before if before != host.manager else ""
+
+
+def _linked_manager(name: str) -> str:
+    """Return the manager of another host to which its link leads; empty if that is not known."""
+    try:
+        return host_links.read(name).far_manager
+    except Unreachable:
+        return ""
 
 
 def _why(name: str, asked_at: float) -> str:
