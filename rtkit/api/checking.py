@@ -58,7 +58,7 @@ def compare(
 ) -> SystemReport:
     """Compare what lives with a profile; see `rtkit.Tree.check`."""
     from rtkit.api.looking import on_this_host, present_code
-    from rtkit.api.placing import settled
+    from rtkit.api.placing import settled, unmet
     from rtkit.deployment.deviations import deviations
     from rtkit.deployment.live_index import LiveIndex
 
@@ -67,4 +67,5 @@ def compare(
     system = looking.wanted_system(session, document, snapshot, mapped=mapped)
     live = LiveIndex(snapshot, system)
     present = present_code(on_this_host(snapshot))
-    return SystemReport(system, live, tuple(deviations(system, live, state, present)))
+    broken = unmet(session, document, mapped)
+    return SystemReport(system, live, tuple(deviations(system, live, state, present, broken)))

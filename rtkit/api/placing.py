@@ -85,6 +85,18 @@ def placed(
     return PlacedProfile(replace(document, profile=profile), lacks, moving)
 
 
+def unmet(session: Session, document: SystemProfile, mapped: Iterable[str] = ()) -> dict[str, str]:
+    """Return what components require that is not so where they live, by component."""
+    from rtkit.deployment.placement.profiles import has_requirements
+
+    if not has_requirements(document.profile):
+        return {}
+    from rtkit.deployment.placement import conflict
+
+    with _placer(session, document, mapped, stand_in=True) as placer:
+        return conflict.unmet(placer.problem_as_is())
+
+
 def other_places(
     session: Session, document: SystemProfile, named: Mapping[str, Sequence[str]]
 ) -> tuple[Mapping[str, str], Mapping[str, str]]:
@@ -225,6 +237,11 @@ class _Placer(Closing):
     def _look_at_stated(self, *, is_remote: bool) -> None:
         stated = {self._stated[name] for name in self._demanding} - {""}
         self._places.look(sorted(stated), is_remote=is_remote)
+
+    def problem_as_is(self) -> PlacementProblem:
+        """Return the problem with what lives where it is, as far as managers can be asked."""
+        self._look_at_stated(is_remote=False)
+        return self._posed(self._seen_homes())
 
     def problem_among(self, named: Mapping[str, Sequence[str]]) -> PlacementProblem:
         """Return the problem with the hosts that are named for components as candidates."""

@@ -24,8 +24,8 @@ class Deviation:
 
     Attributes:
         kind: ``component``, ``connection``, ``property``, ``active-set``, ``parameter``,
-            ``constraint``, ``port``, ``type``, ``rate``, ``policy``, ``create``, ``code`` or
-            ``state``.
+            ``constraint``, ``port``, ``type``, ``rate``, ``policy``, ``place``, ``create``,
+            ``code`` or ``state``.
         path: The component, or the ports of a connection.
         item: What differs there; empty for the component or the connection itself.
         wanted: What the profile states; empty where it states nothing.
@@ -46,12 +46,14 @@ def deviations(
     live: LiveIndex,
     state: LifeCycleState | None,
     present_code: Mapping[str, str] = NO_FILES,
+    unmet: Mapping[str, str] = NO_FILES,
 ) -> Iterator[Deviation]:
     """Yield every deviation: components, connections, active sets, parameters, ports, states.
 
     With `state` None each component is to have no execution context at all (``Unknown``).
     `present_code` has the CRC-32 of files as they are: that one has changed since it was loaded is
-    reported, and nothing required.
+    reported, and nothing required. `unmet` tells what components require that is not so where they
+    live.
     """
     for component in system.components:
         why = absence(component, live)
@@ -83,6 +85,10 @@ def deviations(
         yield from _parameters(component, facts)
     for component, facts in there:
         yield from _manner(component, facts)
+        if component.instance in unmet:
+            why = unmet[component.instance]
+            text = f"Component {component.path} is not where it may be: {why}"
+            yield _of("place", component, text, found=why)
         file = facts.changed_code(present_code)
         if file:
             text = f"Component {component.path} runs code that has changed since ({file})"

@@ -18,6 +18,11 @@ def test_tags_of_a_manager_are_those_of_its_host(shell: Shell) -> None:
     shell.ok("rtset /localhost/manager.mgr/settings.rtkit.tags arm,gpu")
     assert shell.run(f"rtapply {file}").status == 0
     assert "rtkit.place.tags" in shell.ok("rtcryo --all")
+    shell.ok(f"rtcheck {file}")
+    shell.ok("rtset /localhost/manager.mgr/settings.rtkit.tags gpu")
+    told = shell.run(f"rtcheck {file}")
+    why = "Component /localhost/In1.rtc is not where it may be: lacks tag arm"
+    assert (told.status, told.err) == (1, f"{why}\n")
     shell.ok("rtmgr stop")
 
 

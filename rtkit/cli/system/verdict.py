@@ -22,6 +22,7 @@ RULES = {
     "live-code": "The file of a component's module has changed since it was loaded",
     "live-constraint": "A parameter has another constraint than the profile says",
     "live-create": "A component was made otherwise than the profile says",
+    "live-place": "A component is where its requirements are not met",
     "live-policy": "Restarts or rules of health are others than the profile says",
     "live-port": "A component lacks a port that the profile lists",
     "live-rate": "An execution context has another rate than the profile says",

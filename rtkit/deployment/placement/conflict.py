@@ -22,6 +22,8 @@ from rtkit.errors import Impossible
 from rtkit.fast_dataclass import replace
 
 T = TypeVar("T")
+_TOGETHER = "{} is to be in the process of {}"
+_APART = "{} is not to be on the host of {}"
 _KINDS = ("hosts", "tags", "memory", "devices", "with_", "apart")
 
 
@@ -53,6 +55,25 @@ def placed(problem: PlacementProblem) -> tuple[PlacementChoice, dict[str, str]]:
         lacks[spare[-1].name] = text_of(found)
         problem = problem.without({spare[-1].name})
     return choice, lacks
+
+
+def unmet(problem: PlacementProblem) -> dict[str, str]:
+    """Return what components require that is not so where they live, by component."""
+    known = {each.place: each for each in problem.candidates}
+    at = {c.name: known[c.home] for c in problem.components if c.home in known}
+    found = {}
+    for each in problem.components:
+        home = at.get(each.name)
+        if home is None:
+            continue
+        far = [n for n in each.required.with_ if n in at and at[n].place != home.place]
+        near = [n for n in each.required.apart if n in at and at[n].host == home.host]
+        reasons = [why for _, why in misfits(each, home)]
+        reasons += [_TOGETHER.format(each.name, n) for n in far]
+        reasons += [_APART.format(each.name, n) for n in near]
+        if reasons:
+            found[each.name] = ", ".join(reasons)
+    return found
 
 
 def conflict(problem: PlacementProblem) -> Conflict:
@@ -116,12 +137,8 @@ def text_of(found: Conflict) -> str:
 def _bonds(components: Sequence[PlacedComponent]) -> Iterator[str]:
     known = {each.name for each in components}
     for each in components:
-        for other in each.required.with_:
-            if other in known:
-                yield f"{each.name} is to be in the process of {other}"
-        for other in each.required.apart:
-            if other in known:
-                yield f"{each.name} is not to be on the host of {other}"
+        yield from (_TOGETHER.format(each.name, n) for n in each.required.with_ if n in known)
+        yield from (_APART.format(each.name, n) for n in each.required.apart if n in known)
 
 
 def _places(problem: PlacementProblem) -> Iterator[str]:

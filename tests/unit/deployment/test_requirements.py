@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from rtkit.deployment.placement.choice import PlaceCandidate, PlacedComponent, PlacementProblem
-from rtkit.deployment.placement.conflict import placed
+from rtkit.deployment.placement.conflict import placed, unmet
 from rtkit.deployment.placement.requirements import (
     DevicePolicy,
     Requirements,
@@ -15,6 +15,12 @@ from rtkit.deployment.placement.requirements import (
 from rtkit.errors import Impossible, Malformed
 
 MIB = 1 << 20
+HOSTS = (
+    PlaceCandidate("localhost", "localhost", memory=900 * MIB, devices=frozenset(["/dev/video0"])),
+    PlaceCandidate("robot1", "robot1", frozenset(["arm"]), 120 * MIB, frozenset(["/dev/video0"])),
+    PlaceCandidate("robot2", "robot2", frozenset(["arm"]), 700 * MIB),
+    PlaceCandidate("robot3", "robot3", why_not="no answer within 2 s"),
+)
 
 
 def test_requirements_are_read():
@@ -83,18 +89,8 @@ def test_components_of_one_process_share_the_slave_that_one_names():
 
 
 def refusal(*components: PlacedComponent) -> str:
-    candidates = (
-        PlaceCandidate(
-            "localhost", "localhost", memory=900 * MIB, devices=frozenset(["/dev/video0"])
-        ),
-        PlaceCandidate(
-            "robot1", "robot1", frozenset(["arm"]), 120 * MIB, frozenset(["/dev/video0"])
-        ),
-        PlaceCandidate("robot2", "robot2", frozenset(["arm"]), 700 * MIB),
-        PlaceCandidate("robot3", "robot3", why_not="no answer within 2 s"),
-    )
     with pytest.raises(Impossible) as caught:
-        placed(PlacementProblem(components, candidates))
+        placed(PlacementProblem(components, HOSTS))
     return str(caught.value)
 
 
@@ -104,6 +100,25 @@ def test_each_host_is_told_with_what_it_lacks():
         "no place for A: localhost: lacks tag arm; robot1: 120 MiB free, 500 asked;"
         " robot2: no /dev/video0; robot3: no answer within 2 s"
     )
+
+
+def test_what_is_not_met_where_components_live_is_told_and_memory_is_not():
+    def at(name: str, home: str, **required: object) -> PlacedComponent:
+        return PlacedComponent(name, Requirements(**required), home=home)
+
+    tags, memory = ("arm",), 900 * MIB
+    components = (
+        at("A", "localhost", tags=tags, with_=("B",)),
+        at("B", "robot1", tags=tags, memory=memory, with_=("A", "E")),
+        at("C", "robot1", apart=("B", "A")),
+        at("D", "robot1", apart=("A",), with_=("B",)),
+        at("E", "", tags=("wings",)),
+    )
+    assert unmet(PlacementProblem(components, HOSTS)) == {
+        "A": "lacks tag arm, A is to be in the process of B",
+        "B": "B is to be in the process of A",
+        "C": "C is not to be on the host of B",
+    }
 
 
 def test_what_components_ask_together_is_told():
