@@ -17,6 +17,7 @@ from time import monotonic, time
 from typing import TYPE_CHECKING
 
 from rtkit.api import owning
+from rtkit.api.owner_places import AGAIN_S, Found, OtherPlaces
 from rtkit.deployment.owned import MovableRule, OwnedSystem
 from rtkit.errors import RtkitError
 from rtkit.fast_dataclass import replace
@@ -35,8 +36,6 @@ if TYPE_CHECKING:
 
 _log = logging.getLogger(__name__)
 ACTIVE, INACTIVE = LifeCycleState.ACTIVE.value, LifeCycleState.INACTIVE.value
-_AGAIN_S = 2.0
-"""Pause before what failed is tried again [s]."""
 _WAIT_S = 30.0
 """How long a plan of somebody else is waited for [s]."""
 _TIMEOUT_S = 10.0
@@ -69,6 +68,7 @@ class SystemOwner:
         self._manager = manager
         self._lost_since: dict[str, float] = {}
         self._again_at = 0.0
+        self._places = OtherPlaces()
         self._left_out: dict[str, frozenset[str]] = {}
         self._folders = (
             FolderWatch(places.runtime_dir()),
@@ -105,7 +105,7 @@ class SystemOwner:
                 due += self._keep(owned)
             except RtkitError as error:
                 self._note(path, str(error))
-                self._again_at = monotonic() + _AGAIN_S
+                self._again_at = monotonic() + AGAIN_S
                 due.append(self._again_at)
         return min(due, default=None)
 
@@ -129,11 +129,11 @@ class SystemOwner:
                 yield due_at
             else:
                 due[name] = (*rules[name].hosts, LOCAL)
-        places, whys = self._places(owned, due) if due else ({}, {})
-        owned = self._rehomed(owned, places, whys)
-        if whys:
-            yield monotonic() + _AGAIN_S
         lost = frozenset(filter(_why_lost, host_links.hosts()))
+        found = self._places.find(owned.system, due, lost, lambda: self._asked(owned, due))
+        owned = self._rehomed(owned, found)
+        if found.whys:
+            yield found.again_at
         if owned.is_pending and self._left_out.get(owned.system) != lost:
             self._carry_out(owned)
             self._left_out[owned.system] = lost
@@ -145,7 +145,7 @@ class SystemOwner:
             _log.error("%s: %s", owned.system, why)
             owning.write(self._manager, replace(owned, why=why))
 
-    def _places(
+    def _asked(
         self, owned: OwnedSystem, due: Mapping[str, Sequence[str]]
     ) -> tuple[Mapping[str, str], Mapping[str, str]]:
         """Return where components go whose hosts are lost, and why there is no place for some."""
@@ -157,27 +157,25 @@ class SystemOwner:
         with self._session(owned) as session:
             return other_places(session, document, due)
 
-    def _rehomed(
-        self, owned: OwnedSystem, places: Mapping[str, str], whys: Mapping[str, str]
-    ) -> OwnedSystem:
+    def _rehomed(self, owned: OwnedSystem, found: Found) -> OwnedSystem:
         """Keep the new places of components in the record, and why there is none for others."""
-        found = owned
+        made = owned
         for name, each in owned.components.items():
-            why = whys.get(name, "")
-            if name in places:
-                target = self._manager_at(places[name])
+            why = found.whys.get(name, "")
+            if name in found.places:
+                target = self._manager_at(found.places[name])
                 lost = split_manager(each.home)[1]
                 _log.warning("%s: host %s is lost: %s is made in %s",
                              owned.system, lost, name, target)  # fmt: skip
-                found = found.moved(name, target, time(), is_stale=True)
+                made = made.moved(name, target, time(), is_stale=True)
                 self._left_out.pop(owned.system, None)
             elif why != each.why:
-                if why:
+                if why and not each.why:
                     _log.warning("%s: %s", owned.system, why)
-                found = found.with_component(name, replace(each, why=why))
-        if found != owned:
-            owning.write(self._manager, found)  # first: who is killed here goes on from there
-        return found
+                made = made.with_component(name, replace(each, why=why))
+        if made != owned:
+            owning.write(self._manager, made)  # first: who is killed here goes on from there
+        return made
 
     def _manager_at(self, place: str) -> str:
         """Return the manager of a host, as plans call it."""
