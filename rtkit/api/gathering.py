@@ -329,7 +329,10 @@ class _Starter:
         far = replace(inventory.host(host), manager=manager)
         show, timeout_s = by_lines(session.verbose), session.timeout_s
         with connected(session.usual_manager, timeout_s) as near:
-            done = bring_up.start(far, near, show, replaces=False, timeout_s=timeout_s)
+            try:
+                done = bring_up.start(far, near, show, replaces=False, timeout_s=timeout_s)
+            except Unreachable as error:
+                raise Unreachable(f"host {host} cannot be reached: {error}") from error
         if done.was_running:
             self._left.add(name)
 

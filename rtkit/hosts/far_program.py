@@ -9,6 +9,7 @@ from contextlib import suppress
 from typing import TYPE_CHECKING, BinaryIO
 
 from rtkit.errors import Refused, Unreachable
+from rtkit.link.places import quoted
 
 if TYPE_CHECKING:
     from paramiko.channel import Channel
@@ -24,6 +25,8 @@ _PIECE = 1 << 18
 _TIMES = 10
 """How many times the time for one piece all of it may take."""
 _CURRENT = ".local/share/rtkit/current"
+NO_PROGRAM = 127
+"""Exit status of ``env`` that finds no program to run."""
 LineReader = Callable[[str], object]
 """Takes a line that a program there writes before its answer."""
 
@@ -33,6 +36,11 @@ def python(connection: HostConnection) -> list[str]:
     # A shell expands no ~ in words: what is run there begins in the user's home.
     name = f"RTKIT_HOSTNAME={connection.host.name}"
     return ["env", name, f"{_CURRENT}/bin/python", "-P"]
+
+
+def no_rtkit(host: str) -> str:
+    """Return the message that a host has no rtkit (any more), with the cure."""
+    return f"there is no rtkit (it is brought there with: rtmgr start --host {quoted(host)})"
 
 
 def ask(

@@ -68,7 +68,7 @@ def host_at(name: str, typed: str) -> Host:
     if colon and port and not is_port(port):
         raise Malformed(f"not a port: {port} (in {typed})")
     bare = address.removeprefix("[").removesuffix("]")
-    if not bare or (at and not user) or not _is_word(bare) or (user and not _is_word(user)):
+    if not bare or (at and not user) or not is_word(bare) or (user and not is_word(user)):
         raise Malformed(f"not [USER@]ADDRESS[:PORT]: {typed!r}")
     if ":" in bare:
         _check_ipv6(bare, typed)
@@ -82,5 +82,6 @@ def _check_ipv6(address: str, typed: str) -> None:
         raise Malformed(f"not an IPv6 address: {address} (in {typed}): {error}") from None
 
 
-def _is_word(text: str) -> bool:
+def is_word(text: str) -> bool:
+    """Return whether a text is one word, and no option."""
     return text.isprintable() and not any(c.isspace() for c in text) and not text.startswith("-")

@@ -15,7 +15,7 @@ from contextlib import contextmanager
 from typing import Any
 
 from rtkit.errors import Malformed, NotFound, Refused
-from rtkit.hosts.host import Host, host_at, named
+from rtkit.hosts.host import Host, host_at, is_word, named
 from rtkit.link import places
 from rtkit.rtc.names import check_host_name
 from rtkit.rtc.nearest import did_you_mean
@@ -75,11 +75,19 @@ def add(new: Host, *, is_forced: bool = False) -> None:
 
     Raises:
         Refused: There is one of that name already, or the name is that of this host.
+        Malformed: One of its tags is no word.
     """
+    _check_tags(new.tags)
     if new.name == places.host_name():
         raise Refused(f"{new.name} is the name of this host in the tree")
     with _edited() as document:
         _put(document, new, is_forced=is_forced)
+
+
+def _check_tags(tags: Iterable[str]) -> None:
+    for each in tags:
+        if not (each and is_word(each)):
+            raise Malformed(f"a tag is one word: {each!r}")
 
 
 def _put(document: Any, new: Host, *, is_forced: bool) -> None:
@@ -173,6 +181,8 @@ def _host(name: str, table: Any) -> Host:
     tags = table.get("tags", [])
     if not isinstance(tags, list) or not all(isinstance(each, str) for each in tags):
         raise Malformed(f"{name}: tags: not a list of texts")
+    with named(name):
+        _check_tags(tags)
     with named(f"{name}: address"):
         at = host_at(name, str(texts["address"]))
     usual = Host("", "")

@@ -179,6 +179,8 @@ def open_relay(connection: HostConnection, host: Host) -> Channel:
     if not text.endswith(ready):
         with suppress(OSError):
             text += channel.recv_stderr(2000)
+        if channel.status_event.wait(_KNOCK_S) and channel.exit_status == far_program.NO_PROGRAM:
+            raise Unreachable(f"{host.name}: {far_program.no_rtkit(host.name)}")
         why = " ".join(text[-_SHOWN:].decode("utf-8", "replace").split()) or "nothing answers"
         raise Unreachable(f"{host.name}: {why}")
     channel.settimeout(None)

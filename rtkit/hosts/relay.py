@@ -25,7 +25,7 @@ def main() -> int:
     places.keep_runtime_folder()
     try:
         if places.owner(name) is None:
-            raise ConnectionError(running.why_absent(name))
+            raise ConnectionError(running.why_absent(name, places.host_name()))
         near = unix.connect(places.manager_socket(name))
     except (OSError, RtkitError) as error:
         print(" ".join(str(error).split()), flush=True)

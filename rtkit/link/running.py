@@ -47,8 +47,11 @@ def traces(name: str, wanted: str = "") -> dict[int, str]:
     return found
 
 
-def why_absent(name: str) -> str:
-    """Return the message about a manager that does not run, with a hint."""
+def why_absent(name: str, host: str = "") -> str:
+    """Return the message about a manager that does not run, with a hint.
+
+    With `host`, the message is for who asks from another host, which knows this one by that name.
+    """
     folder = places.runtime_path()
     absent = f"manager {name!r} is not running"
     if os.path.lexists(folder):
@@ -57,7 +60,7 @@ def why_absent(name: str) -> str:
         except Refused as error:
             return f"manager {name!r} cannot be reached: {error}"
     path = places.manager_socket(name)
-    start = f"rtmgr start{_name(name)}"
+    start = f"rtmgr start{_name(name)}{host and f' --host {places.quoted(host)}'}"
     try:
         is_socket = stat.S_ISSOCK(os.lstat(path).st_mode)
     except OSError:

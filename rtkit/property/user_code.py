@@ -10,8 +10,9 @@ from collections.abc import Callable, Coroutine
 from types import CoroutineType
 from typing import Any, TypeGuard
 
+from rtkit.errors import Refused
 from rtkit.guard import GuardedResult, guarded, kind_and_text, text_of
-from rtkit.property.codes import PropertyError
+from rtkit.property.codes import PropertyError, code_of
 from rtkit.property.messages import Answer
 
 Work = Callable[[], object]
@@ -95,6 +96,8 @@ def result_of(outcome: GuardedResult, bad: tuple[type[BaseException], ...] = ())
         raise error
     if isinstance(error, bad):
         raise PropertyError("bad-value", text_of(error)) from error
+    if isinstance(error, Refused):
+        raise PropertyError(code_of(error), text_of(error)) from error
     raise PropertyError("internal", kind_and_text(error)) from error
 
 

@@ -106,6 +106,8 @@ def check_host_name(name: str) -> str:
         check_instance_name(name)
     except Malformed as error:
         raise Malformed(str(error).replace("instance name", "name of a host", 1)) from None
+    if any(c.isspace() for c in name):
+        raise Malformed(f"name of a host has a blank: {name!r}")
     if name == LOCAL or name.startswith(("-", ".")):
         raise Malformed(f"not a name for a host: {name}")
     if name.endswith((COMPONENT_SUFFIX, MANAGER_SUFFIX)):

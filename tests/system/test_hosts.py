@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import signal
 import time
 from collections.abc import Iterator
@@ -211,8 +212,10 @@ def test_a_link_ends_with_its_manager_and_comes_back_with_it(fleet: Shell) -> No
 def test_stop_ends_manager_and_link(known: Shell, fleet: Shell, hosts: list[FarHost]) -> None:
     fleet.ok("rtmgr stop --host robot2")
     assert "robot2/" not in fleet.ok("rtls /").split()
+    assert "Link" not in fleet.ok("rthost check robot2")
     assert "daemon" not in hosts[1].run("sh", "-c", "cat /proc/*/cmdline | tr '\\0' ' '")
     fleet.ok("rtmgr start --host robot2")
+    assert re.search(r"Link +linked", fleet.ok("rthost check robot2"))
 
 
 def test_what_a_host_lacks_is_told_before_anything_is_sent(known: Shell, tmp_path: Path) -> None:

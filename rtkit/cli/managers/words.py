@@ -40,7 +40,8 @@ def run_word(
         from rtkit.cli.hosts.far_managers import run_at_hosts
 
         if any(wanted):
-            raise UsageProblem("--host starts a manager as it is by default: no -f, -o, -p, -a, -i")
+            kinds = "-f, -o, -p, -a, -i, --tls, --allow-faults"
+            raise UsageProblem(f"--host starts a manager as it is by default: no {kinds}")
         how = {"replaces": options.replaces, "is_kept": options.is_kept}
         return run_at_hosts(app, word, options.hosts, typed, **how)
     if word in ("start", "run", "install"):

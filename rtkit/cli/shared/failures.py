@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import click
 
 from rtkit.cli.shared.app import WrongArguments
-from rtkit.errors import BUG_EXIT, InvalidDocument, Partial, RtkitError
+from rtkit.errors import BUG_EXIT, Impossible, InvalidDocument, Partial, RtkitError
 
 if TYPE_CHECKING:
     from rtkit.cli.shared.app import App
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 def failed(command: click.Command, app: App, error: Exception) -> int:
     """Report an error on stderr, and return the exit status that stands for it."""
-    if app.is_verbose and not isinstance(error, click.UsageError):
+    if app.is_verbose and not isinstance(error, click.UsageError | Impossible):
         import traceback
 
         app.report("".join(traceback.format_exception(error)).rstrip())

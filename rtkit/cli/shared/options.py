@@ -136,6 +136,10 @@ class WordChoice(click.Choice[str]):
         self._what = what
         self._is_short = is_short
 
+    def get_missing_message(self, param: click.Parameter, ctx: click.Context | None) -> str:
+        """Return what is told where none is given, on the same line."""
+        return f"Known: {', '.join(self.choices)}"
+
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> str:
         """Return the word that is meant."""
         typed = str(value).casefold()

@@ -18,6 +18,7 @@ from rtkit.cli.shared.app import App, WrongArguments
 from rtkit.cli.shared.command import Main, command
 from rtkit.cli.shared.commands import COMMANDS, load
 from rtkit.errors import (
+    Impossible,
     InvalidDocument,
     Malformed,
     NotFound,
@@ -88,6 +89,13 @@ def test_a_bug_is_told_as_one(capsys: pytest.CaptureFixture[str]) -> None:
     lines = capsys.readouterr().err.splitlines()
     assert lines[0] == "Traceback (most recent call last):"
     assert lines[-2:] == ["KeyError: 'x'", "rtfail: KeyError: 'x'; this is a bug in rtkit"]
+
+
+def test_that_no_plan_exists_is_an_answer_without_traceback(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    failing(Impossible("no place for A"))(["-v"])
+    assert capsys.readouterr().err == "rtfail: no place for A\n"
 
 
 def test_failures_of_a_part_are_told_one_by_one(capsys: pytest.CaptureFixture[str]) -> None:

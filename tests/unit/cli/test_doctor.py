@@ -29,6 +29,8 @@ from rtkit.deployment.listing import Listing, ListingRow
 from rtkit.errors import Unreachable
 from rtkit.fast_dataclass import replace
 from rtkit.keys import authority
+from rtkit.link import host_links
+from rtkit.link.host_links import HostLink
 from rtkit.rtc.profiles import TypeProfile
 from rtkit.version import __version__
 
@@ -386,3 +388,20 @@ def test_a_record_and_an_inventory_that_others_can_reach(owner: Path, place: Pat
 def test_without_keys_nobody_is_let_in(place: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("RTKIT_KEYS", str(place / "none"))
     assert [each.text for each in keys.own_keys()] == ["no keys: nobody on another host is let in"]
+
+
+@pytest.mark.parametrize(
+    ("why", "cure"),
+    [
+        ("", ""),
+        ("fa: No route to host", "rthost check fa"),
+        ("fa: not running (start it with: rtmgr start --host fa)", "rtmgr start --host fa"),
+        ("fa: not running (start it with: rtmgr start)", "rtmgr start --host fa"),
+    ],
+)
+def test_the_cure_of_a_link_is_the_command_that_mends_it(
+    why: str, cure: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(host_links, "hosts", lambda: ["fa"])
+    monkeypatch.setattr(host_links, "read", lambda host: HostLink(host, "m", "manager", why))
+    assert [each.cure for each in live.links()] == [cure]

@@ -112,6 +112,7 @@ def test_a_host_without_its_option_is_no_name_of_a_manager(
         ("start --host one -p 3000", 2, "no -f, -o, -p, -a, -i"),
         ("start --host one -o a:b", 2, "no -f, -o, -p, -a, -i"),
         ("start --host one -i", 2, "no -f, -o, -p, -a, -i"),
+        ("start --host one --tls 2811", 2, "-i, --tls, --allow-faults"),
         ("start --host one localhost:2810", 1, "an address is no name of a manager"),
         ("start --host one a/b", 1, "instance name 'a/b' has"),
         ("start --host four", 1, "no such host: four"),

@@ -111,3 +111,9 @@ def test_each_long_listing_tells_what_is_insecure(
     (folder / "run" / "x-1.insecure").write_text("tcp:gone:1")
     assert "insecure" not in run("rtls -l").err
     assert list((folder / "run").iterdir()) == []
+
+
+def test_the_roles_are_told_in_words_where_none_is_given(run: Run) -> None:
+    told = run("rtkeys issue anna").err.splitlines()[-1]
+    roles = "administrator, operator, viewer, component"
+    assert told == f"rtkeys issue: Missing option '--role'. Known: {roles}"

@@ -159,10 +159,25 @@ def test_what_a_host_writes_without_end_is_broken_off() -> None:
 
 def test_the_first_line_of_a_relay_is_not_awaited_for_ever() -> None:
     channel = SimpleNamespace(
-        settimeout=lambda _s: None, recv=lambda most: b"x" * most, recv_stderr=lambda _most: b"\x1b"
+        settimeout=lambda _s: None,
+        recv=lambda most: b"x" * most,
+        recv_stderr=lambda _most: b"\x1b",
+        status_event=threading.Event(),
     )
     connection: Any = SimpleNamespace(host=HOST, open=lambda _command: channel)
     with pytest.raises(Unreachable, match="robot1: xxx"):
+        link_process.open_relay(connection, HOST)
+
+
+def test_a_host_that_has_lost_its_rtkit_is_told_with_the_cure() -> None:
+    connection: Any = Answering("")
+    channel = connection.open(())
+    channel.recv_stderr = lambda _most: b"env: 'python': No such file or directory"
+    channel.exit_status = 127
+    connection.open = lambda _command: channel
+    with pytest.raises(
+        Unreachable, match=r"robot1: there is no rtkit.*: rtmgr start --host robot1"
+    ):
         link_process.open_relay(connection, HOST)
 
 

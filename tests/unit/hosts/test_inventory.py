@@ -7,8 +7,9 @@ from pathlib import Path
 import pytest
 
 import rtkit
-from rtkit.errors import Refused
+from rtkit.errors import Malformed, Refused
 from rtkit.hosts import inventory
+from rtkit.hosts.host import Host, host_at
 from rtkit.profile.rts_model import RtsProfile
 from rtkit.profile.write import write_profile
 
@@ -44,4 +45,17 @@ def test_an_inventory_that_others_can_write_is_refused_beside_a_profile_too(prof
     Path("systems/hosts.toml").chmod(0o666)
     rtkit.load(profile)
     with pytest.raises(Refused, match=r"systems/hosts\.toml"):
+        inventory.read()
+
+
+def test_a_name_or_a_tag_with_a_blank_is_refused(profile: str) -> None:
+    with pytest.raises(Malformed, match="name of a host has a blank: 'b d'"):
+        host_at("b d", "10.0.0.7")
+    before = Path("config/rtkit/hosts.toml").read_text()
+    for tag in ("a b", "", "-x"):
+        with pytest.raises(Malformed, match=f"a tag is one word: '{tag}'"):
+            inventory.add(Host("z", "10.0.0.7", tags=("gpu", tag)))
+    assert Path("config/rtkit/hosts.toml").read_text() == before
+    Path("hosts.toml").write_text('[z]\naddress = "z"\ntags = ["a b"]\n')
+    with pytest.raises(Malformed, match=r"hosts\.toml: z: a tag is one word: 'a b'"):
         inventory.read()

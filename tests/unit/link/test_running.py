@@ -30,6 +30,11 @@ def test_the_start_is_of_the_one_that_was_asked(
     assert why_absent("manager").endswith("(start it with: rtmgr start manager)")
 
 
+def test_who_asks_from_another_host_is_told_the_start_from_there(folder: Path) -> None:
+    assert why_absent("manager", "fa").endswith("(start it with: rtmgr start --host fa)")
+    assert why_absent("arm", "fa").endswith("(start it with: rtmgr start arm --host fa)")
+
+
 HOLD = """
 import fcntl, os, sys
 lock = os.open(sys.argv[1], os.O_RDWR | os.O_CREAT, 0o600)

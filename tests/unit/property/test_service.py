@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import pytest
 
+from rtkit.errors import Refused
+from rtkit.guard import GuardedResult
 from rtkit.property.codes import CODES, PropertyError, code_of
 from rtkit.property.functional import FunctionalProperty
 from rtkit.property.messages import Answer, failed
@@ -11,6 +13,7 @@ from rtkit.property.property_spec import PropertySpec, RequestParameter
 from rtkit.property.requests import PropertyRequest, Requester
 from rtkit.property.service import Service
 from rtkit.property.types import parse_type
+from rtkit.property.user_code import result_of
 
 
 @pytest.mark.parametrize("name", ["a.b", "a%2Eb", "%61", "ä".encode().hex("%", 1)])
@@ -187,3 +190,12 @@ def test_an_error_that_travelled_keeps_its_words() -> None:
     assert failed(RuntimeError("no sensor")) == Answer("RuntimeError: no sensor", "internal")
     again = PropertyError("internal", "RuntimeError: no sensor")
     assert failed(again) == Answer("RuntimeError: no sensor", "internal")
+
+
+def test_what_user_code_refuses_is_a_conflict_in_its_own_words() -> None:
+    with pytest.raises(PropertyError, match=r"^in a wall$") as caught:
+        result_of(GuardedResult(None, Refused("in a wall")))
+    assert caught.value.code == "conflict"
+    with pytest.raises(PropertyError, match=r"^KeyError: 'x'$") as caught:
+        result_of(GuardedResult(None, KeyError("x")))
+    assert caught.value.code == "internal"

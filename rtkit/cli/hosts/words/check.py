@@ -97,10 +97,19 @@ def _lines(host: Host, far: FarSide, clock: ClockOffset) -> list[str]:
         ("Memory free", f"{far.memory_bytes >> 20} MiB"),
         ("Disk free", f"{far.free_bytes >> 20} MiB in {far.home}"),
         ("rtkit", far.current or "not there yet (rtmgr start --host makes it)"),
+        *_link(host.name),
         ("Round trip", f"{clock.round_trip_s * 1e3:.1f} ms"),
         ("Clock", f"{round(clock.offset_s, 4) + 0.0:+.4f} s (± {clock.bound_s:.4f} s)"),
     ]
     return [*terminal.pairs(rows, "  ")]
+
+
+def _link(name: str) -> Iterator[tuple[str, str]]:
+    """Yield a row about the link of this host to another one, if there is one."""
+    from rtkit.link import host_links
+
+    if host_links.is_linked(name):
+        yield "Link", host_links.read(name).why or "linked"
 
 
 def _record(
