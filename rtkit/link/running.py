@@ -30,9 +30,14 @@ def managers() -> list[str]:
 
 def services() -> list[str]:
     """Return the names of the property services of this user that answer, in order."""
+    return [name for name in places.services() if is_service(name)]
+
+
+def is_service(name: str) -> bool:
+    """Return whether a property service of that name, of this user, answers."""
     from rtkit.link import unix
 
-    return [name for name in places.services() if unix.is_answering(places.service_socket(name))]
+    return unix.is_answering(places.service_socket(name))
 
 
 def traces(name: str, wanted: str = "") -> dict[int, str]:

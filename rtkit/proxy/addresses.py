@@ -8,6 +8,7 @@ from __future__ import annotations
 from rtkit.errors import Malformed
 from rtkit.link import places
 from rtkit.link.places import host_name
+from rtkit.link.running import services
 from rtkit.property.codes import PropertyError
 from rtkit.property.naming import escape
 from rtkit.serving.provider import PropertyProvider
@@ -71,5 +72,5 @@ def _in_tree(path: str, cwd: str, settings: WireSettings) -> ProviderAddress:
         place, kind = far_place(place, steps_of(path, cwd), places.services(), settings.timeout_s)
         if kind == "far" and not place.name:
             return FarService.parse(place.service).provider(settings)
-    known = " ".join(places.services()) or "none"
+    known = " ".join(services()) or "none"
     raise PropertyError("no-service", f"no service: {path} (there is {known})")

@@ -12,7 +12,13 @@ from rtkit.link.running import why_absent
 from rtkit.property.codes import PropertyError
 from rtkit.property.naming import EXTENSIONS
 from rtkit.rtc.names import LOCAL
-from rtkit.tree.property_targets import OwnerKind, PropertyTarget, no_service, parse
+from rtkit.tree.property_targets import (
+    OwnerKind,
+    PropertyTarget,
+    no_service,
+    no_service_here,
+    parse,
+)
 from rtkit.wires.zenoh.far_services import FarService, services_of
 
 if TYPE_CHECKING:
@@ -51,7 +57,7 @@ def far_place(
     if is_linked(host) and found.name.split(".")[0] in ("", *FarHost.NAMES, *EXTENSIONS):
         return place._replace(service=f"/{host}", name=found.name), "far host"
     if not (is_linked(host) or known):
-        raise no_service(place.name, here, f"; {why}")
+        raise no_service_here(place.name, here, f"; {why}")
     raise no_service("/".join(rest), known, f" on host {host}")
 
 

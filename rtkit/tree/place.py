@@ -143,15 +143,12 @@ def _without_manager(path: Path, trouble: str, *, is_deep: bool) -> TreeNode | N
     host, *below = path.elements or [LOCAL]
     if not is_local_host(host, hostname):
         return None
-    chosen = os.environ.get("RTKIT_MANAGER") or ""
-    usual = chosen or DEFAULT_MANAGER
-    # Nobody misses the default one where only services or managers of other names were started.
-    is_missed = bool(chosen) or os.path.lexists(manager_socket(usual))
-    root = TreeNode("", NodeKind.ROOT, trouble=trouble * is_missed)
+    root = TreeNode("", NodeKind.ROOT, trouble=trouble * is_missed())
     local = root.add(TreeNode(LOCAL, NodeKind.HOST, trouble=trouble))
     running = list(_others(""))
-    if usual not in running:
-        _add_services(local)
+    if usual_manager() not in running:
+        if count := _add_services(local):
+            local.trouble += f"; services: {count}"
         for node in _at_once(_of(_neighbour, running, None, is_deep=is_deep)):
             local.add(node)
     if not path.elements:
@@ -163,6 +160,15 @@ def _without_manager(path: Path, trouble: str, *, is_deep: bool) -> TreeNode | N
     if below and (place is None or place.kind is not NodeKind.DIRECTORY):
         return None
     return root if local.children or len(root.children) > 1 else None
+
+
+def is_missed() -> bool:
+    """Return whether the usual manager is missed if it does not run.
+
+    Nobody misses the default one where only services or managers of other names were started.
+    """
+    is_chosen = bool(os.environ.get("RTKIT_MANAGER"))
+    return is_chosen or os.path.lexists(manager_socket(DEFAULT_MANAGER))
 
 
 def add_others(root: TreeNode, tree: Tree, path: Path, *, is_deep: bool) -> None:
@@ -220,18 +226,20 @@ def _at_once(asked: Sequence[Callable[[], _Answer]]) -> list[_Answer]:
     return [answers[number] for number in sorted(answers)]
 
 
-def _add_services(host: TreeNode) -> None:
-    """Show the property services of this user as directories."""
+def _add_services(host: TreeNode) -> int:
+    """Show the property services of this user as directories; return how many there are."""
     from rtkit.link.places import services as sockets
 
     if not sockets():
-        return
+        return 0
     from rtkit.link.running import services
 
-    for name in services():
+    living = services()
+    for name in living:
         node = host
         for step in name.split("/"):
             node = node.children.get(step) or node.add(TreeNode(step, NodeKind.DIRECTORY))
+    return len(living)
 
 
 def _others(manager: str) -> Iterator[str]:

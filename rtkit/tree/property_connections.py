@@ -13,7 +13,13 @@ from rtkit.property.codes import PropertyError
 from rtkit.property.messages import Answer, Payload
 from rtkit.property.naming import EXTENSIONS
 from rtkit.rtc.names import LOCAL
-from rtkit.tree.property_targets import OwnerKind, PropertyTarget, no_service, parse
+from rtkit.tree.property_targets import (
+    OwnerKind,
+    PropertyTarget,
+    no_service,
+    no_service_here,
+    parse,
+)
 
 if TYPE_CHECKING:
     from rtkit.tree.live_properties import ThisHost
@@ -194,7 +200,7 @@ def place_here(
     of_host = name_of_host(path, cwd, _hostname())
     if of_host is None:
         if not (path.startswith("/") or cwd.strip("/")):
-            raise no_service(place.name, services)
+            raise no_service_here(place.name, services)
         from rtkit.tree.far_places import far_place
 
         return far_place(place, steps_of(path, cwd), services, timeout_s)
@@ -203,7 +209,7 @@ def place_here(
         known = f"this host has {' '.join(names)}"
         if path.endswith(f".{of_host}"):
             raise PropertyError("unknown", f"no such property: {of_host} ({known})")
-        raise no_service(first, services, f"; {known}")
+        raise no_service_here(place.name, services, f"; {known}")
     return place._replace(service=LOCAL, name=of_host), "host"
 
 

@@ -5,7 +5,7 @@ The three are the same. The longest name of a present service that fits is the s
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from typing import Literal, NamedTuple
 
 from rtkit.property.codes import PropertyError
@@ -66,14 +66,30 @@ def parse(typed: str, cwd: str, services: Iterable[str], hostname: str) -> Prope
     return place._replace(name=rest)
 
 
-def no_service(name: str, known: Sequence[str], more: str = "") -> PropertyError:
-    """Return the error that no service present has such a name; of many, names those like it."""
+def no_service(
+    name: str,
+    known: Sequence[str],
+    more: str = "",
+    is_alive: Callable[[str], bool] = lambda _: True,
+) -> PropertyError:
+    """Return the error that no service present has such a name; of many, names those like it.
+
+    Of those known it names only living ones, as `is_alive` tells; of many it asks only a few.
+    """
     first = name.partition(".")[0]
-    there = f"there is {' '.join(known) or 'none'}{more}"
-    if len(known) > _MOST_NAMED:
+    if len(known) <= _MOST_NAMED:
+        there = f"there is {' '.join(filter(is_alive, known)) or 'none'}{more}"
+    else:
         from rtkit.rtc.nearest import nearest
 
-        near = nearest(first, known)
+        near = list(filter(is_alive, nearest(first, known)))
         like = f", such as {' '.join(near)}" if near else ""
         there = f"there are {len(known)}{like}{more}"
     return PropertyError("no-service", f"no service named {first} ({there})" if first else there)
+
+
+def no_service_here(name: str, known: Sequence[str], more: str = "") -> PropertyError:
+    """Return the error that no service of this host has such a name; see `no_service`."""
+    from rtkit.link.running import is_service
+
+    return no_service(name, known, more, is_service)

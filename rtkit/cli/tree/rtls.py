@@ -10,7 +10,7 @@ from rtkit.cli.shared.app import App, check_at_most_one
 from rtkit.cli.shared.command import command
 from rtkit.cli.shared.options import MayWatch, arguments, flag, json_flag, watch_option
 from rtkit.cli.shared.watch import WatchedScreen
-from rtkit.cli.tree.service_listing import ServiceListing, above_services, service_at
+from rtkit.cli.tree.service_listing import ServiceListing, above_services, no_service_at, service_at
 from rtkit.errors import Malformed, Unreachable
 from rtkit.tree.resolve import entry
 from rtkit.tree.view import NodeKind, TreeNode, once
@@ -64,11 +64,12 @@ def main(
     Watched, it is written again only when it has changed, on a terminal in place of what was.
     """
     check_at_most_one(paths, "path")
-    path = app.path(paths[0] if paths else ".")
+    typed = paths[0] if paths else "."
+    path = app.path(typed)
     if path.port is not None:
         raise Malformed("Cannot list ports.")
     gap = "" if is_json else "\n"
-    service = service_at(paths[0] if paths else ".")
+    service = service_at(typed)
     if service is not None:
         if is_long:
             _show_insecure(app)
@@ -80,11 +81,14 @@ def main(
 
             watch_service(listing, WatchedScreen(period_s, gap))
         return 0
-    path = app.path(above) if (above := above_services(paths[0] if paths else ".")) else path
+    path = app.path(above) if (above := above_services(typed)) else path
     show = _json if is_json else _long if is_long else _short(is_single)
 
     def look() -> tuple[TreeNode, TreeNode]:
-        root, hostname = app.root(path, is_deep=recurse or is_long)
+        try:
+            root, hostname = app.root(path, is_deep=recurse or is_long)
+        except Unreachable as error:
+            raise no_service_at(typed) or error from None
         return root, entry(root, path, hostname)
 
     def lines(node: TreeNode) -> Iterable[str]:

@@ -10,8 +10,10 @@ from rtkit.cli.shared import terminal
 from rtkit.cli.shared.app import App, working_directory
 from rtkit.errors import RtkitError, Unreachable
 from rtkit.link.places import host_name
+from rtkit.rtc.names import is_local_host
 
 if TYPE_CHECKING:
+    from rtkit.property.codes import PropertyError
     from rtkit.property.values import Element, Value
     from rtkit.tree.property_targets import PropertyTarget
     from rtkit.wires.property_client import PropertyClient
@@ -50,6 +52,29 @@ def _far_service_at(typed: str) -> PropertyTarget | None:
     except RtkitError:
         return None  # the tree says what there is, and what is not
     return place if kind == "far" else None
+
+
+def no_service_at(typed: str) -> PropertyError | None:
+    """Return the error that no service is at a path, None if something else may be missed there.
+
+    That is so if services run and the manager does not, which nobody needs for services.
+    """
+    from rtkit.link.running import services
+    from rtkit.property.codes import PropertyError
+    from rtkit.tree.place import is_missed
+    from rtkit.tree.property_connections import place_here, printed_error
+
+    if is_missed() or not (known := services()):
+        return None
+    host, *_ = typed.strip("/").split("/")
+    if typed.startswith("/") and not is_local_host(host, host_name()):
+        return None
+    try:
+        place_here(typed, working_directory(), known)
+    except (PropertyError, Unreachable) as error:
+        is_none = isinstance(error, PropertyError) and error.code == "no-service"
+        return printed_error(typed, error) if is_none else None
+    return None
 
 
 def above_services(typed: str) -> str:

@@ -2,9 +2,17 @@
 
 from __future__ import annotations
 
+import socket
+from collections.abc import Iterator
+from pathlib import Path
+
 import pytest
 
+from rtkit.cli.tree.service_listing import no_service_at
+from rtkit.link.places import services
+from rtkit.property.codes import PropertyError
 from rtkit.tree.live_place import name_of_host, split
+from rtkit.tree.property_connections import place_here
 from rtkit.tree.property_targets import no_service, parse
 
 
@@ -66,3 +74,39 @@ def test_an_error_names_all_services_or_of_many_those_like_it() -> None:
         text = str(no_service("robts/r23.speed", known))
         assert text.startswith(f"no service named robts/r23 ({told}"), text
         assert len(text) < 120
+
+
+@pytest.fixture
+def one_of_two_lives(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
+    """Services d/one, which was killed, and d/two, which lives."""
+    monkeypatch.setenv("RTKIT_RUNTIME_DIR", str(tmp_path))
+    monkeypatch.delenv("RTKIT_MANAGER", raising=False)
+    tmp_path.chmod(0o700)
+    with socket.socket(socket.AF_UNIX) as dead, socket.socket(socket.AF_UNIX) as living:
+        dead.bind(str(tmp_path / "d%2Fone.ps"))
+        living.bind(str(tmp_path / "d%2Ftwo.ps"))
+        living.listen()
+        yield
+
+
+@pytest.mark.usefixtures("one_of_two_lives")
+def test_an_error_names_living_services_only() -> None:
+    assert services() == ["d/one", "d/two"]
+    for typed in ("d/three.on", "/localhost/d/three", "/nohost/d/three.on"):
+        with pytest.raises(PropertyError, match="d/two") as raised:
+            place_here(typed, "/", services())
+        assert "d/one" not in str(raised.value)
+
+
+@pytest.mark.usefixtures("one_of_two_lives")
+def test_a_listing_misses_a_service_where_only_services_run(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    for typed in ("d/thre", "/localhost/d/thre"):
+        assert f"{typed}: no-service: no service named d/thre (there is d/two" in str(
+            no_service_at(typed)
+        )
+    for typed in ("Motor0.rtc", "/localhost/manager.mgr", "/nohost/a", "d/two"):
+        assert no_service_at(typed) is None
+    monkeypatch.setenv("RTKIT_MANAGER", "mine")
+    assert no_service_at("d/thre") is None

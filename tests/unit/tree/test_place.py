@@ -107,7 +107,7 @@ def test_without_a_manager_the_others_are_shown(running, monkeypatch, path, show
     assert list(root.children) == shown
     local = root.children["localhost"]
     assert list(local.children) == ["arm", "other.mgr", "third.mgr"]
-    assert local.remark == "manager 'manager' is not running"
+    assert local.remark == "manager 'manager' is not running; services: 1"
     with pytest.raises(Unreachable):
         place.root_for(nobody, parse_path("/localhost/d"), is_deep=False)
 
