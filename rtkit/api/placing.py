@@ -10,7 +10,7 @@ from rtkit.api.system_profiles import BUNDLE
 from rtkit.closing import Closing
 from rtkit.deployment.described import properties_of, type_of
 from rtkit.deployment.extension import CREATE, MODULE, STAND_IN
-from rtkit.errors import Refused, Unreachable
+from rtkit.errors import Impossible, Refused, Unreachable
 from rtkit.fast_dataclass import replace
 from rtkit.rtc.create import readable_create
 from rtkit.rtc.names import LOCAL
@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from rtkit.api.candidates import LookedAt
     from rtkit.api.session import Session
     from rtkit.api.system_profiles import SystemProfile
+    from rtkit.deployment.facts import ComponentFacts
     from rtkit.deployment.placement.choice import (
         PlaceCandidate,
         PlacedComponent,
@@ -72,7 +73,10 @@ def placed(
 
     with _placer(session, document, mapped, stand_in=stand_in) as placer:
         problem = placer.problem()
-        choice, lacks = chosen(problem)
+        try:
+            choice, lacks = chosen(problem)
+        except Impossible as error:
+            raise Impossible("; ".join([str(error), *placer.zombies()])) from None
         placer.check_zombies(choice.places)
     if choice.gap:
         session.report(f"the places may cost {choice.gap:g} more than the cheapest ones")
@@ -196,17 +200,22 @@ class _Placer(Closing):
         Raises:
             Refused: Names it, and the command that ends it.
         """
+        for facts, place in self._free_zombies():
+            if places.get(facts.instance, place) != place:
+                path = f"/{facts.names[0].replace(LOCAL, place, 1)}" if facts.names else ""
+                hint = f"; rtexit {path} or rtdel {path} ends it first" if path else ""
+                raise Refused(f"{facts.instance} is a zombie on {place} ({facts.zombie}){hint}")
+
+    def zombies(self) -> Iterator[str]:
+        """Yield where free components were until they became zombies, and why."""
+        for facts, place in self._free_zombies():
+            yield f"{facts.instance} is a zombie on {place} ({facts.zombie})"
+
+    def _free_zombies(self) -> Iterator[tuple[ComponentFacts, str]]:
         for each in self._places.seen.values():
             for facts in each.snapshot.components if each.snapshot is not None else ():
-                name = facts.instance
-                if (
-                    facts.zombie
-                    and name in self.free
-                    and places.get(name, each.place) != each.place
-                ):
-                    path = f"/{facts.names[0].replace(LOCAL, each.place, 1)}" if facts.names else ""
-                    hint = f"; rtexit {path} or rtdel {path} ends it first" if path else ""
-                    raise Refused(f"{name} is a zombie on {each.place} ({facts.zombie}){hint}")
+                if facts.zombie and facts.instance in self.free:
+                    yield facts, each.place
 
     def _open_places(self) -> list[str]:
         """Return the places where a free component may be, this host first."""

@@ -203,7 +203,10 @@ def absence(component: WantedComponent, live: LiveIndex) -> str:
     if why:
         return f"{word.removesuffix('missing')}unreachable: {component.path} ({why})"
     other = live.namesake(component.instance)
-    if other is not None and not other.zombie:
+    if other is not None and other.zombie:
+        place = live.home(component.instance)
+        return f"{word}: {component.path} (zombie in manager {place}: {other.zombie})"
+    if other is not None:
         where = f"at /{other.names[0]}" if other.names else f"at no name, in {other.process}"
         if live.home(component.instance) != (component.manager or live.snapshot.manager):
             stays = "" if component.may_move else ", and stays there"

@@ -9,6 +9,7 @@ else a look at each of them.
 
 from __future__ import annotations
 
+import os
 import threading
 from collections.abc import Collection, Iterator, Mapping
 from contextlib import suppress
@@ -51,7 +52,7 @@ class Storage(Names):
     """Stores files below a directory.
 
     Args:
-        root: The directory.
+        root: The directory; a relative one from where the process was started.
         quota: How much all files together may hold [bytes]; 0 for any.
         largest: How much one may hold [bytes].
         most: How many files and directories have names.
@@ -97,7 +98,7 @@ class Storage(Names):
 
     def __enter__(self) -> Self:
         self._stop.clear()
-        self._files()
+        self._files(f" {os.path.abspath(self._where)}")
         try:
             from watchfiles import watch
         except ImportError:
@@ -143,7 +144,8 @@ class Storage(Names):
             return f"failed: {error}"
         return "ready"
 
-    def _files(self) -> Directory:
+    def _files(self, root: str = "") -> Directory:
+        """Return the directory; where it is, `root`, is told to who starts the service only."""
         with self._lock:
             if self._directory is None:
                 try:
@@ -151,7 +153,9 @@ class Storage(Names):
                         self._where, hidden=self._hidden, is_synced=self._synced
                     )
                 except PropertyError as error:
-                    raise PropertyError(error.code, f"its root cannot be opened: {error}") from None
+                    raise PropertyError(
+                        error.code, f"its root{root} cannot be opened: {error}"
+                    ) from None
             return self._directory
 
     # Names

@@ -32,6 +32,8 @@ PATIENCE_S = 5.0
 """How long a client may take until it has shown its certificate [s]."""
 _RECORD = 1 << 14
 """Bytes of the largest record: of what is read in such pieces nothing stays behind in OpenSSL."""
+_OTHER_HOST = (62, 64)
+"""Codes of OpenSSL: the certificate is not for that name, that address."""
 _REASONS = {
     "CERTIFICATE_REQUIRED": "it wants a certificate (rtkeys)",
     "HANDSHAKE_FAILURE": "it wants a certificate (rtkeys)",
@@ -115,6 +117,13 @@ def meaning_of(error: ssl.SSLError) -> Exception:
     return OSError(error.errno, f"TLS: {error.reason or error}".lower().replace("_", " "))
 
 
+def _cure(code: int, host: str) -> str:
+    """Return what helps where a certificate does not name the host that was asked."""
+    if code not in _OTHER_HOST:
+        return ""
+    return f" (rtkeys issue NAME --role ROLE --host {host} makes one that is)"
+
+
 def connected(
     host: str, port: int, timeout_s: float, kind: type[ssl.SSLSocket] = ssl.SSLSocket
 ) -> SecureStream:
@@ -145,7 +154,8 @@ def connected(
         tls = context.wrap_socket(end, server_hostname=host)
     except ssl.SSLCertVerificationError as error:
         end.close()
-        raise PropertyError("denied", f"{where} is not trusted: {error.verify_message}") from None
+        why = f"{error.verify_message}{_cure(error.verify_code, host)}"
+        raise PropertyError("denied", f"{where} is not trusted: {why}") from None
     except TimeoutError:
         end.close()
         raise Unreachable(f"no answer within {timeout_s:.3g} s") from None

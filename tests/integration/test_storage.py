@@ -504,3 +504,13 @@ def test_it_stands_beside_other_services_at_one_endpoint(place: str, root: Path)
         with pytest.raises(PropertyError) as caught:
             client.set_bytes("home.more.b.txt", b"hello")
         assert caught.value.code == "too-large"
+
+
+def test_a_root_that_is_not_there_is_named_to_who_starts_it_only(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    storage = Storage("notes")
+    with pytest.raises(PropertyError, match=f"^its root {tmp_path}/notes cannot be opened: "):
+        storage.__enter__()
+    assert storage.status == "failed: its root cannot be opened: there is no such file"

@@ -260,6 +260,18 @@ def test_a_server_of_another_ca_or_name_is_not_trusted(own: str, served: ServedO
         _at_other_name(served)
 
 
+def test_a_host_is_added_by_a_certificate_that_names_it_too(
+    own: str, served: ServedObject, tmp_path: Path
+) -> None:
+    with pytest.raises(PropertyError, match="--host robot9 makes one that is"):
+        _at_other_name(served)
+    made = tmp_path / "more.keys"
+    authority.issue("owner1", "administrator", ["localhost", "robot9"], 30, str(made))
+    for name in (folder.KEY, folder.CERTIFICATE):
+        shutil.copy(made / name, own)
+    _at_other_name(served)
+
+
 def test_a_server_that_is_revoked_is_not_trusted(own: str, served: ServedObject) -> None:
     keys = _handed(own, "anna", "viewer")
     authority.revoke("owner1")
@@ -300,7 +312,7 @@ def _at_other_name(served: ServedObject) -> None:
         patch.setattr(
             socket, "create_connection", lambda at, *more: real(("127.0.0.1", at[1]), *more)
         )
-        _connected(served, "robot9")
+        _connected(served, "robot9").close()
 
 
 def _raw(served: ServedObject) -> socket.socket:

@@ -76,7 +76,8 @@ def test_components_go_where_their_requirements_are_met_and_stay(
     assert shell.run(f"rtplan {file}").err == (
         "rtplan: no place for In1 and Out1 and Out2 together: Out2 is to be in the process of In1;"
         " Out2 is not to be on the host of Out1; localhost: no /tmp/cam* (In1), lacks tag arm"
-        " (Out1); robot1: no /tmp/cam* (In1), lacks tag arm (Out1)\n"
+        " (Out1); robot1: no /tmp/cam* (In1), lacks tag arm (Out1);"
+        " In1 is a zombie on robot1 (no /tmp/cam*)\n"
     )
     hosts[1].run("rm", "/tmp/camera")
     (shell.folder / "here").write_text("")

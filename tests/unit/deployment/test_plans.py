@@ -166,6 +166,22 @@ def test_paths_below_a_manager_are_found(make, world):
         assert failures(creation_plan(system, live))
 
 
+def test_a_zombie_elsewhere_is_told_where_it_is(make, world):
+    system = bring_up(make, world, make.pair())
+    world.kill("slaveSink0")
+    found = world.snapshot()
+    elsewhere = tuple(
+        replace(c, names=("localhost/x/Sink0.rtc",)) if c.instance == "Sink0" else c
+        for c in found.components
+    )
+    live = LiveIndex(replace(found, components=elsewhere), system)
+    told = failures(creation_plan(system, live, may_create=False))[0]
+    path = "/localhost/Sink0.rtc"
+    assert told == (
+        f"Required component missing: {path} (zombie in manager {found.manager}: signal 9)"
+    )
+
+
 def test_a_zombie_is_made_again(make, world):
     system = bring_up(make, world, make.pair())
     world.kill("slaveSink0")
