@@ -87,13 +87,20 @@ class Members:
     def add(self, robot: str) -> tuple[str, str]:
         """Add ``SERVICE`` or ``NAME=SERVICE``; return name and service.
 
+        Before the group is served, a service may be named that is there later.
+
         Raises:
-            PropertyError: ``bad-value``: it is neither; ``conflict``: another one has that name.
+            PropertyError: ``bad-value``: it is neither; ``conflict``: another one has that name;
+                ``no-service``: there is no such service.
         """
         name, mark, target = robot.rpartition("=")
         name = name if mark else target.rpartition("/")[2].rpartition(".")[2]
         if not target or not name.replace("_", "a").replace("-", "a").isalnum():
             raise rtkit.PropertyError("bad-value", f"expected SERVICE or NAME=SERVICE: {robot}")
+        if self._client is not None and name not in self._targets:
+            (answer,) = self._client.ask_all([rtkit.Ask(f"{target}.type")], self.deadline)
+            if isinstance(answer, rtkit.PropertyError) and answer.code == "no-service":
+                raise rtkit.PropertyError(answer.code, str(answer).partition(": no-service: ")[2])
         with self._lock:
             if self._targets.setdefault(name, target) != target:
                 raise rtkit.PropertyError("conflict", f"{name} is {self._targets[name]} already")

@@ -128,7 +128,7 @@ class Group(_Led):
         self._members.end()
 
     def join(self, robot: str) -> None:
-        """Take a service into the group: SERVICE, or NAME=SERVICE."""
+        """Take a service into the group that is there: SERVICE, or NAME=SERVICE."""
         name, target = self._members.add(robot)
         self.robots[name] = rtkit.Mount(target)
 

@@ -27,6 +27,7 @@ Place = tuple[float, float, float]
 """x, y and heading [m, rad]."""
 Row = tuple[float, ...]
 Thing = TypeVar("Thing")
+Form = TypeVar("Form", list[Any], dict[str, Any])
 _DARK = 0.25
 _MOST_RAYS = 10_000
 _EYE_SHIFT = 0.01
@@ -147,15 +148,17 @@ class HomeWorld:
         pass
 
     def _read(self, document: Mapping[str, Any]) -> None:
+        _checked("the document", document, dict)
         if unknown := document.keys() - {"walls", "rooms", "objects"}:
             raise Malformed(f"no such key: {' '.join(sorted(unknown))}")
-        polygons = [
-            Polygon(**wall) if isinstance(wall, dict) else Polygon(wall)
-            for wall in document.get("walls", ())
-        ]
-        rooms = {name: Polygon(ring).outer for name, ring in document.get("rooms", {}).items()}
+        walls = _checked("walls", document.get("walls", []), list)
+        rings = _checked("rooms", document.get("rooms", {}), dict)
+        things = _checked("objects", document.get("objects", {}), dict)
+        polygons = [_polygon(f"walls.{at}", wall) for at, wall in enumerate(walls)]
+        rooms = {name: _polygon(f"rooms.{name}", ring).outer for name, ring in rings.items()}
         objects = {}
-        for name, parts in document.get("objects", {}).items():
+        for name, parts in things.items():
+            _checked(f"objects.{name}", parts, dict)
             try:
                 objects[name] = rtkit.Marker(**{"id": name, "frame": "world", **parts})
             except (TypeError, rtkit.PropertyError) as error:
@@ -301,6 +304,24 @@ class HomeWorld:
     def _room_of(self, marker: rtkit.Marker) -> str:
         x, y, *_ = marker.location or (math.inf, math.inf)
         return self.get_room((x, y))
+
+
+def _checked(where: str, value: Any, form: type[Form]) -> Form:
+    """Return a value of JSON if it is a list, or an object, as is expected there."""
+    if not isinstance(value, form):
+        raise Malformed(f"{where}: expected {'a list' if form is list else 'an object'}")
+    return value
+
+
+def _polygon(where: str, wall: Any) -> Polygon:
+    """Return the solid of a ring, or of an object with ``outer`` and ``holes``."""
+    parts = wall if isinstance(wall, dict) else {"outer": wall}
+    if unknown := parts.keys() - {"outer", "holes"}:
+        raise Malformed(f"{where}: no such key: {' '.join(sorted(unknown))}")
+    try:
+        return Polygon(parts.get("outer", ()), _checked("holes", parts.get("holes", []), list))
+    except Malformed as error:
+        raise Malformed(f"{where}: {error}") from None
 
 
 def _replaced(kept: dict[str, Thing], name: str, thing: Thing | None) -> dict[str, Thing]:

@@ -127,6 +127,9 @@ def test_members_join_and_leave_during_use(swarm: Group, client: rtkit.Client) -
     assert error_of(lambda: client.call("swarm.leave", "r0"))[0] == "unknown"
     assert error_of(lambda: client.call("swarm.join", "other/r1"))[0] == "conflict"
     assert error_of(lambda: client.call("swarm.join", "="))[0] == "bad-value"
+    code, text = error_of(lambda: client.call("swarm.join", "robots/r99"))
+    assert (code, "no service named robots/r99 (there is " in text) == ("no-service", True), text
+    assert client.get("swarm.robots") == ("r1", "two", "r3")
     for name in ("r1", "two", "r3"):
         client.call("swarm.leave", name)
     code, text = error_of(lambda: client.set("swarm.velocity", (0, 0, 0, 0, 0, 0)))

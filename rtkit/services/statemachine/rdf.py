@@ -113,7 +113,10 @@ class _Statements:
         except BadMachine:
             raise
         except Exception as error:  # whatever the parser of a library meets in rubbish
-            raise BadMachine(str(error) or "cannot be read", self.line()) from None
+            of_python = type(error).__module__ == "builtins"
+            form = "RDF/XML" if is_xml else "Turtle"
+            why = f"not {form}" if of_python or not str(error) else str(error)
+            raise BadMachine(why, self.line()) from None
 
     def _read_turtle(self, text: str, graph: Any) -> None:
         from rdflib.plugins.parsers.notation3 import BadSyntax, RDFSink, SinkParser

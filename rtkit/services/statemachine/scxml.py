@@ -37,6 +37,8 @@ SET = "urn:rtkit:set"
 
 _TAG = f"{{{NAMESPACE}}}"
 _DELAY = re.compile(r"(\d+(?:\.\d+)?|\.\d+)(ms|s)")
+_PLACE = re.compile(r"(?: line (\d+)(?=, line \1,))?, line \d+, column \d+$")
+"""Where a parser found an error, behind its text."""
 _ID = re.compile(r"[A-Za-z_][\w.-]*", re.ASCII)
 _DONE, _DONE_STATE = "done.", "done.state."
 _EVENTS = ("", "scxml", "http://www.w3.org/TR/scxml/#SCXMLEventProcessor")
@@ -156,7 +158,7 @@ def read_scxml(text: str) -> Machine:
     try:
         root: Any = etree.fromstring(text.encode(), parser)
     except etree.XMLSyntaxError as error:
-        raise BadMachine(error.msg, error.lineno or 0) from None
+        raise BadMachine(_PLACE.sub("", error.msg), error.lineno or 0) from None
     if root.getroottree().docinfo.doctype:
         raise BadMachine("a DOCTYPE is refused", 1)
     if root.tag != f"{_TAG}scxml":

@@ -82,6 +82,8 @@ def test_a_bad_machine_is_refused_with_the_line(old: str, new: str, why: str) ->
     [
         ("", "line 1: expected one sm:Machine, found 0"),
         ("hello", "line 1: expected directive"),
+        ("?", "line 1: not Turtle"),
+        ("@prefix", "line 1: not Turtle"),
         ("@prefix : <#> .\n\n:a sm:b :c .", 'line 3: Prefix "sm:" not bound'),
         ("<?xml version='1.0'?>\n<a", "line 2: "),
         (

@@ -104,6 +104,15 @@ def test_what_is_not_in_the_subset_is_refused_by_line(old: str, new: str, why: s
     assert str(refused.value).startswith(why), refused.value
 
 
+def test_an_error_of_the_parser_names_its_line_once() -> None:
+    with pytest.raises(BadMachine) as refused:
+        read_scxml("<scxml")
+    assert str(refused.value) == "line 1: Couldn't find end of Start Tag scxml"
+    with pytest.raises(BadMachine) as refused:
+        read_scxml("<scxml>\n<a>\n</b>\n</scxml>")
+    assert str(refused.value) == "line 3: Opening and ending tag mismatch: a line 2 and b"
+
+
 def test_a_transition_that_only_acts_goes_both_ways() -> None:
     acts = '<transition cond="meter.value &gt; 5"><raise event="x"/></transition>'
     later = '<transition event="late"><raise event="y"/></transition>'
