@@ -106,6 +106,28 @@ def test_a_panel_and_its_service_follow_each_other(place: str) -> None:
         assert page.troubles() == []
 
 
+def test_a_widget_is_seen_once_it_has_a_value(place: str) -> None:
+    with shown(Robot(), place, "/ps/robots/r1") as (_, page):
+        page.wait_for(widget("speed", "input") + "?.value === '0.25'")
+        page.evaluate("""import("/static/widgets.js").then(({widgetOf}) => {
+            window.made = ["rw", "w"].map((access) => {
+                const attributes = {kind: "slider", name: "height", access, min: 0, max: 1};
+                const made = widgetOf({attributes, children: []});
+                document.querySelector("main").append(made);
+                made.begin({attributes, children: []}, {});
+                return made;
+            });
+        })""")
+        page.wait_for("window.made")
+        seen = "made.map((each) => getComputedStyle(each.body).opacity).join(' ')"
+        assert page.evaluate(seen) == "0 1"
+        page.evaluate("made[0].show('1')")
+        assert page.evaluate(seen) == "1 1"
+        waiting = "document.querySelectorAll('[data-waits]').length"
+        page.wait_for(f"{waiting} === 0")
+        assert page.troubles() == []
+
+
 def test_no_press_of_a_key_is_lost_while_older_values_come_back(place: str) -> None:
     robot = Robot()
     with shown(robot, place, "/ps/robots/r1") as (served, page):

@@ -128,6 +128,10 @@ def test_what_cannot_be_shown_is_said(lamp: Any) -> None:
     why = "rtgui: a panel needs a terminal; for values as text: rtget, rtlisten\n"
     assert (done.status, done.out, done.err) == (1, "", why)
     environment = {**lamp.environment, "TERM": "xterm"}
+    line = ["sh", "-c", 'exec "$@" 2> why.txt', "sh", *lamp.command("rtgui home/lamp")]
+    with opened(line, environment, lamp.folder) as terminal:
+        assert (terminal.rest(), terminal.status()) == ("", 1)
+    assert (lamp.folder / "why.txt").read_text("utf-8") == why
     with opened(lamp.command("rtgui home/lamb"), environment, lamp.folder) as terminal:
         assert "rtgui: home/lamb.gui: no-service: no service named home/lamb" in terminal.rest()
         assert terminal.status() == 1

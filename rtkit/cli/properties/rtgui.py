@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import sys
+
 import click
 
 from rtkit.cli.properties.asking import AT
@@ -37,7 +39,7 @@ def main(
     the next, arrow keys move it, Enter has a value typed or an action started, s stops that; q
     ends the panel. What is away, stale or alarming is marked by words.
     """
-    if not terminal.is_terminal():
+    if not (terminal.is_terminal() and sys.stderr.isatty()):  # textual draws on stderr
         raise Refused("a panel needs a terminal; for values as text: rtget, rtlisten")
     try:
         from rtkit.panel.terminal import PanelApp

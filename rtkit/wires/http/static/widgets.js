@@ -55,6 +55,9 @@ export class Widget extends HTMLElement {
                 this.state, this.problem);
     this.draw(this.body);
     if (this.is.round) this.state.textContent = WORDS[this.dataset.state = "round"];
+    // What an empty widget shows is no value: it is seen once the first one has come.
+    const isValue = this.is.kind !== "button" && this.is.argument !== "true" && !this.is.round;
+    this.toggleAttribute("data-waits", isValue && (this.is.access ?? "").includes("r"));
   }
 
   draw(body) {
@@ -65,6 +68,7 @@ export class Widget extends HTMLElement {
   // Shows a value; `told` is what came with it: quality, and the code of what is no longer there, and why.
   show(text, told = {}) {
     if (this.is.round) return;  // it leads back to a service that is shown: nothing of it is shown again
+    this.removeAttribute("data-waits");
     this.text = text;
     this.value = told.isRaw ? text : read(text);
     const severity = this.severity();
