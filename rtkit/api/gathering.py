@@ -115,6 +115,14 @@ class Managers:
                 raise
         return trees, absent
 
+    def take_for_empty(self, can_start: Callable[[str], bool]) -> None:
+        """Take managers of linked hosts for empty that run no more, where they can be started."""
+        from rtkit.link.host_links import is_cured_by_start
+
+        ended = [name for name, why in self.lost.items() if is_cured_by_start(why)]
+        for name in filter(can_start, ended):
+            del self.lost[name]
+
     def _paths_text(self, manager: str) -> str:
         paths = [path for name, path in self._paths.items() if self.homes[name] == manager]
         if not paths:
@@ -154,6 +162,7 @@ def gather(
     *,
     is_lenient: bool,
     starts: bool = False,
+    would_start: bool = False,
     mapped: Collection[str] = (),
     moving: Mapping[str, str] = NOWHERE,
 ) -> Snapshot | None:
@@ -164,6 +173,7 @@ def gather(
         profile: The system profile.
         is_lenient: A manager that does not run is told and counts as holding nothing.
         starts: One that does not run holds nothing, and can be started.
+        would_start: It is only planned; also one of a linked host that runs no more holds nothing.
         mapped: Hosts that are not asked, as another one stands for them.
         moving: Places that components are to leave, by component.
 
@@ -173,6 +183,8 @@ def gather(
     """
     managers = Managers(profile, session.usual_manager, mapped, moving)
     trees, absent = managers.connect(session.timeout_s)
+    if would_start:
+        managers.take_for_empty(can_be_started)
     if starts and all(map(can_be_started, absent)):
         _check_meant(absent, trees)
         session.ask(_one(managers, trees, session))
@@ -181,7 +193,7 @@ def gather(
         _close(trees)
         raise Unreachable("; ".join(absent.values()))
     for name, why in absent.items():
-        if _is_lost(name):
+        if name in managers.lost:
             session.miss(f"{why}; left out")
         else:
             session.fail(f"{why}; taken as if nothing lived there")

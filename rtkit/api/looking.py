@@ -154,7 +154,7 @@ def look(
         Unreachable: A manager does not run, or does not answer.
         Refused: Somebody else carries a plan out at one of them.
     """
-    starts = starts and not dry_run
+    would_start, starts = starts and dry_run, starts and not dry_run
     if session.finds_managers:
         from rtkit.api import gathering
 
@@ -165,6 +165,7 @@ def look(
                 profile,
                 is_lenient=is_lenient,
                 starts=starts,
+                would_start=would_start,
                 mapped=host_map(mapped),
                 moving=moving,
             )

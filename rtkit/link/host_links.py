@@ -80,6 +80,11 @@ def read(host: str) -> HostLink:
         raise Unreachable(f"the state of the link to {host} cannot be read: {error}") from error
 
 
+def is_cured_by_start(why: str) -> bool:
+    """Return whether a link is down for want of a manager there: the reason names the start."""
+    return "rtmgr start" in why
+
+
 def router(host: str, manager: str) -> str:
     """Return the manager of this host whose router leads to another host; else the given one."""
     try:

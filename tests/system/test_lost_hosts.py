@@ -60,7 +60,7 @@ def profile() -> str:
         ("rtls -R /", "Out2.rtc"),
         ("rtfind / -n Out*", "/robot2/Out2.rtc"),
         ("rtplan {}", "kept: 2 managers, 2 components, 1 connection"),
-        ("rtplan --detailed-exitcode {}", "nothing to do"),
+        ("rtplan --detailed-exitcode {}", "nothing to do: what can be reached is as wanted"),
         ("rtapply --dry-run {}", "nothing to do"),
         ("rtcheck --json {}", "unreachable: /robot1/Out1.rtc"),
         ("rtstate {}", "state not known"),
@@ -126,3 +126,20 @@ def test_a_system_over_hosts_is_led_from_state_to_state(fleet: Shell, hosts: lis
     assert fleet.run(f"rtstate -g off {FILE}").status == 0
     assert "* off" in fleet.ok(f"rtstate {FILE}")
     assert "Inactive" in fleet.ok("rtcat /robot1/Out1.rtc")
+
+
+def test_for_a_host_that_was_rebooted_what_is_applied_is_planned(
+    fleet: Shell, hosts: list[FarHost]
+) -> None:
+    hosts[0].link("up")
+    until(lambda: fleet.run("rtls /robot1").status == 0, "the link is there again")
+    hosts[0].run("sh", "-c", "kill -9 -1")
+    start = "rtmgr start --host robot1"
+    until(lambda: start in fleet.run("rtls /robot1").err, "the end of the manager is known")
+    assert start in fleet.run("rtdoctor").out
+    assert start in fleet.ok("rthost check robot1")
+    told = fleet.run(f"rtplan {FILE}")
+    assert (told.status, "left out" in told.err) == (0, False)
+    assert "create Out1" in told.out
+    assert fleet.run(f"rtapply {FILE}").status == 0
+    assert "Active" in fleet.ok("rtcat /robot1/Out1.rtc")

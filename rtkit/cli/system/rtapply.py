@@ -89,7 +89,8 @@ def main(
             app, document, asked.mapped, aim, is_dry=dry_run, parallel=parallel or 0, lock=lock
         )
     if dry_run:
-        terminal.write(map(terminal.printable, lines(prepared.plan, prepared.goal.costs)))
+        away = prepared.snapshot.unreachable
+        terminal.write(map(terminal.printable, lines(prepared.plan, prepared.goal.costs, away)))
         return 0
     unmet = carry_out(app, prepared, rolls_back=rollback or app.is_strict, is_exact=is_saved)
     return app.status(Refused()) if unmet else 0

@@ -79,6 +79,7 @@ def main(
     if is_json:
         terminal.write([json_records.line("plan", rendering.as_plain(plan, goal.costs))])
     else:
-        lines = rendering.to_dot(plan) if is_dot else rendering.lines(plan, goal.costs)
+        away = prepared.snapshot.unreachable
+        lines = rendering.to_dot(plan) if is_dot else rendering.lines(plan, goal.costs, away)
         terminal.write(map(terminal.printable, lines))
     return CHANGE_NEEDED if detailed_exitcode and plan.moves else 0

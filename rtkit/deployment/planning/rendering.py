@@ -14,13 +14,17 @@ from rtkit.report.finding import counted
 NOTHING_TO_DO = "nothing to do"
 
 
-def lines(plan: DeploymentPlan, costs: Costs = USUAL) -> Iterator[str]:
+def lines(
+    plan: DeploymentPlan, costs: Costs = USUAL, unreachable: Collection[str] = ()
+) -> Iterator[str]:
     """Yield a plan for people: steps with costs and changes, what is done at once, what is kept.
 
-    Where not all costs are of the table, their sources are stated.
+    Where not all costs are of the table, their sources are stated; managers that are `unreachable`
+    are no part of it.
     """
     if not plan.moves:
-        yield f"{NOTHING_TO_DO}: everything is as wanted"
+        what = "what can be reached" if unreachable else "everything"
+        yield f"{NOTHING_TO_DO}: {what} is as wanted"
     else:
         steps = counted(len(plan.moves), "step")
         looked_at = f", {plan.looked_at} combinations looked at" if plan.looked_at else ""

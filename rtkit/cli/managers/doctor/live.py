@@ -212,8 +212,8 @@ def links() -> Iterator[Diagnosis]:
     for host in host_links.hosts():
         why = host_links.read(host).why
         text = f"host {host} cannot be reached: {why}" if why else f"host {host} is linked"
-        start = f"rtmgr start --host {host}"
-        cure = (start if "rtmgr start" in why else f"rthost check {host}") if why else ""
+        command = "rtmgr start --host" if host_links.is_cured_by_start(why) else "rthost check"
+        cure = f"{command} {host}" if why else ""
         yield Diagnosis("hosts", ERROR if why else OK, text, cure, host)
 
 
