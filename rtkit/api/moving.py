@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from rtkit.deployment.planning.model_builder import BuiltModel
     from rtkit.tree.plan_locks import PlanLocks
 
-_SUFFIX = ".move"
+_SUFFIX, _MOVED = ".move", ".moved"
 
 
 class Move(NamedTuple):
@@ -119,7 +119,7 @@ def carry_out(session: Session, move: Move) -> None:
             if _is_back(session.tree.remains(), record):
                 _forget(record)
         raise
-    _forget(record)
+    _finish(record)
 
 
 def _hold(session: Session, record: MoveRecord) -> None:
@@ -141,7 +141,28 @@ def _hold(session: Session, record: MoveRecord) -> None:
 
 def finish(move: Move) -> None:
     """Forget a move of which nothing is left to be done."""
-    _forget(move.record)
+    _finish(move.record)
+
+
+def moved_from(manager: str, instance: str) -> str:
+    """Return the manager to which a component was moved from one by request; empty for none."""
+    from rtkit.deployment.moving import MoveRecord
+    from rtkit.rtc.serde import decode_text
+
+    seen = [manager]
+    with suppress(OSError, ValueError, Malformed):
+        while True:
+            with open(_file(seen[-1], instance, _MOVED), encoding="utf-8") as stream:
+                seen.append(decode_text(MoveRecord, stream.read()).manager)
+            if seen[-1] in seen[:-1]:
+                return ""
+    return seen[-1] if len(seen) > 1 else ""
+
+
+def forget_moved(manager: str, instance: str) -> None:
+    """Forget where a component was moved from a manager: it is there again, or nowhere."""
+    with suppress(FileNotFoundError):
+        os.unlink(_file(manager, instance, _MOVED))
 
 
 def _place(target: Path) -> tuple[str, str]:
@@ -253,11 +274,10 @@ def _is_back(now: Snapshot, record: MoveRecord) -> bool:
 # the record
 
 
-def _file(record: MoveRecord) -> str:
+def _file(manager: str, instance: str, suffix: str = _SUFFIX) -> str:
     from rtkit.link.places import state_dir
 
-    name = f"{record.source.manager}.{record.facts.instance}{_SUFFIX}"
-    return os.path.join(state_dir(), name)
+    return os.path.join(state_dir(), f"{manager}.{instance}{suffix}")
 
 
 def _keep(record: MoveRecord) -> None:
@@ -266,12 +286,24 @@ def _keep(record: MoveRecord) -> None:
     from rtkit.rtc.serde import encode_text
 
     make_private(state_dir())
-    write_output(encode_text(record).encode(), _file(record))
+    file = _file(record.source.manager, record.facts.instance)
+    write_output(encode_text(record).encode(), file)
 
 
 def _forget(record: MoveRecord) -> None:
     with suppress(FileNotFoundError):
-        os.unlink(_file(record))
+        os.unlink(_file(record.source.manager, record.facts.instance))
+
+
+def _finish(record: MoveRecord) -> None:
+    """Forget a move, but not where the component went, if it left its manager."""
+    source, name = record.source.manager, record.facts.instance
+    if source == record.manager:
+        _forget(record)
+        return
+    with suppress(FileNotFoundError):
+        os.replace(_file(source, name), _file(source, name, _MOVED))
+    forget_moved(record.manager, name)
 
 
 def _unfinished(path: Path, place: tuple[str, str]) -> MoveRecord | None:

@@ -8,12 +8,15 @@ component is made elsewhere; see decision 79.
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping
+from collections.abc import Set as AbstractSet
+from contextlib import ExitStack, contextmanager
 from time import time
 from typing import TYPE_CHECKING
 
 from rtkit.errors import RtkitError, Unreachable
-from rtkit.rtc.names import split_manager
+from rtkit.fast_dataclass import replace
+from rtkit.rtc.names import LOCAL, MANAGER_SUFFIX, manager_on, split_manager
 
 if TYPE_CHECKING:
     from rtkit.api.session import Session
@@ -22,16 +25,29 @@ if TYPE_CHECKING:
     from rtkit.deployment.owned import OwnedSystem
     from rtkit.tree.client import Tree
 
+Older = Mapping[str, AbstractSet[str]]
+"""Managers in which an older one of a component may live, by its name."""
 
-def claim(session: Session, document: SystemProfile, goal: DeploymentGoal) -> None:
-    """Raise the epochs of components that a plan leads elsewhere than their owner has them."""
+
+def claim(session: Session, document: SystemProfile, goal: DeploymentGoal) -> Older:
+    """Raise the epochs of components that a plan leads elsewhere than their owner has them.
+
+    What managers were told of some by an ownership that has ended is taken back. Returns in which
+    managers there may be one of each that is to live in another one.
+    """
+    if not _is_here(session):
+        return {}
+    homes = _homes(session, goal)
+    _take_back(session, session.tree.trees, homes)
     known = _own(session, document)
     if known is None:
-        return
-    homes = _homes(session, goal)
+        return {}
+    older = {name: {each.home, *each.stale} for name, each in known.components.items()}
     for name, each in known.components.items():
         if homes.get(name, each.home) != each.home:
-            known = _moved(session, known, name, homes[name])
+            is_stale = each.home not in session.tree.trees
+            known = _moved(session, known, name, homes[name], is_stale=is_stale)
+    return {name: found - {homes.get(name, "")} for name, found in older.items()}
 
 
 def claim_one(session: Session, name: str, home: str) -> None:
@@ -57,18 +73,61 @@ def _own(session: Session, document: SystemProfile) -> OwnedSystem | None:
     return read(session.usual_manager, document.profile.id) if _is_here(session) else None
 
 
-def _moved(session: Session, known: OwnedSystem, name: str, home: str) -> OwnedSystem:
-    known = known.moved(name, home, time(), is_stale=False)
+def elsewhere(session: Session, document: SystemProfile) -> dict[str, str]:
+    """Return the places of movable components that are not where the profile says.
+
+    Those on hosts that are lost are left out: their owner ends them once these are back.
+    """
+    known = read(session.usual_manager, document.profile.id) if session.finds_managers else None
+    rows = known.components if known is not None else {}
+    return {
+        name: _place(each.home)
+        for name, each in rows.items()
+        if each.home != each.origin and not is_lost(each.home)
+    }
+
+
+def where_owned(session: Session, document: SystemProfile) -> SystemProfile:
+    """Return a system with its movable components where their owner has them."""
+    from rtkit.api.system_profiles import made
+    from rtkit.deployment.owned import placed
+
+    known = read(session.usual_manager, document.profile.id) if session.finds_managers else None
+    if known is None or all(each.home == each.origin for each in known.components.values()):
+        return document
+    return made(placed(document.profile, known), document.source)
+
+
+def _place(manager: str) -> str:
+    own, host = split_manager(manager)
+    return f"{host or LOCAL}/{own}{MANAGER_SUFFIX}"
+
+
+def is_lost(manager: str) -> bool:
+    """Return whether the host of a manager is linked and cannot be reached."""
+    from rtkit.link import host_links
+
+    host = split_manager(manager)[1]
+    return bool(host) and host_links.is_linked(host) and bool(host_links.read(host).why)
+
+
+def _moved(
+    session: Session, known: OwnedSystem, name: str, home: str, *, is_stale: bool = False
+) -> OwnedSystem:
+    moved = known.moved(name, home, time(), is_stale=is_stale)
+    known = replace(moved, is_pending=known.is_pending and is_stale)
     write(session.usual_manager, known)
     send_epoch(session.tree.trees, session.usual_manager, name, known, session.verbose)
     return known
 
 
-def note(session: Session, document: SystemProfile, goal: DeploymentGoal) -> None:
-    """Own a system that was applied, if components of it are movable and on other hosts."""
+def note(session: Session, document: SystemProfile, goal: DeploymentGoal, older: Older) -> None:
+    """Own a system that was applied, if components of it are movable and on other hosts.
+
+    What is left of an `older` one in a manager that was asked, as its host was just back, ends.
+    """
     from rtkit.api.gathering import is_movable
     from rtkit.deployment.owned import OwnedComponent, OwnedSystem
-    from rtkit.fast_dataclass import replace
 
     if not _is_here(session):
         return
@@ -85,6 +144,9 @@ def note(session: Session, document: SystemProfile, goal: DeploymentGoal) -> Non
         each: replace(rows[each], origin=row.origin) if each in rows else row
         for each, row in fresh.items()
     }
+    for each, managers in older.items():
+        for manager in managers & session.tree.trees.keys():
+            _end(session.tree.at(manager), each)
     made = OwnedSystem(name, document.source, document.text(), components)
     write(session.usual_manager, made)
     for each in components:
@@ -92,18 +154,91 @@ def note(session: Session, document: SystemProfile, goal: DeploymentGoal) -> Non
     _awake(session)
 
 
-def give_up(session: Session, document: SystemProfile) -> None:
-    """Own a system no more: its components may be anywhere again."""
+@contextmanager
+def given_up(session: Session, document: SystemProfile, *, ends: bool) -> Iterator[None]:
+    """Own a system no more: its components may be anywhere again.
+
+    With `ends` older ones of them end, too, once the body is through; what it leaves undone when
+    it fails is owned still, so that it can be undone where it is.
+    """
     from rtkit.link import owned_files
 
-    known = _own(session, document)
-    if known is None:
+    if not _is_here(session):
+        yield
         return
-    for name in known.components:
-        moved = known.moved(name, "", time(), is_stale=False)
-        send_epoch(session.tree.trees, session.usual_manager, name, moved, session.verbose)
+    known = _own(session, document)
+    names = {each.instance_name for each in document.profile.components}
+    if known is None:
+        _take_back(session, session.tree.trees, names)
+        yield
+        return
     owned_files.remove(owned_files.path_of(session.usual_manager, known.system))
-    _awake(session)
+    try:
+        _awake(session)
+        with ExitStack() as stack:
+            _take_back(session, session.tree.trees | _linked(session, stack), names)
+        yield
+    except BaseException:
+        write(session.usual_manager, known)
+        raise
+    if ends:
+        _end_older(session, known)
+
+
+def _linked(session: Session, stack: ExitStack) -> dict[str, Tree]:
+    """Return connections to the managers of linked hosts that a session does not ask."""
+    from rtkit.api.gathering import connected
+    from rtkit.link import host_links
+
+    found = {}
+    for host in host_links.hosts():
+        name = manager_on(host_links.read(host).far_manager, host)
+        if name not in session.tree.trees and not is_lost(name):
+            try:
+                found[name] = stack.enter_context(connected(name, session.timeout_s))
+            except Unreachable as error:
+                session.verbose(str(error))
+    return found
+
+
+def _take_back(session: Session, trees: Mapping[str, Tree], names: Collection[str]) -> None:
+    """Take back what managers were told of components that the manager here owns no more."""
+    from rtkit.link import host_links, owned_files
+    from rtkit.link.places import host_name
+
+    if not host_links.hosts():
+        return
+    records = (decoded(owned_files.read(p)) for p in owned_files.of_manager(session.usual_manager))
+    owned = {name for each in records if each is not None for name in each.components}
+    here = f"{host_name()}/{session.usual_manager}"
+    for tree in trees.values():
+        for line in tree.get("get_fences").splitlines():
+            name, epoch, _, owner = line.split()
+            if owner == here and name in names and name not in owned:
+                row = {"component": name, "epoch": int(epoch) + 1, "home": "", "owner": here}
+                tree.set("fence", json.dumps(row))
+
+
+def _end_older(session: Session, known: OwnedSystem) -> None:
+    """End older ones of components of a system that has been torn down, or tell where they are."""
+    from rtkit.api.gathering import connected
+
+    for name, each in known.components.items():
+        for manager in each.stale:
+            path = f"/{split_manager(manager)[1] or LOCAL}/{name}.rtc"
+            try:
+                with connected(manager, session.timeout_s) as tree:
+                    _end(tree, name)
+            except RtkitError as error:
+                session.miss(f"{path}: an older one may live there: {error}")
+
+
+def _end(tree: Tree, name: str) -> None:
+    from rtkit.deployment.actions import Delete
+
+    if tree.snapshot().component(name) is not None:
+        for result in tree.apply([Delete(name, is_forced=True)]):
+            result.raise_for_error()
 
 
 def send_epoch(

@@ -132,13 +132,12 @@ def carry_out(
     document, goal, snapshot, plan, survey = prepared
     is_followed = states.is_follow_wanted(session, document)
     report = session.report
-    if owns:
-        owning.claim(session, document, goal)
+    older = owning.claim(session, document, goal) if owns else {}
     with step_times.noting(session, goal.system, snapshot) as taken:
         applier = Applier(session.tree, goal, report, report, taken, survey, uninterrupted)
         applier.run(plan, snapshot, rolls_back=rolls_back, is_exact=is_exact)
     if owns:
-        owning.note(session, document, goal)
+        owning.note(session, document, goal, older)
     if is_followed:
         states.follow_from(session, document, goal)
     return tuple(applier.unmet)

@@ -168,6 +168,7 @@ def begin(
         InvalidDocument: The profile makes no sense.
         Unreachable: No manager answers.
     """
+    from rtkit.api import owning
     from rtkit.api.packaged import supplied, unpackaged
     from rtkit.api.placing import placed
     from rtkit.api.preflight import check_reserved, look_ahead
@@ -176,6 +177,7 @@ def begin(
 
     places = placed(session, document, mapped, stand_in=way.stand_in)
     document = places.document
+    moving = {**owning.elsewhere(session, document), **places.moving}
     snapshot = looking.look(
         session,
         document.profile,
@@ -184,7 +186,7 @@ def begin(
         starts=starts,
         lock=lock,
         mapped=mapped,
-        moving=places.moving,
+        moving=moving,
     )
     packaged = (
         unpackaged(session, document, snapshot, mapped)
@@ -201,7 +203,7 @@ def begin(
         transmit=way.transmit,
         mapped=mapped,
         known_types=known,
-        moving=places.moving,
+        moving=moving,
     )
     if is_dry and snapshot.unreachable:
         system = without(system, snapshot.unreachable)

@@ -7,7 +7,7 @@ from contextlib import contextmanager
 from typing import TYPE_CHECKING, NamedTuple
 
 from rtkit.api import looking
-from rtkit.errors import InvalidDocument, RtkitError
+from rtkit.errors import InvalidDocument, RtkitError, Unreachable
 
 if TYPE_CHECKING:
     from rtkit.api.session import Session
@@ -209,31 +209,75 @@ def teardown(
         Refused: It was broken off; the message tells how far it went.
         KeyboardInterrupt: Interrupted; its text tells how far it went.
     """
+    from rtkit.api import owning
     from rtkit.api.placing import settled
     from rtkit.deployment.live_index import LiveIndex
-    from rtkit.deployment.running import left_now, teardown_plan
+    from rtkit.deployment.running import teardown_plan
 
-    document = settled(session, document, mapped)
+    document = owning.where_owned(session, settled(session, document, mapped))
     snapshot = looking.look(session, document.profile, dry_run=is_dry, may_lack=True, mapped=mapped)
     system = looking.wanted_system(session, document, snapshot, mapped=mapped)
-    if not is_dry:
-        from rtkit.api import owning, states
-
-        owning.give_up(session, document)
-        if states.end_if_followed(session, document, snapshot):
-            snapshot = looking.remains(session)
-    plan = teardown_plan(system, LiveIndex(snapshot, system), ends_components=ends_components)
-    if not is_dry:
-        from rtkit.api import step_times
-
-        with (
-            _reporting_progress(session, system, left_now),
-            step_times.noting(session, system, snapshot) as taken,
-        ):
-            looking.runner(session, taken=taken).run(plan)
+    if ends_components:
+        _miss_moved(session, system, LiveIndex(snapshot, system))
+    if is_dry:
+        plan = teardown_plan(system, LiveIndex(snapshot, system), ends_components=ends_components)
+    else:
+        with owning.given_up(session, document, ends=ends_components):
+            plan = _torn_down(session, document, system, snapshot, ends_components=ends_components)
     if not (uninstalls and ends_components):
         return plan, []
     return plan, _uninstall(session, document, system, mapped, is_dry=is_dry)
+
+
+def _miss_moved(session: Session, system: WantedSystem, live: LiveIndex) -> None:
+    """Report components that are not ended, as rtmove moved them to a manager that is not asked."""
+    from rtkit.api.gathering import connected
+    from rtkit.api.moving import forget_moved, moved_from
+    from rtkit.deployment.moving import place_text
+
+    for component in system.components:
+        name, home = component.instance, component.manager or session.tree.manager
+        there = moved_from(home, name) if session.finds_managers else ""
+        if there and live.entry(name) is not None:
+            forget_moved(home, name)
+            continue
+        if not there:
+            continue
+        path = f"{place_text(there)}/{name}.rtc"
+        try:
+            with connected(there, session.timeout_s) as tree:
+                found = tree.snapshot().component(name) is not None
+        except Unreachable as error:
+            session.miss(f"{path}: {name} was moved there: {error}")
+            continue
+        if not found:
+            forget_moved(home, name)
+        else:
+            session.miss(f"{name} was moved, and is not ended (rtexit {path})")
+
+
+def _torn_down(
+    session: Session,
+    document: SystemProfile,
+    system: WantedSystem,
+    snapshot: Snapshot,
+    *,
+    ends_components: bool,
+) -> LayeredPlan:
+    """Carry the plan of a teardown out; return it."""
+    from rtkit.api import states, step_times
+    from rtkit.deployment.live_index import LiveIndex
+    from rtkit.deployment.running import left_now, teardown_plan
+
+    if states.end_if_followed(session, document, snapshot):
+        snapshot = looking.remains(session)
+    plan = teardown_plan(system, LiveIndex(snapshot, system), ends_components=ends_components)
+    with (
+        _reporting_progress(session, system, left_now),
+        step_times.noting(session, system, snapshot) as taken,
+    ):
+        looking.runner(session, taken=taken).run(plan)
+    return plan
 
 
 def _uninstall(

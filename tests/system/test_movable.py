@@ -291,3 +291,69 @@ def test_a_host_that_was_powered_off_comes_back_bare(applied: Shell, hosts: list
     assert places(applied) == [HERE]
     assert applied.run(f"rtteardown --exit {FILE}").status == 0
     assert applied.ok("rtget /localhost/manager.mgr/get_fences").strip() == ""
+
+
+def test_applying_leads_it_back_and_there_is_one(applied: Shell, hosts: list[FarHost]) -> None:
+    cut(applied, hosts[0])
+    moved(applied, hosts)
+    linked_again(applied, hosts[0])
+    ended_on_robot1(applied)
+    assert "delete Num" in applied.run(f"rtplan {FILE}").out
+    assert applied.run(f"rtapply {FILE}").status == 0
+    assert places(applied) == [THERE]
+    until(lambda: min(numbers(applied, hosts)) > OLD, "numbers of robot1 come to both")
+    assert applied.run(f"rtplan {FILE}").out.startswith("nothing to do")
+
+
+def test_a_teardown_ends_what_was_moved_and_the_ownership(
+    applied: Shell, hosts: list[FarHost]
+) -> None:
+    assert applied.run(f"rtmove {THERE} /robot2/manager.mgr").status == 0
+    told = applied.run(f"rtteardown --exit {FILE}")
+    assert (told.status, told.err) == (0, "")
+    assert places(applied) == []
+    for place in ("/localhost", "/robot1", "/robot2"):
+        assert applied.ok(f"rtget {place}/manager.mgr/get_fences").strip() == ""
+    (applied.folder / "fixed.xml").write_text(profile().replace("rtkit.movable", "rtkit.x"))
+    assert applied.run("rtapply fixed.xml").status == 0
+    assert places(applied) == [THERE]
+    assert applied.run("rtteardown --exit fixed.xml").status == 0
+
+
+def test_a_teardown_names_what_was_moved_by_request(applied: Shell) -> None:
+    assert applied.run(f"rtteardown --exit {FILE}").status == 0
+    (applied.folder / "fixed.xml").write_text(profile().replace("rtkit.movable", "rtkit.x"))
+    assert applied.run("rtapply fixed.xml").status == 0
+    assert applied.run(f"rtmove {THERE} /localhost/manager.mgr").status == 0
+    assert applied.run(f"rtmove {HERE} /robot2/manager.mgr").status == 0
+    told = applied.run("rtteardown --exit fixed.xml")
+    command = "rtexit /robot2/manager.mgr/Num.rtc"
+    assert (told.status, f"Num was moved, and is not ended ({command})" in told.err) == (1, True)
+    applied.ok(command)
+    told = applied.run("rtteardown --exit fixed.xml")
+    assert (told.status, "moved" in told.err) == (0, False)
+
+
+def test_a_teardown_names_an_older_one_on_a_lost_host(applied: Shell, hosts: list[FarHost]) -> None:
+    cut(applied, hosts[0])
+    moved(applied, hosts)
+    told = applied.run(f"rtteardown --exit {FILE}")
+    assert (told.status, f"{THERE}: an older one may live there" in told.err) == (1, True)
+    assert places(applied) == []
+    linked_again(applied, hosts[0])
+    assert places(applied) == [THERE]
+    assert applied.run(f"rtteardown --exit {FILE}").status == 0
+    assert places(applied) == []
+
+
+def test_applying_goes_on_over_what_a_lost_host_was_told(
+    applied: Shell, hosts: list[FarHost]
+) -> None:
+    assert applied.run(f"rtmove {THERE} /robot2/manager.mgr").status == 0
+    cut(applied, hosts[0])
+    assert applied.run(f"rtteardown --exit {FILE}").status == 0
+    assert places(applied) == []
+    linked_again(applied, hosts[0])
+    assert "robot2/manager" in applied.ok("rtget /robot1/manager.mgr/get_fences")
+    assert applied.run(f"rtapply {FILE}").status == 0
+    assert places(applied) == [THERE]
