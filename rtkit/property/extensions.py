@@ -62,7 +62,7 @@ class Extensions:
         if place.extension == "gui":
             return _component(self._values.spec_of(node, place.name), place)
         if node is None:
-            raise PropertyError("unknown", f"no such property: {place.name}.{place.extension}")
+            raise PropertyError("unknown", f"no such property: {_below(place, place.extension)}")
         if place.extension == "meta":
             described = meta(self._values, place, caller)
             return meta_field(described, place) if place.field else write(described)
@@ -127,16 +127,21 @@ def _read_all(target: RequestTarget) -> dict[str, Value]:
     return given
 
 
+def _below(place: NameEntry, extension: str) -> str:
+    """Return the full name of an extension: that of the service itself has nothing before it."""
+    return f"{place.name}.{extension}".lstrip(".")
+
+
 def _component(spec: PropertySpec, place: NameEntry) -> Payload:
     if place.field not in spec.gui:
-        raise PropertyError("unknown", f"no such property: {place.name}.gui.{place.field}")
+        raise PropertyError("unknown", f"no such property: {_below(place, 'gui')}.{place.field}")
     return spec.gui[place.field]
 
 
 def _history(place: NameEntry, parameters: dict[str, Value]) -> Payload:
     node = place.node
     if node is None or node.history is None:
-        raise PropertyError("unknown", f"no such property: {place.name}.history")
+        raise PropertyError("unknown", f"no such property: {_below(place, 'history')}")
     begin = number(parameters, "from", float("-inf"))
     end = number(parameters, "to", float("inf"))
     most = number(parameters, "n", len(node.history))

@@ -64,7 +64,13 @@ def no_parameter(what: str, key: str, known: Iterable[str]) -> PropertyError:
 def _given(parameter: RequestParameter, text: str) -> Value:
     if parameter.type.base == "text":
         return text
-    value = read(text)
+    try:
+        value = read(text)
+    except PropertyError as error:
+        if parameter.type.base == "string" and " " in text.strip():
+            why = f"{error} (a text with blanks stands in quotes)"
+            raise PropertyError(error.code, why) from None
+        raise
     if parameter.type.base == "boolean" and type(value) is int and value in (0, 1):
         return value == 1
     is_lone = not isinstance(value, str | tuple | Element)

@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 
 import rtkit
 from rtkit.services.asking import pose_in_world
-from rtkit.services.frames import Frames, Pose, is_number, pose_of
+from rtkit.services.frames import Frames, Pose, is_number, plain, pose_of
 
 _OWN = {"robots", "groups", "join", "leave", "failures", "deadline", "name", "type", "version",
         "status", "properties"}  # fmt: skip
@@ -318,8 +318,9 @@ def combined(values: Mapping[str, Any], failures: Sequence[MemberFailure], name:
 def state_of(values: Mapping[str, Any], failures: Sequence[MemberFailure]) -> rtkit.Element:
     """Return how a behaviour of all stands.
 
-    It runs while one runs; then what is worst holds. The child ``others`` names who stands
-    otherwise, and who did not answer, with the code.
+    It runs while one runs; then what is worst holds. Its target is that of the middle, see
+    `formation`. The child ``others`` names who stands otherwise, and who did not answer, with the
+    code.
     """
     states = {
         name: each.attributes.get("state", "idle") if isinstance(each, rtkit.Element) else "idle"
@@ -331,7 +332,40 @@ def state_of(values: Mapping[str, Any], failures: Sequence[MemberFailure]) -> rt
     others += [(each.name, each.code) for each in failures]
     pairs = tuple((rtkit.Word(name), rtkit.Word(each)) for name, each in others)
     more = (rtkit.Element("others", {}, (), pairs),) if pairs else ()
-    return rtkit.Element(one.name, {"state": state}, (*one.children, *more))
+    middle = _middle_target(list(values.values()))
+    children = (middle if middle and each.name == "target" else each for each in one.children)
+    return rtkit.Element(one.name, {"state": state}, (*children, *more))
+
+
+def _middle_target(behaviors: Sequence[Any]) -> rtkit.Element | None:
+    """Return the target in the middle of those of all, None unless each has a place in the world.
+
+    The middle of a formation goes to the target that was set.
+    """
+    targets = [each.find("target") for each in behaviors if isinstance(each, rtkit.Element)]
+    found = [each for each in targets if each and str(_field(each, "frame")) == "world"]
+    places = [each for each in map(_location, found) if each]
+    if len(places) < len(behaviors) or len({len(each) for each in places}) != 1:
+        return None
+    place = plain(middle_of(places)[: len(places[0])])
+    first = found[0]
+    children = (
+        rtkit.Element("location", each.attributes, (), place) if each.name == "location" else each
+        for each in first.children
+    )
+    return rtkit.Element("target", first.attributes, tuple(children), first.leaf)
+
+
+def _field(target: rtkit.Element, name: str) -> Any:
+    child = target.find(name)
+    return None if child is None else child.leaf
+
+
+def _location(target: rtkit.Element) -> tuple[float, ...]:
+    place = _field(target, "location")
+    if not (isinstance(place, tuple) and len(place) in (2, 3, 6) and all(map(is_number, place))):
+        return ()
+    return place if all(map(math.isfinite, place)) else ()
 
 
 # Formations

@@ -99,6 +99,9 @@ def test_a_swarm_of_unlike_robots_is_driven_as_each_of_them(client: rtkit.Client
         stack.enter_context(rtkit.serve(group, "swarm", is_on_zenoh=False))
         for robot in ("wheels", "legs", "swarm"):
             assert drive(client, robot) == pytest.approx((1.0, 0.0), abs=0.03)
+        target = client.get("swarm.behaviors.moveto").find("target").find("location").leaf
+        middle = client.get("swarm.location")
+        assert target[:2] == pytest.approx(middle[:2], abs=0.03), "not that of one robot"
         ends = dict(client.get("swarm.location", form="list"))
         offset = [a - b for a, b in zip(ends["wheels"], ends["legs"], strict=True)]
         assert offset[:2] == pytest.approx((0.0, 1.0), abs=0.05)

@@ -311,6 +311,8 @@ def test_parameters_reach_getters_and_setters() -> None:
         assert refused.value.code == "bad-parameter", wrong
     with pytest.raises(PropertyError, match=r"no parameter digts \(did you mean digits\?\)$"):
         service.get("length?digts=1")
+    with pytest.raises(PropertyError, match=r"\(a text with blanks stands in quotes\)$"):
+        service.get("length?unit=c > 0.4")
     service.set("length?is_relative", "1")
     assert service.get("length") == "3.0"
     with pytest.raises(PropertyError) as refused:

@@ -4,7 +4,10 @@ from __future__ import annotations
 
 from typing import Annotated, Any
 
+import pytest
+
 from rtkit import Choices, Gui, Range, Returns, Unit, Word
+from rtkit.property.codes import PropertyError
 from rtkit.property.reading import read
 from tests.unit.property.test_objects import refused, served
 
@@ -97,6 +100,8 @@ def test_widgets_are_declared_beside_a_type() -> None:
     speed = described(service, "speed.gui")
     assert (speed["kind"], speed["after"]) == ("joystick", "0.25")
     assert refused(service, "volume.gui.text") == "unknown"
+    with pytest.raises(PropertyError, match=r"no such property: gui\.nix$"):
+        service.get("gui.nix")
 
 
 def test_widgets_are_told_by_methods_and_are_no_properties() -> None:

@@ -99,6 +99,27 @@ def test_a_behavior_runs_while_one_runs_and_who_stands_otherwise_is_named() -> N
     assert combined({"r1": behavior("odd")}, ()).attributes == {"state": "odd"}
 
 
+def going(location: object, frame: str = "world") -> rtkit.Element:
+    fields = {"type": W("home"), "location": location, "frame": W(frame)}
+    parts = tuple(rtkit.Element(key, {}, (), each) for key, each in fields.items())
+    target = rtkit.Element("target", {}, parts)
+    return rtkit.Element("behavior", {"state": "running"}, (target,))
+
+
+def test_the_target_of_all_is_that_of_the_middle() -> None:
+    first = going((1.0, 1.0))
+    found = combined({"r1": first, "r2": going((1.0, -1.0))}, ())
+    assert found == going((1.0, 0.0))
+    for other in (
+        going((1.0, -1.0), "base"),
+        going((1.0, -1.0, 0.0)),
+        going((1.0, math.nan)),
+        going("x"),
+        behavior("done"),
+    ):
+        assert combined({"r1": first, "r2": other}, ()).find("target") == first.find("target")
+
+
 def test_an_error_names_each_who_failed() -> None:
     slow, gone = MemberFailure("r1", "timeout", "late"), MemberFailure("r2", "no-service", "gone")
     assert error_of([slow], 3).code == "timeout"
