@@ -10,7 +10,7 @@ import json
 import os
 import posixpath
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from typing import NamedTuple
 
 from rtkit import fault
@@ -144,7 +144,8 @@ def _turn(connection: HostConnection, show: Progress) -> Iterator[None]:
     except TimeoutError as error:
         raise Unreachable(f"{name}: no answer in {_SILENT_S:g} s") from error
     finally:
-        channel.close()
+        with suppress(EOFError, OSError):  # the connection may be broken, and its error counts
+            channel.close()
 
 
 def _chosen(name: str, far: FarSide, show: Progress) -> WheelSet:
