@@ -62,9 +62,13 @@ def test_services_are_listed_by_the_place_above_them_without_a_manager(arm: Any)
     for line in ("rtls robots", "rtls /localhost/robots", "rtls robots/"):
         assert arm.run(line) == (0, "arm/\n", "")
     assert arm.run("rtls -R /localhost") == (0, ".:\nrobots/\n\n./robots:\narm/\n\n", "")
+    for typed in ("robots/leg", "/localhost/robots/leg", "robot"):
+        told = arm.run(f"rtls {typed}")
+        name = typed.removeprefix("/localhost/")
+        assert told.err.startswith(f"rtls: {typed}: no-service: no service named {name} (there is ")
+        assert (told.status, told.out, "robots/arm" in told.err) == (1, "", True)
     why = "rtls: manager 'manager' is not running (start it with: rtmgr start)\n"
-    for line in ("rtls robots/leg", "rtls /localhost/robots/leg", "rtls robot", "rtls /x/robots"):
-        assert arm.run(line) == (1, "", why)
+    assert arm.run("rtls /x/robots") == (1, "", why)
 
 
 def test_an_object_is_got_set_and_listened_to(arm: Any) -> None:
