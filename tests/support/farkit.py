@@ -132,7 +132,8 @@ class FarHost:
 
     def run(self, *words: str) -> str:
         """Run a command there as its root user would at its console; return what it writes."""
-        inside = ["nsenter", "-t", self._inside(), "-a", "env", "HOME=/root"]
+        own = ["HOME=/root", f"PATH={os.environ['PATH']}"]  # nothing of this host's user
+        inside = ["nsenter", "-t", self._inside(), "-a", "env", "-i", *own]
         done = subprocess.run([*inside, *words], capture_output=True, text=True, check=False)
         assert done.returncode == 0, done.stderr
         return done.stdout

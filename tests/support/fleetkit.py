@@ -8,10 +8,27 @@ import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from functools import cache
+from typing import Any
 
-from farkit import FarHost
+import farkit
+import pytest
+from farkit import FarHost, far_hosts
 from forked import Commands
 from shells import ROOT, Shell, opened_shell
+from waiting import until
+
+NEEDS_HOSTS = pytest.mark.skipif(bool(farkit.missing()), reason=farkit.missing())
+
+
+def hosts_named(*names: str) -> Any:
+    """Return a fixture: hosts of these names, for all tests of a module."""
+
+    @pytest.fixture(scope="module")
+    def hosts(tmp_path_factory: pytest.TempPathFactory) -> Iterator[list[FarHost]]:
+        with far_hosts(tmp_path_factory.mktemp("far"), *names) as made:
+            yield made
+
+    return hosts
 
 
 def give_home(shell: Shell, hosts: list[FarHost]) -> None:
@@ -57,3 +74,23 @@ def linked(commands: Commands, hosts: list[FarHost]) -> Iterator[Shell]:
             shell.ok(f"rtmgr start --host {host.name}")
         yield shell
         shell.ok("rtmgr stop")
+
+
+def cut(shell: Shell, *hosts: FarHost) -> None:
+    """Cut the network links of hosts, and wait until the links to them are lost."""
+    for host in hosts:
+        host.link("down")
+    for host in hosts:
+        until(lambda h=host: not _answers(shell, h), f"the link to {host.name} is lost")
+
+
+def linked_again(shell: Shell, *hosts: FarHost) -> None:
+    """Heal the network links of hosts, and wait until these are linked."""
+    for host in hosts:
+        host.link("up")
+    for host in hosts:
+        until(lambda h=host: _answers(shell, h), f"{host.name} is linked again")
+
+
+def _answers(shell: Shell, host: FarHost) -> bool:
+    return shell.run(f"rtls /{host.name}").status == 0

@@ -7,25 +7,21 @@ import os
 import signal
 from collections.abc import Iterator
 
-import farkit
 import pytest
 from counting import CHECKER, COUNTER
-from farkit import FarHost, far_hosts
-from fleetkit import linked
+from farkit import FarHost
+from fleetkit import NEEDS_HOSTS, cut, hosts_named, linked, linked_again
 from forked import Commands
 from shells import Shell
 from waiting import until
 
-pytestmark = pytest.mark.skipif(bool(farkit.missing()), reason=farkit.missing())
+pytestmark = NEEDS_HOSTS
 OUT, FAR_INTO = "/localhost/A.rtc:out", "/robot1/B.rtc:into"
 FAR_OUT, INTO = "/robot1/C.rtc:out", "/localhost/D.rtc:into"
 OTHER = "/robot2/E.rtc:into"
 
 
-@pytest.fixture(scope="module")
-def hosts(tmp_path_factory: pytest.TempPathFactory) -> Iterator[list[FarHost]]:
-    with far_hosts(tmp_path_factory.mktemp("far"), "robot1", "robot2") as hosts:
-        yield hosts
+hosts = hosts_named("robot1", "robot2")
 
 
 @pytest.fixture(scope="module")
@@ -58,9 +54,7 @@ def joined(fleet: Shell, hosts: list[FarHost]) -> Iterator[Shell]:
     fleet.ok(f"rtcon -i back {INTO} {FAR_OUT}")
     flowing(fleet, hosts)
     yield fleet
-    for host in hosts:
-        host.link("up")
-        linked_again(fleet, host.name)
+    linked_again(fleet, *hosts)
     for id, path in (("there", OUT), ("back", INTO)):
         fleet.run(f"rtdis -i {id} {path}")
 
@@ -98,15 +92,6 @@ def awaited(fleet: Shell, path: str, id: str, text: str | None) -> None:
     until(has_come, f"{text!r} at {path}")
 
 
-def linked_again(fleet: Shell, name: str = "robot1") -> None:
-    until(lambda: fleet.run(f"rtls /{name}").status == 0, "the link is there again")
-
-
-def cut_off(fleet: Shell, host: FarHost) -> None:
-    host.link("down")
-    until(lambda: fleet.run(f"rtls /{host.name}").status == 1, "the link is lost")
-
-
 def kill_near(fleet: Shell) -> None:
     pid = int(fleet.ok("rtget /localhost/manager.mgr/pid"))
     os.kill(pid, signal.SIGKILL)
@@ -127,14 +112,13 @@ def test_values_go_both_ways_and_each_end_shows_the_other(joined: Shell) -> None
 def test_a_cut_off_host_is_named_and_values_go_on_when_it_is_back(
     joined: Shell, hosts: list[FarHost]
 ) -> None:
-    cut_off(joined, hosts[0])
+    cut(joined, hosts[0])
     why = "host robot1 cannot be reached: "
     awaited(joined, OUT, "there", why)
     awaited(joined, INTO, "back", why)
     assert f"half: {why}" in joined.ok(f"rtcat -l {OUT}")
     assert f"half a connection at out: {why}" in joined.ok("rtls -l /localhost")
-    hosts[0].link("up")
-    linked_again(joined)
+    linked_again(joined, hosts[0])
     for path, id in ((OUT, "there"), (INTO, "back"), (FAR_INTO, "there"), (FAR_OUT, "back")):
         awaited(joined, path, id, "")
     flowing(joined, hosts)
@@ -143,14 +127,13 @@ def test_a_cut_off_host_is_named_and_values_go_on_when_it_is_back(
 def test_what_is_removed_while_a_host_is_away_goes_there_later(
     joined: Shell, hosts: list[FarHost]
 ) -> None:
-    cut_off(joined, hosts[0])
+    cut(joined, hosts[0])
     told = joined.run(f"rtdis -i there {OUT}")
     assert told.status == 0
     assert "the other half of connection there is removed when it is back" in told.err
     kill_near(joined)
     joined.ok("rtmgr start")
-    hosts[0].link("up")
-    linked_again(joined)
+    linked_again(joined, hosts[0])
     awaited(joined, FAR_INTO, "there", None)
     awaited(joined, FAR_OUT, "back", "")
 
@@ -171,7 +154,7 @@ def test_managers_die_in_any_order_and_meet_again(
         joined.ok("rtmgr start")
     if "far" in order:
         joined.ok("rtmgr start --host robot1")
-    linked_again(joined)
+    linked_again(joined, hosts[0])
     for path, id in ((OUT, "there"), (INTO, "back"), (FAR_INTO, "there"), (FAR_OUT, "back")):
         awaited(joined, path, id, "")
     flowing(joined, hosts)
@@ -191,11 +174,10 @@ def test_two_robots_are_joined_through_here(fleet: Shell, hosts: list[FarHost]) 
     flowing(fleet, hosts, (2,))
     assert " +Connected to  /robot2/manager.mgr/E.rtc:into\n" in fleet.ok(f"rtcat -l {FAR_OUT}")
     assert 'connectorId="across"' in fleet.ok("rtcryo /robot1 /robot2")
-    cut_off(fleet, hosts[1])
+    cut(fleet, hosts[1])
     why = "host robot2 cannot be reached: it, or the host that links both, is away"
     awaited(fleet, FAR_OUT, "across", why)
-    hosts[1].link("up")
-    linked_again(fleet, "robot2")
+    linked_again(fleet, hosts[1])
     awaited(fleet, FAR_OUT, "across", "")
     flowing(fleet, hosts, (2,))
     fleet.ok(f"rtdis {FAR_OUT} {OTHER}")
@@ -260,7 +242,7 @@ def test_a_watcher_hears_that_a_manager_of_another_host_was_killed(
     why = "of host robot2 was killed, or is cut off; waiting for it to come back"
     assert why in watcher.stderr.readline()
     fleet.ok("rtmgr start --host robot2")
-    linked_again(fleet, "robot2")
+    linked_again(fleet, hosts[1])
     fleet.ok("rtmgr -c ConsoleIn /robot2/manager.mgr")
     assert any("ConsoleIn0.rtc" in line for line in lines)
     watcher.terminate()

@@ -9,17 +9,16 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack
 
-import farkit
 import pytest
 from counting import CHECKER, COUNTER
 from farkit import FarHost, far_hosts
-from fleetkit import linked
+from fleetkit import NEEDS_HOSTS, linked
 from forked import Commands
 from shells import Shell
 from waiting import until
 
 pytestmark = [
-    pytest.mark.skipif(bool(farkit.missing()), reason=farkit.missing()),
+    NEEDS_HOSTS,
     pytest.mark.timeout(280),
 ]
 WIRES = (

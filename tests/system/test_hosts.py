@@ -11,22 +11,18 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-import farkit
 import jsonrecords
 import pytest
 from farkit import FarHost, far_hosts
-from fleetkit import accept_key, give_home, linked
+from fleetkit import NEEDS_HOSTS, accept_key, give_home, hosts_named, linked
 from forked import Commands
 from shells import Shell
 from waiting import has_ended, until
 
-pytestmark = pytest.mark.skipif(bool(farkit.missing()), reason=farkit.missing())
+pytestmark = NEEDS_HOSTS
 
 
-@pytest.fixture(scope="module")
-def hosts(tmp_path_factory: pytest.TempPathFactory) -> Iterator[list[FarHost]]:
-    with far_hosts(tmp_path_factory.mktemp("far"), "robot1", "robot2") as hosts:
-        yield hosts
+hosts = hosts_named("robot1", "robot2")
 
 
 @pytest.fixture

@@ -8,10 +8,9 @@ import time
 from collections.abc import Iterator
 from contextlib import ExitStack
 
-import farkit
 import pytest
 from farkit import far_hosts
-from fleetkit import linked
+from fleetkit import NEEDS_HOSTS, linked
 from forked import Commands
 from lossykit import LossyLink
 from shells import Shell
@@ -23,7 +22,7 @@ from rtkit.services.resource import Resource
 from rtkit.services.world import HomeWorld
 
 pytestmark = [
-    pytest.mark.skipif(bool(farkit.missing()), reason=farkit.missing()),
+    NEEDS_HOSTS,
     pytest.mark.timeout(180),
 ]
 ROBOT = "/robot1/robots/r1"

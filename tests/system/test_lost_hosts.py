@@ -5,25 +5,21 @@ from __future__ import annotations
 import json
 from collections.abc import Iterator
 
-import farkit
 import pytest
 import rts_text
-from farkit import FarHost, far_hosts
-from fleetkit import linked
+from farkit import FarHost
+from fleetkit import NEEDS_HOSTS, cut, hosts_named, linked, linked_again
 from forked import Commands
 from shells import Shell
 from waiting import until
 
-pytestmark = pytest.mark.skipif(bool(farkit.missing()), reason=farkit.missing())
+pytestmark = NEEDS_HOSTS
 TYPE = "RTC:rtkit:example:{}:1.0"
 WHY = "host robot1 cannot be reached: "
 FILE = "three.xml"
 
 
-@pytest.fixture(scope="module")
-def hosts(tmp_path_factory: pytest.TempPathFactory) -> Iterator[list[FarHost]]:
-    with far_hosts(tmp_path_factory.mktemp("far"), "robot1", "robot2") as hosts:
-        yield hosts
+hosts = hosts_named("robot1", "robot2")
 
 
 @pytest.fixture(scope="module")
@@ -32,11 +28,9 @@ def fleet(commands: Commands, hosts: list[FarHost]) -> Iterator[Shell]:
     with linked(commands, hosts) as shell:
         (shell.folder / FILE).write_text(profile())
         assert shell.run(f"rtapply {FILE}").status == 0
-        hosts[0].link("down")
-        until(lambda: shell.run("rtls /robot1").status == 1, "the link is lost")
+        cut(shell, hosts[0])
         yield shell
-        hosts[0].link("up")
-        until(lambda: shell.run("rtls /robot1").status == 0, "the link is there again")
+        linked_again(shell, hosts[0])
 
 
 def profile() -> str:
@@ -120,8 +114,7 @@ def test_a_watcher_hears_the_other_hosts(fleet: Shell) -> None:
 
 
 def test_a_system_over_hosts_is_led_from_state_to_state(fleet: Shell, hosts: list[FarHost]) -> None:
-    hosts[0].link("up")
-    until(lambda: fleet.run("rtls /robot1").status == 0, "the link is there again")
+    linked_again(fleet, hosts[0])
     assert "* run" in fleet.ok(f"rtstate {FILE}")
     assert fleet.run(f"rtstate -g off {FILE}").status == 0
     assert "* off" in fleet.ok(f"rtstate {FILE}")
@@ -131,8 +124,7 @@ def test_a_system_over_hosts_is_led_from_state_to_state(fleet: Shell, hosts: lis
 def test_for_a_host_that_was_rebooted_what_is_applied_is_planned(
     fleet: Shell, hosts: list[FarHost]
 ) -> None:
-    hosts[0].link("up")
-    until(lambda: fleet.run("rtls /robot1").status == 0, "the link is there again")
+    linked_again(fleet, hosts[0])
     hosts[0].run("sh", "-c", "kill -9 -1")
     start = "rtmgr start --host robot1"
     until(lambda: start in fleet.run("rtls /robot1").err, "the end of the manager is known")

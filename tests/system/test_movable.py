@@ -8,18 +8,17 @@ import signal
 import subprocess
 from collections.abc import Iterator
 
-import farkit
 import pytest
 import rts_text
 from counting import CHECKER as PLAIN_CHECKER
 from counting import COUNTER
-from farkit import FarHost, far_hosts
-from fleetkit import linked
+from farkit import FarHost
+from fleetkit import NEEDS_HOSTS, cut, hosts_named, linked, linked_again
 from forked import Commands
 from shells import Shell, processes_of
 from waiting import until
 
-pytestmark = pytest.mark.skipif(bool(farkit.missing()), reason=farkit.missing())
+pytestmark = NEEDS_HOSTS
 FILE = "mov.xml"
 OLD = 1_000_000
 """The number at which those begin to count that are made on robot1."""
@@ -30,10 +29,7 @@ CHECKER = PLAIN_CHECKER.replace(
 HERE, THERE = "/localhost/Num.rtc", "/robot1/Num.rtc"
 
 
-@pytest.fixture(scope="module")
-def hosts(tmp_path_factory: pytest.TempPathFactory) -> Iterator[list[FarHost]]:
-    with far_hosts(tmp_path_factory.mktemp("far"), "robot1", "robot2") as hosts:
-        yield hosts
+hosts = hosts_named("robot1", "robot2")
 
 
 @pytest.fixture(scope="module")
@@ -42,16 +38,14 @@ def fleet(commands: Commands, hosts: list[FarHost]) -> Iterator[Shell]:
         give_modules(shell, hosts)
         (shell.folder / FILE).write_text(profile())
         yield shell
-        for host in hosts:
-            linked_again(shell, host)
+        linked_again(shell, *hosts)
         shell.run(f"rtteardown --exit {FILE}")
 
 
 @pytest.fixture
 def applied(fleet: Shell, hosts: list[FarHost]) -> Shell:
     """A shell whose system is as its profile says, and numbers of robot1 come here and there."""
-    for host in hosts:
-        linked_again(fleet, host)
+    linked_again(fleet, *hosts)
     (fleet.folder / "count").unlink(missing_ok=True)
     hosts[1].run("rm", "-f", "/root/count")
     assert fleet.run(f"rtapply {FILE}").status == 0
@@ -104,24 +98,6 @@ def counts(fleet: Shell, hosts: list[FarHost]) -> list[tuple[int, int]]:
     except FileNotFoundError:
         return [(0, 0), (0, 0)]
     return [(int(last), int(gaps)) for last, gaps in map(str.split, texts)]
-
-
-def cut(fleet: Shell, *hosts: FarHost) -> None:
-    for host in hosts:
-        host.link("down")
-    for host in hosts:
-        until(lambda h=host: why_lost(fleet, h), f"{host.name} is lost")
-
-
-def linked_again(fleet: Shell, host: FarHost) -> None:
-    host.link("up")
-    until(lambda: not why_lost(fleet, host), f"{host.name} is linked again")
-
-
-def why_lost(fleet: Shell, host: FarHost) -> str:
-    """Return why a host cannot be reached, as its link says it."""
-    file = fleet.folder / "run" / f"{host.name}.link"
-    return str(json.loads(file.read_text())["why"]) if file.exists() else "no link"
 
 
 def places(fleet: Shell) -> list[str]:
@@ -265,8 +241,7 @@ def test_while_the_owner_is_away_nothing_moves(applied: Shell, hosts: list[FarHo
     assert "Num.rtc" not in far(hosts[1], "rtls", "/localhost")
     applied.ok("rtmgr start")
     until(lambda: HERE in places(applied), "the owner is back, and moves it")
-    linked_again(applied, hosts[0])
-    linked_again(applied, hosts[1])
+    linked_again(applied, *hosts)
     ended_on_robot1(applied)
     moved(applied, hosts)
 

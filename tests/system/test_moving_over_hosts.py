@@ -4,16 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-import farkit
 import pytest
 from counting import CHECKER, COUNTER, RELAY
-from farkit import FarHost, far_hosts
-from fleetkit import linked
+from farkit import FarHost
+from fleetkit import NEEDS_HOSTS, cut, hosts_named, linked, linked_again
 from forked import Commands
 from shells import Shell
 from waiting import until
 
-pytestmark = pytest.mark.skipif(bool(farkit.missing()), reason=farkit.missing())
+pytestmark = NEEDS_HOSTS
 HERE, THERE = "/localhost/Relay0.rtc", "/robot1/Relay0.rtc"
 POLICY = (
     "-p dataport.subscription_type=flush -p dataport.buffer.write.full_policy=block"
@@ -21,10 +20,7 @@ POLICY = (
 )
 
 
-@pytest.fixture(scope="module")
-def hosts(tmp_path_factory: pytest.TempPathFactory) -> Iterator[list[FarHost]]:
-    with far_hosts(tmp_path_factory.mktemp("far"), "robot1") as hosts:
-        yield hosts
+hosts = hosts_named("robot1")
 
 
 @pytest.fixture(scope="module")
@@ -76,14 +72,12 @@ def test_a_host_that_is_not_there_is_named_and_nothing_moves(
     assert fleet.run(f"rtmove {HERE} /robot9/manager.mgr").err == (
         "rtmove: No such object: /robot9/manager.mgr\n"
     )
-    hosts[0].link("down")
-    until(lambda: fleet.run("rtls /robot1").status == 1, "the link is lost")
+    cut(fleet, hosts[0])
     told = fleet.run(f"rtmove {HERE} /robot1/manager.mgr")
     assert told.status == 1
     assert "host robot1 cannot be reached: " in told.err
     flowing(fleet)
-    hosts[0].link("up")
-    until(lambda: fleet.run("rtls /robot1").status == 0, "the link is there again")
+    linked_again(fleet, hosts[0])
     told = fleet.run("rtmove /localhost/Counter0.rtc /robot1/manager.mgr")
     assert told.status == 1  # its module is only here
     assert "impossible: Counter0" in told.err

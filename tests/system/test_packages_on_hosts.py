@@ -5,16 +5,15 @@ from __future__ import annotations
 from collections.abc import Iterator
 from pathlib import Path
 
-import farkit
 import jsonrecords
 import pytest
 from farkit import FarHost, far_hosts
-from fleetkit import linked
+from fleetkit import NEEDS_HOSTS, linked
 from forked import Commands
 from shells import Shell
 from wheelkit import made
 
-pytestmark = pytest.mark.skipif(bool(farkit.missing()), reason=farkit.missing())
+pytestmark = NEEDS_HOSTS
 FAR = "/root/.local/share/rtkit/packages"
 
 

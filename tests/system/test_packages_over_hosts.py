@@ -6,15 +6,14 @@ import json
 from collections.abc import Iterator
 from pathlib import Path
 
-import farkit
 import pytest
-from farkit import FarHost, far_hosts
-from fleetkit import accept_key, give_home
+from farkit import FarHost
+from fleetkit import NEEDS_HOSTS, accept_key, give_home, hosts_named
 from forked import Commands
 from shells import Shell, opened_shell
 from wheelkit import MODULE, made
 
-pytestmark = pytest.mark.skipif(bool(farkit.missing()), reason=farkit.missing())
+pytestmark = NEEDS_HOSTS
 FAR = "/root/.local/share/rtkit/packages"
 SYSTEM = """<?xml version="1.0" encoding="UTF-8"?>
 <rts:RtsProfile rts:id="RTSystem:me:pair:1" rts:version="0.2" rts:creationDate="2026-01-01T00:00:00"
@@ -28,10 +27,7 @@ BOTH = (("Gain", "1.0", "localhost"), ("Loss", "1.0", "robot1"))
 """Types of two packages that need versions of a third that exclude each other, on two hosts."""
 
 
-@pytest.fixture(scope="module")
-def hosts(tmp_path_factory: pytest.TempPathFactory) -> Iterator[list[FarHost]]:
-    with far_hosts(tmp_path_factory.mktemp("far"), "robot1") as hosts:
-        yield hosts
+hosts = hosts_named("robot1")
 
 
 @pytest.fixture

@@ -11,8 +11,8 @@ import sys
 from pathlib import Path
 from typing import Any
 
-import farkit
 import pytest
+from fleetkit import NEEDS_HOSTS
 from pagekit import MARK, ROOT, pages, script
 
 from rtkit.cli.shared.commands import COMMANDS, TABLE
@@ -83,7 +83,7 @@ def test_a_page_shows_what_its_examples_print(
     assert run(text, shell.folder, variables).split(f"{MARK}\n") == [*expected, ""]
 
 
-@pytest.mark.skipif(bool(farkit.missing()), reason=farkit.missing())
+@NEEDS_HOSTS
 @pytest.mark.timeout(240)  # rtkit is made on two hosts
 def test_a_newcomer_comes_from_one_robot_to_a_fleet(
     shell: Any, variables: dict[str, str], monkeypatch: pytest.MonkeyPatch

@@ -11,9 +11,9 @@ import zipfile
 from collections.abc import Iterator
 from pathlib import Path
 
-import farkit
 import pytest
 from farkit import FarHost, far_hosts
+from fleetkit import NEEDS_HOSTS
 from forked import Commands
 from forwarding import Forwarder
 from shells import ROOT, Shell, opened_shell
@@ -26,7 +26,7 @@ from rtkit.hosts.connection import HostConnection, connect
 from rtkit.hosts.host import Host
 from rtkit.hosts.provisioned import Provisioned
 
-pytestmark = pytest.mark.skipif(bool(farkit.missing()), reason=farkit.missing())
+pytestmark = NEEDS_HOSTS
 _BASE = "/root/.local/share/rtkit"
 
 

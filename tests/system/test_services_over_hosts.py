@@ -6,16 +6,15 @@ import os
 import shutil
 from collections.abc import Iterator
 
-import farkit
 import pytest
-from farkit import FarHost, far_hosts
-from fleetkit import linked
+from farkit import FarHost
+from fleetkit import NEEDS_HOSTS, cut, hosts_named, linked, linked_again
 from forked import Commands
 from shells import ROOT, Shell
 from waiting import until
 
 pytestmark = [
-    pytest.mark.skipif(bool(farkit.missing()), reason=farkit.missing()),
+    NEEDS_HOSTS,
     pytest.mark.timeout(180),  # three bare hosts are made ready first
 ]
 HERE = os.uname().nodename
@@ -31,10 +30,7 @@ class Lamp:
 """
 
 
-@pytest.fixture(scope="module")
-def hosts(tmp_path_factory: pytest.TempPathFactory) -> Iterator[list[FarHost]]:
-    with far_hosts(tmp_path_factory.mktemp("far"), *NAMES) as hosts:
-        yield hosts
+hosts = hosts_named(*NAMES)
 
 
 @pytest.fixture(scope="module")
@@ -49,10 +45,7 @@ def fleet(commands: Commands, hosts: list[FarHost]) -> Iterator[Shell]:
 def healed(fleet: Shell, hosts: list[FarHost]) -> Iterator[Shell]:
     """The shell, for who cuts links."""
     yield fleet
-    for host in hosts:
-        host.link("up")
-    for host in hosts:
-        until(lambda h=host: fleet.run(f"rtls /{h.name}").status == 0, "all are linked again")
+    linked_again(fleet, *hosts)
 
 
 def robot_at(fleet: Shell, name: str, host: str, x: float) -> None:
@@ -199,8 +192,7 @@ def test_a_swarm_over_three_hosts_is_led_as_one_robot(swarm: Shell) -> None:
 def test_a_host_that_is_cut_off_is_named_and_the_others_go_on(
     swarm: Shell, healed: Shell, hosts: list[FarHost]
 ) -> None:
-    hosts[2].link("down")
-    until(lambda: swarm.run("rtls /robot3").status == 1, "the link is lost")
+    cut(swarm, hosts[2])
     before = swarm.ok("rtget swarm.robots.r1.location")
 
     def turned() -> bool:

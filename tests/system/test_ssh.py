@@ -10,17 +10,17 @@ import time
 from collections.abc import Iterator
 from pathlib import Path
 
-import farkit
 import jsonrecords
 import pytest
 from farkit import FarHost, far_hosts
+from fleetkit import NEEDS_HOSTS
 from shells import Shell
 from terminal import opened
 
 from rtkit.hosts.connection import connect
 from rtkit.hosts.host import Host
 
-pytestmark = pytest.mark.skipif(bool(farkit.missing()), reason=farkit.missing())
+pytestmark = NEEDS_HOSTS
 
 
 @pytest.fixture(scope="module")

@@ -5,23 +5,19 @@ from __future__ import annotations
 from collections.abc import Iterator
 from pathlib import Path
 
-import farkit
 import pytest
 import rts_text
-from farkit import FarHost, far_hosts
-from fleetkit import accept_key, give_home
+from farkit import FarHost
+from fleetkit import NEEDS_HOSTS, accept_key, give_home, hosts_named
 from forked import Commands
 from shells import Shell, opened_shell
 
-pytestmark = pytest.mark.skipif(bool(farkit.missing()), reason=farkit.missing())
+pytestmark = NEEDS_HOSTS
 TYPE = "RTC:rtkit:example:{}:1.0"
 HERE, THERE = "/localhost/In1.rtc", "/robot1/Out1.rtc"
 
 
-@pytest.fixture(scope="module")
-def hosts(tmp_path_factory: pytest.TempPathFactory) -> Iterator[list[FarHost]]:
-    with far_hosts(tmp_path_factory.mktemp("far"), "robot1") as hosts:
-        yield hosts
+hosts = hosts_named("robot1")
 
 
 @pytest.fixture
