@@ -178,7 +178,10 @@ def test_all_are_asked_at_once_and_the_dead_and_the_slow_are_named(place: str) -
 
 
 def test_an_answer_that_has_come_counts_however_late_the_client_itself_is(place: str) -> None:
-    """Its loop is held up as the answer comes, until the answer would be late."""
+    """Its loop is held up as the answer comes, until the answer would be late.
+
+    On a busy machine the request itself may be late: then it is tried with more time.
+    """
     with rtkit.Client() as client:
         is_held, release = threading.Event(), threading.Event()
 
@@ -186,14 +189,18 @@ def test_an_answer_that_has_come_counts_however_late_the_client_itself_is(place:
             def get_level(self) -> float:
                 client._host.post(lambda: is_held.set() or release.wait(_BOUND_S))
                 assert is_held.wait(_BOUND_S)
-                threading.Timer(0.3, release.set).start()
+                threading.Timer(deadline_s + 0.2, release.set).start()
                 return 0.5
 
         for is_shared in (False, True):
-            is_held.clear(), release.clear()
-            with serve(Holding(), "l", is_on_zenoh=False):
-                asks = [rtkit.Ask("l.level")]
-                assert client.ask_all(asks, 0.1, is_shared=is_shared) == [0.5]
+            found: list[object] = []
+            for deadline_s in (0.1, 1.0, 5.0):
+                is_held.clear(), release.clear()
+                with serve(Holding(), "l", is_on_zenoh=False):
+                    found = client.ask_all([rtkit.Ask("l.level")], deadline_s, is_shared=is_shared)
+                if found == [0.5]:
+                    break
+            assert found == [0.5]
 
 
 def test_a_shared_request_ends_in_time_for_the_request_that_makes_it(place: str) -> None:

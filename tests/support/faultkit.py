@@ -140,7 +140,7 @@ class Site:
     """A shell with a manager whose processes can be broken off, and what lives there."""
 
     def __init__(self, shell: Any, *, has_points: bool = True) -> None:
-        self.shell = shell
+        self.shell, self.has_points = shell, has_points
         self.points = Points(shell.folder / "points")
         if has_points:
             shell.environment.update(self.points.variable)

@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import os
 import signal
-import time
-from pathlib import Path
 
 from faultkit import Operation, Site
+from waiting import until
 
 from rtkit.cli.system.rtresurrect import main as rtresurrect
 from rtkit.cli.system.rtstart import main as rtstart
@@ -62,18 +61,18 @@ def active(site: Site) -> None:
 
 
 def orphaned(site: Site) -> None:
-    """Have slaves whose manager was killed, and who have noticed."""
+    """Have slaves whose manager was killed; they have noticed, and so have zygotes that tell it."""
     wired(site)
+    site.points.disarm()  # it counts anew
     os.kill(site.manager_pid(), signal.SIGKILL)
-    deadline = time.monotonic() + 10.0
-    while site.shell.log().count("the manager is gone") < len(SLAVES) or not _zygotes(site):
-        assert time.monotonic() < deadline, site.shell.log()
-        time.sleep(0.01)
+    zygotes = len(list((site.shell.folder / "run").glob("*.zygote")))
 
+    def have_noticed() -> bool:
+        if site.shell.log().count("the manager is gone") < len(SLAVES):
+            return False
+        return not site.has_points or site.points.passed()["zygote.listening"] >= zygotes
 
-def _zygotes(site: Site) -> list[Path]:
-    """Return the doors of processes that wait for the next manager."""
-    return list((site.shell.folder / "run").glob("*.zygote"))
+    until(have_noticed, "the end of the manager is noticed")
 
 
 def saved(site: Site) -> None:

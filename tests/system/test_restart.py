@@ -214,6 +214,24 @@ def test_a_slow_zygote_still_tells_how_a_slave_ended(shell: Any, point: str) -> 
     assert shell.log().count("slave a ended while no manager ran: signal 11") == 1
 
 
+@pytest.mark.parametrize("point", ["zygote.alone", "zygote.listening"])
+def test_a_zygote_killed_as_it_is_left_alone_costs_no_slave(shell: Any, point: str) -> None:
+    points = Points(shell.folder / "points")
+    shell.environment.update(points.variable)
+    shell.ok("rtmgr start --allow-faults")
+    shell.ok(f"rtmgr {MANAGER} -c 'ConsoleIn?instance_name=A&manager_name=a'")
+    shell.ok("rtact /localhost/A.rtc")
+    points.arm(Order(point, 1))
+    slave = told_pid(shell, "a")
+    kill_manager(shell)
+    assert points.has_struck(1)
+    shell.ok("rtmgr start --allow-faults")
+    assert told_pid(shell, "a") == slave
+    assert "Active" in shell.ok("rtcat /localhost/A.rtc")
+    os.kill(slave, signal.SIGSEGV)
+    until(lambda: "*A.rtc  (signal 11)" in shell.ok("rtls -l /localhost"), "its end is told")
+
+
 def test_an_end_that_the_manager_did_not_live_to_hear_is_told_the_next_one(shell: Any) -> None:
     points = Points(shell.folder / "points")
     shell.environment.update(points.variable)
