@@ -3,6 +3,7 @@ PYTHON ?= python3
 PYTEST_ARGS ?=
 WORKERS ?= 2
 SEEDS ?= 50
+HOSTS ?= 2
 FROM ?= 1
 # Where to leave JUnit reports, if anywhere.
 REPORTS ?=
@@ -18,8 +19,8 @@ help:
 	@echo "make demo-home  robots, lights, storage and a state machine in a simulated home, with pictures in build/home"
 	@echo "make demo-manipulation  supervise a manipulator by dialogues, kill it on the way, draw pictures"
 	@echo "make test    linters, types, layers and all tests"
-	@echo "make campaign  200 random faults on a system at work, their recovery times in docs/campaign.md"
-	@echo "              (a quarter of an hour; SEED=N repeats one, FAULTS=N only so many)"
+	@echo "make campaign  200 random faults on a system at work, and 200 over hosts, their recovery times in docs/campaign.md"
+	@echo "              (half an hour; SEED=N repeats one, FAULTS=N only so many, HOSTS=N over so many hosts)"
 	@echo "make campaign-faults  what make test tries of faults, at every point (hours)"
 	@echo "make laws    try each law with fifty seeds (SEEDS=1 FROM=7: with seed 7 alone)"
 	@echo "make bench   measure, beside a floor of the same run (ROWS=slaves/stop: only that)"
@@ -70,6 +71,8 @@ test-real: lint
 campaign: $(READY)
 	$(BIN)/python -m campaign --report docs/campaign.md $(if $(SEED),--seed $(SEED)) \
 		$(if $(FAULTS),--faults $(FAULTS))
+	$(BIN)/python -m campaign --hosts $(HOSTS) --report docs/campaign.md \
+		$(if $(SEED),--seed $(SEED)) $(if $(FAULTS),--faults $(FAULTS))
 
 campaign-faults: $(READY)
 	$(BIN)/python -m pytest -m campaign tests $(PYTEST_ARGS)

@@ -5,9 +5,11 @@ from __future__ import annotations
 import math
 import statistics
 from collections.abc import Sequence
+from pathlib import Path
 from typing import NamedTuple
 
 from bench.page import machine
+from campaign.fleet import FAULTS, Setback
 from campaign.floors import Floor
 from campaign.layout import MANAGER, NAMES, SLAVES, WIRES, members
 from campaign.schedule import DECK
@@ -50,17 +52,26 @@ def rows(outcomes: Sequence[Outcome], floors: Sequence[Floor]) -> list[tuple[str
             continue
         times = [outcome.recovery_s for outcome in its]
         pauses = [outcome.pause_s for outcome in its if outcome.pause_s]
-        metrics = (statistics.median(times), percentile(times, 0.99), max(times))
         told.append(
             (
                 kind,
-                str(len(its)),
-                *(f"{figure:.3f} s" for figure in metrics),
+                *_metrics(times),
                 _floor(kind, floors),
                 f"{max(pauses):.3f} s" if pauses else "-",
             )
         )
     return told
+
+
+def hosts_rows(setbacks: Sequence[Setback]) -> list[tuple[str, ...]]:
+    """Return the cells of the table of faults over several hosts, its head first."""
+    times = {what: [each.recovery_s for each in setbacks if each.what == what] for what in FAULTS}
+    return [_HEAD[:5], *((what, *_metrics(its)) for what, its in times.items() if its)]
+
+
+def _metrics(times: Sequence[float]) -> tuple[str, ...]:
+    figures = (statistics.median(times), percentile(times, 0.99), max(times))
+    return (str(len(times)), *(f"{figure:.3f} s" for figure in figures))
 
 
 def _floor(kind: str, floors: Sequence[Floor]) -> str:
@@ -73,8 +84,6 @@ def _floor(kind: str, floors: Sequence[Floor]) -> str:
 
 def document(outcomes: Sequence[Outcome], floors: Sequence[Floor], conditions: Conditions) -> str:
     """Return the whole report (Markdown)."""
-    table = ["| " + " | ".join(cells) + " |" for cells in rows(outcomes, floors)]
-    table.insert(1, "| --- " + "| ---: " * (len(_HEAD) - 1) + "|")
     broken = [f"- {each.fault}: {'; '.join(each.failures)}" for each in outcomes if each.failures]
     measured = "; ".join(f"{each.what}, {each.seconds:.3f} s" for each in floors)
     return _DOCUMENT.format(
@@ -84,12 +93,62 @@ def document(outcomes: Sequence[Outcome], floors: Sequence[Floor], conditions: C
         inside=len(members(MANAGER)),
         slaves=len(SLAVES),
         wires=len(WIRES),
-        table="\n".join(table),
+        table=_table(rows(outcomes, floors)),
         floors=measured,
         verdict="\n".join(["Broken were:", "", *broken]) if broken else "None was broken.",
     )
 
 
+def hosts_section(setbacks: Sequence[Setback], hosts: int, conditions: Conditions) -> str:
+    """Return the section on several hosts (Markdown), without its head."""
+    broken = [f"- {each.what} {each.host}: {each.why}" for each in setbacks if each.why]
+    return _HOSTS_SECTION.format(
+        count=len(setbacks),
+        conditions=conditions_line(conditions),
+        hosts=hosts,
+        table=_table(hosts_rows(setbacks)),
+        verdict="\n".join(["Not back were:", "", *broken]) if broken else "It always was.",
+    )
+
+
+def _table(cells: Sequence[tuple[str, ...]]) -> str:
+    lines = ["| " + " | ".join(each) + " |" for each in cells]
+    lines.insert(1, "| --- " + "| ---: " * (len(cells[0]) - 1) + "|")
+    return "\n".join(lines)
+
+
+def write(file: Path, text: str) -> None:
+    """Write the report, but keep its section on several hosts."""
+    _, head, hosts = _read(file)
+    file.write_text("\n".join([text, head + hosts]) if head else text, encoding="utf-8")
+
+
+def write_hosts(file: Path, text: str) -> None:
+    """Write the section on several hosts, and keep the rest of the report."""
+    file.write_text(f"{_read(file)[0].rstrip()}\n\n{_HOSTS}{text}", encoding="utf-8")
+
+
+def _read(file: Path) -> tuple[str, str, str]:
+    return (file.read_text(encoding="utf-8") if file.exists() else "").partition(_HOSTS)
+
+
+_HOSTS = "## Over several hosts\n"
+_HOSTS_SECTION = """
+{count} faults. {conditions}.
+The hosts are network namespaces of one machine, each with an sshd of its own.
+
+This host and {hosts} others are linked. Numbers go from here to the first of them and from there to
+here, and from each further one to the one before it; each sender and receiver has a process of its
+own, and is to be made again on failure. `campaign/fleet.py` has the program.
+
+{table}
+
+Times are from the fault (cut, lossy, slow, stop: from its end, after up to 4 s; power off: from
+when the host is on again, with an empty disk) until `rtcheck` finds all as desired, each component
+is there once, and numbers come at each receiver. After a kill of a manager its user types
+`rtmgr start`; after a power failure `rtmgr start --host` and `rtapply`, with the installation of
+rtkit there. {verdict}
+"""
 _DOCUMENT = """# What comes of {count} faults
 
 Written by `make campaign`, not by hand. `make campaign SEED=…` does the same to the same again.

@@ -35,9 +35,10 @@ class Checker(Component):
         for value in self.into.read_all():
             self.gaps += self.last not in (0, value.data - 1)
             self.last = value.data
-        with open("count.new", "w") as file:
+        draft = f"count.{os.getpid()}"  # another one may have the same folder
+        with open(draft, "w") as file:
             file.write(f"{self.last} {self.gaps}")
-        os.replace("count.new", "count")
+        os.replace(draft, "count")
 
 
 def CheckerInit(manager):

@@ -7,10 +7,20 @@ from collections import Counter
 import pytest
 
 from campaign.counts import Counts
+from campaign.fleet import Setback
 from campaign.floors import Floor
 from campaign.law import Law
 from campaign.layout import PLACES, SLAVES, members
-from campaign.report import Conditions, document, percentile, rows
+from campaign.report import (
+    Conditions,
+    document,
+    hosts_rows,
+    hosts_section,
+    percentile,
+    rows,
+    write,
+    write_hosts,
+)
 from campaign.schedule import DECK, SPACING, Fault, schedule
 from campaign.trial import Outcome
 
@@ -99,3 +109,20 @@ def test_the_table() -> None:
     assert "None was broken." in document(outcomes, FLOORS, conditions)
     bad = Outcome(Fault("raise", cell=1), 1.0, 0.0, ("Cell2 did not go on",))
     assert "- raise Cell1: Cell2 did not go on" in document([bad], FLOORS, conditions)
+
+
+def test_the_section_on_several_hosts_is_written_beside_the_rest(tmp_path) -> None:
+    file, conditions = tmp_path / "campaign.md", Conditions(1, 60.0, 0.3)
+    setbacks = [Setback("cut", "robot1", 1.0, ""), Setback("cut", "robot2", 3.0, "")]
+    assert hosts_rows(setbacks)[1:] == [("cut", "2", "2.000 s", "3.000 s", "3.000 s")]
+    write(file, "# first\n")
+    write_hosts(file, hosts_section(setbacks, 2, conditions))
+    write(file, "# second\n")
+    text = file.read_text()
+    assert text.startswith("# second\n\n## Over several hosts\n\n2 faults. Seed 1, ")
+    assert "This host and 2 others" in text
+    assert "It always was." in text
+    bad = Setback("slow", "robot1", 50.0, "there is no number")
+    write_hosts(file, hosts_section([bad], 1, conditions))
+    assert "- slow robot1: there is no number" in file.read_text()
+    assert file.read_text().count("## Over several hosts") == 1
