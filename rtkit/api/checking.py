@@ -57,15 +57,17 @@ def compare(
     mapped: tuple[str, ...] = (),
 ) -> SystemReport:
     """Compare what lives with a profile; see `rtkit.Tree.check`."""
+    from rtkit.api.displaced import remarks, where_they_live
     from rtkit.api.looking import on_this_host, present_code
     from rtkit.api.placing import settled, unmet
     from rtkit.deployment.deviations import deviations
     from rtkit.deployment.live_index import LiveIndex
 
-    document = settled(session, document, mapped)
+    stated = settled(session, document, mapped)
+    document = where_they_live(session, stated, mapped)
     snapshot = looking.look(session, document.profile, dry_run=False, may_lack=True, mapped=mapped)
     system = looking.wanted_system(session, document, snapshot, mapped=mapped)
     live = LiveIndex(snapshot, system)
     present = present_code(on_this_host(snapshot))
-    broken = unmet(session, document, mapped)
+    broken = {**remarks(stated, document), **unmet(session, document, mapped)}
     return SystemReport(system, live, tuple(deviations(system, live, state, present, broken)))

@@ -6,11 +6,11 @@ done: so the same command goes on where it was killed.
 
 from __future__ import annotations
 
-import os
 from contextlib import suppress
 from typing import TYPE_CHECKING, NamedTuple
 
-from rtkit.errors import InvalidDocument, Malformed, NotFound, Refused, RtkitError
+from rtkit.api import move_records
+from rtkit.errors import NotFound, Refused, RtkitError
 from rtkit.rtc.names import (
     MANAGER_SUFFIX,
     Path,
@@ -30,8 +30,6 @@ if TYPE_CHECKING:
     from rtkit.deployment.planning.deployment_plan import DeploymentPlan
     from rtkit.deployment.planning.model_builder import BuiltModel
     from rtkit.tree.plan_locks import PlanLocks
-
-_SUFFIX, _MOVED = ".move", ".moved"
 
 
 class Move(NamedTuple):
@@ -66,7 +64,7 @@ def prepare(session: Session, path: Path, target: Path, *, lock: PlanLocks | Non
                 " host, or over a link to it (rthost add NAME USER@ADDRESS)"
             )
     place = _place(target)
-    record = _unfinished(path, place)
+    record = move_records.unfinished(path, place)
     if record is None:
         record = _begun(session, path, place, lock)
     else:
@@ -102,7 +100,7 @@ def carry_out(session: Session, move: Move) -> None:
     from rtkit.tree.grace import uninterrupted
 
     record, goal, was, plan, survey = move
-    _keep(record)
+    move_records.keep(record)
     owning.claim_one(session, record.facts.instance, record.manager)
     report = session.report
     try:
@@ -117,9 +115,9 @@ def carry_out(session: Session, move: Move) -> None:
     except (RtkitError, KeyboardInterrupt):
         with suppress(RtkitError):
             if _is_back(session.tree.remains(), record):
-                _forget(record)
+                move_records.forget(record)
         raise
-    _finish(record)
+    move_records.finish(record)
 
 
 def _hold(session: Session, record: MoveRecord) -> None:
@@ -141,28 +139,7 @@ def _hold(session: Session, record: MoveRecord) -> None:
 
 def finish(move: Move) -> None:
     """Forget a move of which nothing is left to be done."""
-    _finish(move.record)
-
-
-def moved_from(manager: str, instance: str) -> str:
-    """Return the manager to which a component was moved from one by request; empty for none."""
-    from rtkit.deployment.moving import MoveRecord
-    from rtkit.rtc.serde import decode_text
-
-    seen = [manager]
-    with suppress(OSError, ValueError, Malformed):
-        while True:
-            with open(_file(seen[-1], instance, _MOVED), encoding="utf-8") as stream:
-                seen.append(decode_text(MoveRecord, stream.read()).manager)
-            if seen[-1] in seen[:-1]:
-                return ""
-    return seen[-1] if len(seen) > 1 else ""
-
-
-def forget_moved(manager: str, instance: str) -> None:
-    """Forget where a component was moved from a manager: it is there again, or nowhere."""
-    with suppress(FileNotFoundError):
-        os.unlink(_file(manager, instance, _MOVED))
+    move_records.finish(move.record)
 
 
 def _place(target: Path) -> tuple[str, str]:
@@ -269,82 +246,3 @@ def _is_back(now: Snapshot, record: MoveRecord) -> bool:
         and facts.sets == record.facts.sets
         and {each.connector_id for each in record.connectors} <= there
     )
-
-
-# the record
-
-
-def _file(manager: str, instance: str, suffix: str = _SUFFIX) -> str:
-    from rtkit.link.places import state_dir
-
-    return os.path.join(state_dir(), f"{manager}.{instance}{suffix}")
-
-
-def _keep(record: MoveRecord) -> None:
-    from rtkit.link.atomic import write_output
-    from rtkit.link.places import make_private, state_dir
-    from rtkit.rtc.serde import encode_text
-
-    make_private(state_dir())
-    file = _file(record.source.manager, record.facts.instance)
-    write_output(encode_text(record).encode(), file)
-
-
-def _forget(record: MoveRecord) -> None:
-    with suppress(FileNotFoundError):
-        os.unlink(_file(record.source.manager, record.facts.instance))
-
-
-def _finish(record: MoveRecord) -> None:
-    """Forget a move, but not where the component went, if it left its manager."""
-    source, name = record.source.manager, record.facts.instance
-    if source == record.manager:
-        _forget(record)
-        return
-    with suppress(FileNotFoundError):
-        os.replace(_file(source, name), _file(source, name, _MOVED))
-    forget_moved(record.manager, name)
-
-
-def _unfinished(path: Path, place: tuple[str, str]) -> MoveRecord | None:
-    """Return the record of the same move, if one was begun and not finished.
-
-    Raises:
-        InvalidDocument: It is damaged.
-    """
-    from rtkit.deployment.moving import MoveRecord
-    from rtkit.link.places import host_name, state_dir
-    from rtkit.rtc.serde import decode_text
-
-    try:
-        files = sorted(name for name in os.listdir(state_dir()) if name.endswith(_SUFFIX))
-    except FileNotFoundError:
-        return None
-    for name in files:
-        file = os.path.join(state_dir(), name)
-        try:
-            with open(file, encoding="utf-8") as stream:
-                record = decode_text(MoveRecord, stream.read())
-        except (OSError, ValueError, Malformed) as error:
-            raise InvalidDocument(f"{file}: the record of a move is damaged: {error}") from error
-        if (record.manager, record.slave) == place and _means(path, record, host_name()):
-            return record
-    return None
-
-
-def _means(path: Path, record: MoveRecord, hostname: str) -> bool:
-    """Return whether a path names the component of a move, where it was or where it goes."""
-    from rtkit.deployment.moving import place_text
-
-    host, *rest = path.elements or ("",)
-    local = "localhost" if is_local_host(host, hostname) else host
-    typed = "/".join((local, *rest))
-    source, facts = record.source.manager, record.facts
-    names = {*record.shown_at(source), *record.shown_at(record.manager)}
-    leaf = f"{facts.instance}.rtc"
-    for manager, process in ((source, facts.process), (record.manager, record.slave)):
-        place = place_text(manager).removeprefix("/")
-        names.add(f"{place}/{leaf}")
-        if process not in ("", manager):
-            names.add(f"{place}/{process}.mgr/{leaf}")
-    return typed in names

@@ -37,17 +37,17 @@ def claim(session: Session, document: SystemProfile, goal: DeploymentGoal) -> Ol
     """
     if not _is_here(session):
         return {}
-    homes = _homes(session, goal)
-    _take_back(session, session.tree.trees, homes)
+    there = homes(session, goal)
+    _take_back(session, session.tree.trees, there)
     known = _own(session, document)
     if known is None:
         return {}
     older = {name: {each.home, *each.stale} for name, each in known.components.items()}
     for name, each in known.components.items():
-        if homes.get(name, each.home) != each.home:
+        if there.get(name, each.home) != each.home:
             is_stale = each.home not in session.tree.trees
-            known = _moved(session, known, name, homes[name], is_stale=is_stale)
-    return {name: found - {homes.get(name, "")} for name, found in older.items()}
+            known = _moved(session, known, name, there[name], is_stale=is_stale)
+    return {name: found - {there.get(name, "")} for name, found in older.items()}
 
 
 def claim_one(session: Session, name: str, home: str) -> None:
@@ -81,24 +81,22 @@ def elsewhere(session: Session, document: SystemProfile) -> dict[str, str]:
     known = read(session.usual_manager, document.profile.id) if session.finds_managers else None
     rows = known.components if known is not None else {}
     return {
-        name: _place(each.home)
+        name: place(each.home)
         for name, each in rows.items()
         if each.home != each.origin and not is_lost(each.home)
     }
 
 
-def where_owned(session: Session, document: SystemProfile) -> SystemProfile:
-    """Return a system with its movable components where their owner has them."""
-    from rtkit.api.system_profiles import made
-    from rtkit.deployment.owned import placed
+def paths(session: Session, document: SystemProfile) -> dict[str, str]:
+    """Return the paths of movable components that their owner has elsewhere, by name."""
+    from rtkit.deployment.owned import moved_paths
 
     known = read(session.usual_manager, document.profile.id) if session.finds_managers else None
-    if known is None or all(each.home == each.origin for each in known.components.values()):
-        return document
-    return made(placed(document.profile, known), document.source)
+    return moved_paths(known) if known is not None else {}
 
 
-def _place(manager: str) -> str:
+def place(manager: str) -> str:
+    """Return the place of a manager that is called as in plans: ``robot1/manager.mgr``."""
     own, host = split_manager(manager)
     return f"{host or LOCAL}/{own}{MANAGER_SUFFIX}"
 
@@ -133,9 +131,9 @@ def note(session: Session, document: SystemProfile, goal: DeploymentGoal, older:
         return
     name = document.profile.id
     known = read(session.usual_manager, name)
-    homes = _homes(session, goal)
+    there = homes(session, goal)
     named = {each.instance_name for each in document.profile.components if is_movable(each)}
-    movable = {name: home for name, home in homes.items() if name in named}
+    movable = {name: home for name, home in there.items() if name in named}
     rows = dict(known.components) if known is not None else {}
     if not any(split_manager(home)[1] for home in movable.values()) and not rows:
         return
@@ -308,7 +306,7 @@ def write(manager: str, owned: OwnedSystem) -> None:
     owned_files.write(owned_files.path_of(manager, owned.system), encode_text(owned))
 
 
-def _homes(session: Session, goal: DeploymentGoal) -> dict[str, str]:
+def homes(session: Session, goal: DeploymentGoal) -> dict[str, str]:
     """Return the managers of the components of a goal, as plans call them."""
     first = session.tree.manager
     return {each.instance: each.manager or first for each in goal.system.components}

@@ -125,7 +125,7 @@ def carry_out(
         Unreachable: The manager does not answer.
         KeyboardInterrupt: Interrupted; its text states what is left.
     """
-    from rtkit.api import owning, states, step_times
+    from rtkit.api import displaced, owning, states, step_times
     from rtkit.deployment.applying import Applier
     from rtkit.tree.grace import uninterrupted
 
@@ -138,6 +138,7 @@ def carry_out(
         applier.run(plan, snapshot, rolls_back=rolls_back, is_exact=is_exact)
     if owns:
         owning.note(session, document, goal, older)
+        displaced.forget(session, document, owning.homes(session, goal))
     if is_followed:
         states.follow_from(session, document, goal)
     return tuple(applier.unmet)

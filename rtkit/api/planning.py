@@ -169,6 +169,7 @@ def begin(
         Unreachable: No manager answers.
     """
     from rtkit.api import owning
+    from rtkit.api.displaced import places_to_leave, where_they_live
     from rtkit.api.packaged import supplied, unpackaged
     from rtkit.api.placing import placed
     from rtkit.api.preflight import check_reserved, look_ahead
@@ -178,6 +179,10 @@ def begin(
     places = placed(session, document, mapped, stand_in=way.stand_in)
     document = places.document
     moving = {**owning.elsewhere(session, document), **places.moving}
+    if may_lack:
+        document = where_they_live(session, document, mapped)
+    else:
+        moving = {**places_to_leave(session, document, mapped), **moving}
     snapshot = looking.look(
         session,
         document.profile,

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, NamedTuple
 
 from rtkit.api import looking
-from rtkit.errors import InvalidDocument, RtkitError, Unreachable
+from rtkit.errors import InvalidDocument, RtkitError
 
 if TYPE_CHECKING:
     from rtkit.api.session import Session
@@ -44,16 +44,17 @@ def bring_up(
 ) -> Sequence[LayeredPlan]:
     """Bring a system up, see `rtkit.Tree.bring_up`; a dry run returns the plans of that."""
     from rtkit.api import states
+    from rtkit.api.displaced import where_they_live
     from rtkit.api.packaged import bundled
-    from rtkit.api.placing import placed, settled
+    from rtkit.api.placing import placed
     from rtkit.api.preflight import check_reserved, missing
     from rtkit.deployment.creation import bring_up_plans
 
     is_followed = not is_dry and states.is_follow_wanted(session, document)
+    unplaced: Mapping[str, str] = {}
     if may_create:
         document, unplaced, _ = placed(session, document, mapped, stand_in=stand_in)
-    else:
-        document, unplaced = settled(session, document, mapped), {}
+    document = where_they_live(session, document, mapped, makes=may_create)
     found = looking.look(
         session, document.profile, dry_run=is_dry, starts=may_create, lock=lock, mapped=mapped
     )
@@ -153,10 +154,10 @@ def prepare(
     Raises:
         Unreachable: No manager answers.
     """
-    from rtkit.api.placing import settled
+    from rtkit.api.displaced import where_they_live
     from rtkit.deployment.live_index import LiveIndex
 
-    document = settled(session, document, mapped)
+    document = where_they_live(session, document, mapped)
     if snapshot is None:
         snapshot = looking.look(
             session, document.profile, dry_run=is_dry, may_lack=may_lack, mapped=mapped
@@ -210,50 +211,24 @@ def teardown(
         KeyboardInterrupt: Interrupted; its text tells how far it went.
     """
     from rtkit.api import owning
-    from rtkit.api.placing import settled
+    from rtkit.api.displaced import forget, homes_of, where_they_live
     from rtkit.deployment.live_index import LiveIndex
     from rtkit.deployment.running import teardown_plan
 
-    document = owning.where_owned(session, settled(session, document, mapped))
+    homes = homes_of(session, document, mapped)
+    document = where_they_live(session, document, mapped)
     snapshot = looking.look(session, document.profile, dry_run=is_dry, may_lack=True, mapped=mapped)
     system = looking.wanted_system(session, document, snapshot, mapped=mapped)
-    if ends_components:
-        _miss_moved(session, system, LiveIndex(snapshot, system))
     if is_dry:
         plan = teardown_plan(system, LiveIndex(snapshot, system), ends_components=ends_components)
     else:
         with owning.given_up(session, document, ends=ends_components):
             plan = _torn_down(session, document, system, snapshot, ends_components=ends_components)
+        if ends_components:
+            forget(session, document, homes)
     if not (uninstalls and ends_components):
         return plan, []
     return plan, _uninstall(session, document, system, mapped, is_dry=is_dry)
-
-
-def _miss_moved(session: Session, system: WantedSystem, live: LiveIndex) -> None:
-    """Report components that are not ended, as rtmove moved them to a manager that is not asked."""
-    from rtkit.api.gathering import connected
-    from rtkit.api.moving import forget_moved, moved_from
-    from rtkit.deployment.moving import place_text
-
-    for component in system.components:
-        name, home = component.instance, component.manager or session.tree.manager
-        there = moved_from(home, name) if session.finds_managers else ""
-        if there and live.entry(name) is not None:
-            forget_moved(home, name)
-            continue
-        if not there:
-            continue
-        path = f"{place_text(there)}/{name}.rtc"
-        try:
-            with connected(there, session.timeout_s) as tree:
-                found = tree.snapshot().component(name) is not None
-        except Unreachable as error:
-            session.miss(f"{path}: {name} was moved there: {error}")
-            continue
-        if not found:
-            forget_moved(home, name)
-        else:
-            session.miss(f"{name} was moved, and is not ended (rtexit {path})")
 
 
 def _torn_down(

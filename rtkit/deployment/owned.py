@@ -9,12 +9,11 @@ from collections.abc import Iterable, Mapping
 from typing import NamedTuple
 
 from rtkit.deployment.extension import MOVABLE
+from rtkit.deployment.placement.profiles import with_paths
 from rtkit.deployment.placement.requirements import FREE
 from rtkit.errors import Malformed
 from rtkit.fast_dataclass import dataclass, field, replace
-from rtkit.profile.common import ExtensionProperty
-from rtkit.profile.rts_model import RtsProfile, TargetPort
-from rtkit.profile.words import PATH_ID
+from rtkit.profile.rts_model import RtsProfile
 from rtkit.rtc.connector_properties import finite
 from rtkit.rtc.names import LOCAL, manager_on, split_manager
 
@@ -129,36 +128,13 @@ def opened(profile: RtsProfile, owned: OwnedSystem, names: Iterable[str]) -> Rts
 
 def placed(profile: RtsProfile, owned: OwnedSystem) -> RtsProfile:
     """Return a profile with the components where their owner has them."""
-    paths = {
-        name: _path(name, each.home)
+    return with_paths(profile, moved_paths(owned))
+
+
+def moved_paths(owned: OwnedSystem) -> dict[str, str]:
+    """Return the paths of the components that are not where their profile says."""
+    return {
+        name: f"{split_manager(each.home)[1] or LOCAL}/{name}.rtc"
         for name, each in owned.components.items()
         if each.home != each.origin
     }
-
-    def end(port: TargetPort) -> TargetPort:
-        path = paths.get(port.instance_name)
-        properties = tuple(
-            ExtensionProperty(each.name, path) if path and each.name == PATH_ID else each
-            for each in port.properties
-        )
-        return replace(port, properties=properties)
-
-    return replace(
-        profile,
-        components=tuple(
-            replace(each, path_uri=paths.get(each.instance_name, each.path_uri))
-            for each in profile.components
-        ),
-        data_port_connectors=tuple(
-            replace(each, source=end(each.source), target=end(each.target))
-            for each in profile.data_port_connectors
-        ),
-        service_port_connectors=tuple(
-            replace(each, source=end(each.source), target=end(each.target))
-            for each in profile.service_port_connectors
-        ),
-    )
-
-
-def _path(instance: str, home: str) -> str:
-    return f"{split_manager(home)[1] or LOCAL}/{instance}.rtc"

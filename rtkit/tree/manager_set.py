@@ -13,10 +13,11 @@ from itertools import groupby
 from typing import Any
 
 from rtkit.closing import Closing
-from rtkit.deployment.actions import Action, Connect, Result
+from rtkit.deployment.actions import Action, Connect, Disconnect, Result
 from rtkit.deployment.facts import Snapshot
 from rtkit.deployment.multi_manager import (
     NOWHERE,
+    between_managers,
     down,
     expected_at,
     homes_in,
@@ -28,6 +29,7 @@ from rtkit.deployment.multi_manager import (
 from rtkit.errors import RtkitError, Unreachable
 from rtkit.link.places import host_name
 from rtkit.link.transport import DeadLink
+from rtkit.rtc.far_ends import peer_of
 from rtkit.rtc.names import split_manager
 from rtkit.rtc.profiles import ConnectorProfile
 from rtkit.tree import managers
@@ -85,6 +87,7 @@ class ManagerSet(Tree):
         self._unreachable = unreachable
         self._known: dict[str, str] = {}
         self._connectors: tuple[ConnectorProfile, ...] = ()
+        self._lost_halves: dict[tuple[str, str], ConnectorProfile] = {}
 
     def __repr__(self) -> str:
         return f"<Fleet: managers {', '.join(self.names)} on {self.host}>"
@@ -160,6 +163,12 @@ class ManagerSet(Tree):
         whole = self.joined(snapshots)
         self._known.update(homes_in(whole))
         self._connectors = whole.connectors
+        self._lost_halves = {
+            (manager, each.connector_id): each
+            for manager, known in zip(self.names, snapshots, strict=True)
+            for each in known.connectors
+            if each.trouble and peer_of(each)
+        }
         return whole
 
     def joined(self, snapshots: Sequence[Snapshot]) -> Snapshot:
@@ -195,6 +204,7 @@ class ManagerSet(Tree):
         try:
             homes = {**self._known, **self.homes}
             words = [sent(action, name, homes, self.host) for action in actions]
+            self._remove_halves(actions, homes)
             expecting = list(self._expecting(actions, homes))
             tree = self.at(name)
             if not expecting:
@@ -211,6 +221,20 @@ class ManagerSet(Tree):
                 raise failure
 
             return fail
+
+    def _remove_halves(self, actions: Sequence[Action], homes: Mapping[str, str]) -> None:
+        """Remove lost halves of connectors that are to be made with another end.
+
+        They led to a manager that has ended, or to one that is away and is not asked.
+        """
+        for connector in (each.connector for each in actions if isinstance(each, Connect)):
+            id = connector.connector_id
+            for name in {homes.get(end.instance, self.manager) for end in connector.ports}:
+                half = self._lost_halves.get((name, id))
+                wanted = between_managers(connector, name, homes, self.host)
+                if half is not None and {*half.ports} != {*wanted.ports}:
+                    del self._lost_halves[name, id]
+                    self.at(name).apply([Disconnect(id)])[0].raise_for_error()
 
     def _expecting(
         self, actions: Sequence[Action], homes: Mapping[str, str]

@@ -295,18 +295,60 @@ def test_a_teardown_ends_what_was_moved_and_the_ownership(
     assert applied.run("rtteardown --exit fixed.xml").status == 0
 
 
-def test_a_teardown_names_what_was_moved_by_request(applied: Shell) -> None:
+@pytest.fixture
+def fixed(applied: Shell) -> Iterator[Shell]:
+    """The same system, of which nothing is movable; it is ended afterwards."""
     assert applied.run(f"rtteardown --exit {FILE}").status == 0
     (applied.folder / "fixed.xml").write_text(profile().replace("rtkit.movable", "rtkit.x"))
     assert applied.run("rtapply fixed.xml").status == 0
-    assert applied.run(f"rtmove {THERE} /localhost/manager.mgr").status == 0
-    assert applied.run(f"rtmove {HERE} /robot2/manager.mgr").status == 0
-    told = applied.run("rtteardown --exit fixed.xml")
-    command = "rtexit /robot2/manager.mgr/Num.rtc"
-    assert (told.status, f"Num was moved, and is not ended ({command})" in told.err) == (1, True)
-    applied.ok(command)
-    told = applied.run("rtteardown --exit fixed.xml")
-    assert (told.status, "moved" in told.err) == (0, False)
+    yield applied
+    assert applied.run("rtteardown --exit fixed.xml").status == 0
+    assert places(applied) == []
+
+
+def test_what_was_moved_by_request_is_known_where_it_is(fixed: Shell) -> None:
+    assert fixed.run(f"rtmove {THERE} /localhost/manager.mgr").status == 0
+    assert fixed.run(f"rtmove {HERE} /robot2/manager.mgr").status == 0
+    told = fixed.run("rtcheck fixed.xml")
+    why = "/robot2/Num.rtc is not where it may be: the profile has it at /robot1/Num.rtc"
+    assert (told.status, why in told.err) == (1, True)
+    assert "at path /robot2/Num.rtc" in fixed.run("rtteardown --dry-run --exit fixed.xml").out
+    assert fixed.run("rtresurrect fixed.xml").status == 0
+    assert places(fixed) == ["/robot2/Num.rtc"]
+    assert fixed.run("rtstop fixed.xml").status == 0
+    assert "Inactive" in fixed.ok("rtcat /robot2/Num.rtc")
+    assert fixed.run("rtapply fixed.xml").status == 0
+    assert places(fixed) == [THERE]
+    assert fixed.run("rtcheck fixed.xml").status == 0
+    assert fixed.run(f"rtmove {THERE} /robot2/manager.mgr").status == 0
+    assert fixed.run("rtteardown --exit fixed.xml").status == 0
+    assert places(fixed) == []
+
+
+def test_no_second_one_is_made_of_what_was_moved_to_a_lost_host(
+    fixed: Shell, hosts: list[FarHost]
+) -> None:
+    assert fixed.run(f"rtmove {THERE} /robot2/manager.mgr").status == 0
+    cut(fixed, hosts[1])
+    why = "Num was moved, and may live at /robot2/Num.rtc: host robot2 cannot be reached: "
+    for command in ("rtplan", "rtapply", "rtresurrect"):
+        told = fixed.run(f"{command} fixed.xml")
+        assert (told.status, why in told.err) == (1, True), command
+        assert "(rtmgr stop --host robot2 gives it up)" in told.err
+    assert places(fixed) == []
+    told = fixed.run("rtcheck fixed.xml")
+    assert "component unreachable: /robot2/Num.rtc" in told.err
+    linked_again(fixed, hosts[1])
+    assert places(fixed) == ["/robot2/Num.rtc"]
+    assert fixed.run("rtapply fixed.xml").status == 0
+    assert places(fixed) == [THERE]
+
+
+def test_what_was_moved_is_made_again_when_its_host_was_given_up(fixed: Shell) -> None:
+    assert fixed.run(f"rtmove {THERE} /robot2/manager.mgr").status == 0
+    assert fixed.run("rtmgr stop --host robot2").status == 0
+    assert fixed.run("rtapply fixed.xml").status == 0
+    assert places(fixed) == [THERE]
 
 
 def test_a_teardown_names_an_older_one_on_a_lost_host(applied: Shell, hosts: list[FarHost]) -> None:

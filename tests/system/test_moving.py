@@ -160,3 +160,29 @@ def test_killed_on_the_way_the_same_command_goes_on(manager: Any) -> None:
     shell.ok("rtmgr start")
     done(shell, MOVE)
     assert is_whole(shell, WHERE)
+
+
+def test_a_plan_leads_back_what_was_moved_also_from_a_manager_that_ended(manager: Any) -> None:
+    shell = manager
+    set_up(shell)
+    shell.ok("rtcryo -o moved.xml /localhost")
+    done(shell, MOVE)
+    told = shell.run("rtcheck moved.xml")
+    why = f"Component {WHERE} is not where it may be: the profile has it at /localhost/Sample.rtc"
+    assert (told.status, why in told.err) == (1, True)
+    done(shell, "rtapply moved.xml")
+    assert is_whole(shell, "/localhost/Sample.rtc")
+
+    done(shell, MOVE)
+    os.kill(pid_of(shell, "m2"), signal.SIGKILL)
+    until(lambda: shell.run("rtmgr status m2").status == 1, "the end of m2")
+    told = shell.run("rtapply moved.xml")
+    why = f"Sample was moved, and may live at {WHERE}: manager m2 does not run, but may go on"
+    assert (told.status, why in told.err) == (1, True)
+    shell.ok("rtmgr start m2")
+    assert shell.ok("rtfind -un Sample.rtc /") == f"{WHERE}\n"
+
+    shell.ok("rtmgr stop m2")  # what it held is not there any more
+    done(shell, "rtapply moved.xml")
+    assert is_whole(shell, "/localhost/Sample.rtc")
+    assert not list(shell.folder.rglob("*.moved"))

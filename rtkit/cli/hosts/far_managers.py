@@ -12,7 +12,7 @@ from rtkit.cli.shared.app import App
 from rtkit.errors import Malformed, RtkitError, Unreachable, UsageProblem
 from rtkit.fast_dataclass import replace
 from rtkit.rtc.manager_address import is_address
-from rtkit.rtc.names import check_instance_name
+from rtkit.rtc.names import check_instance_name, manager_on
 
 if TYPE_CHECKING:
     from rtkit.cli.shared.progress import Meter
@@ -81,7 +81,13 @@ def _work(
     from rtkit.hosts import bring_up
 
     def stop(host: Host, show: Progress) -> str:
-        was_running = bring_up.stop(host, near, app.timeout_s, is_kept=is_kept)
+        from rtkit.api.move_records import forget_moved_to
+
+        try:
+            was_running = bring_up.stop(host, near, app.timeout_s, is_kept=is_kept)
+        finally:
+            if not is_kept:
+                forget_moved_to(manager_on(host.manager, host.name))
         return f"{host.manager} {'ended' if was_running else 'did not run'}"
 
     def start(host: Host, show: Progress) -> str:

@@ -77,10 +77,10 @@ def main(
     document = read_document(app, asked.files)
     if dry_run:
         from rtkit.api import looking
-        from rtkit.api.placing import settled
+        from rtkit.api.displaced import where_they_live
         from rtkit.deployment.deviations import check_lines
 
-        document = settled(app, document, asked.mapped)
+        document = where_they_live(app, document, asked.mapped)
         snapshot = looking.look(app, document.profile, dry_run=True, mapped=asked.mapped)
         system = looking.wanted_system(app, document, snapshot, mapped=asked.mapped)
         for line in check_lines(system, state):

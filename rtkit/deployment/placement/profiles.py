@@ -72,6 +72,11 @@ def with_places(profile: RtsProfile, places: Mapping[str, str]) -> RtsProfile:
         for each in profile.components
         if is_free(each) and each.instance_name in places
     }
+    return with_paths(profile, paths)
+
+
+def with_paths(profile: RtsProfile, paths: Mapping[str, str]) -> RtsProfile:
+    """Return a profile in which some components have other paths, also at ends of connectors."""
 
     def end(target: TargetPort) -> TargetPort:
         path = paths.get(target.instance_name)
