@@ -17,6 +17,7 @@ help:
 	@echo "make demo    bring up a small robot, break it, repair it, take it down"
 	@echo "make demo-bug  21 deployments of Bug navigation, with tables and pictures in build/bug"
 	@echo "make demo-home  robots, lights, storage and a state machine in a simulated home, with pictures in build/home"
+	@echo "              (THERE=robot1: a robot and the lights on that host, see docs/howto/fleet.md)"
 	@echo "make demo-manipulation  supervise a manipulator by dialogues, kill it on the way, draw pictures"
 	@echo "make test    linters, types, layers and all tests"
 	@echo "make campaign  200 random faults on a system at work, and 200 over hosts, their recovery times in docs/campaign.md"
@@ -51,7 +52,7 @@ demo-bug: $(READY)
 	@ls build/bug/*.svg
 
 demo-home: $(READY)
-	@$(BIN)/python examples/home/demo.py build/home
+	@$(BIN)/python examples/home/demo.py build/home $(if $(THERE),--there $(THERE))
 
 demo-manipulation: $(READY)
 	@$(BIN)/python examples/manipulation/demo.py

@@ -2,7 +2,9 @@
 
 Deploys ``system.yaml``, follows the state machine to its end, compares what the environment model
 has with the world, keeps plan and photograph in the folder that is named, else ``build/home``; the
-exit status is 0 only when everything was as it must be and nothing is left.
+exit status is 0 only when everything was as it must be and nothing is left. With ``--there HOST``
+the robot that enters and the lights are on that host, which `rthost` knows: it gets rtkit and the
+package of the light, and a manager of its own.
 """
 
 from __future__ import annotations
@@ -14,26 +16,31 @@ import os
 import select
 import shutil
 import signal
+import subprocess
 import sys
 import tempfile
 import threading
 import time
 from collections.abc import Mapping
-from contextlib import suppress
+from contextlib import ExitStack, suppress
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 import rtkit
 from rtkit.container.orphans import began_at
 from rtkit.errors import RtkitError
+from rtkit.hosts import inventory
 from rtkit.link import places
 from rtkit.manager.child_process import ENDS_WITH
+from rtkit.packages.building import build
 
 HERE = Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE.parent))
 from home.pictures import Outcome, plan  # noqa: E402
 
 ROBOTS = ("r1", "r2")
+MANAGER_THERE = "demo-home"
 PATIENCE_S = 50.0
 NEAR_M = 0.05
 """How far off the truth the model may be."""
@@ -46,21 +53,26 @@ class NotAsExpected(Exception):
 class Watched:
     """Follows a run by live properties.
 
+    Args:
+        client: Asks the services.
+        there: Host of the robot that enters.
+
     Attributes:
         states: Of the machine, one after the other.
         paths: Of each robot [m].
         sightings: Where each robot saw the ball [m].
     """
 
-    def __init__(self, client: rtkit.Client) -> None:
+    def __init__(self, client: rtkit.Client, there: str) -> None:
         self.states: list[str] = []
         self.paths: dict[str, list[tuple[float, float]]] = {each: [] for each in ROBOTS}
         self.sightings: dict[str, list[tuple[float, float]]] = {each: [] for each in ROBOTS}
         self.is_over = threading.Event()
         self._client = client
+        self._services = {"r1": f"/{there}/robots/r1", "r2": "robots/r2"}
         client.listen("home/butler.state", self._entered, queue=100)
-        for robot in ROBOTS:
-            client.listen(f"robots/{robot}.location", self._moved, every=0.05)
+        for robot, service in self._services.items():
+            client.listen(f"{service}.location", partial(self._moved, robot), every=0.05)
 
     def _entered(self, change: rtkit.PropertyChange) -> None:
         if change.code:
@@ -70,15 +82,14 @@ class Watched:
         if change.value in ("end", "stuck"):
             self.is_over.set()
 
-    def _moved(self, change: rtkit.PropertyChange) -> None:
+    def _moved(self, robot: str, change: rtkit.PropertyChange) -> None:
         if not change.code:
-            robot = change.target.removeprefix("robots/").partition(".")[0]
             self.paths[robot].append(tuple(change.value[:2]))
 
     def look(self) -> None:
         """Note where the robots see the ball now."""
-        for robot in ROBOTS:
-            for each in self._client.get(f"robots/{robot}.sensors.eye.markers", frame="world"):
+        for robot, service in self._services.items():
+            for each in self._client.get(f"{service}.sensors.eye.markers", frame="world"):
                 if each.type == "ball":
                     self.sightings[robot].append(tuple(each.location[:2]))
 
@@ -89,28 +100,32 @@ def run(values: Mapping[str, str], folder: Path, out: Path) -> None:
     files.mkdir()
     shutil.copy(HERE / "butler.ttl", files)
     given = {"home": str(HERE / "home.json"), "files": str(files), **values}
+    there = given.setdefault("there", "localhost")
     began = time.monotonic()
-    with rtkit.connect(start=True) as tree, rtkit.Client() as client:
-        try:
-            tree.apply_profile(rtkit.load(HERE / "system.yaml", values=given))
-            print(f"deployed in {time.monotonic() - began:.1f} s: {' '.join(tree.ls())}")
-            watched = Watched(client)
-            if not watched.is_over.wait(PATIENCE_S) or watched.states[-1] == "stuck":
-                rows = client.get("home/butler.log", n=5)
-                raise NotAsExpected("\n".join(" ".join(map(str, row)) for row in rows))
-            for _ in range(5):
-                watched.look()
-            outcome = _outcome(client, watched)
-            pictures = {
-                "home.svg": plan(outcome).encode(),
-                "butler.svg": client.get_bytes("home/butler.graph"),
-                **{
-                    name: client.get_bytes(f"home/files.{name}")
-                    for name in ("dark.png", "ball.png")
-                },
-            }
-        finally:
-            tree.stop_manager()
+    with ExitStack() as stack:
+        tree = stack.enter_context(rtkit.connect(start=True))
+        stack.callback(tree.stop_manager)
+        given.setdefault("here", tree.host)
+        client = stack.enter_context(rtkit.Client())
+        home = rtkit.load(HERE / "system.yaml", values=given)
+        tree.apply_profile(home, rollback=True)
+        stack.callback(tree.teardown, home, end=True, uninstall=True)
+        seconds = time.monotonic() - began
+        print(f"deployed in {seconds:.1f} s: {' '.join(tree.ls())}")
+        if there != "localhost":
+            print(f"on {there}: {' '.join(map(str, client.get(f'/{there}.services')))}")
+        watched = Watched(client, there)
+        if not watched.is_over.wait(PATIENCE_S) or watched.states[-1] == "stuck":
+            rows = client.get("home/butler.log", n=5)
+            raise NotAsExpected("\n".join(" ".join(map(str, row)) for row in rows))
+        for _ in range(5):
+            watched.look()
+        outcome = _outcome(client, watched, there)
+        pictures = {
+            "home.svg": plan(outcome).encode(),
+            "butler.svg": client.get_bytes("home/butler.graph"),
+            **{name: client.get_bytes(f"home/files.{name}") for name in ("dark.png", "ball.png")},
+        }
     _check(watched, outcome, pictures["ball.png"])
     out.mkdir(parents=True, exist_ok=True)
     for name, picture in pictures.items():
@@ -118,7 +133,7 @@ def run(values: Mapping[str, str], folder: Path, out: Path) -> None:
     print(f"{', '.join(pictures)} in {out}; {time.monotonic() - began:.0f} s in all")
 
 
-def _outcome(client: rtkit.Client, watched: Watched) -> Outcome:
+def _outcome(client: rtkit.Client, watched: Watched, there: str) -> Outcome:
     truth = client.get("home/world.objects.ball").location
     seen = client.get("home/environment.markers", type="ball")
     if len(seen) != 1:
@@ -129,7 +144,9 @@ def _outcome(client: rtkit.Client, watched: Watched) -> Outcome:
     home = json.loads((HERE / "home.json").read_text("utf-8"))
     walls = [ring for each in home["walls"] for ring in (each["outer"], *each["holes"])]
     lights = {
-        name: (client.get(f"home/lights/{name}.on"), client.get(f"home/lights/{name}.location"))
+        name: tuple(
+            client.get(f"/{there}/home/lights/{name}.{each}") for each in ("on", "location")
+        )
         for name in ("hall", "kitchen")
     }
     return Outcome(home["rooms"], walls, lights, watched.paths, truth, watched.sightings,
@@ -158,8 +175,33 @@ def _check(watched: Watched, outcome: Outcome, photo: bytes) -> None:
         raise NotAsExpected("; ".join(broken))
 
 
-def clear_after(folder: Path) -> None:
-    """Have a process remove a folder when this one was killed, and its manager has ended."""
+def make_ready(there: str, folder: Path) -> None:
+    """Have a host's manager be one of this run alone, and the light a package for it.
+
+    Raises:
+        RtkitError: The host is not known.
+    """
+    host = inventory.host(there)
+    address, python = json.dumps(str(host)), json.dumps(host.python)
+    text = f'[{there}]\naddress = {address}\npython = {python}\nmanager = "{MANAGER_THERE}"\n'
+    (folder / places.INVENTORY).write_text(text)
+    inventory.heed(str(folder))
+    build(str(HERE), str(folder / "wheels"))
+    os.environ["RTKIT_REPOSITORIES"] = str(folder / "wheels")
+
+
+def clear(there: str, folder: Path) -> int:
+    """End the manager of a host, and remove the folder; return an exit status."""
+    status = 0
+    if (folder / places.INVENTORY).exists():
+        stop = Path(sys.executable).with_name("rtmgr")
+        status = subprocess.run([stop, "stop", "--host", there], cwd=folder).returncode
+    shutil.rmtree(folder)
+    return status
+
+
+def clear_after(there: str, folder: Path) -> None:
+    """Have a process clear when this one was killed, and its manager has ended."""
     this = os.pidfd_open(os.getpid())
     if os.fork():
         os.close(this)
@@ -172,7 +214,8 @@ def clear_after(folder: Path) -> None:
     with suppress(ProcessLookupError):  # it has ended meanwhile
         if manager is not None:
             select.select([os.pidfd_open(manager)], [], [])
-    shutil.rmtree(folder, ignore_errors=not folder.exists())
+    if folder.exists():
+        clear(there, folder)
     os._exit(0)
 
 
@@ -181,6 +224,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
     parser.add_argument("out", nargs="?", default="build/home", type=Path)
     parser.add_argument("--set", action="append", default=[], metavar="NAME=VALUE")
+    parser.add_argument("--there", metavar="HOST", help="where a robot and the lights are")
     given = parser.parse_args()
     folder = Path(tempfile.mkdtemp(prefix="home-"))
     this = os.getpid()
@@ -191,13 +235,18 @@ def main() -> None:
     }  # fmt: skip
     for ending in (signal.SIGINT, signal.SIGTERM):  # what was started is taken down, too
         signal.signal(ending, lambda number, _: sys.exit(128 + number))
-    clear_after(folder)
+    clear_after(given.there, folder)
+    values = dict(each.split("=", 1) for each in given.set)
     try:
-        run(dict(each.split("=", 1) for each in given.set), folder, given.out)
+        if given.there:
+            make_ready(given.there, folder)
+            values["there"] = given.there
+        run(values, folder, given.out)
     except (NotAsExpected, RtkitError) as error:
         sys.exit(f"demo-home: {error}")
     finally:
-        shutil.rmtree(folder)
+        status = clear(given.there, folder)
+    sys.exit(status)
 
 
 if __name__ == "__main__":

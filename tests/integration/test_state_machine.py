@@ -108,6 +108,35 @@ def test_one_machine_controls_two_robots_and_a_light(client: rtkit.Client, ends:
     ]
 
 
+def test_a_machine_has_names_of_its_own_for_services(
+    client: rtkit.Client, ends: ExitStack, tmp_path: Path
+) -> None:
+    (tmp_path / "home.ttl").write_text(HOME.replace("robots/", "").replace("house/", "h/"))
+    ends.enter_context(rtkit.serve(Storage(str(tmp_path)), "files"))
+    names = "r1=/localhost/robots/r1 h=house h/light=house/lamp r2=robots/r2 store=files"
+    machine = StateMachine(source="store.home.ttl", names=names, start=True)
+    r1, r2, _ = served(ends, machine)
+    lamp = Light()
+    with rtkit.serve(lamp, "house/lamp"):
+        client.set("robots/r1.location", "(2 0 0)")
+        client.set("robots/r2.location", "(2 0 0)")
+        until(lambda: lamp.lit and r1.velocity[0] == 1)
+        client.set("butler.event", "swap")
+        until(lambda: r2.velocity[0] == 2)
+    client.set("robots/r1.location", "(-1 0 0)")
+    failure = "h/light.on: no-service: "
+    until(lambda: any(failure in entry[3] for entry in client.get("butler.log")))
+    client.set("butler.save", "store.copy.ttl")
+    until(lambda: client.get("butler.source") == "store.copy.ttl")
+    assert (tmp_path / "copy.ttl").read_text() == (tmp_path / "home.ttl").read_text()
+
+
+@pytest.mark.parametrize("names", ["r1", "=robots/r1", "r1=", "r1=a r1=b"])
+def test_names_that_are_none_are_refused(names: str) -> None:
+    with pytest.raises(rtkit.PropertyError, match=r"^names: "):
+        StateMachine(names=names)
+
+
 class Finder:
     """Finds lights, and has a picture."""
 

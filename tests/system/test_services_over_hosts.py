@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import os
-import shutil
+import subprocess
+import sys
 from collections.abc import Iterator
 
 import pytest
@@ -146,27 +147,26 @@ def test_only_hosts_that_are_named_may_ask_a_service_here(
         lamp.wait()
 
 
-def test_the_home_runs_over_two_hosts(fleet: Shell, hosts: list[FarHost]) -> None:
-    home = ROOT / "examples" / "home"
-    shutil.copytree(home, hosts[0].folder_of("/root") / "home")
-    files = fleet.folder / "files"
-    files.mkdir()
-    text = (home / "butler.ttl").read_text()
-    for name in ("robots/r1", "home/lights"):
-        text = text.replace(f'"{name}', f'"/robot1/{name}')
-    (files / "butler.ttl").write_text(text)
-    given = {"there": "robot1", "here": HERE, "files": str(files), "home": str(home / "home.json")}
-    values = " ".join(f"--set {key}={value}" for key, value in given.items())
-    profile = f"{values} {home / 'system.yaml'}"
-    fleet.environment["RTKIT_MODULE_PATH"] = str(home.parent)
-    assert fleet.run(f"rtapply {profile}", timeout_s=60).status == 0
-    state = lambda: fleet.run("rtget --raw home/butler.state").out.strip()  # noqa: E731
-    until(lambda: state() in ("end", "stuck"), "the machine ends")
-    assert state() == "end", fleet.ok("rtget home/butler.log")
-    assert fleet.ok("rtget /robot1/home/lights/kitchen.on") == "true\n"
-    assert (files / "ball.png").read_bytes().startswith(b"\x89PNG")
-    assert fleet.run(f"rtcheck {profile}").status == 0
-    assert fleet.run(f"rtteardown --exit {profile}", timeout_s=60).status == 0
+def test_the_home_demonstration_runs_over_two_hosts(fleet: Shell, hosts: list[FarHost]) -> None:
+    demo, out = ROOT / "examples" / "home" / "demo.py", fleet.folder / "pictures"
+    given = f"{out} --there robot1 --set pace=4"
+    environment = {k: v for k, v in fleet.environment.items() if k != "RTKIT_MANAGER"}
+    done = subprocess.run(
+        [sys.executable, demo, *given.split()],
+        env=environment, capture_output=True, text=True, timeout=120, check=False,
+    )  # fmt: skip
+    assert done.returncode == 0, done.stderr
+    assert "on robot1: home/lights/hall home/lights/kitchen robots/r1\n" in done.stdout
+    assert (out / "ball.png").read_bytes().startswith(b"\x89PNG")
+    assert done.stdout.endswith("robot1: demo-home ended\n")
+    assert fleet.ok("rtls /robot1") == "manager.mgr/\n"
+    assert fleet.ok("rtpkg list --host robot1") == ""
+    refused = subprocess.run(
+        [sys.executable, demo, out, "--there", "robot9"],
+        env=environment, capture_output=True, text=True, timeout=60, check=False,
+    )  # fmt: skip
+    assert refused.returncode == 1
+    assert refused.stderr.startswith("demo-home: no such host: robot9")
 
 
 def test_a_swarm_over_three_hosts_is_led_as_one_robot(swarm: Shell) -> None:

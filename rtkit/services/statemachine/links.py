@@ -8,6 +8,7 @@ from __future__ import annotations
 import threading
 from collections import deque
 from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 import rtkit
@@ -16,8 +17,39 @@ from rtkit.services.statemachine.interpreter import MachineEvent, OutgoingSet
 
 _MOST_WAITING = 100
 _RETRY_S = 0.5
+_AFTER_NAME = ("", ".", "/", "?")
 _QUEUE = 1000
 """Changes of a property that may wait; enough for what comes while the machine is edited."""
+
+
+class ServiceNames:
+    """Short names that a machine has for services, or for what several of them begin with.
+
+    Args:
+        text: ``NAME=SERVICE`` each, with blanks between.
+
+    Raises:
+        PropertyError: ``bad-value``: a word is no such pair, or a name stands there twice.
+    """
+
+    def __init__(self, text: str) -> None:
+        self._services: dict[str, str] = {}
+        for word in text.split():
+            name, _, service = word.partition("=")
+            if not (name and service):
+                raise rtkit.PropertyError("bad-value", f"names: expected NAME=SERVICE: {word}")
+            if self._services.setdefault(name, service) != service:
+                raise rtkit.PropertyError("bad-value", f"names: {name} stands for two services")
+
+    def resolved(self, target: str) -> str:
+        """Return a target with the service that its name stands for; the longest name counts."""
+        fits = [
+            name
+            for name in self._services
+            if target.startswith(name) and target[len(name) : len(name) + 1] in _AFTER_NAME
+        ]
+        name = max(fits, key=len, default="")
+        return self._services.get(name, "") + target.removeprefix(name)
 
 
 class ServiceLink:
@@ -25,6 +57,7 @@ class ServiceLink:
 
     Args:
         client: Asks the service.
+        names: What the machine calls services.
         received: Called with each change of what is listened to.
         got: Called with the variable and the value that were to be got.
         failed: Called with the target and the reason of what failed.
@@ -33,11 +66,12 @@ class ServiceLink:
     def __init__(
         self,
         client: rtkit.Client,
+        names: ServiceNames,
         received: Callable[[MachineEvent], object],
         got: Callable[[str, Any], object],
         failed: Callable[[str, str], object],
     ) -> None:
-        self._client = client
+        self._client, self._resolved = client, names.resolved
         self._report, self._got, self._failed = received, got, failed
         self._sends: deque[OutgoingSet] = deque()
         self._wanted: frozenset[str] = frozenset()
@@ -93,12 +127,14 @@ class ServiceLink:
     def _carry_out(self, send: OutgoingSet) -> None:
         try:
             if send.target.startswith(VARIABLES):
-                self._got(send.target.removeprefix(VARIABLES), self._client.get(send.get))
+                value = self._client.get(self._resolved(send.get))
+                self._got(send.target.removeprefix(VARIABLES), value)
                 return
+            target = self._resolved(send.target)
             if send.get:
-                self._copy(send.get, send.target)
+                self._copy(self._resolved(send.get), target)
             else:
-                self._client.set(send.target, send.value)
+                self._client.set(target, send.value)
         except (rtkit.PropertyError, ValueError) as error:
             self._failed(send.target, f"{getattr(error, 'code', 'bad-value')}: {error}")
 
@@ -121,19 +157,20 @@ class ServiceLink:
             self._listening.pop(target).close()
         for target in wanted - self._listening.keys():
             try:
-                handle = self._client.listen(target, self._received, queue=_QUEUE)
+                received = partial(self._received, target)
+                handle = self._client.listen(self._resolved(target), received, queue=_QUEUE)
             except rtkit.PropertyError:
                 self._is_retrying = True  # the value stays unknown until the owner is there
             else:
                 self._listening[target] = handle
 
-    def _received(self, change: Any) -> None:
-        self._report(MachineEvent(change.target, None if change.code else change.value, True))
+    def _received(self, target: str, change: Any) -> None:
+        self._report(MachineEvent(target, None if change.code else change.value, True))
         if change.code == "no-service":
-            self._failed(change.target, "no-service: it has gone")
+            self._failed(target, "no-service: it has gone")
         elif change.code:
             with self._changed:
-                self._gone.add(change.target)  # nothing further will come of this listening
+                self._gone.add(target)  # nothing further will come of this listening
                 self._changed.notify()
 
 

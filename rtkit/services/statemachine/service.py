@@ -15,7 +15,7 @@ import rtkit
 from rtkit import init_of
 from rtkit.services.statemachine.expressions import Plain
 from rtkit.services.statemachine.interpreter import Interpreter, MachineEvent, OutgoingSet
-from rtkit.services.statemachine.links import ServiceLink, service_of
+from rtkit.services.statemachine.links import ServiceLink, ServiceNames, service_of
 from rtkit.services.statemachine.model import Machine, MachineState, hint
 from rtkit.services.statemachine.rdf import read_machine, write_machine
 
@@ -35,6 +35,7 @@ class StateMachine(rtkit.Names):
     Args:
         machine: Text of the machine: Turtle, RDF/XML or SCXML.
         source: Property that it is got from instead, e.g. of a storage service.
+        names: What services are called in it, ``NAME=SERVICE`` each: ``robots/r1=/h2/robots/r1``.
         start: Whether it runs at once.
         timeout: Bound on each request to another service [s].
         length: Entries of the log that are kept.
@@ -53,6 +54,7 @@ class StateMachine(rtkit.Names):
         machine: str = "",
         source: str = "",
         *,
+        names: str = "",
         start: bool = False,
         timeout: float = 2.0,
         length: int = 1000,
@@ -63,7 +65,7 @@ class StateMachine(rtkit.Names):
         first = _read(machine) if machine else _NOTHING
         self._interpreter = Interpreter(first, length, logs_all=logs_all)
         self._text = machine if machine and not _XML.match(machine) else ""
-        self._names = _names(first)
+        self._names, self._services = _names(first), ServiceNames(names)
         self._offset = time.time() - time.monotonic()
         self._client: rtkit.Client | None = None
         self._links: dict[str, ServiceLink] = {}
@@ -202,7 +204,7 @@ class StateMachine(rtkit.Names):
     def set_source(self, target: str, goto: str = "") -> None:
         """Get the machine from a property of another service, and put it in force."""
         try:
-            text = self._asked().get_bytes(target).decode()
+            text = self._asked().get_bytes(self._services.resolved(target)).decode()
         except UnicodeDecodeError:
             raise rtkit.PropertyError("bad-value", f"{target}: expected a text") from None
         self.set("machine", text, goto)
@@ -213,7 +215,7 @@ class StateMachine(rtkit.Names):
         target = target or self._source
         if not target:
             raise ValueError("save where? It was not got from a property")
-        self._asked().set_bytes(target, self.get("machine").encode())
+        self._asked().set_bytes(self._services.resolved(target), self.get("machine").encode())
         self._source = target
         return target
 
@@ -280,7 +282,7 @@ class StateMachine(rtkit.Names):
     def _link_to(self, service: str) -> ServiceLink:
         if service not in self._links:
             callbacks = (self._received, self._got, self._failed)
-            self._links[service] = ServiceLink(self._asked(), *callbacks)
+            self._links[service] = ServiceLink(self._asked(), self._services, *callbacks)
         return self._links[service]
 
     def _watch(self) -> None:
