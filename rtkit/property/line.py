@@ -17,7 +17,7 @@ from collections import deque
 from typing import NamedTuple
 
 from rtkit.property.codes import PropertyError
-from rtkit.property.messages import Answer, Payload, PropertyEvent
+from rtkit.property.messages import Answer, Payload, PropertyEvent, text_or_bytes
 
 LONGEST_LINE = (1 << 20) + 1024
 """Bytes of a line; a value and its target fit in."""
@@ -318,10 +318,7 @@ class Replies:
         if data is None:
             return None
         head, self._head = self._head, None
-        try:
-            return _made(head, data.decode("utf-8"))
-        except UnicodeDecodeError:
-            return _made(head, data)
+        return _made(head, text_or_bytes(data))
 
     @staticmethod
     def _read(line: str) -> tuple[tuple[str, str], str]:

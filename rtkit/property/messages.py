@@ -8,6 +8,16 @@ from rtkit.guard import kind_and_text, text_of
 from rtkit.property.codes import PropertyError, code_of, rebuilt
 
 Payload = str | bytes
+
+
+def text_or_bytes(data: bytes) -> Payload:
+    """Return what arrived as a text if it is UTF-8: lines do not tell text from bytes otherwise."""
+    try:
+        return data.decode("utf-8")
+    except UnicodeDecodeError:
+        return data
+
+
 """Characters end to end; bytes only of properties that are declared so."""
 
 Mark = tuple[int, float, str, str, Payload]

@@ -87,7 +87,8 @@ def test_services_there_are_asked_and_listed(fleet: Shell) -> None:
     service(fleet, "robot1", "Storage", "notes", service="home/notes", root="/root")
     target = "/robot1/home/notes"
     fleet.ok(f"rtset {target}.today.txt 'water the plants'")
-    assert "water" in fleet.ok(f"rtget --raw {target}.today.txt")
+    assert fleet.ok(f"rtget {target}.today.txt") == "water the plants\n"
+    assert 'txt  "water the plants"' in fleet.ok(f"rtls -l {target}.today")
     assert fleet.ok(f"rtget {target}.type {target}/status") == '(storage)\n"ready"\n'
     assert "home/notes" in fleet.ok("rtget /robot1.services")
     assert "quota" in fleet.ok(f"rtls {target}")

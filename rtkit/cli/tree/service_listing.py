@@ -169,7 +169,7 @@ def _completed(end: PropertyClient, above: str, rows: Sequence[Value]) -> Iterat
             answer, error = "", "timeout"
         if error or not isinstance(answer, str):
             yield row
-        elif _field(cast("Element", meta), "type") == "text":
+        elif _field(cast("Element", meta), "type") in ("text", "bytes"):
             yield (name, meta, answer)
         else:
             yield (name, meta, read(answer, ValueLimits(text=1 << 26)))

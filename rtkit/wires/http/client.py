@@ -24,7 +24,7 @@ from rtkit.link.secret import Secret
 from rtkit.property.codes import PropertyError
 from rtkit.property.exchange import NOT_BEGUN
 from rtkit.property.line import read_named
-from rtkit.property.messages import Answer, Payload, PropertyEvent
+from rtkit.property.messages import Answer, Payload, PropertyEvent, text_or_bytes
 from rtkit.property.naming import parse_target
 from rtkit.wires.http import digest
 from rtkit.wires.property_client import Inbox, bound_in
@@ -399,7 +399,7 @@ def _answer(response: HTTPResponse, body: bytes) -> Answer:
     if response.status >= HTTPStatus.BAD_REQUEST:
         return _read_error(body)
     if response.getheader("Content-Type", "").startswith(("application/octet-stream", "image/")):
-        return Answer(body)
+        return Answer(text_or_bytes(body))
     return Answer(body.decode("utf-8", "surrogateescape"))
 
 

@@ -14,7 +14,7 @@ from http import HTTPStatus
 from typing import Any, NamedTuple
 
 from rtkit.property.codes import CODES, PropertyError
-from rtkit.property.messages import Answer, Payload
+from rtkit.property.messages import Answer, Payload, text_or_bytes
 from rtkit.property.naming import canonical_segment, with_parameter
 from rtkit.property.plain import from_plain, payload_to_plain
 from rtkit.property.reading import read
@@ -130,10 +130,7 @@ def payload_of(body: bytes, content_type: str, is_text: bool) -> Payload:
         PropertyError: ``syntax``, ``too-large``: it is no JSON, or no value is like it.
     """
     if content_type.partition(";")[0].strip().lower() != JSON:
-        try:
-            return body.decode("utf-8")
-        except UnicodeDecodeError:
-            return body
+        return text_or_bytes(body)
     try:
         plain = json.loads(body)
     except UnicodeDecodeError as error:

@@ -15,7 +15,7 @@ from logging import getLogger
 from typing import Any, NamedTuple
 
 from rtkit.errors import Refused
-from rtkit.property.messages import Payload, PropertyEvent
+from rtkit.property.messages import Payload, PropertyEvent, text_or_bytes
 from rtkit.property.subscription import LEASE_S
 
 DEADLINE = "deadline"
@@ -122,7 +122,7 @@ def write_payload(payload: Payload) -> Any:
 
 def read_payload(given: Any) -> Payload:
     """Return the payload that arrived."""
-    return bytes(given.data) if given.isBytes else str(given.text)
+    return text_or_bytes(bytes(given.data)) if given.isBytes else str(given.text)
 
 
 def write_event(event: PropertyEvent) -> Any:

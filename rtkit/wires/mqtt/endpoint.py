@@ -116,7 +116,7 @@ class MqttEndpoint:
     def _request(self, message: Message, name: str, until: float, *, is_get: bool) -> None:
         parameters = message.attribute("parameters")
         target = name if parameters is None else f"{name}?{parameters}"
-        payload: Payload | None = None if is_get else _decoded(message.payload)
+        payload: Payload | None = None if is_get else message.payload
 
         def answer(reply: Answer, joined: Joined | None = None, /) -> None:
             self._waiting -= 1
@@ -139,13 +139,3 @@ class MqttEndpoint:
             return
         subscription = message.reply_to if is_listening else ""
         self._query_server.work(Queried(target, payload, answer, subscription, until=until))
-
-
-def _decoded(payload: Payload) -> Payload:
-    """Return characters where they are; not everybody marks them."""
-    if isinstance(payload, str):
-        return payload
-    try:
-        return payload.decode()
-    except UnicodeDecodeError:
-        return payload

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from rtkit.errors import Refused, Unreachable
 from rtkit.keys.tls import Trust, peer_of
-from rtkit.property.messages import Payload
+from rtkit.property.messages import Payload, text_or_bytes
 from rtkit.wires.mqtt.address import MqttAddress
 
 if TYPE_CHECKING:
@@ -228,13 +228,12 @@ class MqttSession:
 
     def _received(self, message: MQTTMessage) -> None:
         given = message.properties
-        raw, payload = bytes(message.payload), None
-        if getattr(given, "PayloadFormatIndicator", 0) == 1:
-            payload = raw.decode("utf-8", "surrogateescape")
+        raw = bytes(message.payload)
+        is_text = getattr(given, "PayloadFormatIndicator", 0) == 1  # not everybody marks it
         self._on_message(
             Message(
                 message.topic,
-                raw if payload is None else payload,
+                raw.decode("utf-8", "surrogateescape") if is_text else text_or_bytes(raw),
                 getattr(given, "ResponseTopic", ""),
                 getattr(given, "CorrelationData", b""),
                 tuple(getattr(given, "UserProperty", ())),

@@ -26,7 +26,7 @@ from rtkit.link import zenoh_keys
 from rtkit.link.deadline import deadline_from_bytes
 from rtkit.link.zenoh import _ERROR_ENCODING as ERROR_ENCODING
 from rtkit.property.line import read_event, write_attributes
-from rtkit.property.messages import Answer, Payload, PropertyEvent
+from rtkit.property.messages import Answer, Payload, PropertyEvent, text_or_bytes
 from rtkit.property.naming import parse_target
 
 _BYTES = zenoh.Encoding.APPLICATION_OCTET_STREAM
@@ -158,7 +158,8 @@ def _receiver(
         target, subscription, group = _with_parameters(target, str(query.parameters))
         attached = query.attachment
         until = math.inf if attached is None else deadline_from_bytes(attached.to_bytes())
-        take(Queried(target, _payload(query.payload), answer, subscription, group, until))
+        payload = None if query.payload is None else text_or_bytes(query.payload.to_bytes())
+        take(Queried(target, payload, answer, subscription, group, until))
 
     return receive
 
@@ -176,15 +177,6 @@ def _with_parameters(target: str, parameters: str) -> tuple[str, str, str]:
         else:
             kept.append(each)
     return (f"{target}?{'&'.join(kept)}" if kept else target), subscription, group
-
-
-def _payload(payload: zenoh.ZBytes | None) -> Payload | None:
-    if payload is None:
-        return None
-    try:
-        return payload.to_string()
-    except ValueError:  # which is what zenoh raises for what is no UTF-8
-        return payload.to_bytes()
 
 
 def selector_of(service_key: str, target: str) -> str:
@@ -231,7 +223,7 @@ def answer_of(reply: zenoh.Reply, timeout_s: float) -> Answer:
         Unreachable: It says that there was none in time.
     """
     if reply.ok is not None:
-        return Answer(_content(reply.ok))
+        return Answer(text_or_bytes(reply.ok.payload.to_bytes()))
     error = reply.err
     if error is None or error.encoding != ERROR_ENCODING:
         raise Unreachable(f"no answer within {timeout_s:g} s")
@@ -247,10 +239,6 @@ def event_of(sample: zenoh.Sample) -> tuple[PropertyEvent | None, EventPosition 
     head, _, place = head.partition(";at=")
     run, _, number = place.partition(".")
     at = EventPosition(run, int(number)) if number.isdecimal() else None
-    return (read_event(name, _content(sample), head) if mark or at is None else None), at
-
-
-def _content(sample: zenoh.Sample) -> Payload:
-    if sample.encoding == _BYTES:
-        return sample.payload.to_bytes()
-    return sample.payload.to_string()
+    if not mark and at is not None:
+        return None, at
+    return read_event(name, text_or_bytes(sample.payload.to_bytes()), head), at
