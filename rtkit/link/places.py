@@ -19,6 +19,8 @@ _USED_BY_OTHERS = 0o077
 _WRITTEN_BY_OTHERS = 0o022
 _claimed: set[str] = set()
 """Managers whose lock this process has: the lock would go with any descriptor that is closed."""
+_hosts: dict[str, str] = {}
+"""Names of this host by the file that told them, which is asked for thousands of paths."""
 
 _LOCK = "hhqqi"
 """``struct flock`` of Linux on 64 bits: type, whence, start, length, pid."""
@@ -30,8 +32,31 @@ def usual_manager() -> str:
 
 
 def host_name() -> str:
-    """Return the name of this host in the tree: ``RTKIT_HOSTNAME``, else that of the machine."""
-    return os.environ.get("RTKIT_HOSTNAME") or os.uname().nodename
+    """Return the name of this host in the tree.
+
+    That is ``RTKIT_HOSTNAME``, else the one that the usual manager has here: another host may have
+    started it under a name of its own. Else it is that of the machine.
+    """
+    return os.environ.get("RTKIT_HOSTNAME") or _host_of_manager() or os.uname().nodename
+
+
+def _host_of_manager() -> str:
+    manager = usual_manager()
+    path = os.path.join(runtime_path(), f"{manager}.lock")
+    if path in _hosts or is_claimed(manager):  # whose lock would go with the descriptor
+        return _hosts.get(path, "")
+    try:
+        descriptor = os.open(path, os.O_RDONLY | os.O_NOFOLLOW | os.O_CLOEXEC)
+    except OSError:
+        return ""
+    try:
+        is_ours = os.fstat(descriptor).st_uid == os.getuid()
+        found = os.read(descriptor, _MAX_FILE_NAME).decode("ascii", "replace") if is_ours else ""
+    finally:
+        os.close(descriptor)
+    if found:
+        _hosts[path] = found
+    return found
 
 
 def runtime_dir() -> str:

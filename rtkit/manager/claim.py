@@ -27,12 +27,15 @@ _KINDS = (*_OF_SLAVES, _OF_GUESTS, "data", "zygote")
 def take_lock(name: str, stack: ExitStack) -> None:
     """Become the only manager of that name, until the stack unwinds.
 
+    The file has the name of the host, by which commands and services of this user go, too.
+
     Raises:
         Refused: Another one runs; names its process.
     """
     path = places.manager_lock(name)
     if places.is_claimed(name):
         raise Refused(f"manager {name!r} is running already (pid {os.getpid()})")
+    host = places.host_name()  # before there is a lock to lose
     while True:
         try:
             descriptor = os.open(path, os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW, 0o600)
@@ -55,6 +58,11 @@ def take_lock(name: str, stack: ExitStack) -> None:
     stack.callback(places.claim, name, is_held=False)
     stack.callback(os.close, descriptor)
     stack.callback(_remove, descriptor, path)
+    try:
+        os.ftruncate(descriptor, 0)
+        os.pwrite(descriptor, host.encode(), 0)
+    except OSError as error:
+        raise Refused(f"cannot write {path}: {error.strerror}") from error
 
 
 def _is_same_file(descriptor: int, path: str) -> bool:

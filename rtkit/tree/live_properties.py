@@ -21,6 +21,7 @@ from rtkit.deployment.metrics import METRICS, ComponentMetrics, Metrics
 from rtkit.deployment.properties import Change, Shown, of_component, of_manager
 from rtkit.deployment.shown_ports import OwnEnds
 from rtkit.errors import NotFound, Unreachable
+from rtkit.link.places import host_name
 from rtkit.property.functional import FunctionalProperty
 from rtkit.property.messages import Answer, Payload, PropertyEvent
 from rtkit.property.property_spec import PropertySpec, RequestParameter
@@ -318,7 +319,7 @@ class ThisHost(_PolledService):
         super().__init__()
         uname = os.uname()
         values: Mapping[str, Value] = {
-            "name": uname.nodename,
+            "name": host_name(),
             "system": f"{uname.sysname} {uname.release} {uname.machine}",
             "processors": os.cpu_count() or 0,
         }

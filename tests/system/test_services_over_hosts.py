@@ -65,9 +65,9 @@ def service(fleet: Shell, host: str, kind: str, name: str, **values: str) -> Non
 
 
 def there(host: FarHost, words: str, name: str = "") -> str:
-    """Run a command on a host, by its name or another one; return all that it writes."""
-    line = f"RTKIT_HOSTNAME={name or host.name} {BIN}/{words} 2>&1 || true"
-    return host.run("sh", "-c", line)
+    """Run a command on a host, under its name or another one; return all that it writes."""
+    own = f"RTKIT_HOSTNAME={name} " if name else ""
+    return host.run("sh", "-c", f"{own}{BIN}/{words} 2>&1 || true")
 
 
 @pytest.fixture(scope="module")
@@ -119,6 +119,22 @@ def test_events_come_from_there_and_a_service_that_ends_is_told(
     assert ended.status == 1
     assert "service s of host robot2 has gone" in ended.err
     fleet.run("rtmgr /robot2/manager.mgr -d s")
+
+
+def test_who_works_on_a_host_has_the_name_that_it_was_started_under(
+    fleet: Shell, hosts: list[FarHost]
+) -> None:
+    host = hosts[1]
+    host.run("hostname", "raspberrypi")
+    host.write("/root/lamp.py", LAMP)
+    assert there(host, "rtls /robot2") == "manager.mgr/\n"
+    assert there(host, "rtget --raw localhost.name") == "robot2"
+    serve = f"cd; {BIN}/rtserve ./lamp.py:Lamp lamp > lamp.out 2>&1 & echo $!"
+    pid = host.run("sh", "-c", serve).strip()
+    until(lambda: fleet.run("rtget /robot2/lamp.level").out == "0.2\n", "it is asked from here")
+    assert there(host, "rtget /robot2/lamp.level") == "0.2\n"
+    host.run("kill", pid)
+    host.run("hostname", "robot2")
 
 
 def test_only_hosts_that_are_named_may_ask_a_service_here(

@@ -56,6 +56,28 @@ def test_who_looks_whether_it_runs_itself_keeps_its_lock(folder: Path) -> None:
         assert "is running already" in take_elsewhere()
 
 
+def host_elsewhere() -> str:
+    code = "from rtkit.link import places; print(places.host_name())"
+    return subprocess.check_output([sys.executable, "-c", code], text=True).strip()
+
+
+def test_what_runs_beside_a_manager_has_its_name_of_the_host(
+    folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("RTKIT_MANAGER", "m")
+    monkeypatch.setenv("RTKIT_HOSTNAME", "robot1")
+    with ExitStack() as stack:
+        claim.take_lock("m", stack)
+        monkeypatch.delenv("RTKIT_HOSTNAME")
+        assert host_elsewhere() == "robot1"
+        assert places.host_name() == os.uname().nodename
+        assert "is running already" in take_elsewhere(), "who asks for the name keeps its lock"
+        monkeypatch.setenv("RTKIT_HOSTNAME", "robot2")
+        assert host_elsewhere() == "robot2"
+        monkeypatch.delenv("RTKIT_HOSTNAME")
+    assert host_elsewhere() == os.uname().nodename
+
+
 def test_who_is_the_manager_is_not_it_twice(folder: Path) -> None:
     with ExitStack() as stack:
         claim.take_lock("m", stack)
