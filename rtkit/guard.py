@@ -41,4 +41,8 @@ def text_of(error: BaseException) -> str:
 def kind_and_text(error: BaseException) -> str:
     """Return ``ValueError: text`` on one line, the class alone where there is no text."""
     text = text_of(error)
+    if isinstance(error, ModuleNotFoundError):
+        from rtkit.extras import hint
+
+        text += hint(error)
     return f"{type(error).__name__}: {text}" if text else type(error).__name__

@@ -25,6 +25,7 @@ class Host(Record):
         python: The interpreter that makes virtual environments there.
         manager: The manager there that is linked.
         tags: Words by which requirements of components choose it.
+        extras: What its rtkit is made with besides: ``sim`` brings numpy.
     """
 
     name: str
@@ -34,6 +35,7 @@ class Host(Record):
     python: str = "python3"
     manager: str = MANAGER
     tags: tuple[str, ...] = ()
+    extras: tuple[str, ...] = ()
 
     def __str__(self) -> str:
         user = f"{self.user}@" if self.user else ""

@@ -21,7 +21,7 @@ from rtkit.rtc.names import check_host_name
 from rtkit.rtc.nearest import did_you_mean
 from rtkit.settings.reading import read_private
 
-_KEYS = ("address", "python", "manager", "tags")
+_KEYS = ("address", "python", "manager", "tags", "extras")
 _beside: list[str] = []
 """Folders of the system profiles that this process has read, the last one first."""
 
@@ -75,13 +75,29 @@ def add(new: Host, *, is_forced: bool = False) -> None:
 
     Raises:
         Refused: There is one of that name already, or the name is that of this host.
-        Malformed: One of its tags is no word.
+        Malformed: One of its tags is no word, or rtkit has no such extra.
     """
     _check_tags(new.tags)
+    if new.extras:
+        check_extras(new.extras)
     if new.name == places.host_name():
         raise Refused(f"{new.name} is the name of this host in the tree")
     with _edited() as document:
         _put(document, new, is_forced=is_forced)
+
+
+def check_extras(extras: Iterable[str]) -> None:
+    """Check that rtkit has these extras.
+
+    Raises:
+        Malformed: Tells which there are.
+    """
+    import importlib.metadata
+
+    known = importlib.metadata.metadata("rtkit").get_all("Provides-Extra") or []
+    for each in extras:
+        if each not in known:
+            raise Malformed(f"rtkit has no extra {each}; there are {', '.join(sorted(known))}")
 
 
 def _check_tags(tags: Iterable[str]) -> None:
@@ -101,6 +117,8 @@ def _put(document: Any, new: Host, *, is_forced: bool) -> None:
         table["manager"] = new.manager
     if new.tags:
         table["tags"] = [*new.tags]
+    if new.extras:
+        table["extras"] = [*new.extras]
     document[new.name] = table
 
 
@@ -178,11 +196,14 @@ def _host(name: str, table: Any) -> Host:
     for key, value in texts.items():
         if (key == "address" or key in table) and not (isinstance(value, str) and value):
             raise Malformed(f"{name}: {key}: not a text")
-    tags = table.get("tags", [])
-    if not isinstance(tags, list) or not all(isinstance(each, str) for each in tags):
-        raise Malformed(f"{name}: tags: not a list of texts")
+    tags, extras = table.get("tags", []), table.get("extras", [])
+    for key, words in (("tags", tags), ("extras", extras)):
+        if not isinstance(words, list) or not all(isinstance(each, str) for each in words):
+            raise Malformed(f"{name}: {key}: not a list of texts")
     with named(name):
         _check_tags(tags)
+        if extras:
+            check_extras(extras)
     with named(f"{name}: address"):
         at = host_at(name, str(texts["address"]))
     usual = Host("", "")
@@ -194,4 +215,5 @@ def _host(name: str, table: Any) -> Host:
         str(texts["python"] or usual.python),
         str(texts["manager"] or usual.manager),
         tuple(tags),
+        tuple(sorted(set(extras))),
     )

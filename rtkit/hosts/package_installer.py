@@ -60,13 +60,11 @@ class HostsInstaller:
         if host == self._here:
             self._near.install(package)
             return
-        with (
-            work_folder() as folder,
-            connect(inventory.host(host), self._timeout_s) as connection,
-        ):
+        known = inventory.host(host)
+        with work_folder() as folder, connect(known, self._timeout_s) as connection:
             look, is_bare = far_side.look(connection), host in self._bare
             with named(host):
-                has = wheels_for(look.kind).versions if is_bare else look.target.has
+                has = wheels_for(look.kind, known.extras).versions if is_bare else look.target.has
                 wheels = self._wheels(name, folder, WheelTarget(look.kind, has))
             if is_bare:
                 provisioned.provision(connection, look, self._show)

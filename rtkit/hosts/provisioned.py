@@ -19,7 +19,7 @@ from rtkit.fast_dataclass import Record
 from rtkit.hosts import far_program, far_side, quiet_sftp, wheels
 from rtkit.hosts.connection import HostConnection
 from rtkit.hosts.far_side import FarSide
-from rtkit.hosts.host import named
+from rtkit.hosts.host import Host, named
 from rtkit.hosts.progress import HostStep, Progress, unshown
 from rtkit.hosts.wheels import WheelSet
 from rtkit.rtc.serde import decode_text
@@ -91,7 +91,7 @@ def provision(
     name = connection.host.name
     # What has a version needs no room for another, if that is the one.
     far_side.check(far.obstacles(needs_room=not far.current), name)
-    chosen = _chosen(name, far, show)
+    chosen = _chosen(connection.host, far, show)
     if far.current == chosen.id:
         return Provisioned(chosen.id, False, 0)
     far_side.check(far.obstacles(), name)
@@ -148,11 +148,11 @@ def _turn(connection: HostConnection, show: Progress) -> Iterator[None]:
             channel.close()
 
 
-def _chosen(name: str, far: FarSide, show: Progress) -> WheelSet:
+def _chosen(host: Host, far: FarSide, show: Progress) -> WheelSet:
     """Return the wheels for a host; a missing one is told with its name before all else."""
-    show(name, HostStep("choosing wheels"))
-    with named(name):
-        return wheels.wheels_for(far.kind)
+    show(host.name, HostStep("choosing wheels"))
+    with named(host.name):
+        return wheels.wheels_for(far.kind, host.extras)
 
 
 def _install(connection: HostConnection, chosen: WheelSet, show: Progress) -> _Installed:

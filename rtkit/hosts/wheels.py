@@ -15,6 +15,7 @@ import re
 import shutil
 import tempfile
 import zipfile
+from collections.abc import Collection, Sequence
 from functools import lru_cache
 from typing import NamedTuple
 
@@ -56,9 +57,10 @@ class WheelSet(NamedTuple):
         return {name: str(version) for name, version, *_ in map(parse_wheel_filename, self.files)}
 
 
-def wheels_for(kind: WheelKind) -> WheelSet:
+def wheels_for(kind: WheelKind, extras: tuple[str, ...] = ()) -> WheelSet:
     """Return the wheels for a kind of host; they are fetched unless they are there, undamaged.
 
+    With `extras` come what these need, too.
     Who asks at the same time, in this command or in another, waits for those that are fetched.
 
     Raises:
@@ -71,18 +73,19 @@ def wheels_for(kind: WheelKind) -> WheelSet:
     check_trusted(cache)
     with open(os.path.join(cache, "lock"), "w", encoding="ascii") as lock:
         fcntl.flock(lock, fcntl.LOCK_EX)  # not lockf: threads exclude each other, too
-        return _wheels_in(cache, kind)
+        return _wheels_in(cache, kind, extras)
 
 
 @lru_cache
-def _wheels_in(cache: str, kind: WheelKind) -> WheelSet:
+def _wheels_in(cache: str, kind: WheelKind, extras: tuple[str, ...]) -> WheelSet:
     own = own_wheel()
-    key = hashlib.sha256("\n".join(sorted(requirements())).encode()).hexdigest()[:8]
+    needs = requirements(extras)
+    key = hashlib.sha256("\n".join(sorted(needs)).encode()).hexdigest()[:8]
     folder = os.path.join(cache, f"{kind.name}-{key}")
     digests = _digests(folder)
     if digests is None:
         shutil.rmtree(folder, ignore_errors=True)
-        digests = _fetch(kind, folder)
+        digests = _fetch(kind, needs, folder)
     files = {name: os.path.join(folder, name) for name in digests}
     files[os.path.basename(own)] = own
     digests |= {os.path.basename(own): _digest(own)}
@@ -90,10 +93,14 @@ def _wheels_in(cache: str, kind: WheelKind) -> WheelSet:
     return WheelSet(f"{__version__}-{whole[:12]}", files, digests)
 
 
-def requirements() -> list[str]:
-    """Return what rtkit needs, without extras."""
-    needs = importlib.metadata.requires("rtkit") or []
-    return [each for each in needs if "extra ==" not in each]
+def requirements(extras: Collection[str] = ()) -> list[str]:
+    """Return what rtkit needs, and what some of its extras do."""
+    needs = [each.partition(";") for each in importlib.metadata.requires("rtkit") or []]
+    return [
+        need + mark + condition if "extra ==" not in condition else need
+        for need, mark, condition in needs
+        if "extra ==" not in condition or condition.rpartition("==")[2].strip(" \"'") in extras
+    ]
 
 
 def _digests(folder: str) -> dict[str, str] | None:
@@ -106,12 +113,12 @@ def _digests(folder: str) -> dict[str, str] | None:
     return known if found == known else None
 
 
-def _fetch(kind: WheelKind, folder: str) -> dict[str, str]:
+def _fetch(kind: WheelKind, needs: Sequence[str], folder: str) -> dict[str, str]:
     """Fetch the wheels into a new folder, which is there when all are; return their SHA-256."""
     with tempfile.TemporaryDirectory(dir=os.path.dirname(folder)) as draft:
         target = os.path.join(draft, "wheels")
         os.mkdir(target)
-        words = ("-q", "--retries", "1", "-d", target, *kind.pip_options(), *requirements())
+        words = ("-q", "--retries", "1", "-d", target, *kind.pip_options(), *needs)
         _, text = pip("download", *words, is_isolated=False)  # the index is the user's own
         if "connection broken by" in text:
             raise Unreachable(f"no wheels for {kind.name}: the index that pip asks does not answer")

@@ -312,7 +312,9 @@ def _import_failure(error: BaseException, file: str) -> str:
         if trace.tb_frame.f_code.co_filename == file:
             line = trace.tb_lineno
         trace = trace.tb_next
-    reason = f": {error}" if str(error) else ""
+    from rtkit.extras import hint
+
+    reason = f": {error}{hint(error)}" if str(error) else ""
     return f"module does not import: {type(error).__name__}{reason} ({file}:{line or 1})"
 
 

@@ -17,7 +17,9 @@ def blocks(data: bytes, columns: int) -> list[Line]:
 
         found = decode(data)
     except ImportError:
-        return [[(f"{len(data)} bytes; to see it: pip install 'rtkit[vision]'", "dim")]]
+        from rtkit.extras import how_to_get
+
+        return [[(f"{len(data)} bytes; to see it: {how_to_get('vision')}", "dim")]]
     except PropertyError as error:
         return [[(str(error), "dim")]]
     height, width = found.shape[:2]

@@ -12,6 +12,7 @@ from typing import Annotated, Any, Final, NamedTuple
 import rtkit
 from rtkit import init_of
 from rtkit.errors import Refused
+from rtkit.extras import how_to_get
 from rtkit.services.frames import ORIGIN, Frames, plain, transform
 from rtkit.services.sensor import MIDDLE, DeviceSensor, Pose6, numbers, within
 
@@ -46,7 +47,7 @@ class NmeaReader:
         try:
             import pynmea2
         except ImportError as error:
-            raise Refused("GPS needs pynmea2: pip install 'rtkit[gps]'") from error
+            raise Refused(f"GPS needs pynmea2: {how_to_get('gps')}") from error
         self._library = pynmea2
         self._rest = b""
         self.refused = refused

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import rtkit
 from rtkit.errors import Refused
+from rtkit.extras import how_to_get
 
 if TYPE_CHECKING:
     import numpy as np
@@ -30,7 +31,7 @@ def opencv() -> Any:
     try:
         import cv2
     except ImportError as error:
-        raise Refused("vision needs OpenCV: pip install 'rtkit[vision]'") from error
+        raise Refused(f"vision needs OpenCV: {how_to_get('vision')}") from error
     # What is wrong with a picture is told to who sent it.
     cv2.utils.logging.setLogLevel(cv2.utils.logging.LOG_LEVEL_ERROR)
     return cv2

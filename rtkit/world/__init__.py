@@ -49,7 +49,9 @@ def __getattr__(name: str) -> Any:
     except ModuleNotFoundError as error:
         if error.name != "numpy":
             raise
-        raise ImportError("rtkit.world needs numpy: pip install 'rtkit[sim]'") from error
+        from rtkit.extras import how_to_get
+
+        raise ImportError(f"rtkit.world needs numpy: {how_to_get('sim')}") from error
 
 
 def __dir__() -> list[str]:

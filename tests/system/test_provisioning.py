@@ -361,3 +361,19 @@ def test_a_host_that_is_lost_is_let_go_at_once(shell_to: Shell, far: FarHost) ->
 
 def test_a_bare_host_runs_no_manager(shell_to: Shell) -> None:
     assert shell_to.ok("rtmgr stop --host bare") == "bare: manager did not run\n"
+
+
+def test_an_extra_that_a_component_lacks_there_is_told_and_brought(
+    shell_to: Shell, far: FarHost
+) -> None:
+    shell_to.ok("rtmgr start --host bare")
+    lacking = shell_to.run("rtmgr /bare/manager.mgr -c 'HomeWorld?instance_name=world'")
+    assert lacking.status == 1
+    told = "rthost add --force bare ADDRESS --extra sim; rtmgr start --replace --host bare"
+    assert f"No module named 'numpy': where this host was started: {told}" in lacking.err
+    shell_to.ok(f"rthost add --force bare root@{far.address} --extra sim")
+    replaced = shell_to.run("rtmgr start --replace --host bare", timeout_s=60.0)
+    assert replaced.out.startswith("bare: linked, manager replaced"), replaced.err
+    shell_to.ok("rtmgr /bare/manager.mgr -c 'HomeWorld?instance_name=world'")
+    shell_to.ok("rtact /bare/world.rtc")
+    shell_to.ok("rtmgr stop --host bare")

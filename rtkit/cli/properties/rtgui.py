@@ -46,7 +46,9 @@ def main(
     except ImportError as error:
         if not (error.name or "").startswith("textual"):
             raise
-        raise Refused("a panel needs the package textual: pip install 'rtkit[gui]'") from None
+        from rtkit.extras import how_to_get
+
+        raise Refused(f"a panel needs the package textual: {how_to_get('gui')}") from None
     from rtkit.panel.live import LiveService
 
     with LiveService(_address(at, app, target), app.timeout_s, components or "gui") as live:

@@ -83,7 +83,9 @@ def _module(name: str) -> ModuleType:
     except ModuleNotFoundError as error:
         if error.name is not None and name.startswith(error.name):
             raise NotFound(f"no such module: {name}") from None
-        raise Refused(f"{name} does not import: {error}") from error
+        from rtkit.extras import hint
+
+        raise Refused(f"{name} does not import: {error}{hint(error)}") from error
     except RtkitError:
         raise
     except Exception as error:

@@ -14,6 +14,7 @@ from typing import Any
 from urllib.parse import quote, unquote
 
 from rtkit.errors import Refused
+from rtkit.extras import how_to_get
 from rtkit.services.paths import RESERVED
 from rtkit.services.statemachine.expressions import (
     VARIABLES,
@@ -93,7 +94,7 @@ class _Statements:
         try:
             from rdflib import Graph
         except ImportError as error:
-            raise Refused("state machines need rdflib: pip install 'rtkit[rdf]'") from error
+            raise Refused(f"state machines need rdflib: {how_to_get('rdf')}") from error
 
         found: dict[Any, list[tuple[str, Any, int]]] = {}
 

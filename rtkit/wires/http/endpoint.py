@@ -5,6 +5,7 @@ from __future__ import annotations
 import socket
 
 from rtkit.errors import Refused
+from rtkit.extras import how_to_get
 from rtkit.keys import reach
 from rtkit.link import secret
 from rtkit.link.places import host_name
@@ -57,7 +58,7 @@ def check_h11() -> None:
     try:
         import h11  # noqa: F401
     except ImportError:
-        raise Refused("HTTP needs the package h11: pip install 'rtkit[http]'") from None
+        raise Refused(f"HTTP needs the package h11: {how_to_get('http')}") from None
 
 
 def open_http(address: str, provider: PropertyProvider, settings: WireSettings) -> str:

@@ -15,6 +15,7 @@ from logging import getLogger
 from typing import Any, NamedTuple
 
 from rtkit.errors import Refused
+from rtkit.extras import how_to_get
 from rtkit.property.messages import Payload, PropertyEvent, text_or_bytes
 from rtkit.property.subscription import LEASE_S
 
@@ -59,7 +60,7 @@ def runtime() -> Runtime:
     try:
         import Ice
     except ImportError:
-        cure = "pip install 'rtkit[ice]', or python3-zeroc-ice of Debian"
+        cure = f"{how_to_get('ice')}, or python3-zeroc-ice of Debian"
         raise Refused(f"Ice needs the package zeroc-ice: {cure}") from None
     from importlib.resources import as_file, files
 

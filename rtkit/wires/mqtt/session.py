@@ -15,6 +15,7 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from rtkit.errors import Refused, Unreachable
+from rtkit.extras import how_to_get
 from rtkit.keys.tls import Trust, peer_of
 from rtkit.property.messages import Payload, text_or_bytes
 from rtkit.wires.mqtt.address import MqttAddress
@@ -106,7 +107,7 @@ class MqttSession:
             from paho.mqtt.client import Client, MQTTv5
             from paho.mqtt.enums import CallbackAPIVersion
         except ImportError as error:
-            raise Refused("MQTT needs paho-mqtt: pip install 'rtkit[mqtt]'") from error
+            raise Refused(f"MQTT needs paho-mqtt: {how_to_get('mqtt')}") from error
         password = os.environ.get(PASSWORD)
         self._trust = Trust(is_server=False) if address.scheme == "mqtts" else None
         if not password and self._trust is None:

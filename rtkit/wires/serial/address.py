@@ -12,6 +12,7 @@ import stat
 from typing import NamedTuple
 
 from rtkit.errors import Malformed, Refused, Unreachable
+from rtkit.extras import how_to_get
 
 SCHEME = "serial:"
 HELLO_TARGET = "door/hello"
@@ -95,7 +96,7 @@ class SerialEnd:
         try:
             from serial import Serial, SerialException
         except ImportError as error:
-            raise Refused("serial lines need pyserial: pip install 'rtkit[serial]'") from error
+            raise Refused(f"serial lines need pyserial: {how_to_get('serial')}") from error
         device = address.device
         try:
             if not stat.S_ISCHR(os.stat(device).st_mode):

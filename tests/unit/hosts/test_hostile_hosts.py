@@ -98,7 +98,7 @@ def test_a_c_library_has_a_number_or_is_refused(version: str) -> None:
 @pytest.mark.parametrize("text", ["", "no", "[]", "[" * 99_999, "{}", '{"python": "3"}'])
 def test_what_makes_no_sense_is_told_of_its_host(text: str, monkeypatch: Any) -> None:
     made = WheelSet("1", {"a.whl": "/a.whl"}, {"a.whl": "00"})
-    monkeypatch.setattr(wheels, "wheels_for", lambda _kind: made)
+    monkeypatch.setattr(wheels, "wheels_for", lambda _kind, _extras: made)
     connection: Any = Answering(f"{MARK}{text}\n")
     with pytest.raises(Malformed, match="robot1"):
         far_side.look(connection)
@@ -108,7 +108,7 @@ def test_what_makes_no_sense_is_told_of_its_host(text: str, monkeypatch: Any) ->
 
 def test_only_wheels_of_rtkit_are_sent(monkeypatch: Any) -> None:
     made = WheelSet("1", {"a.whl": "/a.whl"}, {"a.whl": "00"})
-    monkeypatch.setattr(wheels, "wheels_for", lambda _kind: made)
+    monkeypatch.setattr(wheels, "wheels_for", lambda _kind, _extras: made)
     lacking = '{"wheels": "/x", "lacking": {"/etc/shadow": 0}, "made": false, "removed": []}'
     connection: Any = Answering(f"{MARK}{lacking}\n")
     with pytest.raises(Malformed, match="no wheel of rtkit"):
@@ -116,7 +116,7 @@ def test_only_wheels_of_rtkit_are_sent(monkeypatch: Any) -> None:
 
 
 def test_the_host_for_which_there_is_no_wheel_is_named(monkeypatch: Any) -> None:
-    def none(_kind: object) -> WheelSet:
+    def none(_kind: object, _extras: object) -> WheelSet:
         raise NotFound("no wheels for cp399-glibc2.36-riscv64: none of lxml")
 
     monkeypatch.setattr(wheels, "wheels_for", none)
@@ -126,7 +126,9 @@ def test_the_host_for_which_there_is_no_wheel_is_named(monkeypatch: Any) -> None
 
 
 def test_a_machine_that_is_no_name_is_refused_also_where_a_version_is(monkeypatch: Any) -> None:
-    monkeypatch.setattr(wheels, "wheels_for", lambda _kind: pytest.fail("looked for wheels"))
+    monkeypatch.setattr(
+        wheels, "wheels_for", lambda _kind, _extras: pytest.fail("looked for wheels")
+    )
     connection: Any = Answering("")
     far = replace(GOOD, machine="../x", current="1", free_bytes=0)
     with pytest.raises(Refused, match="no machine with wheels"):

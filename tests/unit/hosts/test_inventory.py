@@ -8,7 +8,7 @@ import pytest
 
 import rtkit
 from rtkit.errors import Malformed, Refused
-from rtkit.hosts import inventory
+from rtkit.hosts import inventory, wheels
 from rtkit.hosts.host import Host, host_at
 from rtkit.profile.rts_model import RtsProfile
 from rtkit.profile.write import write_profile
@@ -58,4 +58,17 @@ def test_a_name_or_a_tag_with_a_blank_is_refused(profile: str) -> None:
     assert Path("config/rtkit/hosts.toml").read_text() == before
     Path("hosts.toml").write_text('[z]\naddress = "z"\ntags = ["a b"]\n')
     with pytest.raises(Malformed, match=r"hosts\.toml: z: a tag is one word: 'a b'"):
+        inventory.read()
+
+
+def test_extras_of_a_host_are_kept_and_those_that_rtkit_has_not_refused(profile: str) -> None:
+    inventory.add(Host("z", "10.0.0.7", extras=("sim",)))
+    assert inventory.read()["z"].extras == ("sim",)
+    assert any(each.startswith("numpy") for each in wheels.requirements(["sim"]))
+    assert not any("extra" in each for each in wheels.requirements(["sim"]))
+    assert not any(each.startswith("numpy") for each in wheels.requirements())
+    with pytest.raises(Malformed, match="rtkit has no extra simm; there are dev, "):
+        inventory.add(Host("y", "10.0.0.7", extras=("simm",)))
+    Path("hosts.toml").write_text('[z]\naddress = "z"\nextras = "sim"\n')
+    with pytest.raises(Malformed, match=r"hosts\.toml: z: extras: not a list of texts"):
         inventory.read()

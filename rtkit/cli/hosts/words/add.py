@@ -13,6 +13,7 @@ from rtkit.cli.shared.options import arguments, flag, option, several
     examples=(
         ("rthost add robot1 pi@192.168.1.7", "Known as /robot1 from now on."),
         ("rthost add arm arm.local:2222 --tag gpu", "With a tag, which requirements name."),
+        ("rthost add arm arm.local --extra sim", "Its rtkit gets numpy, which a world needs."),
     ),
     arguments=("words",),
 )
@@ -21,6 +22,7 @@ def main(
     python: str = option("--python FILE", "Interpreter there (default python3).", default=""),
     manager: str = option("--manager NAME", "Manager there (default manager).", default=""),
     tags: tuple[str, ...] = several("--tag WORD", "Word by which requirements choose it."),
+    extras: tuple[str, ...] = several("--extra NAME", "What its rtkit is made with, as sim."),
     is_forced: bool = flag("--force", "Replace a host of that name."),
     words: tuple[str, ...] = arguments("NAME [USER@]ADDRESS[:PORT]"),
 ) -> None:
@@ -39,7 +41,11 @@ def main(
         raise WrongArguments("takes a name and an address")
     found = host_at(*words)
     host = replace(
-        found, python=python or found.python, manager=manager or found.manager, tags=tags
+        found,
+        python=python or found.python,
+        manager=manager or found.manager,
+        tags=tags,
+        extras=tuple(sorted(set(extras))),
     )
     if host_links.is_linked(host.name) and host.name not in inventory.read():
         raise Refused(f"another host is linked as {host.name}: rtmgr stop --host ends that first")
