@@ -57,6 +57,7 @@ def compare(
     mapped: tuple[str, ...] = (),
 ) -> SystemReport:
     """Compare what lives with a profile; see `rtkit.Tree.check`."""
+    from rtkit.api import owning
     from rtkit.api.displaced import remarks, where_they_live
     from rtkit.api.looking import on_this_host, present_code
     from rtkit.api.placing import settled, unmet
@@ -64,6 +65,7 @@ def compare(
     from rtkit.deployment.live_index import LiveIndex
 
     stated = settled(session, document, mapped)
+    session.warn(owning.absent_hosts(stated))
     document = where_they_live(session, stated, mapped)
     snapshot = looking.look(session, document.profile, dry_run=False, may_lack=True, mapped=mapped)
     system = looking.wanted_system(session, document, snapshot, mapped=mapped)

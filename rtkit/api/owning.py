@@ -14,6 +14,7 @@ from contextlib import ExitStack, contextmanager
 from time import time
 from typing import TYPE_CHECKING
 
+from rtkit.deployment.extension import MOVABLE
 from rtkit.errors import RtkitError, Unreachable
 from rtkit.fast_dataclass import replace
 from rtkit.rtc.names import LOCAL, MANAGER_SUFFIX, manager_on, split_manager
@@ -99,6 +100,32 @@ def place(manager: str) -> str:
     """Return the place of a manager that is called as in plans: ``robot1/manager.mgr``."""
     own, host = split_manager(manager)
     return f"{host or LOCAL}/{own}{MANAGER_SUFFIX}"
+
+
+def absent_hosts(document: SystemProfile) -> Iterator[str]:
+    """Yield a remark for each host that a movable component is to go to, and that is not linked.
+
+    One on which the profile has components is linked by its plan.
+    """
+    from rtkit.deployment.owned import rules_of
+    from rtkit.hosts import inventory
+    from rtkit.link import host_links, places
+    from rtkit.rtc.names import is_local_host
+
+    with document.naming():
+        rules = rules_of(document.profile)
+    paths = (each.path_uri or "" for each in document.profile.components)
+    used = {path.strip().lstrip("/").partition("/")[0] for path in paths}
+    for name, rule in rules.items():
+        for host in rule.hosts:
+            if is_local_host(host, places.host_name()) or host_links.is_linked(host):
+                continue
+            why = f"is not known, and is left out (rthost add {host} USER@ADDRESS)"
+            if host in inventory.read():
+                if host in used:
+                    continue
+                why = f"is not linked, and is left out (rtmgr start --host {host})"
+            yield f"{name}: {MOVABLE}: host {host} {why}"
 
 
 def is_lost(manager: str) -> bool:

@@ -76,7 +76,8 @@ def placed(
         try:
             choice, lacks = chosen(problem)
         except Impossible as error:
-            raise Impossible("; ".join([str(error), *placer.zombies()])) from None
+            dead = (f"{n.instance} is a zombie on {p} ({n.zombie})" for n, p in placer.zombies())
+            raise Impossible("; ".join([str(error), *dead])) from None
         placer.check_zombies(choice.places)
     if choice.gap:
         session.report(f"the places may cost {choice.gap:g} more than the cheapest ones")
@@ -115,7 +116,10 @@ def other_places(
 
 
 def settled(session: Session, document: SystemProfile, mapped: Iterable[str] = ()) -> SystemProfile:
-    """Return a profile whose components are where they live, or may live unseen, else here."""
+    """Return a profile whose components are where they live, or may live unseen, else here.
+
+    One that is a zombie, such as one that waits for its device, is where it is to come back.
+    """
     from rtkit.deployment.placement.profiles import is_free, with_places
 
     if not any(map(is_free, document.profile.components)):
@@ -123,7 +127,8 @@ def settled(session: Session, document: SystemProfile, mapped: Iterable[str] = (
     with _placer(session, document, mapped, stand_in=True) as placer:
         homes = placer.homes()
         lost = {name: next(placer.lost_for(name), LOCAL) for name in placer.free}
-    places = {**lost, **homes}
+        dead = {facts.instance: place for facts, place in placer.zombies()}
+    places = {**lost, **dead, **homes}
     return replace(document, profile=with_places(document.profile, places))
 
 
@@ -200,18 +205,14 @@ class _Placer(Closing):
         Raises:
             Refused: Names it, and the command that ends it.
         """
-        for facts, place in self._free_zombies():
+        for facts, place in self.zombies():
             if places.get(facts.instance, place) != place:
                 path = f"/{facts.names[0].replace(LOCAL, place, 1)}" if facts.names else ""
                 hint = f"; rtexit {path} or rtdel {path} ends it first" if path else ""
                 raise Refused(f"{facts.instance} is a zombie on {place} ({facts.zombie}){hint}")
 
-    def zombies(self) -> Iterator[str]:
-        """Yield where free components were until they became zombies, and why."""
-        for facts, place in self._free_zombies():
-            yield f"{facts.instance} is a zombie on {place} ({facts.zombie})"
-
-    def _free_zombies(self) -> Iterator[tuple[ComponentFacts, str]]:
+    def zombies(self) -> Iterator[tuple[ComponentFacts, str]]:
+        """Yield the free components that are zombies, with their places."""
         for each in self._places.seen.values():
             for facts in each.snapshot.components if each.snapshot is not None else ():
                 if facts.zombie and facts.instance in self.free:

@@ -182,6 +182,7 @@ def begin(
     if may_lack:
         document = where_they_live(session, document, mapped)
     else:
+        session.warn(owning.absent_hosts(document))
         moving = {**places_to_leave(session, document, mapped), **moving}
     snapshot = looking.look(
         session,

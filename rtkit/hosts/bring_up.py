@@ -78,6 +78,7 @@ def start(host: Host, near: Tree, show: Progress, *, replaces: bool, timeout_s: 
     """
     if is_local_host(host.name, near.host):
         raise Refused(f"{host.name} is the name of this host")
+    _check_holder(host, near)
     show(host.name, HostStep("connecting"))
     with connect(host, timeout_s) as connection:
         show(host.name, HostStep("checking"))
@@ -155,9 +156,11 @@ def link(host: Host, near: Tree, timeout_s: float) -> str:
     The manager tries at once, also where it was refused before: only a try since then counts.
 
     Raises:
-        Refused: The manager is not let in, or not sure of the host; tells why. It goes on trying.
+        Refused: Another manager here has a link to it. Or the manager is not let in, or not sure of
+            the host, which it goes on trying; tells why.
         Unreachable: It was not in time; tells why. The manager goes on trying.
     """
+    _check_holder(host, near)
     asked_at = time.monotonic()
     before = _linked_manager(host.name)
     with closing(FolderWatch(places.runtime_dir())) as watch:
@@ -169,6 +172,18 @@ def link(host: Host, near: Tree, timeout_s: float) -> str:
     if why:
         raise Unreachable(f"host {host.name} is not linked within {timeout_s:g} s: {why}")
     return before if before != host.manager else ""
+
+
+def _check_holder(host: Host, near: Tree) -> None:
+    """Refuse a second link to a host: it would have the same file and the same keys.
+
+    Raises:
+        Refused: Another manager here has it.
+    """
+    holder = host_links.holder(host.name)
+    if holder not in ("", near.manager):
+        gives_up = f"RTKIT_MANAGER={holder} rtmgr stop --host {host.name} ends both"
+        raise Refused(f"{host.name}: manager {holder} of this host has the link to it ({gives_up})")
 
 
 def _linked_manager(name: str) -> str:

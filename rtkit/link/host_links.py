@@ -93,6 +93,12 @@ def router(host: str, manager: str) -> str:
         return manager
 
 
+def holder(host: str) -> str:
+    """Return the running manager of this host that has the link to another host; empty for none."""
+    manager = router(host, "")
+    return manager if manager and places.owner(manager) is not None else ""
+
+
 def write(link: HostLink) -> None:
     """Write the state of a link.
 

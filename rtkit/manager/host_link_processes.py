@@ -42,8 +42,11 @@ class HostLinkProcesses:
             if wanted.get(name) != text:
                 del self._links[name]
                 link.close()
-        for name, text in wanted.items():
-            if name not in self._links:
+        for name, text in [*wanted.items()]:
+            if name not in self._links and (holder := self._other_holder(name)):
+                _log.error("host %s: manager %s has the link to it now", name, holder)
+                self._state.kept.drop("host", name)
+            elif name not in self._links:
                 self._links[name] = text, _link_process(self._state.name, name, text)
             else:
                 self._links[name][1].hasten()
@@ -51,6 +54,11 @@ class HostLinkProcesses:
             with suppress(Unreachable):  # of one whose manager and process were killed
                 if name not in wanted and host_links.read(name).manager == self._state.name:
                     host_links.remove(name)
+
+    def _other_holder(self, host: str) -> str:
+        """Return another manager that has linked a host, while this one was away; mostly empty."""
+        holder = host_links.holder(host)
+        return holder if holder != self._state.name else ""
 
     def _have_owner(self, *, is_wanted: bool) -> None:
         if self._owner is None and is_wanted:

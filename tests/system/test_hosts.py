@@ -16,7 +16,7 @@ import pytest
 from farkit import FarHost, far_hosts
 from fleetkit import NEEDS_HOSTS, accept_key, give_home, hosts_named, linked
 from forked import Commands
-from shells import Shell
+from shells import Outcome, Shell
 from waiting import has_ended, until
 
 pytestmark = NEEDS_HOSTS
@@ -203,6 +203,40 @@ def test_a_link_ends_with_its_manager_and_comes_back_with_it(fleet: Shell) -> No
     fleet.ok("rtmgr start")
     until(lambda: fleet.run("rtls /robot1").status == 0, "the link is there again")
     until(lambda: fleet.run("rtls /robot2").status == 0, "the link is there again")
+
+
+def test_a_host_is_linked_by_one_manager_here(fleet: Shell) -> None:
+    fleet.ok("rtmgr start -a m2")
+    told = as_manager(fleet, "m2", "rtmgr start --host robot1")
+    hint = "RTKIT_MANAGER=manager rtmgr stop --host robot1 ends both"
+    why = f"robot1: manager manager of this host has the link to it ({hint})"
+    assert (told.status, told.err) == (1, f"rtmgr: {why}\n")
+
+    # One that was away gives way to who has linked the host meanwhile.
+    pid = _link(fleet, "robot1")["pid"]
+    os.kill(int(fleet.ok("rtget /localhost/manager.mgr/pid")), signal.SIGKILL)
+    until(lambda: has_ended(pid), "the link has ended")
+    assert as_manager(fleet, "m2", "rtmgr start --host robot1").status == 0
+    pid = _link(fleet, "robot1")["pid"]
+    fleet.ok("rtmgr start")
+    until(lambda: fleet.run("rtls /robot2").status == 0, "the other link is there again")
+    assert fleet.ok("rtget /localhost/manager.mgr/get_hosts") == "robot2\n"
+    link = _link(fleet, "robot1")
+    assert (link["manager"], link["pid"]) == ("m2", pid)
+    fleet.ok("rtls /robot1")
+
+    assert as_manager(fleet, "m2", "rtmgr stop --host robot1").status == 0
+    fleet.ok("rtmgr stop m2")
+    fleet.ok("rtmgr start --host robot1")
+
+
+def as_manager(fleet: Shell, manager: str, line: str) -> Outcome:
+    """Run a command with another manager as the usual one."""
+    fleet.environment["RTKIT_MANAGER"] = manager
+    try:
+        return fleet.run(line)
+    finally:
+        del fleet.environment["RTKIT_MANAGER"]
 
 
 def test_stop_ends_manager_and_link(known: Shell, fleet: Shell, hosts: list[FarHost]) -> None:

@@ -374,3 +374,12 @@ def test_applying_goes_on_over_what_a_lost_host_was_told(
     assert "robot2/manager" in applied.ok("rtget /robot1/manager.mgr/get_fences")
     assert applied.run(f"rtapply {FILE}").status == 0
     assert places(applied) == [THERE]
+
+
+def test_a_host_that_is_not_linked_is_named(applied: Shell) -> None:
+    file = applied.folder / "named.xml"
+    file.write_text(profile(movable="0.5 robot2 robot9"))
+    why = "warning: Num: rtkit.movable: host robot9 is not known, and is left out"
+    for command in ("rtplan", "rtcheck", "rtapply"):
+        told = applied.run(f"{command} named.xml")
+        assert (why in told.err, "robot2" in told.err) == (True, False), command

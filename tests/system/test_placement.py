@@ -95,6 +95,22 @@ def test_components_go_where_their_requirements_are_met_and_stay(
     assert homes(shell) == {}
 
 
+def test_what_waits_for_its_device_ends_with_its_system(shell: Shell, hosts: list[FarHost]) -> None:
+    hosts[0].write("/tmp/lamp", "")
+    file = free_profile(shell.folder / "lamp.xml", In1={"device": "/tmp/lamp"})
+    assert shell.run(f"rtapply {file}").status == 0
+    hosts[0].run("rm", "/tmp/lamp")
+    until(lambda: "comes back with it" in shell.ok("rtls -l /robot1"), "the end of In1")
+    why = "missing: /robot1/In1.rtc (zombie: no /tmp/lamp)"
+    assert why in shell.run(f"rtcheck {file}").err
+    assert "at path /robot1/In1.rtc" in shell.ok(f"rtteardown --dry-run --exit {file}")
+    shell.ok(f"rtteardown --exit {file}")
+    assert "In1" not in shell.ok("rtls -l /robot1")
+    hosts[0].write("/tmp/lamp", "")
+    assert shell.run(f"rtapply {file}").status == 0
+    assert homes(shell) == {"In1": "robot1"}
+
+
 def test_what_has_no_place_is_told_with_a_reason_for_each_host(
     shell: Shell, hosts: list[FarHost]
 ) -> None:

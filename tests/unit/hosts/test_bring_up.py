@@ -20,6 +20,8 @@ ROBOT = Host("robot1", "10.0.0.1", "root")
 class Near:
     """Manager of this host whose link was refused before or after it was asked."""
 
+    manager = "m2"
+
     def __init__(self, refused_at: float) -> None:
         self._refused_at = refused_at
 
@@ -42,7 +44,8 @@ def test_a_refused_link_ends_the_wait_with_its_reason() -> None:
 
 
 def test_the_manager_is_told_to_which_a_link_led_before() -> None:
-    near = SimpleNamespace(set=lambda *_: host_links.write(HostLink("robot1", "m2", "manager")))
+    linked = HostLink("robot1", "m2", "manager")
+    near = SimpleNamespace(manager="m2", set=lambda *_: host_links.write(linked))
     for before, told in (("", ""), ("m3", "m3"), ("manager", "")):
         host_links.write(HostLink("robot1", "m2", before))
         assert link(ROBOT, near, 60.0) == told  # type: ignore[arg-type]
