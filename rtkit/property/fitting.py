@@ -146,7 +146,8 @@ def _one_of(hints: tuple[Any, ...], value: Content, present: object) -> Any:
         try:
             return from_value(value, hint, present)
         except PropertyError as error:
-            reasons.append(str(error))
+            if hint not in (None, type(None)):  # a value was given: nobody meant nothing
+                reasons.append(str(error))
     # An error inside the value comes before the kinds that it is not at all.
     raise PropertyError("bad-value", "; or ".join(sorted(reasons, key=lambda why: _FOUND in why)))
 

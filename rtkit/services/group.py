@@ -146,13 +146,15 @@ class Group(_Led):
         self._members.deadline = deadline
 
     def get_status(self) -> str:
-        """State of its members that have one: that of each, else moving; or failed, and who."""
+        """State of its members: ``ready``, ``moving``, ``empty``; or failed, and who."""
+        if not self._selected():
+            return "empty"
         values, failures = self._members.get(self._selected(), "status", {})
         failed = [each for each, value in values.items() if str(value).startswith("failed")]
         failed += [each.name for each in failures if each.code != "unknown"]
         if failed:
             return f"failed: {' '.join(failed)}"
-        return "ready" if {*map(str, values.values())} <= {"ready"} else "moving"
+        return "ready" if {*map(str, values.values())} <= {"ready", "empty"} else "moving"
 
     def get_failures(self) -> list[tuple[str, str, str]]:
         """Members that did not do what was asked of all last: name, code, text."""

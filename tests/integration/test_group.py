@@ -88,6 +88,15 @@ def test_the_client_of_one_robot_drives_a_swarm(swarm: Group, client: rtkit.Clie
     assert client.get("swarm.location.meta.unit") == "m"
 
 
+def test_a_group_of_nobody_is_empty_and_holds_up_none_around_it(client: rtkit.Client) -> None:
+    with ExitStack() as stack:
+        stack.enter_context(rtkit.serve(Group(), "nobody", is_on_zenoh=False))
+        stack.enter_context(rtkit.serve(Bot(), "r0", is_on_zenoh=False))
+        stack.enter_context(rtkit.serve(Group(robots="r0 nobody"), "swarm", is_on_zenoh=False))
+        assert client.get("nobody.status") == "empty"
+        assert client.get("swarm.status") == "ready"
+
+
 def test_a_swarm_of_unlike_robots_is_driven_as_each_of_them(client: rtkit.Client) -> None:
     home = HomeWorld(pace=8.0)
     with ExitStack() as stack:

@@ -118,6 +118,9 @@ def test_time_stamps_say_whose_clock_they_are(robot: Robot) -> None:
         assert abs(stamp_s - clock["offset_s"] - right_s) <= clock["bound_s"] + 1e-3
         received_s = datetime.fromisoformat(f"{record['received'][:-4]}Z").timestamp()
         assert -1.0 < received_s - right_s < BOUND_S  # by the clock here
+    told = robot.by("anna", "rtprint -n 1 AT/ConsoleIn0.rtc:out").err
+    assert told.startswith("rtprint: clock of robot1: +30.0")
+    assert told.endswith(", not taken off its time stamps\n")
     stats = robot.by("anna", "rtprint --stats -n 3 AT/ConsoleIn0.rtc:out").out
     assert "clock     of robot1, +30.0" in stats
     assert robot.by("anna", "rtlog -f run.mcap -t 1 AT/ConsoleIn0.rtc:out").status == 0

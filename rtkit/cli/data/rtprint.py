@@ -75,7 +75,8 @@ def main(
 
     A value of nothing but a time stamp and data is printed as [seconds] data; of an image only
     what it is like; of several ports each line begins with the port. FORMATTER is a function of
-    one argument, MODULE.NAME, or rawpy for the full text of every value.
+    one argument, MODULE.NAME, or rawpy for the full text of every value. Time stamps are by the
+    clock of their own host: how far that differs is told on stderr, by --json with each value.
 
     With --stats: how many values came, their rate, the intervals between them with the standard
     deviation as jitter, their size in CDR, their age on arrival by their time stamps, and how the
@@ -98,6 +99,10 @@ def main(
     for cls in types.values():
         for field in fields:
             check_field(cls, field)
+    for clock in {each.clock for each in streams} if form is None and not is_json else ():
+        if abs(clock.offset_s) > clock.bound_s:
+            ahead = f"{clock.offset_s:+.4f} s (± {clock.bound_s:.4f} s)"
+            app.fail(f"clock of {clock.host}: {ahead}, not taken off its time stamps")
     sink = _sink(form or LINES, streams, types, PrintOptions(fields, is_full, is_json))
     limit = None if duration_s is not None else number
     with (

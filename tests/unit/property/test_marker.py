@@ -148,3 +148,11 @@ def test_what_is_wrong_in_a_value_comes_before_the_kinds_that_it_is_not() -> Non
     assert second.startswith("expected a list, found marker <marker")
     assert second.endswith("…")
     assert len(second) < 80
+
+
+def test_a_value_that_may_be_left_out_is_not_refused_for_being_there() -> None:
+    place = tuple[float, float, float] | None
+    assert from_value((), place, None) is None
+    with pytest.raises(PropertyError) as refused:
+        from_value((1.0,), place, None)
+    assert str(refused.value) == "expected 3 items, found vector (1.0)"
