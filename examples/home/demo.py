@@ -182,9 +182,10 @@ def make_ready(there: str, folder: Path) -> None:
         RtkitError: The host is not known.
     """
     host = inventory.host(there)
-    address, python = json.dumps(str(host)), json.dumps(host.python)
-    text = f'[{there}]\naddress = {address}\npython = {python}\nmanager = "{MANAGER_THERE}"\n'
-    (folder / places.INVENTORY).write_text(text)
+    table = {"address": str(host), "python": host.python, "manager": MANAGER_THERE,
+             "extras": [*host.extras]}  # fmt: skip
+    lines = [f"[{there}]", *(f"{key} = {json.dumps(value)}" for key, value in table.items()), ""]
+    (folder / places.INVENTORY).write_text("\n".join(lines))
     inventory.heed(str(folder))
     build(str(HERE), str(folder / "wheels"))
     os.environ["RTKIT_REPOSITORIES"] = str(folder / "wheels")
