@@ -165,10 +165,9 @@ class Remote:
     ) -> Any:
         """See `CallTarget.call`."""
         body = method.encode_arguments(arguments, named)
-        deadline = self._clock() + int(timeout_s * NANOSECONDS)
-        call = f"{deadline}\t{self._type_name}\t{method.signature}\n"
+        call = f"{self._type_name}\t{method.signature}\n".encode() + body
         try:
-            reply = self._send(call.encode() + body, timeout_s)
+            reply = self.pass_on(call, timeout_s)
         except Unreachable as error:
             raise Unreachable(f"{self._label}: {method.label}: {error}") from None
         head, _, tail = reply.partition(b"\n")
@@ -179,6 +178,15 @@ class Remote:
         if kind != _OK:
             raise from_kind(kind, tail.decode())
         return method.decode_result(tail)
+
+    def pass_on(self, call: bytes, timeout_s: float) -> bytes:
+        """Send a call that is encoded but for its deadline; return the encoded reply.
+
+        Raises:
+            Unreachable: No answer in time, or the provider is gone.
+        """
+        deadline = self._clock() + int(timeout_s * NANOSECONDS)
+        return self._send(f"{deadline}\t".encode() + call, timeout_s)
 
 
 def _rebuilt(method: InterfaceMethod, raised: Raised) -> BaseException:

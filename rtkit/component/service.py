@@ -35,11 +35,11 @@ from threading import Lock
 from typing import Any, Generic, NamedTuple, Protocol, Self, TypeVar, cast
 
 from rtkit.component.interface import Interface, InterfaceMethod
-from rtkit.component.invocation import CallTarget, ProvidedInterface
+from rtkit.component.invocation import CallTarget, ProvidedInterface, Remote
 from rtkit.component.kinds import read_float
 from rtkit.component.options import DEFAULT_TIMEOUT_S
 from rtkit.component.port import Port
-from rtkit.errors import Malformed, NotFound, Unreachable
+from rtkit.errors import Malformed, NotFound, Refused, Unreachable
 from rtkit.rtc.enums import Polarity, PortType
 from rtkit.rtc.profiles import DEFINITION, ConnectorProfile, PortInterfaceProfile, PortProfile
 
@@ -234,11 +234,21 @@ class ServicePort(Port):
             Refused: The provider raised an exception; the message names it.
             Unreachable: Nobody is connected, there was no answer in time, or the provider ended.
         """
-        found = self._find(type_name)
-        if found is None:
-            raise Unreachable(f"{self._label}: no provider of {type_name} is connected")
+        found = self._provider(type_name)
         bound_s = found.timeout_s if timeout_s is None else timeout_s
         return found.targets[type_name].call(method, arguments, named, bound_s)
+
+    def pass_on(self, type_name: str, call: bytes, timeout_s: float) -> bytes:
+        """Send a call that another process has encoded; return the reply, encoded.
+
+        Raises:
+            Unreachable: Nobody is connected, there was no answer in time, or the provider ended.
+            Refused: The provider is in this process, where nothing is encoded.
+        """
+        target = self._provider(type_name).targets[type_name]
+        if not isinstance(target, Remote):
+            raise Refused(f"{self._label}: the provider of {type_name} is in this process")
+        return target.pass_on(call, timeout_s)
 
     @property
     def served(self) -> tuple[ProvidedInterface, ...]:
@@ -297,6 +307,12 @@ class ServicePort(Port):
     @property
     def _label(self) -> str:
         return f"{self._owner.instance}.{self.name}" if self._owner else self.name
+
+    def _provider(self, type_name: str) -> _Link:
+        found = self._find(type_name)
+        if found is None:
+            raise Unreachable(f"{self._label}: no provider of {type_name} is connected")
+        return found
 
     def _find(self, type_name: str) -> _Link | None:
         return next((each for each in self._links.values() if type_name in each.targets), None)

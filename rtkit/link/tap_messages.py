@@ -6,11 +6,13 @@ answer whether it went well. Values are in CDR.
 
 from __future__ import annotations
 
+import json
+import math
 import struct
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 
-WORDS = ("open", "join", "extend", "write", "flush", "lost", "take")
-OPEN, JOIN, EXTEND, WRITE, FLUSH, LOST, TAKE = range(len(WORDS))
+WORDS = ("open", "join", "extend", "write", "flush", "lost", "take", "call")
+OPEN, JOIN, EXTEND, WRITE, FLUSH, LOST, TAKE, CALL = range(len(WORDS))
 FAILED, DONE = 0, 1
 ENDED, GOES_ON = b"\x01", b"\x00"
 """First byte of arrivals: whether nothing can come any more."""
@@ -51,6 +53,34 @@ class FrameSplitter:
             body = bytes(self._buffer[_HEAD.size : end])
             del self._buffer[:end]
             yield number, kind, body
+
+
+def call_to_bytes(end: Sequence[str], timeout_s: float, call: bytes) -> bytes:
+    """Return a call of a service port as bytes.
+
+    Args:
+        end: Instance, port and path of the provider.
+        timeout_s: How long to wait for the reply [s].
+        call: As `rtkit.component.invocation` encodes it, without a deadline.
+    """
+    return json.dumps([list(end), timeout_s]).encode() + b"\n" + call
+
+
+def call_from_bytes(data: bytes) -> tuple[list[str], float, bytes]:
+    """Return what `call_to_bytes` was given.
+
+    Raises:
+        ValueError: It is none of that.
+    """
+    head, _, call = data.partition(b"\n")
+    try:
+        (instance, port, typed), timeout_s = json.loads(head)
+        bound_s = float(timeout_s)
+    except (TypeError, RecursionError) as error:
+        raise ValueError(f"no call: {error}") from error
+    if not 0 < bound_s < math.inf or not call:
+        raise ValueError("no call")
+    return [str(instance), str(port), str(typed)], bound_s, call
 
 
 def values_to_bytes(values: Iterable[Value]) -> bytes:

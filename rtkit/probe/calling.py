@@ -2,15 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import Any, NamedTuple
+import time
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from functools import partial
+from typing import TYPE_CHECKING, Any, NamedTuple, cast
 
+from rtkit.component.invocation import Remote
 from rtkit.component.literal import Literal
 from rtkit.component.service import TIMEOUT, ServicePort
 from rtkit.component.type_layout import BasicLayout, EnumLayout, Layout
 from rtkit.component.types import Time
 from rtkit.errors import Malformed, NotFound, Refused
 from rtkit.fast_dataclass import MISSING, make_dataclass
+from rtkit.link.tap_messages import call_to_bytes
 from rtkit.probe.defined_interface import DefinedInterface, DefinedOperation, interface_of
 from rtkit.probe.port_spec import Stream
 from rtkit.probe.probe import Probe
@@ -20,8 +25,12 @@ from rtkit.rtc.names import Path
 from rtkit.rtc.nearest import did_you_mean
 from rtkit.rtc.profiles import PortProfile
 from rtkit.tree.client import Tree
+from rtkit.tree.connect import is_behind_tls
 from rtkit.tree.resolve import no_port
 from rtkit.tree.wiring import Facts, ResolvedPort, find_ends, ports_of
+
+if TYPE_CHECKING:
+    from rtkit.tree.secure_link import SecureLink
 
 
 class ProvidedOperation(NamedTuple):
@@ -74,17 +83,52 @@ class ProvidedOperation(NamedTuple):
             Refused: It raised another one, or the port takes no connection.
             Unreachable: There was no answer in time [s].
         """
-        port = ServicePort(_PORT).require(self.interface.interface.cls, type_name=self.type_name)
-        stream = Stream(_PORT, (self.end,))
         method = self.interface.interface.methods[self.operation.name]
-        with Probe(tree, "rtcall", [stream], [port]) as probe:
-            probe.connect({TIMEOUT: f"{timeout_s:g}"})
-            value = port.call(method, self.type_name, tuple(arguments), {}, timeout_s)
+        if is_behind_tls(tree):
+            send = partial(_ask_tap, tree, self.end)
+            far = Remote(self.type_name, str(self.end.ref), send, time.monotonic_ns)
+            value = far.call(method, arguments, {}, timeout_s)
+        else:
+            with _required(tree, self.end, self.type_name, timeout_s) as port:
+                value = port.call(method, self.type_name, tuple(arguments), {}, timeout_s)
         names = self.operation.returned
         return dict(zip(names, value if len(names) > 1 else (value,), strict=False))
 
 
 _PORT = "required"
+
+
+@contextmanager
+def _required(
+    tree: Tree, end: ResolvedPort, type_name: str, timeout_s: float
+) -> Iterator[ServicePort]:
+    """Give a port that is connected to one that provides an interface."""
+    interface = _interface(end.port, type_name, str(end.ref)).interface
+    port = ServicePort(_PORT).require(interface.cls, type_name=type_name)
+    with Probe(tree, "rtcall", [Stream(_PORT, (end,))], [port]) as probe:
+        probe.connect({TIMEOUT: f"{timeout_s:g}"})
+        yield port
+
+
+def _ask_tap(tree: Tree, end: ResolvedPort, call: bytes, timeout_s: float) -> bytes:
+    """Have the tap at a manager that is reached over TLS send a call, and return the reply."""
+    about = [end.ref.instance, end.ref.port, end.path.typed]
+    # Its deadline is by the clock of this host: there it gets one of its own.
+    body = call_to_bytes(about, timeout_s, call.partition(b"\t")[2])
+    return cast("SecureLink", tree.link).ask_tap("call", body, timeout_s + tree.timeout_s)()
+
+
+def pass_on(tree: Tree, end: ResolvedPort, call: bytes, timeout_s: float) -> bytes:
+    """Send a call that another process has encoded, but for its deadline; return the reply.
+
+    Raises:
+        NotFound: Nothing is known of its interface.
+        Refused: The port takes no connection.
+        Unreachable: There was no answer in time [s].
+    """
+    type_name = call.partition(b"\t")[0].decode(errors="replace")
+    with _required(tree, end, type_name, timeout_s) as port:
+        return port.pass_on(type_name, call, timeout_s)
 
 
 def operations_at(facts: Facts, path: Path) -> tuple[list[ProvidedOperation], str]:

@@ -21,8 +21,10 @@ from threading import Lock
 from typing import Any
 
 from rtkit.component.codec import codec_for
+from rtkit.deployment.facts import Snapshot
 from rtkit.errors import Malformed, NotFound, Refused, RtkitError
 from rtkit.link.tap_messages import (
+    CALL,
     DONE,
     ENDED,
     EXTEND,
@@ -33,8 +35,10 @@ from rtkit.link.tap_messages import (
     LOST,
     OPEN,
     TAKE,
+    WORDS,
     WRITE,
     FrameSplitter,
+    call_from_bytes,
     frame,
     values_from_bytes,
     values_to_bytes,
@@ -82,8 +86,9 @@ class FarTap:
 
     def take(self, number: int, kind: int, body: bytes) -> None:
         """Take a request, and answer it, some on a thread of their own."""
-        if kind == TAKE:
-            start_thread(lambda: self._answer(number, self._take, body), "take")
+        if kind in (TAKE, CALL):
+            work = self._take if kind == TAKE else self._call
+            start_thread(lambda: self._answer(number, work, body), WORDS[kind])
         else:
             self._answer(number, self._does[kind], body)
 
@@ -158,13 +163,8 @@ class FarTap:
         found = []
         for name, ends in wanted:
             resolved = []
-            for instance, port, typed in ends:
-                component = known.component(instance)
-                profile = component.port(port) if component is not None else None
-                if profile is None:
-                    raise NotFound(f"No such port: {typed}")
-                path = Path(typed, ())
-                resolved.append(ResolvedPort(path, PortRef(instance, port), profile))
+            for end in ends:
+                resolved.append(_resolved(known, *end))
             self._number(name)
             found.append(Stream(name, tuple(resolved)))
         return found
@@ -201,8 +201,23 @@ class FarTap:
         self._opened().flush()
         return b""
 
+    def _call(self, body: bytes) -> bytes:
+        from rtkit.probe.calling import pass_on
+
+        end, timeout_s, call = call_from_bytes(body)
+        provider = _resolved(self._tree.part(end[:1]), *end)
+        return pass_on(self._tree, provider, call, timeout_s)
+
     def _lost(self, _body: bytes) -> bytes:
         return json.dumps(self._opened().lost).encode()
+
+
+def _resolved(known: Snapshot, instance: str, port: str, typed: str) -> ResolvedPort:
+    component = known.component(instance)
+    profile = component.port(port) if component is not None else None
+    if profile is None:
+        raise NotFound(f"No such port: {typed}")
+    return ResolvedPort(Path(typed, ()), PortRef(instance, port), profile)
 
 
 def main() -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from typing import TYPE_CHECKING
 
-from rtkit.errors import Refused, Unreachable
+from rtkit.errors import Unreachable
 from rtkit.link.places import host_name, manager_socket, owner, usual_manager
 from rtkit.tree.api import as_text
 from rtkit.tree.client import DEFAULT_TIMEOUT_S, Tree, bounded
@@ -97,16 +97,13 @@ def near_of(tree: Tree) -> Tree:
     It is that tree itself where that is of this host; else it shares its link.
 
     Raises:
-        Refused: There is no link, but a port of that host for certificates: no calls pass there.
+        Unreachable: There is no link.
     """
     from rtkit.link import host_links
     from rtkit.rtc.names import is_local_host
 
     if is_local_host(tree.host, host_name()):
         return tree
-    if not host_links.is_linked(tree.host):
-        why = f"calls of services take a link to it (rthost add {tree.host} USER@ADDRESS)"
-        raise Refused(f"manager {tree.manager} of host {tree.host} is reached over TLS: {why}")
     return Tree(tree.link, host_name(), host_links.read(tree.host).manager, tree.timeout_s)
 
 

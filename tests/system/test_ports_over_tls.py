@@ -15,7 +15,7 @@ import rtkit
 from rtkit.api.ports import PortReader
 from rtkit.component import Time, TimedLong
 from rtkit.component.codec import codec_for
-from rtkit.link.tap_messages import values_from_bytes, values_to_bytes
+from rtkit.link.tap_messages import call_to_bytes, values_from_bytes, values_to_bytes
 
 OPEN, TAKE, WRITE, LOST = (f"%40x%2Ftap%2F{word}" for word in ("open", "take", "write", "lost"))
 COUNTER = '''
@@ -41,12 +41,51 @@ def CounterInit(manager):
     manager.register_factory(Counter)
 '''
 
+GRIPPER = '''
+import time
+from typing import Protocol
+
+from rtkit.component import Component, ServicePort, raises
+
+
+class Stuck(Exception):
+    def __init__(self, force: float) -> None:
+        super().__init__(f"at {force}")
+        self.force = force
+
+
+class Hand(Protocol):
+    @raises(Stuck)
+    def close(self, force: float) -> float: ...
+
+    def wait(self, time_s: float) -> None: ...
+
+
+class Gripper(Component):
+    """Close until it is stuck."""
+
+    hand = ServicePort.provided(Hand)
+
+    def close(self, force: float) -> float:
+        if force > 10.0:
+            raise Stuck(force)
+        return force / 2.0
+
+    def wait(self, time_s: float) -> None:
+        time.sleep(time_s)
+
+
+def GripperInit(manager):
+    manager.register_factory(Gripper)
+'''
+
 
 @pytest.fixture(scope="module")
 def robot(commands: Commands) -> Iterator[Robot]:
-    with opened_robot(commands, {"Counter.py": COUNTER}) as robot:
+    with opened_robot(commands, {"Counter.py": COUNTER, "Gripper.py": GRIPPER}) as robot:
         assert robot.there("rtmgr -c Counter?manager_name=s /localhost/manager.mgr").err == ""
-        for name in ("ConsoleIn0", "ConsoleOut0", "Counter0"):
+        assert robot.there("rtmgr -c Gripper /localhost/manager.mgr").err == ""
+        for name in ("ConsoleIn0", "ConsoleOut0", "Counter0", "Gripper0"):
             assert robot.by("bert", f"rtact AT/{name}.rtc").err == ""
         yield robot
 
@@ -210,6 +249,62 @@ def test_values_are_split_as_they_were_joined() -> None:
     for end in set(range(len(data))) - ends:
         with pytest.raises(ValueError, match="cut off"):
             list(values_from_bytes(data[:end]))
+
+
+def test_operations_are_called_by_operators(robot: Robot) -> None:
+    listed = robot.by("anna", "rtcall AT/Gripper0.rtc:hand")
+    assert "double close(in double force)" in listed.out
+    done = robot.by("bert", "rtcall AT/Gripper0.rtc:hand.close 3")
+    assert (done.status, done.out, done.err) == (0, "1.5\n", "")
+    done = robot.by("bert", "rtcall --json AT/Gripper0.rtc:hand.close 30")
+    raised = json.loads(done.out)["raised"]
+    assert (done.status, raised) == (1, {"name": "Stuck", "members": {"force": 30.0}})
+    done = robot.by("bert", "rtcall --timeout 1 AT/Gripper0.rtc:hand.wait 9")
+    assert (done.status, done.out) == (1, "")
+    assert "no answer within 1 s" in done.err
+    for who, role in (("anna", "viewer"), ("carl", "component")):
+        done = robot.by(who, "rtcall AT/Gripper0.rtc:hand.close 3")
+        why = f"denied: {who} ({role}) may not call Gripper0.hand.close: it takes operator"
+        assert (done.status, done.out, done.err) == (1, "", f"rtcall: {why}\n")
+    told = [each for each in robot.record() if each["what"].startswith("call Gripper0.hand")]
+    assert [(each["name"], each["result"].split(":")[0]) for each in told] == [
+        ("bert", "done"), ("bert", "raised Stuck Gripper0.hand"), ("bert", "unreachable"),
+        ("anna", "denied"), ("carl", "denied"),
+    ]  # fmt: skip
+    until(lambda: not _taps(robot), "their taps end")
+
+
+def test_scripts_call_again_and_again_by_one_tap(
+    robot: Robot, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("RTKIT_KEYS", f"{robot.keys}.bert")
+    with rtkit.connect(robot.path[1:]) as tree:
+        port = f"{robot.path}/Gripper0.rtc:hand"
+        assert [tree.call(f"{port}.close", force) for force in (2.0, 4.0)] == [1.0, 2.0]
+        assert len(_taps(robot)) == 1
+        assert "rtcall" not in robot.by("anna", "rtls AT").out
+
+
+CALLS = (
+    b"", b"[", b"[]", b"[" * 9000, b"7\nx", b'[["Gripper0", "hand"], 1]\nx',
+    b'[["Gripper0", "hand", "p"], "x"]\nx', b'[["Gripper0", "hand", "p"], -1]\nx',
+    b'[["Gripper0", "hand", "p"], NaN]\nx', b'[["Gripper0", "hand", "p"], 1]\n',
+)  # fmt: skip
+
+
+def test_rubbish_calls_nothing(robot: Robot) -> None:
+    call = "%40x%2Ftap%2Fcall"
+    good = call_to_bytes(["Gripper0", "hand", "p"], 5.0, b"Hand\tclose(d)d\n")
+    with robot.connected("bert") as client:
+        for body in CALLS:
+            assert client.ask(call, body).error == "malformed", body
+        assert _taps(robot) == []
+        lacking = call_to_bytes(["Nobody", "hand", "/n.rtc:hand"], 5.0, b"Hand\tclose\n")
+        assert client.ask(call, lacking) == ("No such port: /n.rtc:hand", "not-found")
+        assert client.ask(call, good.replace(b"Hand\t", b"\xff\x1b\t")).error == "not-found"
+        assert "interfaces differ" in str(client.ask(call, good).payload)
+    assert robot.is_alive()
+    assert "\x1b" not in json.dumps(robot.record(), ensure_ascii=False)
 
 
 @pytest.mark.parametrize(

@@ -15,10 +15,10 @@ from collections.abc import Callable
 from typing import Any
 
 from rtkit.errors import Malformed, Refused
-from rtkit.link.tap_messages import DONE, WORDS, FrameSplitter, frame
+from rtkit.link.tap_messages import CALL, DONE, OPEN, WORDS, FrameSplitter, call_from_bytes, frame
 from rtkit.link.threads import start_thread
 from rtkit.manager.gateway.permissions import OPERATOR, VIEWER, Permission, shown
-from rtkit.property.messages import Answer
+from rtkit.property.messages import Answer, Payload
 from rtkit.property.requests import PropertyRequest, Requester
 from rtkit.serving.event_loop import IOHandler, PropertyEventLoop
 
@@ -29,7 +29,7 @@ _MOST, _MOST_OF_ONE = 16, 4
 _MOST_OUT = 1 << 24
 _CHUNK = 1 << 18
 _MOST_NAMED = 3
-_OPEN = WORDS[0]
+_OPEN, _CALL = WORDS[OPEN], WORDS[CALL]
 
 Check = Callable[[Permission], object]
 Answering = Callable[[Answer], object]
@@ -81,6 +81,12 @@ class Taps:
             tap = self._begin(caller)
             if wanted.role != VIEWER:
                 answer = _recorded(answer, wanted.what, record)
+        elif word == _CALL:
+            wanted = _calling(body)
+            check(wanted)
+            if tap is None or not tap.is_open:
+                tap = self._begin(caller)
+            answer = _recorded(answer, wanted.what, record, _outcome)
         if word not in WORDS or tap is None:
             raise Malformed(f"no request to a tap: {word[:20]!r}")
         tap.ask(WORDS.index(word), body, answer)
@@ -182,12 +188,38 @@ def _answer(kind: int, body: bytes) -> Answer:
     return Answer(" ".join(str(why).split()), str(code))
 
 
-def _recorded(answer: Answering, what: str, record: Callable[[str, str], object]) -> Answering:
+def _recorded(
+    answer: Answering,
+    what: str,
+    record: Callable[[str, str], object],
+    outcome: Callable[[Payload], str] = lambda _payload: "done",
+) -> Answering:
     def give(given: Answer) -> None:
-        record(what, f"{given.error}: {given.payload!s}" if given.error else "done")
+        record(what, f"{given.error}: {given.payload!s}" if given.error else outcome(given.payload))
         answer(given)
 
     return give
+
+
+def _outcome(reply: Payload) -> str:
+    """Return what came of a call, by its encoded reply: a provider may raise an exception."""
+    head = reply.partition(b"\n")[0].decode(errors="replace") if isinstance(reply, bytes) else ""
+    return "done" if head == "ok" else shown(head.replace("\t", " "))
+
+
+def _calling(body: bytes) -> Permission:
+    """Return what the call of an operation takes.
+
+    Raises:
+        Malformed: It is no call.
+    """
+    try:
+        (instance, port, _), _, call = call_from_bytes(body)
+    except ValueError as error:
+        raise Malformed(str(error)) from error
+    signature = call.partition(b"\n")[0].partition(b"\t")[2].decode(errors="replace")
+    operation = signature.partition("(")[0]
+    return Permission(OPERATOR, f"call {shown(f'{instance}.{port}')}.{shown(operation)}")
 
 
 def _permission(body: bytes) -> Permission:
