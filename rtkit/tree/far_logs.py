@@ -7,8 +7,10 @@ from __future__ import annotations
 
 import json
 import re
+import threading
 import time
 from collections import Counter, deque
+from collections.abc import Callable
 from contextlib import suppress
 from datetime import UTC, datetime, timedelta
 from operator import attrgetter
@@ -17,18 +19,22 @@ from typing import Any
 
 from rtkit.closing import Closing
 from rtkit.errors import Malformed, RtkitError, Unreachable
+from rtkit.link.threads import start_thread
 from rtkit.link.wakeup import Wakeup
 from rtkit.logs.logbook import LogEntry
 from rtkit.logs.selection import LEVELS, LOGS, Selection, selection_to_text
 from rtkit.rtc.manager_address import is_address
 from rtkit.tree.client import Tree
 from rtkit.tree.clock import ClockOffset, compare
+from rtkit.tree.connect import connect
 
 _TIME = re.compile(r"\d{4}-\d\d-\d\dT\d\d:\d\d:\d\d\.\d{6}Z")
 _QUEUE = 4096
 """Messages that may wait."""
 _MARK_S = 0.25
 _TRIES = 20
+_PAUSE_S = 0.5
+"""Between two tries to reach a manager again [s]."""
 _AGE_S, _AGAIN = 10.0, 3
 """After how long the clocks are compared again, while records come, and by how many questions."""
 
@@ -60,7 +66,12 @@ class FarLogbook(Closing):
         self.clock: ClockOffset = compare(tree)
         self._news: list[str] = []
         self._was_found = self._is_lost = False
-        self._ends = [tree.listen(LOGS, self._take), tree.notice(self._note)]
+        self._latest = _in_log(datetime.fromtimestamp(time.time() + self.clock.offset_s, UTC))
+        self._closing = threading.Event()
+        self._is_looking = False
+        self._fresh: list[Tree | RtkitError] = []
+        self._own: Tree | None = None
+        self._ends = self._begin()
 
     def fileno(self) -> int:
         """Return the descriptor that turns readable when something has come."""
@@ -68,9 +79,18 @@ class FarLogbook(Closing):
 
     def close(self) -> None:
         """Read no more."""
+        self._closing.set()
+        self._leave()
+        self._wakeup.close()
+
+    def _begin(self) -> list[Callable[[], object]]:
+        return [self._tree.listen(LOGS, self._take), self._tree.notice(self._note)]
+
+    def _leave(self) -> None:
         while self._ends:
             self._ends.pop()()
-        self._wakeup.close()
+        if self._own is not None:
+            self._own.close()
 
     def there(self, most: int | None = None, *, is_followed: bool = True) -> list[LogEntry]:
         """Return what is in the logs, or of that the latest, and have `delta` begin after it.
@@ -88,13 +108,14 @@ class FarLogbook(Closing):
     def delta(self) -> list[LogEntry]:
         """Return what was logged since the last time."""
         self._wakeup.hush()
+        missed = self._logged_meanwhile() if self._fresh else []
         entries: list[LogEntry] = []
         while self._received:
             entries += self._entries(self._received.popleft())
         if entries and time.time() - self.clock.found_s > _AGE_S:
             with suppress(RtkitError):  # the old one holds on, less exactly
                 self.clock = compare(self._tree, _AGAIN)
-        fresh = []
+        fresh = [*missed]
         for entry in entries:
             if self._seen[entry]:
                 self._seen[entry] -= 1
@@ -106,18 +127,62 @@ class FarLogbook(Closing):
         """Return what is to be told since the last time: that the host was lost, or is back.
 
         Raises:
-            Unreachable: It was lost for good.
+            RtkitError: It lets this user in no longer, or another manager answers there.
         """
         news, self._news = self._news, []
-        if self._is_lost and is_address(self._tree.place):
-            raise Unreachable(f"the connection to {self._tree.place} has ended")
+        if self._fresh and isinstance(self._fresh[0], RtkitError):
+            raise self._fresh[0]
         return news
+
+    def _reconnect(self) -> None:
+        """Connect anew to a port for certificates: there is no link that does it."""
+        place, timeout_s = self._tree.place, self._tree.timeout_s
+        while not self._closing.wait(_PAUSE_S):
+            try:
+                self._fresh.append(connect(place, timeout_s))
+            except Unreachable:
+                continue
+            except RtkitError as error:
+                self._fresh.append(error)
+            self._wakeup.ring()
+            return
+
+    def _logged_meanwhile(self) -> list[LogEntry]:
+        """Go on by a new connection; return what was logged since the old one ended."""
+        fresh = self._fresh[0]
+        if isinstance(fresh, RtkitError):
+            return []
+        self._leave()
+        self._fresh.clear()
+        self._is_looking = False
+        self._own = self._tree = fresh
+        self._selection = self._selection._replace(since_s=None)
+        self._last = ("", 0)
+        latest = self._latest
+        try:
+            self._ends = self._begin()
+            self.clock = compare(fresh, _AGAIN)
+            self.there()
+        except Unreachable:
+            self._look_for_it()
+            return []
+        return [self._put_right(each) for each in self._seen.elements() if each.time > latest]
+
+    def _look_for_it(self) -> None:
+        if self._is_looking:
+            return
+        self._is_looking = True
+        start_thread(self._reconnect, "reconnect")
 
     def _note(self, is_found: bool) -> None:
         """Note whether the manager can be asked."""
         if self._was_found and is_found == self._is_lost:
             self._is_lost = not is_found
-            how = "is back" if is_found else "is lost: what it logs meanwhile is not shown"
+            is_linked = not is_address(self._tree.place)
+            shown = "not shown" if is_linked else "shown when it is back"
+            how = "is back" if is_found else f"is lost: what it logs meanwhile is {shown}"
+            if not (is_found or is_linked):
+                self._look_for_it()
             self._news.append(f"manager {self._tree.manager!r} of {self._tree.place} {how}")
             self._wakeup.ring()
         self._was_found |= is_found
@@ -167,6 +232,7 @@ class FarLogbook(Closing):
         try:
             moment, file, level, process, pid, component, source, message, exception = row
             if _TIME.fullmatch(moment) and level in LEVELS:
+                self._latest = max(self._latest, moment)
                 who = str(process), int(pid), str(component), str(source)
                 return LogEntry(moment, str(file), level, *who, str(message), str(exception))
         except (TypeError, ValueError):
@@ -181,8 +247,12 @@ class FarLogbook(Closing):
         except (ValueError, OverflowError):
             return entry._replace(host=self._tree.place)
         return entry._replace(
-            time=f"{here:%Y-%m-%dT%H:%M:%S.%f}Z",
+            time=_in_log(here),
             host=self._tree.place,
             offset_s=self.clock.offset_s,
             bound_s=self.clock.bound_at(here.timestamp()),
         )
+
+
+def _in_log(moment: datetime) -> str:
+    return f"{moment:%Y-%m-%dT%H:%M:%S.%f}Z"

@@ -9,6 +9,7 @@ import contextlib
 import json
 import socket
 from collections.abc import Iterator, Mapping
+from pathlib import Path
 
 import pytest
 from clockkit import WallClock
@@ -17,6 +18,7 @@ from shells import Outcome, Shell, opened_shell
 
 from rtkit.keys import authority
 from rtkit.keys.authority import issue
+from rtkit.link.processes import stat_of
 from rtkit.wires.line.client import LineClient
 from rtkit.wires.secure import connected
 
@@ -99,6 +101,21 @@ class Robot:
         end = socket.create_connection((AT, self.port), BOUND_S)
         end.settimeout(BOUND_S)
         return end
+
+    def pid(self) -> int:
+        return int(json.loads(self.there("rtmgr status --json manager").out)["pid"])
+
+    def gateway(self) -> int:
+        """Return the process of its port."""
+        manager = self.pid()
+        for each in Path("/proc").glob("[0-9]*"):
+            with contextlib.suppress(OSError):
+                words = (each / "cmdline").read_bytes()
+                fields = stat_of(int(each.name))
+                is_one = b"rtkit.manager.gateway.process" in words
+                if is_one and fields and int(fields[1]) == manager:
+                    return int(each.name)
+        raise AssertionError("no process of the port")
 
     def is_alive(self) -> bool:
         done = self.by("anna", "rtls AT/manager.mgr/")

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import json
+import os
 import signal
 from collections.abc import Iterator
 from datetime import datetime
+from pathlib import Path
 
 import clockkit
 import jsonrecords
@@ -15,6 +17,8 @@ from forked import Commands
 from robotkit import AT, BOUND_S, Robot
 from shells import opened_shell
 from waiting import until
+
+from rtkit.keys.authority import issue, revoke
 
 AHEAD_S, PPM, TIMES = 30, 100, 4
 ECHO = '''
@@ -161,14 +165,41 @@ def test_odd_questions_for_logs_are_refused(robot: Robot, text: str) -> None:
         assert client.ask("%40x%2Flogs", text).error == "malformed"
 
 
-def test_whoever_follows_is_told_that_the_manager_has_gone(robot: Robot) -> None:
-    assert robot.there(f"rtmgr start brief -a --tls {AT}:0") == (0, "", "")
+def test_whoever_follows_goes_on_when_the_port_is_back_and_misses_nothing(robot: Robot) -> None:
+    assert robot.there("rtmgr -c 'Echo?instance_name=Gap' /localhost/manager.mgr").err == ""
     with robot.keys_of("anna"):
-        follow = robot.shell.open(f"rtvlog -v /{AT}:{robot.port_of('brief')}/")
+        follow = robot.shell.open(f"rtvlog -v --json {robot.path}/Gap.rtc")
     assert follow.stderr is not None
+    assert follow.stdout is not None
     until(lambda: "following" in follow.stderr.readline(), "it follows")
-    assert robot.there("rtmgr stop brief") == (0, "", "")
-    _, told = follow.communicate(timeout=BOUND_S)
+    for number in range(1, 9):
+        if number in (3, 6):
+            os.kill(robot.gateway(), signal.SIGKILL)
+        assert robot.there("rtact /localhost/Gap.rtc").err == ""
+        assert robot.there("rtdeact /localhost/Gap.rtc").err == ""
+        if number in (5, 8):
+            until(lambda: "is back" in follow.stderr.readline(), "it is told of the return")
+    heard: list[str] = []
+    while "Gap 8" not in heard:
+        record = json.loads(follow.stdout.readline())
+        heard += [" ".join(record["message"].split()[:2])] * (record["source"] == "Gap")
+    assert heard == [f"Gap {number}" for number in range(1, 9)]
+    follow.send_signal(signal.SIGINT)
+    follow.communicate(timeout=BOUND_S)
+    assert robot.there("rtmgr -d Gap /localhost/manager.mgr").err == ""
+
+
+def test_whoever_is_let_in_no_longer_follows_no_longer(robot: Robot) -> None:
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("RTKIT_KEYS", robot.keys)
+        issue("zoe", "viewer", [], 30, f"{robot.keys}.zoe")
+        with robot.keys_of("zoe"):
+            follow = robot.shell.open(f"rtvlog -v {robot.path}/")
+        assert follow.stderr is not None
+        until(lambda: "following" in follow.stderr.readline(), "it follows")
+        revoke("zoe")
+    told = Path(robot.keys, "revoked.crl").read_bytes()
+    Path(f"{robot.keys}.robot1", "revoked.crl").write_bytes(told)
+    _, said = follow.communicate(timeout=BOUND_S)
     assert follow.returncode == 1
-    assert "the connection to" in told
-    assert "has ended" in told
+    assert "the certificate of zoe is revoked" in said

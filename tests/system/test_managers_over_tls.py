@@ -20,7 +20,6 @@ from waiting import until
 from rtkit.errors import Refused, RtkitError
 from rtkit.keys import audit, authority
 from rtkit.keys.authority import issue, revoke
-from rtkit.link.processes import stat_of
 from rtkit.manager.gateway.relay import LIMITS
 from rtkit.property.codes import PropertyError
 from rtkit.property.messages import Answer
@@ -319,7 +318,7 @@ def _resident_kb(pid: int) -> int:
 def test_who_asks_much_and_reads_nothing_fills_no_memory(robot: Robot) -> None:
     """Each answer has 100 kB; all that are asked for at once would be 50 MB."""
     assert robot.by("owner1", f"rtmgr -s port.a={'x' * 100_000} AT/manager.mgr").err == ""
-    gateway = _gateway(robot)
+    gateway = robot.gateway()
     before = _resident_kb(gateway)
     with robot.connected("anna") as client:
         end = client.detach()
@@ -331,26 +330,11 @@ def test_who_asks_much_and_reads_nothing_fills_no_memory(robot: Robot) -> None:
     assert robot.by("owner1", "rtmgr -s port.a= AT/manager.mgr").err == ""
 
 
-def _pid(robot: Robot) -> int:
-    return int(json.loads(robot.there("rtmgr status --json manager").out)["pid"])
-
-
-def _gateway(robot: Robot) -> int:
-    manager = _pid(robot)
-    for each in Path("/proc").glob("[0-9]*"):
-        with contextlib.suppress(OSError):
-            words = (each / "cmdline").read_bytes()
-            fields = stat_of(int(each.name))
-            if b"rtkit.manager.gateway.process" in words and fields and int(fields[1]) == manager:
-                return int(each.name)
-    raise AssertionError("no process of the port")
-
-
 def test_a_gateway_that_is_killed_comes_again(robot: Robot) -> None:
-    gateway = _gateway(robot)
+    gateway = robot.gateway()
     os.kill(gateway, signal.SIGKILL)
     until(lambda: robot.by("anna", "rtls AT").status == 0, "the port is open again")
-    assert _gateway(robot) != gateway
+    assert robot.gateway() != gateway
 
 
 # What else commands do there
@@ -393,7 +377,7 @@ def test_the_manager_of_that_name_here_is_another_one(robot: Robot) -> None:
     for word in ("restart", "uninstall"):
         assert "on that host only" in robot.by("owner1", f"rtmgr {word} {AT}:{robot.port}").err
     told = robot.by("anna", f"rtmgr status --json {AT}:{robot.port}").out
-    assert json.loads(told)["pid"] == _pid(robot)
+    assert json.loads(told)["pid"] == robot.pid()
     assert robot.there(f"rtmgr start manager2 -a --tls {AT}:0") == (0, "", "")
     at = f"{AT}:{robot.port_of('manager2')}"
     robot.shell.ok("rtmgr start manager2")
