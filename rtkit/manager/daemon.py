@@ -109,10 +109,16 @@ def run(name: str, wanted: CommandLineSettings, is_shown: bool = False) -> int:
         report.give_up(str(error))
         return error.exit_code
     if loop.query_server.restart is not None:
-        given = {} if is_shown else {WANTED_VARIABLE: wanted.to_text()}
+        given = {} if is_shown else {WANTED_VARIABLE: _with_port(wanted, state).to_text()}
         taken_out = {**loop.notifier.variables, **given}
         execute_again(folder, loop.query_server.restart.report, taken_out)
     return 1 if loop.has_failed else 0
+
+
+def _with_port(wanted: CommandLineSettings, state: ManagerState) -> CommandLineSettings:
+    """Return settings by which clients with certificates find the manager where it was."""
+    at = state.properties["rtkit.tls_address"]
+    return wanted._replace(overrides=(*wanted.overrides, *([f"net.tls:{at}"] if at else [])))
 
 
 def _recall(

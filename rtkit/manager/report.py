@@ -51,7 +51,8 @@ class Report:
         self._write(f"{FAILURE}{what} ({why})")
 
     def ready(self) -> None:
-        """Report that the manager answers."""
+        """Report that the manager answers, and that its start is over."""
+        _log.info(READY)
         self._end(READY)
 
     def give_up(self, text: str) -> None:

@@ -8,7 +8,7 @@ import threading
 import time
 from collections.abc import Callable
 from contextlib import suppress
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 from rtkit import fault
 from rtkit.errors import NotFound, Unreachable
@@ -16,6 +16,16 @@ from rtkit.link import places
 from rtkit.rtc.names import is_local_host
 from rtkit.tree.client import bounded
 from rtkit.tree.connect import connect
+
+if TYPE_CHECKING:
+    from rtkit.logs.logbook import LogEntry
+
+
+_AGAIN_S = 0.2
+"""Between two tries to reach a manager that starts [s]."""
+_REPORT = "rtkit.manager.report"
+_READY = "ready"
+"""Logger of what a manager reports of its start, and the last line of that."""
 
 
 class Status(NamedTuple):
@@ -83,6 +93,51 @@ def stop_at(address: str, timeout_s: float, *, is_kept: bool = False) -> None:
         end()
     if not has_ended:
         raise Unreachable(f"the manager at {address} did not end within {timeout_s:g} s")
+
+
+def restart_at(
+    address: str, timeout_s: float, *, is_forgotten: bool = False
+) -> tuple[int, list[str]]:
+    """Have the manager of another host at an address end everything and start again.
+
+    Return its pid, and what it reported of its start, by its log. It has `timeout_s` [s] for the
+    end, and again for the start.
+
+    Raises:
+        Refused: This user may not.
+        Unreachable: It cannot be reached, or was not ready in time.
+    """
+    from rtkit.logs.selection import Selection
+    from rtkit.tree.far_logs import FarLogbook
+
+    asked_at = time.monotonic()
+    until = asked_at + 2 * bounded(timeout_s)
+    over = threading.Event()
+    with connect(address, timeout_s) as tree:
+        end = tree.notice(lambda is_there: None if is_there else over.set())
+        began = tree.get("manager.started")
+        tree.set("restart", "forget" if is_forgotten else "")
+        over.wait(bounded(timeout_s))
+        end()
+    while True:
+        with suppress(Unreachable), connect(address, timeout_s) as tree:
+            since_s = time.monotonic() - asked_at
+            wanted = Selection(level="INFO", sources=(_REPORT,), since_s=since_s)
+            with FarLogbook(tree, wanted) as book:
+                lines = [_line(each) for each in book.there(is_followed=False)]
+            if tree.get("manager.started") != began and _READY in lines:
+                return int(tree.get("manager.pid")), lines
+        if time.monotonic() > until:
+            raise Unreachable(
+                f"the manager at {address} was not ready again within {2 * timeout_s:g} s"
+            )
+        time.sleep(_AGAIN_S)
+
+
+def _line(record: LogEntry) -> str:
+    """Return a record as the line that the starter of a manager reads (`rtkit.manager.report`)."""
+    kinds = {"ERROR": "failure ", "WARN": "warning "}
+    return f"{kinds.get(record.level, '')}{record.message}"
 
 
 def restart(

@@ -148,11 +148,12 @@ def test_odd_requests_are_answered_and_no_more(robot: Robot, target: str) -> Non
         assert client.ask("%40%2Fmanager.instance_name") == Answer("manager")
 
 
-@pytest.mark.parametrize("name", ["restart", "x/half"])
-def test_what_is_for_programs_of_its_own_host_is_for_nobody_else(robot: Robot, name: str) -> None:
-    target = f"%40{'%2F' * (name == 'restart')}{name.replace('/', '%2F')}"
+def test_what_is_for_programs_of_its_own_host_is_for_nobody_else(robot: Robot) -> None:
     with robot.connected("owner1") as client:
-        assert client.ask(target, "{}").error in ("refused", "unreachable")
+        assert client.ask("%40x%2Fhalf", "{}").error == "refused"
+        for pipe in ("/proc/1/fd/1", "/proc/1/fd/1 forget", "{}", " "):
+            assert client.ask("%40%2Frestart", pipe).error == "refused"
+        assert robot.is_alive()
 
 
 RUBBISH = {
@@ -368,14 +369,34 @@ def test_who_listens_is_told_when_the_manager_is_back(robot: Robot) -> None:
     assert robot.there("rtmgr stop manager3") == (0, "", "")
 
 
+def test_a_manager_is_restarted_by_administrators(robot: Robot) -> None:
+    line = f"rtmgr start manager4 -a --tls {AT}:0 -o manager.components.precreate:ConsoleIn,No"
+    assert robot.there(line).status == 1  # there is no type No
+    port = robot.port_of("manager4")
+    assert robot.by("bert", f"rtact /{AT}:{port}/ConsoleIn0.rtc").err == ""
+    for who in ("anna", "bert"):
+        done = robot.by(who, f"rtmgr restart {AT}:{port}")
+        assert (done.status, done.out) == (1, "")
+        assert "may not set restart: it takes administrator" in done.err
+    for word, state in (("", "Active"), ("--forget", "Inactive")):
+        done = robot.by("owner1", f"rtmgr restart {word} {AT}:{port}")
+        assert (done.status, done.out) == (1, "")
+        assert "component type No is not known" in done.err
+        assert f"manager {AT}:{port} runs" in done.err
+        assert state in robot.by("anna", f"rtls -l /{AT}:{port}").out
+    told = [each for each in robot.record() if each["what"] == "set restart at manager4"]
+    assert [each["result"] for each in told] == ["denied", "denied", "done", "done"]
+    assert robot.there("rtmgr stop manager4") == (0, "", "")
+
+
 def test_the_manager_of_that_name_here_is_another_one(robot: Robot) -> None:
     """To stop the one at an address stops that one, though one of its name runs here."""
     robot.shell.ok("rtmgr start")
     assert robot.by("bert", f"rtmgr stop {AT}:{robot.port}").err.endswith(
         "it takes administrator\n"
     )
-    for word in ("restart", "uninstall"):
-        assert "on that host only" in robot.by("owner1", f"rtmgr {word} {AT}:{robot.port}").err
+    done = robot.by("owner1", f"rtmgr uninstall {AT}:{robot.port}")
+    assert "on that host only" in done.err
     told = robot.by("anna", f"rtmgr status --json {AT}:{robot.port}").out
     assert json.loads(told)["pid"] == robot.pid()
     assert robot.there(f"rtmgr start manager2 -a --tls {AT}:0") == (0, "", "")

@@ -72,11 +72,17 @@ def run_word(
 
 
 def _run_far(app: App, word: str, address: str, options: WordOptions, shows: str, file: str) -> int:
-    """Stop, dump or report on the manager of another host at a port for certificates."""
+    """Stop, restart, dump or report on the manager of another host at a port for certificates."""
     from rtkit.tree import managers
 
     if word == "stop":
         managers.stop_at(address, app.timeout_s, is_kept=options.is_kept)
+    elif word == "restart":
+        from rtkit.manager.launch import read_report
+
+        forgets = options.is_forgotten
+        pid, report = managers.restart_at(address, app.timeout_s, is_forgotten=forgets)
+        _report_start(app, address, read_report(address, pid, report))
     elif word == "status":
         _print_status(address, managers.status(address, app.timeout_s), shows == "json")
     elif word == "dump":
@@ -186,7 +192,8 @@ def _report_start(app: App, name: str, started: Started) -> None:
     if started.failures:
         why = f"manager {name} runs (pid {started.pid}), but not all of its start was done"
         raise Partial(why, [(text, Refused(text)) for text in started.failures])
-    app.verbose(f"manager {name} runs: pid {started.pid}, socket {places.manager_socket(name)}")
+    at = "" if is_address(name) else f", socket {places.manager_socket(name)}"
+    app.verbose(f"manager {name} runs: pid {started.pid}{at}")
 
 
 def _print_status(name: str, status: Status, is_json: bool) -> None:

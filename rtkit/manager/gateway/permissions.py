@@ -28,11 +28,9 @@ _OF_OPERATORS = (
 _VIEWS = ("listing", "snapshot", "part", "picture", "events", "lease", "line", "clock")
 _QUESTIONS = ("logs",)
 """Views of which the payload says what is wanted."""
-_NOT_FROM_AFAR = {
-    "@/restart": "rtmgr restart",
-    "@x/half": "a half of a connector",
-}
-"""What a manager does only for programs of its own host, whose processes it watches."""
+RESTART = "@/restart"
+_HALF = "@x/half"
+"""What managers of linked hosts ask each other."""
 _NAME = re.compile(r"@x?(/[^/*$?#\s\x00-\x1f]+)+(\?id=[0-9a-f-]{1,64})?")
 _LONGEST = 1000
 _MOST_NAMED = 3
@@ -65,8 +63,10 @@ def permission(name: str, payload: str | None) -> Permission:
         raise Malformed(f"not a property of a manager: {name[:80]!r}")
     name = name.partition("?")[0]
     mark, _, rest = name.partition("/")
-    if name in _NOT_FROM_AFAR and (payload is not None or name == "@x/half"):
-        raise Refused(f"{_NOT_FROM_AFAR[name]} can be had on the manager's own host only")
+    if name == _HALF:
+        raise Refused("halves of connectors are made over links (rthost add) only")
+    if name == RESTART and payload not in (None, "", "forget"):
+        raise Refused("a restart is reported to processes of the manager's own host only")
     if name == LOCK and payload is not None:
         return Permission(OPERATOR, "take the lock of plans")
     if name == "@/batch" and payload is not None:

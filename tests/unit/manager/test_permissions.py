@@ -78,6 +78,8 @@ def test_a_batch_is_named_by_what_takes_most() -> None:
         ("@x/listing", "", "administrator"),
         ("@/create_component?id=0a-1", "Arm", "administrator"),
         ("@/stop", "", "administrator"),
+        ("@/restart", "", "administrator"),
+        ("@/restart", "forget", "administrator"),
         ("@/exec_cxt.periodic.rate", "10", "administrator"),
         ("@/batch", None, "viewer"),
     ],
@@ -96,10 +98,10 @@ def test_what_is_no_name_is_passed_on_to_nobody(name: str) -> None:
 
 @pytest.mark.parametrize(
     ("name", "payload"),
-    [("@x/half", None), ("@x/half", "{}"), ("@/restart", "/proc/1/fd/3")],
+    [("@x/half", None), ("@x/half", "{}"), ("@/restart", "/proc/1/fd/3"), ("@/restart", " ")],
 )
-def test_what_watches_a_process_is_for_its_own_host(name: str, payload: str | None) -> None:
-    with pytest.raises(Refused, match="own host only"):
+def test_what_takes_a_link_or_a_process_here_is_refused(name: str, payload: str | None) -> None:
+    with pytest.raises(Refused, match=r"over links|own host only"):
         permission(name, payload)
 
 
