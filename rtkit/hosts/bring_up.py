@@ -19,6 +19,7 @@ from rtkit.link import host_links, places
 from rtkit.link.folder_watch import FolderWatch
 from rtkit.rtc.names import is_local_host
 from rtkit.rtc.serde import decode_text, encode_text
+from rtkit.tree import managers
 from rtkit.tree.client import Tree
 from rtkit.version import __version__
 
@@ -53,14 +54,14 @@ class BroughtUp(NamedTuple):
     """Outcome at a host.
 
     Attributes:
-        provisioned: The version of rtkit there.
+        provisioned: The version of rtkit there; None where it is reached over TLS.
         was_running: Whether its manager ran already.
         old_build: The build of rtkit that this one runs with, if that is another one.
         replaced_build: The build of the one that was ended for it, if any was.
         unlinked: The manager there to which the link led before, if that is another one.
     """
 
-    provisioned: Provisioned
+    provisioned: Provisioned | None
     was_running: bool
     old_build: str
     replaced_build: str = ""
@@ -79,6 +80,8 @@ def start(host: Host, near: Tree, show: Progress, *, replaces: bool, timeout_s: 
     if is_local_host(host.name, near.host):
         raise Refused(f"{host.name} is the name of this host")
     _check_holder(host, near)
+    if host.is_tls:
+        return _join(host, near, show, timeout_s)
     show(host.name, HostStep("connecting"))
     with connect(host, timeout_s) as connection:
         show(host.name, HostStep("checking"))
@@ -97,6 +100,14 @@ def start(host: Host, near: Tree, show: Progress, *, replaces: bool, timeout_s: 
     show(host.name, HostStep("linked"))
     old_build = found.its_build if _is_old(found) else ""
     return BroughtUp(done, found.was_running, old_build, replaced_build, unlinked)
+
+
+def _join(host: Host, near: Tree, show: Progress, timeout_s: float) -> BroughtUp:
+    """Link a host that is reached over TLS: its manager runs already, as nobody can start it."""
+    show(host.name, HostStep("linking"))
+    unlinked = link(host, near, timeout_s)
+    show(host.name, HostStep("linked"))
+    return BroughtUp(None, was_running=True, old_build="", unlinked=unlinked)
 
 
 def _run(connection: HostConnection, show: Progress, *, replaces: bool) -> tuple[_Found, str]:
@@ -133,6 +144,10 @@ def stop(host: Host, near: Tree | None, timeout_s: float, *, is_kept: bool = Fal
     if near is not None and is_linked:
         near.set("unlink_host", host.name)
     try:
+        if host.is_tls:
+            address = str(host).removeprefix("tls:")
+            managers.stop_at(address, timeout_s, is_kept=is_kept)
+            return True
         with connect(host, timeout_s) as connection:
             return _stop(connection, "keep" if is_kept else "stop")
     except RtkitError as error:

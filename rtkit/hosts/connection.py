@@ -19,10 +19,10 @@ from rtkit.closing import Closing
 from rtkit.errors import RtkitError, Unreachable
 from rtkit.hosts.host import Host
 from rtkit.hosts.known_hosts import KnownKeys
+from rtkit.hosts.silence import await_silence, longest_silence
 from rtkit.hosts.ssh_config import SshRoute, way_to
 from rtkit.hosts.ssh_library import paramiko
 from rtkit.hosts.ssh_login import log_in
-from rtkit.link.threads import start_thread
 
 if TYPE_CHECKING:
     from paramiko.channel import Channel
@@ -31,10 +31,6 @@ logging.getLogger("paramiko").setLevel(logging.CRITICAL)  # its errors are raise
 TIMEOUT_S = 10.0
 _THIN_LINEAR_TIMEOUTS = 16
 """Option of Linux for streams of little data."""
-_PING_S = 0.5
-_SILENT_S, _SILENT_ROUNDS, _LONGEST_ROUND_S = 1.5, 8, 0.5
-"""How often the far side is asked whether it is there, and how long it may be silent [s], besides
-so many round trips: what a slow network loses comes later than what a quick one does."""
 
 
 class HostConnection(Closing):
@@ -53,8 +49,7 @@ class HostConnection(Closing):
         round_trip_s: float,
     ) -> None:
         self.host = host
-        round_s = min(round_trip_s, _LONGEST_ROUND_S)
-        self.longest_silence_s = _SILENT_S + _SILENT_ROUNDS * round_s
+        self.longest_silence_s = longest_silence(round_trip_s)
         self._transport = transport
         self._through = through
 
@@ -103,26 +98,8 @@ class HostConnection(Closing):
         return time.monotonic() - began
 
     def await_silence(self, silence_s: Callable[[], float]) -> str:
-        """Ask again and again whether the far side is there; return why it is not any more.
-
-        Who was heard otherwise meanwhile is there, and may answer late.
-        """
-        most_s = self.longest_silence_s
-        while True:
-            answered = threading.Event()
-
-            def ask(answered: threading.Event = answered) -> None:
-                with suppress(paramiko.SSHException, OSError):
-                    self.transport.global_request("keepalive@openssh.com", wait=True)
-                    answered.set()
-
-            start_thread(ask, "ping")
-            while not answered.wait(most_s):
-                if silence_s() > most_s:
-                    return f"no answer in {most_s:.2g} s"
-            if not self._transport.is_active():
-                return "the connection has ended"
-            threading.Event().wait(_PING_S)
+        """See `rtkit.hosts.silence.await_silence`."""
+        return await_silence(self.ping, self.longest_silence_s, silence_s)
 
 
 def connect(host: Host, timeout_s: float = TIMEOUT_S) -> HostConnection:

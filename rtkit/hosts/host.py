@@ -1,4 +1,4 @@
-"""Host: a name in the tree, and the way to it over SSH."""
+"""Host: a name in the tree, and the way to it, over SSH or over TLS."""
 
 from __future__ import annotations
 
@@ -6,12 +6,13 @@ import ipaddress
 from collections.abc import Iterator
 from contextlib import contextmanager
 
-from rtkit.errors import Malformed, RtkitError
-from rtkit.fast_dataclass import Record
+from rtkit.errors import Malformed, Refused, RtkitError
+from rtkit.fast_dataclass import Record, replace
 from rtkit.rtc.manager_address import is_port
 from rtkit.rtc.names import check_host_name
 
 MANAGER = "manager"
+_TLS = "tls:"
 
 
 class Host(Record):
@@ -26,6 +27,7 @@ class Host(Record):
         manager: The manager there that is linked.
         tags: Words by which requirements of components choose it.
         extras: What its rtkit is made with besides: ``sim`` brings numpy.
+        is_tls: It is reached over TLS, at the port of its manager for certificates.
     """
 
     name: str
@@ -36,11 +38,25 @@ class Host(Record):
     manager: str = MANAGER
     tags: tuple[str, ...] = ()
     extras: tuple[str, ...] = ()
+    is_tls: bool = False
 
     def __str__(self) -> str:
         user = f"{self.user}@" if self.user else ""
         address = f"[{self.address}]" if ":" in self.address else self.address
-        return f"{user}{address}{f':{self.port}' if self.port else ''}"
+        at = f"{user}{address}{f':{self.port}' if self.port else ''}"
+        return f"{_TLS}{at}" if self.is_tls else at
+
+    def check_shell(self) -> None:
+        """Refuse a host where no command can be run.
+
+        Raises:
+            Refused: It is reached over TLS.
+        """
+        if self.is_tls:
+            raise Refused(
+                f"{self.name} is reached over TLS ({self}): nothing is made or run there but by its"
+                " manager (rthost add NAME USER@ADDRESS goes over SSH)"
+            )
 
 
 @contextmanager
@@ -57,12 +73,17 @@ def named(host: str) -> Iterator[None]:
 
 
 def host_at(name: str, typed: str) -> Host:
-    """Return the host ``[USER@]ADDRESS[:PORT]``, where an IPv6 address stands in brackets.
+    """Return the host ``[USER@]ADDRESS[:PORT]`` or ``tls:ADDRESS:PORT``; IPv6 stands in brackets.
 
     Raises:
         Malformed: It cannot be read; or the name is none, or one that stands for this host.
     """
     check_host_name(name)
+    if typed.startswith(_TLS):
+        found = host_at(name, typed.removeprefix(_TLS))
+        if found.user or not found.port:
+            raise Malformed(f"not tls:ADDRESS:PORT: {typed!r}")
+        return replace(found, is_tls=True)
     user, at, place = typed.rpartition("@")
     address, colon, port = place.rpartition(":")
     if not colon or place.endswith("]") or (":" in address and not address.endswith("]")):

@@ -216,4 +216,5 @@ def _host(name: str, table: Any) -> Host:
         str(texts["manager"] or usual.manager),
         tuple(tags),
         tuple(sorted(set(extras))),
+        at.is_tls,
     )

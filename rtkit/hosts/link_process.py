@@ -1,9 +1,9 @@
 """Process of a link: joins the router of a manager here with that of a manager on another host.
 
 It is a child of the manager here (`rtkit.manager.host_links`) and ends with it. The far router is
-reached through an SSH connection, at whose end `rtkit.hosts.relay` runs; both routers see one more
-router between them, whose access rules let nothing from the far side through but replies and news
-of that host itself: a host that was taken over commands nobody here.
+reached through an SSH connection, at whose end `rtkit.hosts.relay` runs, or over TLS; both routers
+see one more router between them, whose access rules let nothing from the far side through but
+replies and news of that host itself: a host that was taken over commands nobody here.
 """
 
 from __future__ import annotations
@@ -35,6 +35,8 @@ from rtkit.rtc.serde import decode_text
 if TYPE_CHECKING:
     import zenoh
     from paramiko.channel import Channel
+
+    from rtkit.hosts.tls_connection import TlsConnection
 
 _FIRST_S, _SOON_S, _DENIED_S, _MOST_S = 0.05, 1.0, 2.0, 30.0
 """Pause before a next try [s]: at first, for a host just lost, where nobody is let in, most."""
@@ -111,14 +113,18 @@ def _knock(host: Host) -> None:
     Raises:
         Unreachable: Nothing does.
     """
-    way = way_to(host)
-    while way.through is not None:
-        way = way.through
+    if host.is_tls:
+        address, port, place = host.address, host.port, str(host)
+    else:
+        way = way_to(host)
+        while way.through is not None:
+            way = way.through
+        address, port, place = way.address, way.port, way.place
     try:
-        socket.create_connection((way.address, way.port), _KNOCK_S).close()
+        socket.create_connection((address, port), _KNOCK_S).close()
     except OSError as error:
         text = error.strerror or "no answer"
-        raise Unreachable(f"{host.name} ({way.place}): {text}") from error
+        raise Unreachable(f"{host.name} ({place}): {text}") from error
 
 
 def _join(host: Host, manager: str, stack: ExitStack) -> Callable[[], str]:
@@ -127,8 +133,15 @@ def _join(host: Host, manager: str, stack: ExitStack) -> Callable[[], str]:
     Raises:
         RtkitError: They cannot be joined.
     """
-    connection = stack.enter_context(connect(host))
-    channel = open_relay(connection, host)
+    connection: HostConnection | TlsConnection
+    channel: Channel | TlsConnection
+    if host.is_tls:
+        from rtkit.hosts.tls_connection import TlsConnection
+
+        connection = channel = stack.enter_context(TlsConnection(host, places.host_name()))
+    else:
+        connection = stack.enter_context(connect(host))
+        channel = open_relay(connection, host)
     path = host_links.tunnel_socket(host.name)
     places.check_socket_length(path)
     listener = stack.enter_context(unix.listen(path))
@@ -196,7 +209,7 @@ def _wake(listener: socket.socket) -> None:
 class _CountedChannel:
     """Tells when the far side was last heard: in a flood of data an answer comes late."""
 
-    def __init__(self, channel: Channel) -> None:
+    def __init__(self, channel: Channel | TlsConnection) -> None:
         self._channel = channel
         self._at = 0.0
         self.sendall = channel.sendall

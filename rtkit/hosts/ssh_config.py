@@ -56,10 +56,11 @@ def way_to(host: Host, jumps: str = "", _depth: int = 0) -> SshRoute:
 
     Raises:
         Malformed: A file cannot be read, or hosts in between go in a circle.
-        Refused: A stranger can have written a file.
+        Refused: A stranger can have written a file; or the host is reached over TLS.
     """
     from rtkit.hosts.ssh_files import expanded_path
 
+    host.check_shell()
     if _depth > _MOST_JUMPS:
         raise Malformed(f"{host.name}: more than {_MOST_JUMPS} hosts in between (ProxyJump)")
     found, unused = _settings(host)
@@ -103,7 +104,8 @@ def remarks(hosts: list[Host]) -> list[str]:
     Raises:
         Malformed: A file cannot be read.
     """
-    unused = dict.fromkeys(each for host in hosts for each in way_to(host).unused)
+    over_ssh = [host for host in hosts if not host.is_tls]
+    unused = dict.fromkeys(each for host in over_ssh for each in way_to(host).unused)
     return [f"of OpenSSH's files this does not count: {each}" for each in unused]
 
 

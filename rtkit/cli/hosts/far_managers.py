@@ -108,7 +108,7 @@ def _summary(host: Host, done: BroughtUp) -> str:
         parts.append(f"the link to {done.unlinked} there has ended")
     if done.old_build:
         parts.append(f"it runs with rtkit {done.old_build} until --replace has it end")
-    if made.is_new:
+    if made is not None and made.is_new:
         parts.append(f"rtkit {made.id} is new there, {made.sent_bytes / 1e6:.1f} MB sent")
     return "; ".join(parts)
 

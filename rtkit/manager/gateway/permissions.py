@@ -29,6 +29,8 @@ _VIEWS = ("listing", "snapshot", "part", "picture", "events", "lease", "line", "
 _QUESTIONS = ("logs",)
 """Views of which the payload says what is wanted."""
 RESTART = "@/restart"
+ROUTER = "@x/router"
+"""Bytes to and from the router of a manager, by which hosts are linked."""
 _HALF = "@x/half"
 """What managers of linked hosts ask each other."""
 _NAME = re.compile(r"@x?(/[^/*$?#\s\x00-\x1f]+)+(\?id=[0-9a-f-]{1,64})?")
@@ -67,6 +69,8 @@ def permission(name: str, payload: str | None) -> Permission:
         raise Refused("halves of connectors are made over links (rthost add) only")
     if name == RESTART and payload not in (None, "", "forget"):
         raise Refused("a restart is reported to processes of the manager's own host only")
+    if name == ROUTER and payload is not None:
+        return Permission(ADMINISTRATOR, f"link host {shown(payload)}")
     if name == LOCK and payload is not None:
         return Permission(OPERATOR, "take the lock of plans")
     if name == "@/batch" and payload is not None:

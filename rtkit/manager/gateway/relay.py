@@ -7,6 +7,7 @@ What takes more than looking, and what is denied, is on record in the audit file
 from __future__ import annotations
 
 import json
+import select
 import socket
 from collections.abc import Callable
 from contextlib import suppress
@@ -19,12 +20,20 @@ from urllib.parse import unquote
 from rtkit.errors import RtkitError, Unreachable
 from rtkit.keys.roles import includes
 from rtkit.keys.tls import Trust
-from rtkit.link import zenoh_keys
+from rtkit.link import places, zenoh_keys
 from rtkit.link.tcp_endpoint import Identity
 from rtkit.link.zenoh import ZenohLink
 from rtkit.manager.core.secrets import HIDDEN, hidden_in_json, is_secret
-from rtkit.manager.gateway.permissions import ADMINISTRATOR, LOCK, VIEWER, Permission, permission
+from rtkit.manager.gateway.permissions import (
+    ADMINISTRATOR,
+    LOCK,
+    ROUTER,
+    VIEWER,
+    Permission,
+    permission,
+)
 from rtkit.manager.gateway.plan_locks import PlanLocksOfClients
+from rtkit.manager.gateway.router_end import RouterEnd
 from rtkit.manager.gateway.taps import PREFIX, Taps
 from rtkit.property.access import EndpointLimits
 from rtkit.property.codes import PropertyError
@@ -47,6 +56,8 @@ _LISTEN = ".listen"
 _MOST_UNDER_WAY = 32
 """Requests of one client that are passed on at a time."""
 _TIMEOUT_S = 10.0
+_CHUNK, _HIGH = 1 << 16, 1 << 20
+"""What a link reads at a time, and what may wait to be sent [bytes]."""
 _LONGEST_S = 7 * 86_400.0
 _QUEUE = SubscriptionOptions(queue=256, is_all=True)
 """Texts that wait for one listener; whoever misses one takes a new snapshot."""
@@ -59,7 +70,49 @@ class GatewayConnection(SecureConnection):
         """See `Requester.audited`."""
         return ask
 
+    _router: RouterEnd | None = None
+
+    def join(self, path: str) -> None:
+        """Be a link to the router of the manager at a socket, after what is answered now.
+
+        Raises:
+            Unreachable: The manager does not answer.
+        """
+        self._router = RouterEnd(self._host, path, self)
+
+    def ready(self, mask: int) -> bool:
+        """See `IOHandler.ready`."""
+        if self._router is None:
+            return super().ready(mask)
+        if mask & ~select.EPOLLOUT and (data := self._receive(_CHUNK)):
+            self._router.pass_on(data)
+        self._send()
+        return False
+
+    def send_bytes(self, data: bytes) -> None:
+        """Send what the router says."""
+        self._out += data
+        self._send()
+
+    @property
+    def is_full(self) -> bool:
+        """Whether it takes less than the router says."""
+        return len(self._out) > _HIGH
+
+    def _send(self) -> None:
+        super()._send()
+        if self._router is not None and self._router.is_open:
+            self._router.await_room()
+
+    def close(self) -> None:
+        """See `SocketClient.close`."""
+        if self._router is not None:
+            self._router.close()
+        super().close()
+
     def _is_full(self) -> bool:
+        if self._router is not None:
+            return self._router.is_full
         # Whoever reads no answers, of which each may be large, is asked for no further request.
         return self._order.waiting >= _MOST_UNDER_WAY or super()._is_full()
 
@@ -131,6 +184,11 @@ class ManagerRelay(PropertyProvider):
         payload = ask.payload.decode() if isinstance(ask.payload, bytes) else ask.payload
         wanted = permission(name, payload)
         self._check(wanted, caller)
+        if name == ROUTER and payload is not None:
+            caller.join(places.manager_socket(self._identity.manager))
+            caller.record(f"{wanted.what} at {self._identity.manager}", "done")
+            ask.answer(DONE)
+            return
         if name == LOCK and payload is not None:
             payload = self._locks.stated(payload, caller, f"{caller.identity} at {caller.address}")
         self._pass_on(ask, name, payload, wanted)
