@@ -21,6 +21,7 @@ from rtkit.rtc.names import is_local_host
 from rtkit.rtc.serde import decode_text, encode_text
 from rtkit.tree import managers
 from rtkit.tree.client import Tree
+from rtkit.tree.connect import connect as tree_at
 from rtkit.version import __version__
 
 _FAR_S = 40.0
@@ -145,8 +146,9 @@ def stop(host: Host, near: Tree | None, timeout_s: float, *, is_kept: bool = Fal
         near.set("unlink_host", host.name)
     try:
         if host.is_tls:
-            address = str(host).removeprefix("tls:")
-            managers.stop_at(address, timeout_s, is_kept=is_kept)
+            with tree_at(host.tls_address, timeout_s) as tree:
+                host.check_manager(tree.host, tree.manager)
+            managers.stop_at(host.tls_address, timeout_s, is_kept=is_kept)
             return True
         with connect(host, timeout_s) as connection:
             return _stop(connection, "keep" if is_kept else "stop")

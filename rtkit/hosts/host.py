@@ -46,6 +46,23 @@ class Host(Record):
         at = f"{user}{address}{f':{self.port}' if self.port else ''}"
         return f"{_TLS}{at}" if self.is_tls else at
 
+    @property
+    def tls_address(self) -> str:
+        """Address of the port for certificates, as commands take it; only if it `is_tls`."""
+        return str(self).removeprefix(_TLS)
+
+    def check_manager(self, far: str, manager: str) -> None:
+        """Compare the manager that answers at the address with the one that is meant.
+
+        Raises:
+            Refused: It is another one, or of another host.
+        """
+        if (far, manager) != (self.name, self.manager):
+            raise Refused(
+                f"{self.name}: at {self} is manager {manager} of host {far}, not {self.manager} of"
+                f" {self.name} (rthost add {far} {self} --manager {manager})"
+            )
+
     def check_shell(self) -> None:
         """Refuse a host where no command can be run.
 

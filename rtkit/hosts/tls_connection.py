@@ -135,8 +135,4 @@ def _check(host: Host, client: LineClient) -> None:
         raise Unreachable(f"{host.name}: no manager at {host}: {error}") from error
     if realm != zenoh_keys.realm():
         raise Refused(f"{host.name}: the manager at {host} is of another realm: {realm}")
-    if (far, manager) != (host.name, host.manager):
-        raise Refused(
-            f"{host.name}: at {host} is manager {manager} of host {far}, not {host.manager} of"
-            f" {host.name} (rthost add {far} {host} --manager {manager})"
-        )
+    host.check_manager(far, manager)

@@ -35,12 +35,16 @@ class RateLimit:
 
     def takes(self, now: float) -> bool:
         """Return whether one more request may be made; then it counts."""
-        self._left = min(self._rate, self._left + (now - self._at) * self._rate)
-        self._at = now
-        if self._left < 1:
+        if self.wait_s(now) > 0:
             return False
         self._left -= 1
         return True
+
+    def wait_s(self, now: float) -> float:
+        """Return how long to wait until one more request may be made [s]."""
+        self._left = min(self._rate, self._left + (now - self._at) * self._rate)
+        self._at = now
+        return max(0.0, (1 - self._left) / self._rate)
 
 
 def too_fast(rate: int) -> str:

@@ -238,13 +238,16 @@ class SecureClient(SocketClient, ABC):
         """See `Requester.audited`."""
         peer, answer = self.peer, ask.answer
         name = ask.target.partition("?")[0]
-        if peer is None or ask.payload is None or name.endswith(".listen"):
+        if peer is None:
             return ask
+        is_change = ask.payload is not None and not name.endswith(".listen")
 
         def answered(reply: Answer) -> None:
             result = f"{reply.error}: {reply.payload!s}" if reply.error else "done"
-            what = f"SET {service}.{name}"
-            self._record(peer, what, result, ask.payload)
+            if is_change:
+                self._record(peer, f"SET {service}.{name}", result, ask.payload)
+            elif reply.error == "denied":
+                self._record(peer, f"GET {service}.{name}", result)
             answer(reply)
 
         return ask._replace(answer=answered)

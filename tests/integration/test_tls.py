@@ -118,6 +118,7 @@ def test_roles_and_rules_say_what_a_certificate_may(own: str, served: ServedObje
 def test_what_others_set_is_on_record(own: str, served: ServedObject) -> None:
     with _as(_handed(own, "anna", "viewer"), served) as client:
         client.ask("robot/count", "9")
+        client.ask("robot/name")
     with _as(own, served) as client:
         client.ask("robot/count", "9")
         client.ask("robot/password", "hunter2")
@@ -127,6 +128,7 @@ def test_what_others_set_is_on_record(own: str, served: ServedObject) -> None:
     assert [(each["name"], each["role"], each["what"], each["result"].split(":")[0])
             for each in lines] == [
         ("anna", "viewer", "SET robot.count", "denied"),
+        ("anna", "viewer", "GET robot.name", "denied"),
         ("owner1", "administrator", "SET robot.count", "done"),
         ("owner1", "administrator", "SET robot.password", "unknown"),
     ]  # fmt: skip

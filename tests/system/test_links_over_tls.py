@@ -121,7 +121,10 @@ def test_the_manager_there_is_the_one_that_is_meant(robot: Robot) -> None:
         done = shell.run(line)
         assert done.status == 1
         assert "robot2 is reached over TLS" in done.err, line
-    shell.run("rtmgr stop --host robot2")
+    done = shell.run("rtmgr stop --host robot2")
+    assert "not manager of robot2" in done.err
+    assert "the link to it has ended" in done.err
+    assert robot.is_alive()
     shell.ok("rthost remove robot2")
 
 

@@ -303,6 +303,22 @@ def test_a_handshake_byte_by_byte_holds_up_nobody(robot: Robot) -> None:
         thread.join()
 
 
+def test_whoever_asks_too_often_is_slowed_down_and_refused_nothing(robot: Robot) -> None:
+    with robot.connected("anna") as client:
+        end = client.detach()
+        count = 2 * LIMITS.rate
+        asking = threading.Thread(
+            target=end.sendall, args=(b"GET %40%2Fmanager.instance_name\n" * count,)
+        )
+        asking.start()
+        received = b""
+        while received.count(b"\n") < count:
+            received += end.recv(1 << 16)
+        asking.join()
+        assert received == b"= manager\n" * count
+        assert robot.is_alive()
+
+
 def test_whoever_has_most_connections_makes_room_for_others(robot: Robot) -> None:
     with contextlib.ExitStack() as ends:
         held = [ends.enter_context(robot.connected("carl")) for _ in range(LIMITS.connections + 5)]

@@ -83,7 +83,10 @@ class GatewayConnection(SecureConnection):
     def ready(self, mask: int) -> bool:
         """See `IOHandler.ready`."""
         if self._router is None:
-            return super().ready(mask)
+            is_done = super().ready(mask)
+            if self._wait_s():
+                self.wake()
+            return is_done
         if mask & ~select.EPOLLOUT and (data := self._receive(_CHUNK)):
             self._router.pass_on(data)
         self._send()
@@ -114,7 +117,18 @@ class GatewayConnection(SecureConnection):
         if self._router is not None:
             return self._router.is_full
         # Whoever reads no answers, of which each may be large, is asked for no further request.
-        return self._order.waiting >= _MOST_UNDER_WAY or super()._is_full()
+        # Whoever asks too often waits: a script in a loop is to be slow, and not to fail.
+        is_full = self._order.waiting >= _MOST_UNDER_WAY or self._wait_s() > 0
+        return is_full or super()._is_full()
+
+    def _wait_s(self) -> float:
+        return self._pace.wait_s(monotonic()) if self.is_open and self._pace is not None else 0.0
+
+    def flush(self, now: float) -> float | None:
+        """See `IOHandler.flush`."""
+        due = super().flush(now)
+        wait_s = self._wait_s()
+        return min(due or inf, now + wait_s) if wait_s else due
 
     def record(self, what: str, result: str) -> None:
         """Put on record what the client has done, or tried to do."""

@@ -17,7 +17,8 @@ if TYPE_CHECKING:
     from rtkit.hosts.host import Host
     from rtkit.tree.clock import ClockOffset
 
-    Found = tuple[FarSide, ClockOffset]
+    Found = tuple[FarSide | str, ClockOffset]
+    """What a shell there tells; over TLS only the version of its manager."""
 
 _TITLE = "Looking at hosts"
 
@@ -34,7 +35,7 @@ _TITLE = "Looking at hosts"
 def main(
     app: App, is_json: bool = json_flag(), names: tuple[str, ...] = arguments("[NAME]...")
 ) -> int:
-    """Look at hosts over SSH, all of the inventory by default.
+    """Look at hosts over SSH or TLS, all of the inventory by default.
 
     Nothing is changed there. What keeps rtkit from being made there is told, all of it, and the
     status is 1 then. The clock is compared with the one here by several questions, as exactly as
@@ -52,7 +53,7 @@ def main(
             failed.append(found)
             app.fail(str(found))
             continue
-        obstacles = found[0].obstacles()
+        obstacles = [] if isinstance(found[0], str) else found[0].obstacles()
         if is_json:
             terminal.write([json_records.line("host-check", _record(host, *found, obstacles))])
         else:
@@ -71,8 +72,14 @@ def _looks(app: App, hosts: list[Host]) -> Iterator[tuple[Host, Found | RtkitErr
     from rtkit.hosts.clock import compare
     from rtkit.hosts.connection import connect
     from rtkit.hosts.far_side import look
+    from rtkit.tree.clock import compare as clock_of
+    from rtkit.tree.connect import connect as tree_at
 
     def one(host: Host) -> Found:
+        if host.is_tls:
+            with tree_at(host.tls_address, app.timeout_s) as tree:
+                host.check_manager(tree.host, tree.manager)
+                return tree.get("rtkit.version"), clock_of(tree)
         with connect(host, app.timeout_s) as connection:
             return look(connection), compare(connection)
 
@@ -88,20 +95,26 @@ def _looks(app: App, hosts: list[Host]) -> Iterator[tuple[Host, Found | RtkitErr
                 yield first, done[first.name]
 
 
-def _lines(host: Host, far: FarSide, clock: ClockOffset) -> list[str]:
+def _lines(host: Host, far: FarSide | str, clock: ClockOffset) -> list[str]:
     rows = [
         ("Address", str(host)),
+        *([("rtkit", far)] if isinstance(far, str) else _rows(far)),
+        *_link(host.name),
+        ("Round trip", f"{clock.round_trip_s * 1e3:.1f} ms"),
+        ("Clock", f"{round(clock.offset_s, 4) + 0.0:+.4f} s (± {clock.bound_s:.4f} s)"),
+    ]
+    return [*terminal.pairs(rows, "  ")]
+
+
+def _rows(far: FarSide) -> list[tuple[str, str]]:
+    return [
         ("Host name", far.hostname),
         ("Python", ".".join(map(str, far.python))),
         ("Machine", f"{far.machine}, {' '.join(far.libc)}, {far.processors} processors"),
         ("Memory free", f"{far.memory_bytes >> 20} MiB"),
         ("Disk free", f"{far.free_bytes >> 20} MiB in {far.home}"),
         ("rtkit", far.current or "not there yet (rtmgr start --host makes it)"),
-        *_link(host.name),
-        ("Round trip", f"{clock.round_trip_s * 1e3:.1f} ms"),
-        ("Clock", f"{round(clock.offset_s, 4) + 0.0:+.4f} s (± {clock.bound_s:.4f} s)"),
     ]
-    return [*terminal.pairs(rows, "  ")]
 
 
 def _link(name: str) -> Iterator[tuple[str, str]]:
@@ -113,11 +126,22 @@ def _link(name: str) -> Iterator[tuple[str, str]]:
 
 
 def _record(
-    host: Host, far: FarSide, clock: ClockOffset, obstacles: list[str]
+    host: Host, far: FarSide | str, clock: ClockOffset, obstacles: list[str]
 ) -> dict[str, object]:
+    told = {"rtkit": far} if isinstance(far, str) else _told(far)
     return {
         "name": host.name,
         "address": str(host),
+        **told,
+        "round_trip_s": clock.round_trip_s,
+        "clock_offset_s": clock.offset_s,
+        "clock_bound_s": clock.bound_s,
+        "obstacles": obstacles,
+    }
+
+
+def _told(far: FarSide) -> dict[str, object]:
+    return {
         "hostname": far.hostname,
         "python": ".".join(map(str, far.python)),
         "machine": far.machine,
@@ -126,8 +150,4 @@ def _record(
         "memory_bytes": far.memory_bytes,
         "free_bytes": far.free_bytes,
         "rtkit": far.current,
-        "round_trip_s": clock.round_trip_s,
-        "clock_offset_s": clock.offset_s,
-        "clock_bound_s": clock.bound_s,
-        "obstacles": obstacles,
     }
