@@ -61,7 +61,7 @@ def prepare(session: Session, path: Path, target: Path, *, lock: PlanLocks | Non
         if each.elements and is_far_address(each.elements[0]):
             raise Refused(
                 f"{each.typed} is reached over TLS: components are moved there by commands of that"
-                " host, or over a link to it (rthost add NAME USER@ADDRESS)"
+                f" host, or over a link to it (rthost add NAME tls:{each.elements[0]})"
             )
     place = _place(target)
     record = move_records.unfinished(path, place)

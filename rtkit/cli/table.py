@@ -28,7 +28,7 @@ TOPICS: dict[str, dict[str, str]] = {
     "hosts.words": {
         "accept": "Have the key of a host be known, if it has this fingerprint.",
         "add": "Add a host to the inventory of the user.",
-        "check": "Look at hosts over SSH, all of the inventory by default.",
+        "check": "Look at hosts over SSH or TLS, all of the inventory by default.",
         "list": "List the known hosts, and how the links to them are; no host is asked.",
         "remove": "Remove a host from the inventory of the user, and end the link to it.",
     },

@@ -9,6 +9,7 @@ import shutil
 import socket
 import ssl
 import subprocess
+import threading
 import time
 from collections.abc import Callable, Iterator
 from datetime import UTC, datetime, timedelta
@@ -64,16 +65,19 @@ def _port(served: ServedObject) -> int:
     return int(address.partition("localhost:")[2].partition("/")[0])
 
 
-def _connected(served: ServedObject, host: str = "localhost") -> LineClient | HttpClient:
+def _connected(
+    served: ServedObject, host: str = "localhost", port: int = 0
+) -> LineClient | HttpClient:
+    port = port or _port(served)
     if _is_https(served):
-        client = connect_https(f"https://{host}:{_port(served)}", BOUND_S)
+        client = connect_https(f"https://{host}:{port}", BOUND_S)
         try:
             client.ask("robot/speed").value()
         except BaseException:
             client.close()
             raise
         return client
-    return connect_tcps(host, _port(served), BOUND_S)
+    return connect_tcps(host, port, BOUND_S)
 
 
 def _handed(own: str, name: str, role: str, days: int = 30) -> str:
@@ -260,6 +264,82 @@ def test_a_server_of_another_ca_or_name_is_not_trusted(own: str, served: ServedO
             _connected(served)
     with pytest.raises(PropertyError, match="not valid for"):
         _at_other_name(served)
+
+
+class _Between:
+    """Stands between client and endpoint: keeps what the client sends, and changes one bit of it.
+
+    Args:
+        port: Of the endpoint.
+        changes: Which piece of the client is changed; 0 for none.
+    """
+
+    def __init__(self, port: int, changes: int) -> None:
+        self.kept: list[bytes] = []
+        self._ends = [socket.create_server(("127.0.0.1", 0))]
+        self.port = int(self._ends[0].getsockname()[1])
+        threading.Thread(target=self._serve, args=(port, changes), daemon=True).start()
+
+    def _serve(self, port: int, changes: int) -> None:
+        near, _ = self._ends[0].accept()
+        far = socket.create_connection(("127.0.0.1", port))
+        self._ends += [near, far]
+        threading.Thread(target=self._pass, args=(far, near, [], 0), daemon=True).start()
+        self._pass(near, far, self.kept, changes)
+
+    @staticmethod
+    def _pass(source: socket.socket, sink: socket.socket, kept: list[bytes], changes: int) -> None:
+        with contextlib.suppress(OSError):
+            while piece := source.recv(1 << 16):
+                kept.append(piece)
+                if len(kept) == changes:
+                    piece = piece[:-1] + bytes([piece[-1] ^ 1])
+                sink.sendall(piece)
+        for end in (source, sink):
+            with contextlib.suppress(OSError):
+                end.shutdown(socket.SHUT_RDWR)
+
+    def close(self) -> None:
+        for end in self._ends:
+            end.close()
+
+
+def test_what_is_changed_or_sent_again_does_nothing(own: str, served: ServedObject) -> None:
+    with (
+        contextlib.closing(_Between(_port(served), 0)) as between,
+        _connected(served, "127.0.0.1", between.port) as client,
+    ):
+        assert client.ask("robot/count", "9").error == ""
+        kept = [*between.kept]
+    with _as(own, served) as client:
+        assert client.ask("robot/count", "7").error == ""
+    done = _record()
+    with (
+        socket.create_connection(("127.0.0.1", _port(served)), BOUND_S) as end,
+        contextlib.suppress(OSError),
+    ):
+        for piece in kept:
+            end.sendall(piece)
+        end.shutdown(socket.SHUT_WR)
+        while end.recv(1 << 16):
+            pass
+    assert _is_alive(own, served)
+    for changes in range(1, len(kept) + 1):
+        with contextlib.closing(_Between(_port(served), changes)) as between:
+            try:
+                with _connected(served, "127.0.0.1", between.port) as client:
+                    answer = client.ask("robot/count", "7").error
+            except (RtkitError, OSError):
+                answer = "ended"
+            # Pieces come together at times: then it was never changed, and is done.
+            assert bool(answer) == (len(between.kept) >= changes), changes
+        done += [*done[-1:]] * (not answer)
+    assert _is_alive(own, served)
+    assert len(_record()) == len(done)
+
+
+def _record() -> list[str]:
+    return Path(audit.file()).read_text(encoding="utf-8").splitlines()
 
 
 def test_a_host_is_added_by_a_certificate_that_names_it_too(

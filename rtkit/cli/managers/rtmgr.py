@@ -146,7 +146,8 @@ def main(
 
     With --tls managers are reached from other hosts, as /ADDRESS:PORT, by who shows a certificate
     (rtkit keys): a viewer looks, an operator changes states, configurations and connections of what
-    is there, an administrator makes and ends things.
+    is there and calls operations, an administrator makes and ends things, restarts the manager and
+    links hosts (rthost add NAME tls:ADDRESS:PORT).
 
     A manager in the foreground ends in order at Ctrl-C, when its terminal is closed, and at
     Ctrl-\ after telling where each thread is; a second Ctrl-C ends it at once.
