@@ -75,6 +75,17 @@ def test_a_lock_ends_with_the_connection_of_its_holder(robot: Robot) -> None:
     until(lambda: _has_lock(robot) == "", "the lock ends with the connection")
 
 
+def test_a_lock_is_of_no_other_holder_by_any_spelling(robot: Robot) -> None:
+    """A holder that the client names itself would have it for ever."""
+    forged = _holder("x")
+    for target in (f"{LEASE}%3Fid%3Dab-1", f"{LEASE}?id=ab-1", "%40x%2flease%3fid%3d1"):
+        with robot.connected("bert") as client:
+            taken = client.ask(target, forged)
+            lock = client.ask(LEASE).payload
+            assert taken.error or "bert at " in str(lock), target
+        until(lambda: _has_lock(robot) == "", "it ends with the connection")
+
+
 def test_locks_of_one_client_are_few(robot: Robot) -> None:
     with robot.connected("bert") as client:
         assert client.ask(LEASE, _holder("x" * 1000)).error == "refused"

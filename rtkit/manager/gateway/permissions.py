@@ -33,7 +33,10 @@ ROUTER = "@x/router"
 """Bytes to and from the router of a manager, by which hosts are linked."""
 _HALF = "@x/half"
 """What managers of linked hosts ask each other."""
-_NAME = re.compile(r"@x?(/[^/*$?#\s\x00-\x1f]+)+(\?id=[0-9a-f-]{1,64})?")
+_STEPS = r"(/[^/*$?#\s\x00-\x1f]+)+"
+_NAME = re.compile(rf"@{_STEPS}(\?id=[0-9a-f-]{{1,64}})?|@x{_STEPS}")
+"""Operations may bear an id; what is reserved is looked at by its name, to which nothing is added.
+"""
 _LONGEST = 1000
 _MOST_NAMED = 3
 

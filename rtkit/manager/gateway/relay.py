@@ -71,6 +71,7 @@ class GatewayConnection(SecureConnection):
         return ask
 
     _router: RouterEnd | None = None
+    _is_slowed = False
 
     def join(self, path: str) -> None:
         """Be a link to the router of the manager at a socket, after what is answered now.
@@ -84,7 +85,7 @@ class GatewayConnection(SecureConnection):
         """See `IOHandler.ready`."""
         if self._router is None:
             is_done = super().ready(mask)
-            if self._wait_s():
+            if self._is_slowed:
                 self.wake()
             return is_done
         if mask & ~select.EPOLLOUT and (data := self._receive(_CHUNK)):
@@ -118,8 +119,14 @@ class GatewayConnection(SecureConnection):
             return self._router.is_full
         # Whoever reads no answers, of which each may be large, is asked for no further request.
         # Whoever asks too often waits: a script in a loop is to be slow, and not to fail.
-        is_full = self._order.waiting >= _MOST_UNDER_WAY or self._wait_s() > 0
-        return is_full or super()._is_full()
+        if self._wait_s() > 0:
+            self._is_slowed = True  # until `_work` looks again: requests may be left in its buffer
+            return True
+        return self._order.waiting >= _MOST_UNDER_WAY or super()._is_full()
+
+    def _work(self) -> None:
+        self._is_slowed = False
+        super()._work()
 
     def _wait_s(self) -> float:
         return self._pace.wait_s(monotonic()) if self.is_open and self._pace is not None else 0.0
@@ -127,8 +134,7 @@ class GatewayConnection(SecureConnection):
     def flush(self, now: float) -> float | None:
         """See `IOHandler.flush`."""
         due = super().flush(now)
-        wait_s = self._wait_s()
-        return min(due or inf, now + wait_s) if wait_s else due
+        return min(due or inf, now + self._wait_s()) if self._is_slowed else due
 
     def record(self, what: str, result: str) -> None:
         """Put on record what the client has done, or tried to do."""

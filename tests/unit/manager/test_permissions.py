@@ -90,6 +90,7 @@ def test_what_else_is_asked_takes_its_role(name: str, payload: str | None, role:
 
 @pytest.mark.parametrize("name", ["", "@", "@/", "@/*", "@/a/**", "@y/a", "a", "@x/$*", "@/a?b=1",
                                   "@/a#", "@/a//b", "@/a\n", "@/a/",
+                                  "@x/lease?id=0a-1", "@x/router?id=0a",
                                   "@/" + "a" * 1000])  # fmt: skip
 def test_what_is_no_name_is_passed_on_to_nobody(name: str) -> None:
     with pytest.raises(Malformed, match="not a property of a manager"):
