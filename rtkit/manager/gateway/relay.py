@@ -100,7 +100,7 @@ class GatewayConnection(SecureConnection):
 
     @property
     def is_full(self) -> bool:
-        """Whether it takes less than the router says."""
+        """Return whether it takes less than the router says."""
         return len(self._out) > _HIGH
 
     def _send(self) -> None:

@@ -54,7 +54,7 @@ class RouterEnd(IOHandler):
 
     @property
     def is_full(self) -> bool:
-        """Whether the router takes less than comes."""
+        """Return whether the router takes less than comes."""
         return len(self._out) > _HIGH
 
     def pass_on(self, data: bytes) -> None:

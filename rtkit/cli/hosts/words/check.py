@@ -128,11 +128,11 @@ def _link(name: str) -> Iterator[tuple[str, str]]:
 def _record(
     host: Host, far: FarSide | str, clock: ClockOffset, obstacles: list[str]
 ) -> dict[str, object]:
-    told = {"rtkit": far} if isinstance(far, str) else _told(far)
+    found = {"rtkit": far} if isinstance(far, str) else _of_shell(far)
     return {
         "name": host.name,
         "address": str(host),
-        **told,
+        **found,
         "round_trip_s": clock.round_trip_s,
         "clock_offset_s": clock.offset_s,
         "clock_bound_s": clock.bound_s,
@@ -140,7 +140,7 @@ def _record(
     }
 
 
-def _told(far: FarSide) -> dict[str, object]:
+def _of_shell(far: FarSide) -> dict[str, object]:
     return {
         "hostname": far.hostname,
         "python": ".".join(map(str, far.python)),
