@@ -12,12 +12,11 @@ from typing import TYPE_CHECKING, NamedTuple
 from rtkit.api import move_records, owning
 from rtkit.errors import RtkitError, Unreachable
 from rtkit.fast_dataclass import replace
-from rtkit.rtc.names import split_manager
+from rtkit.rtc.names import LOCAL, split_manager
 
 if TYPE_CHECKING:
     from rtkit.api.session import Session
     from rtkit.api.system_profiles import SystemProfile
-    from rtkit.deployment.moving import MoveRecord
 
 
 class Displaced(NamedTuple):
@@ -51,23 +50,35 @@ def _by_request(
 ) -> dict[str, Displaced]:
     """Return the components that ``rtmove`` led away from their managers, by name.
 
-    Movable ones are left out, whose owner knows where they are, and what is not there any more.
+    Movable ones whose owner knows where they are are left out, and what is not there any more.
+    Those whose owner was stopped meanwhile count as moved by request.
     """
-    if not (session.finds_managers and move_records.has_moved()):
+    if not session.finds_managers:
         return {}
+    moves: dict[str, tuple[str, str]] = {}
+    if move_records.has_moved():
+        for name, home in homes.items():
+            if (last := move_records.last_move(home, name)) is not None:
+                moves[name] = last.manager, last.shown_at(last.manager)[0]
+    for name, manager in owning.homes_as_known_there(session, document).items():
+        if manager != homes[name]:
+            moves[name] = manager, f"{split_manager(manager)[1] or LOCAL}/{name}.rtc"
     owned = owning.read(session.usual_manager, document.profile.id)
+    for name in owned.components if owned is not None else ():
+        moves.pop(name, None)
     found = {}
-    for name, home in homes.items():
-        last = move_records.last_move(home, name)
-        if last is None or (owned is not None and name in owned.components):
-            continue
-        there = _place_of(last)
-        if there is None:
-            continue
-        is_dead = bool(there.why) or _state(session, there.manager, name) is None
-        if not is_dead or (there.why and _state(session, home, name) != ""):
+    for name, (manager, path) in moves.items():
+        there = _place_of(manager, path)
+        if there is not None and _may_live(session, name, there, homes[name]):
             found[name] = there
     return found
+
+
+def _may_live(session: Session, name: str, there: Displaced, home: str) -> bool:
+    """Return whether a component lives where it was moved to, or may, if it is not at home."""
+    if there.why:
+        return _state(session, home, name) != ""
+    return _state(session, there.manager, name) is not None
 
 
 def forget(session: Session, document: SystemProfile, homes: Mapping[str, str]) -> None:
@@ -78,12 +89,11 @@ def forget(session: Session, document: SystemProfile, homes: Mapping[str, str]) 
             move_records.forget_moves(homes[name], name)
 
 
-def _place_of(move: MoveRecord) -> Displaced | None:
-    """Return where a component was moved to; None if that has ended: nothing lives there."""
+def _place_of(manager: str, path: str) -> Displaced | None:
+    """Return what is known of where a component was moved to; None if that has ended."""
     from rtkit.hosts import inventory
     from rtkit.link import host_links, places
 
-    manager, path = move.manager, move.shown_at(move.manager)[0]
     own, host = split_manager(manager)
     if not host:
         if places.owner(own) is not None:

@@ -102,6 +102,37 @@ def place(manager: str) -> str:
     return f"{host or LOCAL}/{own}{MANAGER_SUFFIX}"
 
 
+def homes_as_known_there(session: Session, document: SystemProfile) -> dict[str, str]:
+    """Return where movable components were had by an ownership that ended with the manager here.
+
+    Managers of linked hosts have been told, and know it still: the manager of each, by component.
+    """
+    from rtkit.api.gathering import is_movable
+    from rtkit.link import host_links
+    from rtkit.link.places import host_name
+
+    movable = {each.instance_name for each in document.profile.components if is_movable(each)}
+    if not movable or not host_links.hosts() or read(session.usual_manager, document.profile.id):
+        return {}
+    found: dict[str, tuple[int, str]] = {}
+    here = f"{host_name()}/{session.usual_manager}"
+    with ExitStack() as stack:
+        for tree in _linked(session, stack, ()).values():
+            for line in tree.get("get_fences").splitlines():
+                name, epoch, home, owner = line.split()
+                if owner == here and name in movable:
+                    found[name] = max(found.get(name, (0, "")), (int(epoch), home))
+    return {name: _in_plans(home) for name, (_, home) in found.items()}
+
+
+def _in_plans(home: str) -> str:
+    """Return how plans call a manager that is told with its host."""
+    from rtkit.link.places import host_name
+
+    host, _, manager = home.rpartition("/")
+    return manager if host == host_name() else manager_on(manager, host)
+
+
 def absent_hosts(document: SystemProfile) -> Iterator[str]:
     """Yield a remark for each host that a movable component is to go to, and that is not linked.
 
@@ -201,7 +232,9 @@ def given_up(session: Session, document: SystemProfile, *, ends: bool) -> Iterat
     try:
         _awake(session)
         with ExitStack() as stack:
-            _take_back(session, session.tree.trees | _linked(session, stack), names)
+            _take_back(
+                session, session.tree.trees | _linked(session, stack, session.tree.trees), names
+            )
         yield
     except BaseException:
         write(session.usual_manager, known)
@@ -210,15 +243,15 @@ def given_up(session: Session, document: SystemProfile, *, ends: bool) -> Iterat
         _end_older(session, known)
 
 
-def _linked(session: Session, stack: ExitStack) -> dict[str, Tree]:
-    """Return connections to the managers of linked hosts that a session does not ask."""
+def _linked(session: Session, stack: ExitStack, but: Collection[str]) -> dict[str, Tree]:
+    """Return connections to the managers of linked hosts, without some."""
     from rtkit.api.gathering import connected
     from rtkit.link import host_links
 
     found = {}
     for host in host_links.hosts():
         name = manager_on(host_links.read(host).far_manager, host)
-        if name not in session.tree.trees and not is_lost(name):
+        if name not in but and not is_lost(name):
             try:
                 found[name] = stack.enter_context(connected(name, session.timeout_s))
             except Unreachable as error:

@@ -376,6 +376,29 @@ def test_applying_goes_on_over_what_a_lost_host_was_told(
     assert places(applied) == [THERE]
 
 
+def test_no_second_one_is_made_when_its_owner_was_stopped(
+    applied: Shell, hosts: list[FarHost]
+) -> None:
+    file = applied.folder / "owner.xml"
+    assert applied.run(f"rtteardown --exit {FILE}").status == 0
+    text = profile(movable="0 robot2")
+    file.write_text(text.replace("robot2/Far", "localhost/Far"))  # nothing else leads to robot2
+    assert applied.run("rtapply owner.xml").status == 0
+    cut(applied, hosts[0])
+    until(lambda: places(applied) == ["/robot2/Num.rtc"], "it is made on robot2")
+    linked_again(applied, hosts[0])
+    ended_on_robot1(applied)
+    applied.ok("rtmgr stop")
+    applied.ok("rtmgr start")
+    for host in hosts:
+        applied.ok(f"rtmgr start --host {host.name}")
+    assert "delete Num" in applied.run("rtplan owner.xml").out
+    assert applied.run("rtapply owner.xml").status == 0
+    assert "Num.rtc" not in applied.ok("rtls /robot2")
+    assert places(applied) == [THERE]
+    assert applied.run("rtteardown --exit owner.xml").status == 0
+
+
 def test_a_host_that_is_not_linked_is_named(applied: Shell) -> None:
     file = applied.folder / "named.xml"
     file.write_text(profile(movable="0.5 robot2 robot9"))

@@ -81,7 +81,10 @@ def check_home(state: ManagerState, name: str) -> None:
     """
     epoch, home, owner = state.kept.fences.get(name, NONE)
     if home not in ("", on_host(state.name, state.host)):
-        raise Refused(f"{name} cannot be made here: {owner} has it in {home} since epoch {epoch}")
+        ends = f"rtteardown or rtapply at {owner} ends that; is it gone for good, rtmgr stop here"
+        raise Refused(
+            f"{name} cannot be made here: {owner} has it in {home} since epoch {epoch} ({ends})"
+        )
 
 
 def lines(state: ManagerState) -> str:
