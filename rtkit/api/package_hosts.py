@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from rtkit.api.system_profiles import SystemProfile
     from rtkit.deployment.facts import Snapshot
     from rtkit.packages.needing import Question, Survey
+    from rtkit.packages.wheel_target import WheelTarget
     from rtkit.profile.rts_model import ComponentInstance
 
 
@@ -24,6 +25,7 @@ class PackageHosts:
         names: All of them, this one first; this one is `LOCAL`.
         managers: What is known of the manager of each component, by its name.
         far: The components that are to be on other hosts.
+        targets: What packages are chosen for on the other hosts that were surveyed.
     """
 
     def __init__(
@@ -50,6 +52,7 @@ class PackageHosts:
         hosts = (self.host_of(name) for name in self.managers)
         self.names = tuple(dict.fromkeys([LOCAL, *hosts]))
         self.far = {name for name in self.managers if self.host_of(name) != LOCAL}
+        self.targets: dict[str, WheelTarget] = {}
 
     def host_of(self, component: str) -> str:
         """Return the host on which a component of the system is to be."""
@@ -144,9 +147,16 @@ class PackageHosts:
     def _far(self, host: str, asked: Question) -> Survey:
         from rtkit.hosts import far_packages, far_side, inventory
         from rtkit.hosts.connection import connect
+        from rtkit.hosts.host import named
+        from rtkit.hosts.wheels import target_of
         from rtkit.packages.needing import Survey
 
-        with connect(inventory.host(host), self._session.timeout_s) as connection:
-            if not self.is_up(host) and not far_side.look(connection).current:
+        known = inventory.host(host)
+        with connect(known, self._session.timeout_s) as connection:
+            look, is_bare = far_side.look(connection), not self.is_up(host)
+            if asked.types:
+                with named(host):
+                    self.targets[host] = target_of(look, known.extras, is_bare=is_bare)
+            if is_bare and not look.current:
                 return Survey()  # there is no rtkit yet, so no package
             return far_packages.surveyed(connection, asked)

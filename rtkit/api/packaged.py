@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from rtkit.api.system_profiles import SystemProfile
     from rtkit.deployment.facts import Snapshot
     from rtkit.deployment.system import KnownType
+    from rtkit.packages.installed import Installed
     from rtkit.packages.needing import Survey
     from rtkit.packages.offering import Offering
     from rtkit.packages.wheel_target import WheelTarget
@@ -119,14 +120,16 @@ def supplied(
             pending |= asking.pending(types, host, survey)
     near, far = ({n for n in (*found, *pending) if (n in hosts.far) is x} for x in (False, True))
     types = _known_types(document, {n: found[n][0] for n in near & {*found}}) | types
-    chosen, lacks = _supply(session, pending, far, places)
+    chosen, lacks = _supply(session, pending, hosts, places)
     found |= {name: [each] for name, each in chosen.items()}
     types |= _known_types(document, {n: chosen[n] for n in near & {*chosen}})
     document = _chosen(asking, document, found, far)
     sound = {name: each.package for name, each in chosen.items() if name not in lacks}
     if not sound and not any(each.surplus for each in surveys.values()):
         return Packaged(document, NO_PACKAGES, types, lacks)
-    digests = {each.text: each.wheels for each in sound.values()}
+    digests = {f"{hosts.host_of(n)}/{each.text}": each.wheels for n, each in sound.items()}
+    for package, wheels in digests.items():
+        session.verbose(f"{package}: {', '.join(wheels)}")
     installer = _installer(session, document, places, digests, hosts)
     of = {name: each.text for name, each in sound.items()}
     return Packaged(document, _packages(surveys, of, digests, installer), types, lacks)
@@ -143,11 +146,12 @@ def _packages(
         for host, survey in surveys.items()
         for text, folder in survey.surplus.items()
     }
+    needed = {each.partition("/")[2] for each in digests}
     there = {
         f"{host}/{text}"
         for host, survey in surveys.items()
         for text in survey.installed
-        if text in digests or text in survey.surplus
+        if text in needed or text in survey.surplus
     }
     return Packages(of, frozenset(there), digests, surplus, installer)
 
@@ -169,42 +173,42 @@ def leftover(
 
 
 def _supply(
-    session: Session, pending: Mapping[str, str], far: set[str], places: Sequence[str]
+    session: Session, pending: Mapping[str, str], hosts: PackageHosts, places: Sequence[str]
 ) -> tuple[dict[str, Offering], dict[str, str]]:
     """Return an offering for each pending component that has one, and why some cannot be had."""
     from rtkit.packages.offering import offerings
     from rtkit.packages.supply import Supply, supply
 
+    wanted = {name: (hosts.host_of(name), id) for name, id in pending.items()}
     # A type of which a package is installed here is pending on other hosts only.
-    own = {id: each[0] for id, each in offerings({*pending.values()}).items()}
-    asked = [id for id in pending.values() if id not in own]
-    found = supply(asked, places, session.warn) if asked and places else Supply({}, {})
-    absent = sorted({*asked} - {*found.found}) if places else ()
+    here = offerings({*pending.values()})
+    own = {each: here[each[1]][0] for each in wanted.values() if each[1] in here}
+    cannot = {each: _unpushable(own[each].package, hosts.targets.get(each[0])) for each in own}
+    asked = [each for each in wanted.values() if cannot.get(each, "none")]
+    found = Supply({}, {})
+    if asked and places:
+        found = supply(asked, hosts.targets, places, session.warn)
+    absent = sorted({id for _, id in {*asked} - {*found.found, *own}}) if places else ()
     looked = ", ".join(places)
     session.warn(f"no installed package has {each}, and none of {looked}" for each in absent)
     all = own | found.found
-    chosen = {name: all[id] for name, id in pending.items() if id in all}
-    lacks = {name: found.lacks[id] for name, id in pending.items() if id in found.lacks}
-    cannot = _unpushable({n: each for n, each in chosen.items() if n in far - {*lacks}}, places)
-    return chosen, lacks | cannot
+    lacks = {e: why for e, why in cannot.items() if why and e not in found.found} | found.lacks
+    chosen = {name: all[each] for name, each in wanted.items() if each in all}
+    return chosen, {name: lacks[each] for name, each in wanted.items() if each in lacks}
 
 
-def _unpushable(chosen: Mapping[str, Offering], places: Sequence[str]) -> dict[str, str]:
-    """Return why packages of components of other hosts cannot be brought there."""
-    import tempfile
-
+def _unpushable(package: Installed, target: WheelTarget | None) -> str:
+    """Return why a package that is installed here cannot be brought to another host."""
     from rtkit.errors import RtkitError
     from rtkit.packages.bundling import pushable
 
-    why: dict[str, str] = {}
-    packages = {each.package.text: each.package.wheels for each in chosen.values()}
-    for text, wheels in packages.items():
-        try:
-            with tempfile.TemporaryDirectory(prefix="rtpkg-") as draft:
-                pushable(text, places, wheels, draft)
-        except RtkitError as error:
-            why[text] = str(error)
-    return {n: why[e.package.text] for n, e in chosen.items() if e.package.text in why}
+    if target is not None and not target.kind.fits(package.wheels):
+        return f"{package.text} is installed here by wheels that do not fit {target.kind.name}"
+    try:
+        pushable(package.text, (), package.wheels, "")
+    except RtkitError as error:
+        return str(error)
+    return ""
 
 
 def _installer(
@@ -223,8 +227,9 @@ def _installer(
     from rtkit.hosts.package_installer import HostsInstaller
     from rtkit.packages.bundling import pushable
 
-    def wheels(name: str, folder: str, target: WheelTarget) -> Mapping[str, Sequence[str]]:
-        return pushable(name, places, digests[name], folder, target)
+    def wheels(package: str, folder: str, target: WheelTarget) -> Mapping[str, Sequence[str]]:
+        name = package.partition("/")[2]
+        return pushable(name, places, digests[package], folder, target)
 
     bare = {host for host in hosts.names if not hosts.is_up(host)}
     how = (system, bare, session.verbose, session.timeout_s)

@@ -170,8 +170,10 @@ def _makings(goal: DeploymentGoal, snapshot: Snapshot) -> dict[str, list[str]]:
     live, packages = LiveIndex(snapshot, goal.system), goal.packages
 
     def wheels(instance: str) -> Iterator[str]:
-        digests = packages.digests.get(packages.of.get(instance, ""), {})
-        yield from (f"{file} {digest}" for file, digest in sorted(digests.items()))
+        text = packages.of.get(instance, "")
+        for package, digests in packages.digests.items():
+            if package.partition("/")[2] == text:
+                yield from (f"{file} {digest}" for file, digest in sorted(digests.items()))
 
     return {
         each.instance: [live.create_of(each), each.module, each.name, *wheels(each.instance)]

@@ -42,7 +42,8 @@ class Packages:
     Attributes:
         of: ``NAME==VERSION`` by instance name, of components that a package offers.
         installed: What is installed, ``HOST/NAME==VERSION``.
-        digests: By package, of those to be installed, the SHA-256 of all wheels, by file.
+        digests: Of those to be installed, by ``HOST/NAME==VERSION``, the SHA-256 of all wheels, by
+            file.
         surplus: Folders of those that the system was installed with and needs no longer.
         installer: What installs them.
     """

@@ -10,12 +10,12 @@ from rtkit.hosts import far_packages, far_side, inventory, provisioned
 from rtkit.hosts.connection import connect
 from rtkit.hosts.host import named
 from rtkit.hosts.progress import by_lines
-from rtkit.hosts.wheels import wheels_for
+from rtkit.hosts.wheels import target_of
 from rtkit.packages.installed import work_folder
 from rtkit.packages.wheel_target import WheelTarget
 
 Wheels = Callable[[str, str, WheelTarget], Mapping[str, Sequence[str]]]
-"""Returns the wheels of a ``NAME==VERSION`` for a target; the folder gets those it fetches."""
+"""Returns the wheels of a ``HOST/NAME==VERSION`` for a target; a folder gets those it fetches."""
 
 
 class HostsInstaller:
@@ -56,7 +56,7 @@ class HostsInstaller:
         Raises:
             RtkitError: See `rtkit.hosts.far_packages.push`; the wheels cannot be had.
         """
-        host, _, name = package.partition("/")
+        host = package.partition("/")[0]
         if host == self._here:
             self._near.install(package)
             return
@@ -64,8 +64,8 @@ class HostsInstaller:
         with work_folder() as folder, connect(known, self._timeout_s) as connection:
             look, is_bare = far_side.look(connection), host in self._bare
             with named(host):
-                has = wheels_for(look.kind, known.extras).versions if is_bare else look.target.has
-                wheels = self._wheels(name, folder, WheelTarget(look.kind, has))
+                target = target_of(look, known.extras, is_bare=is_bare)
+                wheels = self._wheels(package, folder, target)
             if is_bare:
                 provisioned.provision(connection, look, self._show)
             fault.point("packages.push")

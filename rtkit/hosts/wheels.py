@@ -20,9 +20,10 @@ from functools import lru_cache
 from typing import NamedTuple
 
 from rtkit.errors import NotFound, Refused, Unreachable
+from rtkit.hosts.far_side import FarSide
 from rtkit.link.places import check_trusted
 from rtkit.packages.tools import pip
-from rtkit.packages.wheel_target import WheelKind
+from rtkit.packages.wheel_target import WheelKind, WheelTarget
 from rtkit.version import __version__
 
 _SUMS = "digests.json"
@@ -91,6 +92,19 @@ def _wheels_in(cache: str, kind: WheelKind, extras: tuple[str, ...]) -> WheelSet
     digests |= {os.path.basename(own): _digest(own)}
     whole = hashlib.sha256(json.dumps(digests, sort_keys=True).encode()).hexdigest()
     return WheelSet(f"{__version__}-{whole[:12]}", files, digests)
+
+
+def target_of(look: FarSide, extras: Collection[str], *, is_bare: bool) -> WheelTarget:
+    """Return what packages for a host are chosen for; a bare one gets this rtkit with extras before.
+
+    Raises:
+        RtkitError: See `wheels_for`; or rtkit cannot be made on the host.
+    """
+    if not is_bare:
+        return look.target
+    if obstacles := look.obstacles(needs_room=not look.current):
+        raise Refused("; ".join(obstacles))
+    return WheelTarget(look.kind, wheels_for(look.kind, extras).versions)
 
 
 def requirements(extras: Collection[str] = ()) -> list[str]:

@@ -8,7 +8,7 @@ import os
 import re
 import shutil
 import tempfile
-from typing import NamedTuple
+from typing import Any, NamedTuple
 from urllib.parse import unquote, urldefrag, urlsplit
 
 from packaging.requirements import InvalidRequirement, Requirement
@@ -71,19 +71,8 @@ def resolve(
         Unreachable: A simple index does not answer.
         Refused: Packages need versions of a third that exclude each other; names them.
     """
-    options = ["--only-binary=:all:", "--retries", "1", *repositories.pip_options()]
-    with tempfile.TemporaryDirectory(prefix="rtpkg-") as folder:
-        report = os.path.join(folder, "report.json")
-        if target is not None:
-            options += target.pip_options(folder)
-        what = ("--dry-run", "--report", report)
-        output, error = pip("install", *what, *options, "--", str(wanted))
-        if error:
-            raise _failure(wanted, f"{output}\n{error}", repositories, target)
-        with open(report, encoding="utf-8") as file:
-            items = json.load(file)["install"]
     chosen = []
-    for each in items:
+    for each in _reported(wanted, repositories, target):
         metadata, info = each["metadata"], each["download_info"]
         digest = info["archive_info"]["hashes"]["sha256"]
         name = canonicalize_name(metadata["name"])
@@ -96,6 +85,33 @@ def resolve(
     for each in chosen if target is None else ():
         _check_environment(own, each)
     return sorted(chosen, key=lambda each: each.name != own)
+
+
+def _reported(
+    wanted: Requirement, repositories: Repositories, target: WheelTarget | None
+) -> list[Any]:
+    """Return what pip reports that it would install.
+
+    Pip evaluates environment markers for the Python here: what packages need only on the target is
+    asked for besides, until nothing is lacking.
+    """
+    options = ["--only-binary=:all:", "--retries", "1", *repositories.pip_options()]
+    asked = [str(wanted)]
+    with tempfile.TemporaryDirectory(prefix="rtpkg-") as folder:
+        report = os.path.join(folder, "report.json")
+        if target is not None:
+            options += target.pip_options(folder)
+        while True:
+            what = ("--dry-run", "--report", report)
+            output, error = pip("install", *what, *options, "--", *asked)
+            if error:
+                raise _failure(wanted, f"{output}\n{error}", repositories, target)
+            with open(report, encoding="utf-8") as file:
+                items: list[Any] = json.load(file)["install"]
+            more = {*target.lacking(items)} - {*asked} if target is not None else ()
+            if not more:
+                return items
+            asked += sorted(more)
 
 
 def _check_environment(own: str, chosen: Chosen) -> None:

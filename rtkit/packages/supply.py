@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import tempfile
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from typing import NamedTuple
 
 from packaging.requirements import Requirement
@@ -15,30 +15,38 @@ from rtkit.packages.installed import Digests, Installed, install, installed, rem
 from rtkit.packages.offering import Offering
 from rtkit.packages.repository import Offer, Repositories, newest_first, offers, opened
 from rtkit.packages.resolving import fetch, resolve
-from rtkit.packages.signing import check
+from rtkit.packages.signing import are_required, check
 from rtkit.packages.usage import check_unused
 from rtkit.packages.wheel import Wheel
+from rtkit.packages.wheel_target import WheelTarget
+
+HostType = tuple[str, str]
+"""A host, and the id of a component type that it needs: ``RTC:VENDOR:CATEGORY:TYPE:VERSION``."""
 
 
 class Supply(NamedTuple):
-    """Packages that would make components of types, by the ids of these.
+    """Packages that would make components of types on hosts.
 
     Attributes:
         found: The chosen offering of each type; its package is not installed yet.
         lacks: Why, by type, none of those that offer it can be installed.
     """
 
-    found: dict[str, Offering]
-    lacks: dict[str, str]
+    found: dict[HostType, Offering]
+    lacks: dict[HostType, str]
 
 
 def supply(
-    ids: Sequence[str], names: Sequence[str], notify: Callable[[list[str]], object]
+    wanted: Iterable[HostType],
+    targets: Mapping[str, WheelTarget],
+    names: Sequence[str],
+    notify: Callable[[list[str]], object],
 ) -> Supply:
     """Choose the newest package that offers each type and can be installed; nothing is installed.
 
     Args:
-        ids: Ids of component types, ``RTC:VENDOR:CATEGORY:TYPE:VERSION``.
+        wanted: The types.
+        targets: What packages are chosen for by host; for others they are chosen as for this one.
         names: Repositories.
         notify: Gets what is wrong with some of these.
     """
@@ -50,33 +58,41 @@ def supply(
                 notify([str(each)])
             else:
                 there.append(each)
-        choosing = _Choosing(newest_first(there), repositories, draft)
-        for id in dict.fromkeys(ids):
-            choosing.choose(id, chosen)
+        choosing = _Choosing(newest_first(there), repositories, targets, draft)
+        for host_type in dict.fromkeys(wanted):
+            choosing.choose(host_type, chosen)
     return chosen
 
 
 class _Choosing:
-    """Asks pip once for each package."""
+    """Asks pip once for each package and kind of host."""
 
-    def __init__(self, there: list[Offer], repositories: Repositories, draft: str) -> None:
+    def __init__(
+        self,
+        there: list[Offer],
+        repositories: Repositories,
+        targets: Mapping[str, WheelTarget],
+        draft: str,
+    ) -> None:
         self._there = there
         self._repositories = repositories
+        self._targets = targets
         self._draft = draft
-        self._known: dict[tuple[str, str], tuple[Digests, Wheel] | RtkitError] = {}
+        self._known: list[tuple[_Question, tuple[Digests, Wheel] | RtkitError]] = []
 
-    def choose(self, id: str, chosen: Supply) -> None:
+    def choose(self, wanted: HostType, chosen: Supply) -> None:
+        host, id = wanted
         for offer in self._candidates(id):
-            found = self._resolved(offer)
+            found = self._resolved(offer, self._targets.get(host))
             digests, wheel = ({}, offer.wheel) if isinstance(found, RtkitError) else found
             offering = _of_type(id, wheel, digests) if wheel is not None else None
             if isinstance(found, RtkitError):
-                chosen.lacks.setdefault(id, str(found))
+                chosen.lacks.setdefault(wanted, str(found))
                 if offering is not None:
-                    chosen.found.setdefault(id, offering)
+                    chosen.found.setdefault(wanted, offering)
             elif offering is not None:
-                chosen.found[id] = offering
-                chosen.lacks.pop(id, None)
+                chosen.found[wanted] = offering
+                chosen.lacks.pop(wanted, None)
                 return
 
     def _candidates(self, id: str) -> Iterator[Offer]:
@@ -89,20 +105,43 @@ class _Choosing:
             elif id in [type.id for type in each.wheel.types]:
                 yield each
 
-    def _resolved(self, offer: Offer) -> tuple[Digests, Wheel] | RtkitError:
-        key = (offer.name, offer.version)
-        if key not in self._known:
-            try:
-                wanted = Requirement(f"{offer.name}=={offer.version}")
-                wheels = resolve(wanted, self._repositories)
-                digests = {each.file: each.sha256 for each in wheels}
-                wheel = offer.wheel or fetch(wheels[0], self._draft)
-                if not self._repositories.are_bundles():
-                    check([wheel])
-                self._known[key] = digests, wheel
-            except RtkitError as error:
-                self._known[key] = error
-        return self._known[key]
+    def _resolved(
+        self, offer: Offer, target: WheelTarget | None
+    ) -> tuple[Digests, Wheel] | RtkitError:
+        asked = _Question(offer.name, offer.version, target)
+        for known, found in self._known:
+            if known == asked:
+                return found
+        answer: tuple[Digests, Wheel] | RtkitError
+        try:
+            answer = self._resolve(asked)
+        except RtkitError as error:
+            answer = error
+        self._known.append((asked, answer))
+        return answer
+
+    def _resolve(self, asked: _Question) -> tuple[Digests, Wheel]:
+        """Return the wheels of a package with all that it needs, and its own.
+
+        Raises:
+            RtkitError: It cannot be had; or a wheel is not signed where that is required.
+        """
+        wanted = Requirement(f"{asked.name}=={asked.version}")
+        wheels = resolve(wanted, self._repositories, asked.target)
+        is_signed = are_required() and not self._repositories.are_bundles()
+        known = {(w.file, w.sha256): w for each in self._there if (w := each.wheel) is not None}
+        read = [
+            known.get((each.file, each.sha256)) or fetch(each, self._draft, asked.target)
+            for each in (wheels if is_signed else wheels[:1])
+        ]
+        check(read if is_signed else ())
+        return {each.file: each.sha256 for each in wheels}, read[0]
+
+
+class _Question(NamedTuple):
+    name: str
+    version: str
+    target: WheelTarget | None
 
 
 def _of_type(id: str, wheel: Wheel, digests: Digests) -> Offering | None:
@@ -147,9 +186,9 @@ class LocalInstaller:
         Raises:
             RtkitError: See `rtkit.packages.installed.install`.
         """
-        text = package.partition("/")[2]
+        wanted = Requirement(package.partition("/")[2])
         with opened(self._repositories) as there:
-            install(Requirement(text), there, self._digests.get(text), system=self._system)
+            install(wanted, there, self._digests.get(package), system=self._system)
 
     def uninstall(self, package: str) -> None:
         """Remove a package, ``HOST/NAME==VERSION``.

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import os
 import zipfile
-from collections.abc import Iterable, Mapping
-from typing import NamedTuple
+from collections.abc import Iterable, Iterator, Mapping
+from typing import Any, NamedTuple
 
 _NEWEST_GLIBC, _OLDEST_GLIBC = 45, 17
 
@@ -80,6 +80,30 @@ class WheelTarget(NamedTuple):
             file.writelines(f"{name}=={version}\n" for name, version in self.has.items())
         where = ["--target", os.path.join(folder, "target"), "--find-links", folder]
         return [*self.kind.pip_options(), *where, "--constraint", limits]
+
+    def lacking(self, items: Iterable[Mapping[str, Any]]) -> Iterator[str]:
+        """Yield what packages need on the target, that is not among them and not there.
+
+        Args:
+            items: The packages, as an installation report of pip tells them.
+        """
+        from packaging.requirements import Requirement
+        from packaging.utils import canonicalize_name
+
+        items = list(items)
+        there = {canonicalize_name(each["metadata"]["name"]) for each in items} | self.has.keys()
+        python, machine = self.kind.python, self.kind.machine
+        environment = {"python_version": python, "python_full_version": f"{python}.0"}
+        environment |= {"platform_machine": machine}
+        for each in items:
+            extras = ["", *each.get("requested_extras", ())]
+            for needed in map(Requirement, each["metadata"].get("requires_dist", ())):
+                marker, needed.marker = needed.marker, None
+                is_needed = marker is None or any(
+                    marker.evaluate({**environment, "extra": extra}) for extra in extras
+                )
+                if is_needed and canonicalize_name(needed.name) not in there:
+                    yield str(needed)
 
 
 def _write_empty(folder: str, name: str, version: str) -> None:

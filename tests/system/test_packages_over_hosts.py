@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+import platform
+import sys
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -190,8 +192,40 @@ def test_what_cannot_be_pushed_is_told_before_anything_is_done(shell: Shell, whe
     made(wheels, "lack", "1.0", type="Lack", requires=("pytest",))
     refused = shell.run(f"rtapply {profile(shell, BOTH[0], ('Lack', '1.0', 'robot1'))}")
     assert refused.status == 1
-    assert "lack==1.0 needs pytest" in refused.err
+    assert "no repository has pytest for cp3" in refused.err
+    assert ", which lack needs" in refused.err
     assert (shell.ok("rtpkg list"), shell.run("rtls /robot1").status) == ("", 1)
+
+
+def test_wheels_are_planned_for_the_machine_of_each_host(
+    shell: Shell, wheels: Path, hosts: list[FarHost]
+) -> None:
+    """What the host says of its C library decides there, that of this machine here."""
+    machine, glibc = platform.machine(), platform.libc_ver()[1].replace(".", "_")
+    tags = f"py3-none-manylinux_{glibc}_{machine}"
+    made(wheels, "fit", "1.0", type="Fit")
+    for name, version in (("fit", "1.1"), ("only", "1.0")):
+        source = MODULE.replace("{version}", "1.0")
+        new = made(wheels, name, version, type=name.title(), source=source)
+        new.rename(wheels / f"{name}-{version}-{tags}.whl")
+    old = "import platform\nplatform.libc_ver = lambda: ('glibc', '2.31')"
+    hosts[0].run("mkdir", "-p", "/root/old")
+    hosts[0].write("/root/old/sitecustomize.py", old)
+    hosts[0].write("/root/python", '#!/bin/sh\nPYTHONPATH=/root/old exec python3 "$@"\n')
+    hosts[0].run("chmod", "+x", "/root/python")
+    shell.ok(f"rthost add --force robot1 root@{hosts[0].address} --python /root/python")
+    near, far = (("Fit", "1.0", host) for host in ("localhost", "robot1"))
+    assert "install fit==1.1 on localhost" in steps(shell, profile(shell, near))
+    file = profile(shell, far)
+    assert "robot1/fit==1.0: fit-1.0-py3-none-any.whl\n" in shell.run(f"rtplan -v {file}").err
+    refused = shell.run(f"rtapply {profile(shell, BOTH[0], ('Only', '1.0', 'robot1'))}")
+    kind = f"for cp3{sys.version_info[1]}-glibc2.31-{machine}"
+    assert (refused.status, f"no repository has only==1.0 {kind}" in refused.err) == (1, True)
+    assert (shell.ok("rtpkg list"), shell.run("rtls /robot1").status) == ("", 1)
+    # What is installed here fits as it is only where the machine is like this one.
+    shell.ok("rtpkg install fit")
+    assert shell.run(f"rtapply {profile(shell, far)}").status == 0
+    assert installed(shell) == ["fit 1.0"]
 
 
 @pytest.mark.parametrize("point", ["packages.push", "packages.pushed"])

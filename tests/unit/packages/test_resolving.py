@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import platform
 import threading
 from collections.abc import Iterator
 from functools import partial
@@ -49,6 +50,16 @@ def index(wheels: Path) -> Iterator[str]:
 
 def test_an_escaped_slash_leads_nowhere_else() -> None:
     assert Chosen("a", "1", "file:///r/a-1-py3-none-..%2F..%2Fx.whl", "").file == "x.whl"
+
+
+def test_what_is_needed_only_on_the_host_is_chosen_too(wheels: Path) -> None:
+    for marker in ("platform_machine == 'aarch64'", "python_version >= '3.13'"):
+        there = Repositories({"w": str(wheels)}, [])
+        made(wheels, "mark", "1.0", requires=(f"native>=1; {marker}",))
+        chosen = resolve(Requirement("mark"), there, ARM)
+        assert [each.file for each in chosen] == ["mark-1.0-py3-none-any.whl", NATIVE]
+        if "machine" in marker and platform.machine() != "aarch64":
+            assert len(resolve(Requirement("mark"), there)) == 1
 
 
 def test_wheels_are_chosen_for_the_host_that_they_are_for(wheels: Path) -> None:
