@@ -15,7 +15,7 @@ import tempfile
 from collections.abc import Mapping, Sequence
 
 from rtkit.errors import RtkitError
-from rtkit.fast_dataclass import Record, field
+from rtkit.fast_dataclass import Record, field, replace
 from rtkit.hosts.far_program import MARK
 from rtkit.link import places
 from rtkit.packages.bundle import SUFFIX, unpacked
@@ -47,11 +47,13 @@ class PackageAnswer(Record):
     """Answer of the program: the packages that it is about, or why nothing was done.
 
     Attributes:
-        signed: Of each wheel of a package that is there, by ``NAME==VERSION``.
+        made: Those that are new, ``NAME==VERSION``.
+        signed: Of each wheel of a package that is there, by the same.
         survey: What was surveyed.
     """
 
     packages: tuple[Installed, ...] = ()
+    made: tuple[str, ...] = ()
     signed: Mapping[str, tuple[Signed, ...]] = field(default_factory=dict)
     survey: Survey = Survey()
     error: str = ""
@@ -72,7 +74,9 @@ def main() -> int:
 def _answer(word: str, names: Sequence[str]) -> PackageAnswer:
     match word:
         case "install":
-            return _answered(_install(*names[:1]))
+            before = {each.text for each in installed()}
+            done = _install(*names[:1])
+            return replace(_answered(done), made=tuple({e.text for e in done} - before))
         case "list":
             return _answered(tuple(installed()))
         case "survey":
@@ -82,7 +86,7 @@ def _answer(word: str, names: Sequence[str]) -> PackageAnswer:
 
 
 def _answered(found: tuple[Installed, ...]) -> PackageAnswer:
-    return PackageAnswer(found, {each.text: _signed(each) for each in found})
+    return PackageAnswer(found, signed={each.text: _signed(each) for each in found})
 
 
 def _install(system: str = "") -> tuple[Installed, ...]:
@@ -114,7 +118,7 @@ def _signed(package: Installed) -> tuple[Signed, ...]:
 def _remove(names: Sequence[str], *, is_forced: bool) -> tuple[Installed, ...]:
     found = tuple(each for name in names for each in meant(requirement(name)))
     for each in () if is_forced else found:
-        check_unused(each, _ANSWER_S)
+        check_unused(each, _ANSWER_S, places.host_name())
     for each in found:
         remove(each)
     return found

@@ -8,12 +8,14 @@ from __future__ import annotations
 import io
 import os
 from collections.abc import Mapping, Sequence
+from functools import partial
 from typing import BinaryIO
 
 from rtkit.errors import Malformed, Refused
 from rtkit.hosts import far_program
 from rtkit.hosts.connection import HostConnection
 from rtkit.hosts.far_packager import PackageAnswer
+from rtkit.hosts.progress import HostStep, Progress, unshown
 from rtkit.packages import bundle
 from rtkit.packages.installed import work_folder
 from rtkit.packages.needing import Question, Survey
@@ -23,7 +25,10 @@ _FAR_S = 60.0
 
 
 def push(
-    connection: HostConnection, packages: Mapping[str, Sequence[str]], system: str = ""
+    connection: HostConnection,
+    packages: Mapping[str, Sequence[str]],
+    system: str = "",
+    show: Progress = unshown,
 ) -> PackageAnswer:
     """Install packages on a host, their wheels by ``NAME==VERSION``; what is there is left.
 
@@ -31,6 +36,7 @@ def push(
         connection: Leads to the host.
         packages: The wheels.
         system: For which a plan installs them.
+        show: Is shown how much was sent.
 
     Raises:
         Refused: A wheel does not fit there, or its bytes were lost on the way; names the host.
@@ -39,18 +45,34 @@ def push(
     with work_folder() as folder:
         path = os.path.join(folder, f"push{bundle.SUFFIX}")
         bundle.write(path, b"", packages)
-        with open(path, "rb") as stream:
+        with _ShownFile(path, connection.host.name, show) as stream:
             return _ask(connection, stream, "install", system)
 
 
-def push_bundle(connection: HostConnection, path: str) -> PackageAnswer:
+class _ShownFile(io.FileIO):
+    """File of which is shown how much was read."""
+
+    def __init__(self, path: str, host: str, show: Progress) -> None:
+        super().__init__(path)
+        self._size = os.path.getsize(path)
+        self._show = partial(show, host)
+
+    def read(self, size: int | None = -1, /) -> bytes:
+        """Read some, and show that."""
+        data = super().read(-1 if size is None else size)
+        sending = HostStep("sending", self.tell(), self._size, "MB")
+        self._show(sending if data else HostStep("installing"))
+        return data
+
+
+def push_bundle(connection: HostConnection, path: str, show: Progress = unshown) -> PackageAnswer:
     """Install all packages of a bundle on a host; see `push`."""
     with bundle.unpacked(path) as found:
         files = {
             name: [os.path.join(found.wheels, each) for each in wheels]
             for name, wheels in found.packages.items()
         }
-        return push(connection, files)
+        return push(connection, files, show=show)
 
 
 def listed(connection: HostConnection) -> PackageAnswer:

@@ -69,7 +69,7 @@ class HostsInstaller:
             if is_bare:
                 provisioned.provision(connection, look, self._show)
             fault.point("packages.push")
-            far_packages.push(connection, wheels, self._system)
+            far_packages.push(connection, wheels, self._system, self._show)
             fault.point("packages.pushed")
 
     def uninstall(self, package: str) -> None:

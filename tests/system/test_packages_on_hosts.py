@@ -54,7 +54,10 @@ def test_packages_are_pushed_used_and_removed(fleet: Shell, host: FarHost) -> No
     refused = fleet.run("rtpkg uninstall --host robot1 gain")
     assert (refused.status, "robot1: gain==1.0 is in use by manager" in refused.err) == (1, True)
     assert fleet.ok("rtpkg list --host robot1").count("gain") > 0
-    fleet.ok("rtpkg uninstall --host robot1 --force gain loss")
+    fleet.ok("rtexit /robot1/g.rtc")
+    fleet.ok(refused.err.partition(" (")[2].partition(" unloads it")[0])
+    told = fleet.ok("rtpkg uninstall --host robot1 gain loss")
+    assert told == "robot1: gain==1.0, loss==1.0 removed\n"
     assert fleet.ok("rtpkg list --host robot1") == ""
 
 
@@ -88,7 +91,8 @@ def test_a_host_without_room_or_cut_off_keeps_nothing(fleet: Shell, host: FarHos
     refused = fleet.run("rtpkg install --host robot1 loss")
     host.link("up")
     assert (refused.status, "robot1 (" in refused.err) == (1, True)
-    fleet.ok("rtpkg install --host robot1 loss")
+    for done in ("installed", "there already"):
+        assert fleet.ok("rtpkg install --host robot1 loss") == f"robot1: loss==1.0 {done}\n"
     fleet.ok("rtpkg uninstall --host robot1 --force loss")
 
 

@@ -4,21 +4,19 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Sequence
-from contextlib import nullcontext
 from typing import TYPE_CHECKING
 
-from rtkit.cli.shared import terminal
+from rtkit.cli.hosts.at_all import at_all, status
 from rtkit.cli.shared.app import App
-from rtkit.errors import Malformed, RtkitError, Unreachable, UsageProblem
+from rtkit.errors import Malformed, Unreachable, UsageProblem
 from rtkit.fast_dataclass import replace
 from rtkit.rtc.manager_address import is_address
 from rtkit.rtc.names import check_instance_name, manager_on
 
 if TYPE_CHECKING:
-    from rtkit.cli.shared.progress import Meter
     from rtkit.hosts.bring_up import BroughtUp
     from rtkit.hosts.host import Host
-    from rtkit.hosts.progress import HostStep, Progress
+    from rtkit.hosts.progress import Progress
     from rtkit.tree.client import Tree
 
 
@@ -33,8 +31,7 @@ def run_at_hosts(
 ) -> int:
     """Start or stop the manager of each host; return the exit status.
 
-    All are tried, at the same time. Each that failed is told at once, with its step, and each that
-    did not in the end; the status is that of the first that was named and failed.
+    All are tried, at the same time, see `at_all`.
     """
     from rtkit.hosts import ssh_config
 
@@ -44,12 +41,11 @@ def run_at_hosts(
     app.warn(ssh_config.remarks(hosts))
     near = _near(app) if word == "start" else _near_if_running(app)
     try:
-        found = _at_all(app, hosts, _work(app, word, near, replaces=replaces, is_kept=is_kept))
+        work = _work(app, word, near, replaces=replaces, is_kept=is_kept)
+        return status(app, at_all(app, hosts, work, str))
     finally:
         if near is not None:
             near.close()
-    failures = (each for host in hosts if isinstance(each := found[host.name], RtkitError))
-    return next((app.status(each) for each in failures), 0)
 
 
 def _hosts(word: str, names: Sequence[str], manager: str) -> list[Host]:
@@ -111,42 +107,6 @@ def _summary(host: Host, done: BroughtUp) -> str:
     if made is not None and made.is_new:
         parts.append(f"rtkit {made.id} is new there, {made.sent_bytes / 1e6:.1f} MB sent")
     return "; ".join(parts)
-
-
-def _at_all(
-    app: App, hosts: Sequence[Host], work: Callable[[Host, Progress], str]
-) -> dict[str, str | RtkitError]:
-    """Do work at all hosts, with progress, and tell what was done; return that by their names."""
-    from rtkit.cli.shared.progress import metered_each
-    from rtkit.hosts.at_once import at_once
-
-    found: dict[str, str | RtkitError] = {}
-    try:
-        with metered_each(app, [host.name for host in hosts]) as meter:
-            show = _progress(app, meter)
-            asking = meter.hidden if meter else nullcontext
-            for host, outcome in at_once(hosts, lambda host: work(host, show), asking):
-                found[host.name] = outcome
-                if isinstance(outcome, RtkitError):
-                    app.fail(str(outcome))
-    except KeyboardInterrupt:
-        raise KeyboardInterrupt("the same command goes on where this one was") from None
-    finally:
-        done = ((host.name, found.get(host.name)) for host in hosts)
-        terminal.write(f"{name}: {each}" for name, each in done if isinstance(each, str))
-    return found
-
-
-def _progress(app: App, meter: Meter | None) -> Progress:
-    from rtkit.hosts.progress import by_lines
-
-    if meter is None:
-        return by_lines(app.verbose)
-
-    def show(name: str, step: HostStep) -> None:
-        meter.show(name, step.done, step.total or None, str(step))
-
-    return show
 
 
 def _near(app: App) -> Tree:

@@ -1,10 +1,11 @@
-"""Does the words of ``rtpkg`` on other hosts, one after the other; each that fails is told."""
+"""Does the words of ``rtpkg`` on other hosts, at the same time; what came of it is told of each."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any
 
+from rtkit.cli.hosts.at_all import at_all, status
 from rtkit.cli.packages.records import record, show
 from rtkit.cli.shared.app import App
 from rtkit.errors import RtkitError
@@ -12,7 +13,11 @@ from rtkit.errors import RtkitError
 if TYPE_CHECKING:
     from rtkit.hosts.connection import HostConnection
     from rtkit.hosts.far_packager import PackageAnswer, Signed
+    from rtkit.hosts.host import Host
+    from rtkit.hosts.progress import Progress
     from rtkit.packages.installed import Installed
+
+    Work = Callable[[HostConnection, Progress], Sequence[PackageAnswer]]
 
 HOST = "On a host of rthost list; repeatable."
 
@@ -20,34 +25,40 @@ HOST = "On a host of rthost list; repeatable."
 def at_hosts(
     app: App,
     names: Sequence[str],
-    work: Callable[[HostConnection], Sequence[PackageAnswer]],
+    work: Work,
     is_json: bool | None,
+    summary: Callable[[PackageAnswer], str] = str,
 ) -> int:
-    """Do some work at hosts, and show the packages that it is about; return the exit status.
+    """Do some work at hosts, and tell what came of it; return the exit status.
 
     Args:
         app: The run.
         names: Of the hosts.
         work: Is done at each of them.
-        is_json: How it is shown; None for not at all.
+        is_json: How the packages that it is about are shown; None for not at all.
+        summary: Tells what came of it, where that is not shown.
     """
-    from rtkit.hosts import inventory
+    from rtkit.hosts import inventory, ssh_config
     from rtkit.hosts.connection import connect
+    from rtkit.hosts.progress import HostStep
 
     hosts = [inventory.host(name) for name in dict.fromkeys(names)]
-    records: list[dict[str, Any]] = []
-    failures: list[RtkitError] = []
-    for host in hosts:
-        try:
-            with connect(host, app.timeout_s) as connection:
-                for answer in work(connection):
-                    records += [_record(host.name, each, answer) for each in answer.packages]
-        except RtkitError as error:
-            failures.append(error)
-            app.fail(str(error))
+    app.warn(ssh_config.remarks(hosts))
+
+    def one(host: Host, show_step: Progress) -> Sequence[PackageAnswer]:
+        show_step(host.name, HostStep("connecting"))
+        with connect(host, app.timeout_s) as connection:
+            return work(connection, show_step)
+
+    def told(answers: Sequence[PackageAnswer]) -> str:
+        return "; ".join(map(summary, answers)) if is_json is None else ""
+
+    found = at_all(app, hosts, one, told)
     if is_json is not None:
-        show(records, is_json)
-    return app.status(failures[0]) if failures else 0
+        done = ((n, each) for n, each in found.items() if not isinstance(each, RtkitError))
+        answers = [(name, answer) for name, all in done for answer in all]
+        show([_record(n, each, a) for n, a in answers for each in a.packages], is_json)
+    return status(app, found)
 
 
 def _record(host: str, found: Installed, answer: PackageAnswer) -> dict[str, Any]:

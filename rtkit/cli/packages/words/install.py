@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+import threading
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
@@ -17,6 +19,7 @@ if TYPE_CHECKING:
 
     from rtkit.hosts.connection import HostConnection
     from rtkit.hosts.far_packager import PackageAnswer
+    from rtkit.hosts.progress import Progress
     from rtkit.packages.repository import Repositories
     from rtkit.packages.wheel_target import WheelTarget
 
@@ -99,6 +102,7 @@ def _push(
     import tempfile
 
     from rtkit.hosts.far_packages import push, push_bundle
+    from rtkit.hosts.progress import HostStep
     from rtkit.packages.repository import named_repositories, opened
     from rtkit.packages.resolving import requirement
 
@@ -110,43 +114,55 @@ def _push(
     ):
         fetching = _Fetching(asked, there, draft)
 
-        def work(connection: HostConnection) -> list[PackageAnswer]:
+        def work(connection: HostConnection, show: Progress) -> list[PackageAnswer]:
+            show(connection.host.name, HostStep("choosing wheels"))
             packages = fetching.for_host(connection) if asked else {}
-            done = [push_bundle(connection, path) for path in bundles]
-            return done + ([push(connection, packages)] if packages else [])
+            done = [push_bundle(connection, path, show) for path in bundles]
+            return done + ([push(connection, packages, show=show)] if packages else [])
 
-        return at_hosts(app, hosts, work, is_json if is_json or app.is_verbose else None)
+        return at_hosts(app, hosts, work, is_json or None, _summary)
+
+
+def _summary(done: PackageAnswer) -> str:
+    """Tell which packages are new on a host, and which were there."""
+    new = [each.text for each in done.packages if each.text in done.made]
+    there = [each.text for each in done.packages if each.text not in done.made]
+    parts = [f"{', '.join(new)} installed"] if new else []
+    return "; ".join(parts + ([f"{', '.join(there)} there already"] if there else []))
 
 
 class _Fetching:
-    """Fetches packages for hosts, once for each kind of host."""
+    """Fetches packages for hosts, once for each kind of host; for one host after the other."""
 
     def __init__(self, asked: list[Requirement], there: Repositories, draft: str) -> None:
         self._asked = asked
         self._there = there
         self._draft = draft
         self._known: list[tuple[WheelTarget, dict[str, list[str]]]] = []
+        self._turn = threading.Lock()
 
     def for_host(self, connection: HostConnection) -> dict[str, list[str]]:
         """Return the wheels of all packages, with what a host lacks for them."""
-        import os
-
         from rtkit.errors import Refused
         from rtkit.hosts.far_side import look
         from rtkit.hosts.host import named
-        from rtkit.packages.bundling import fetched
 
         host, found = connection.host.name, look(connection)
         if not found.current:
             raise Refused(f"{host}: no rtkit is there yet: rtmgr start --host {host} brings it")
+        with self._turn, named(host):
+            return self._for_target(found.target)
+
+    def _for_target(self, wanted: WheelTarget) -> dict[str, list[str]]:
+        from rtkit.packages.bundling import fetched
+
         for target, packages in self._known:
-            if target == found.target:
+            if target == wanted:
                 return packages
         folder = os.path.join(self._draft, str(len(self._known)))
         os.mkdir(folder)
         packages = {}
-        with named(host):
-            for each in self._asked:
-                packages |= fetched(each, self._there, folder, found.target)
-        self._known.append((found.target, packages))
+        for each in self._asked:
+            packages |= fetched(each, self._there, folder, wanted)
+        self._known.append((wanted, packages))
         return packages

@@ -33,7 +33,7 @@ def main(
     if hosts:
         from rtkit.hosts.far_packages import listed
 
-        return at_hosts(app, hosts, lambda connection: [listed(connection)], is_json)
+        return at_hosts(app, hosts, lambda connection, _: [listed(connection)], is_json)
     found = [installed_record(each) for each in installed()]
     show(found, is_json)
     return 0

@@ -2,10 +2,17 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 from rtkit.cli.packages.far import HOST, at_hosts
 from rtkit.cli.shared.app import App, WrongArguments
 from rtkit.cli.shared.command import command
 from rtkit.cli.shared.options import arguments, flag, several
+
+if TYPE_CHECKING:
+    from rtkit.hosts.connection import HostConnection
+    from rtkit.hosts.far_packager import PackageAnswer
+    from rtkit.hosts.progress import Progress
 
 
 @command(
@@ -36,9 +43,13 @@ def main(
     if hosts:
         from rtkit.hosts import far_packages
 
-        return at_hosts(
-            app, hosts, lambda c: [far_packages.remove(c, names, is_forced=is_forced)], None
-        )
+        def work(connection: HostConnection, _show: Progress) -> list[PackageAnswer]:
+            return [far_packages.remove(connection, names, is_forced=is_forced)]
+
+        def summary(done: PackageAnswer) -> str:
+            return f"{', '.join(each.text for each in done.packages)} removed"
+
+        return at_hosts(app, hosts, work, None, summary)
     found = [each for name in names for each in meant(requirement(name))]
     for each in () if is_forced else found:
         check_unused(each, app.timeout_s)
