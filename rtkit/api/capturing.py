@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from rtkit.api import looking
-from rtkit.errors import Malformed, NotFound
+from rtkit.errors import Malformed
 
 if TYPE_CHECKING:
     from rtkit.api.session import Session
@@ -43,12 +43,13 @@ def capture(
 
 def _host(server: str, snapshot: Snapshot) -> str:
     from rtkit.rtc.names import LOCAL, is_local_host
+    from rtkit.tree.resolve import no_such_host
 
     host = server.strip("/")
     if is_local_host(host, snapshot.host):
         return LOCAL
     if not any(n.partition("/")[0] == host for c in snapshot.components for n in c.names):
-        raise NotFound(f"No such object: {server}")
+        raise no_such_host(server, host)
     return host
 
 

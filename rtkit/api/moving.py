@@ -10,7 +10,7 @@ from contextlib import suppress
 from typing import TYPE_CHECKING, NamedTuple
 
 from rtkit.api import move_records
-from rtkit.errors import NotFound, Refused, RtkitError
+from rtkit.errors import Refused, RtkitError
 from rtkit.rtc.names import (
     MANAGER_SUFFIX,
     Path,
@@ -151,11 +151,12 @@ def _place(target: Path) -> tuple[str, str]:
     """
     from rtkit.link.host_links import is_linked
     from rtkit.link.places import host_name
+    from rtkit.tree.resolve import no_such_host
 
     host, *names = target.elements or ("",)
     is_far = bool(host) and not is_local_host(host, host_name())
     if is_far and not is_linked(host):
-        raise NotFound(f"No such object: {target.typed}")
+        raise no_such_host(target.typed, host)
     is_place = len(names) in (1, 2) and all(each.endswith(MANAGER_SUFFIX) for each in names)
     if not is_place or target.port is not None:
         raise Refused(f"Not a manager, and not a slave: {target.typed}")

@@ -179,9 +179,9 @@ def _heed_inventory(source: str) -> None:
 
     folder = os.path.dirname(source)
     if folder and os.path.lexists(os.path.join(folder, INVENTORY)):
-        from rtkit.hosts import inventory
+        from rtkit.settings import inventory_files
 
-        inventory.heed(folder)
+        inventory_files.heed(folder)
 
 
 def read_parametrised(

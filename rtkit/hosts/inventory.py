@@ -1,8 +1,6 @@
 """Inventory of hosts: ``hosts.toml``, a table for each host.
 
-The user's own is in the configuration folder; one in the present folder takes precedence over it,
-and one beside the system profile that a command reads over both. As the hosts that it names are
-trusted with code, no stranger may be able to write it.
+As the hosts that it names are trusted with code, no stranger may be able to write it.
 """
 
 from __future__ import annotations
@@ -19,29 +17,10 @@ from rtkit.hosts.host import Host, host_at, is_word, named
 from rtkit.link import places
 from rtkit.rtc.names import check_host_name
 from rtkit.rtc.nearest import did_you_mean
+from rtkit.settings.inventory_files import files, hint, user_file
 from rtkit.settings.reading import read_private
 
 _KEYS = ("address", "python", "manager", "tags", "extras")
-_beside: list[str] = []
-"""Folders of the system profiles that this process has read, the last one first."""
-
-
-def user_file() -> str:
-    """Return the path of the user's own inventory."""
-    base = os.environ.get("XDG_CONFIG_HOME") or os.path.expanduser("~/.config")
-    return os.path.join(base, "rtkit", places.INVENTORY)
-
-
-def heed(folder: str) -> None:
-    """Have an inventory in the folder of a system profile take precedence in this process."""
-    folder = os.path.abspath(folder)
-    _beside[:] = [folder, *(each for each in _beside if each != folder)]
-
-
-def files() -> list[str]:
-    """Return the inventories that are there, the strongest first; one beside a profile first."""
-    inventories = (os.path.join(each, places.INVENTORY) for each in (*_beside, os.getcwd()))
-    return [each for each in dict.fromkeys((*inventories, user_file())) if os.path.lexists(each)]
 
 
 def read() -> dict[str, Host]:
@@ -65,8 +44,7 @@ def host(name: str) -> Host:
     """
     known = read()
     if name not in known:
-        hint = did_you_mean(name, known) or f" (add it: rthost add {name} USER@ADDRESS)"
-        raise NotFound(f"no such host: {name}{hint}")
+        raise NotFound(f"no such host: {name}{hint(name, known)}")
     return known[name]
 
 

@@ -94,8 +94,8 @@ def _wheels_in(cache: str, kind: WheelKind, extras: tuple[str, ...]) -> WheelSet
     return WheelSet(f"{__version__}-{whole[:12]}", files, digests)
 
 
-def target_of(look: FarSide, extras: Collection[str], *, is_bare: bool) -> WheelTarget:
-    """Return what packages for a host are chosen for; a bare one gets this rtkit with extras before.
+def target_of(look: FarSide, extras: tuple[str, ...], *, is_bare: bool) -> WheelTarget:
+    """Return what packages for a host are chosen for; a bare one gets this rtkit before them.
 
     Raises:
         RtkitError: See `wheels_for`; or rtkit cannot be made on the host.

@@ -35,9 +35,31 @@ def absent(root: TreeNode, path: Path, hostname: str) -> NotFound:
         if below is None:
             meant = _base_is_gone(path, depth) or _meant(path, element, node)
             meant = meant or (_below_local(path, root) if depth == 0 else "")
+            if depth == 0 and not meant and path.typed.startswith("/"):
+                return no_such_host(path.typed, element, root.children)
             return NotFound(f"No such object: {path.typed}{meant}")
         node = below
     return NotFound(f"No such object: {path.typed}")
+
+
+def no_such_host(typed: str, host: str, there: Iterable[str] = ()) -> NotFound:
+    """Return the error that a path leads to no host that is linked.
+
+    Args:
+        typed: The path, as the user typed it.
+        host: Its first element.
+        there: Hosts in the tree.
+    """
+    from rtkit.link.host_links import hosts
+    from rtkit.settings import inventory_files
+
+    known, linked = inventory_files.names(), hosts()
+    if host in linked or host.endswith((COMPONENT_SUFFIX, MANAGER_SUFFIX)):
+        return NotFound(f"No such object: {typed}")
+    if host in known:
+        return NotFound(f"{typed}: host {host} is not linked (rtmgr start --host {host} links it)")
+    hint = inventory_files.hint(host, {*known, *linked, *there})
+    return NotFound(f"{typed}: no such host: {host}{hint}")
 
 
 def present(root: TreeNode, path: Path, hostname: str) -> TreeNode:

@@ -70,7 +70,7 @@ def test_a_host_that_is_not_there_is_named_and_nothing_moves(
     fleet: Shell, hosts: list[FarHost]
 ) -> None:
     assert fleet.run(f"rtmove {HERE} /robot9/manager.mgr").err == (
-        "rtmove: No such object: /robot9/manager.mgr\n"
+        "rtmove: /robot9/manager.mgr: no such host: robot9 (did you mean robot1?)\n"
     )
     cut(fleet, hosts[0])
     told = fleet.run(f"rtmove {HERE} /robot1/manager.mgr")

@@ -289,7 +289,11 @@ def test_a_profile_stands_in_for_a_component(manager: Any) -> None:
 
 def test_all_commands_are_verbs_of_one(manager: Any) -> None:
     assert manager.ok("rtkit ls /localhost") == "manager.mgr/\n"
-    assert manager.run("rtkit ls /no") == (1, "", "rtkit ls: No such object: /no\n")
+    assert manager.run("rtkit ls /no") == (
+        1,
+        "",
+        "rtkit ls: /no: no such host: no (add it: rthost add no USER@ADDRESS)\n",
+    )
     assert manager.run("rtkit sl").status == 2
 
 

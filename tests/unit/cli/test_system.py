@@ -451,7 +451,11 @@ def test_cryo_servers(run, file):
     for server, count in (("localhost", 2), ("/localhost:2809/", 2), ("box", 2)):
         status, out, _ = run("rtcryo", server)
         assert (status, len(read_rts(out.encode()).profile.components)) == (0, count)
-    assert run("rtcryo", "/elsewhere") == (1, "", "rtcryo: No such object: /elsewhere\n")
+    assert run("rtcryo", "/elsewhere") == (
+        1,
+        "",
+        "rtcryo: /elsewhere: no such host: elsewhere (add it: rthost add elsewhere USER@ADDRESS)\n",
+    )
 
 
 def test_cryo_says_what_it_leaves_out(run, file, world):

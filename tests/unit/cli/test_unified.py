@@ -28,7 +28,7 @@ def test_messages_name_what_was_typed(
     assert run(["ls", "/no"], fake_tree(world)) == 1
     assert run(["ls", "--zzz"], fake_tree(world)) == 2
     assert capsys.readouterr().err == (
-        "rtkit ls: No such object: /no\n"
+        "rtkit ls: /no: no such host: no (add it: rthost add no USER@ADDRESS)\n"
         "Usage: rtkit ls [OPTIONS] [PATH]\n"
         "rtkit ls: No such option '--zzz'.\n"
     )

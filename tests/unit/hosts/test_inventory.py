@@ -12,12 +12,13 @@ from rtkit.hosts import inventory, wheels
 from rtkit.hosts.host import Host, host_at
 from rtkit.profile.rts_model import RtsProfile
 from rtkit.profile.write import write_profile
+from rtkit.settings import inventory_files
 
 
 @pytest.fixture
 def profile(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> str:
     """A system profile in a folder below, a present folder, and a user, each with an inventory."""
-    monkeypatch.setattr(inventory, "_beside", [])
+    monkeypatch.setattr(inventory_files, "_beside", [])
     monkeypatch.setenv("XDG_CONFIG_HOME", str(tmp_path / "config"))
     monkeypatch.chdir(tmp_path)
     places = {"config/rtkit": "user", ".": "present", "systems": "beside"}

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import pytest
 
 from rtkit.deployment.listing import Listing, ListingRow
@@ -42,11 +44,33 @@ def test_this_host_has_many_names(root: TreeNode, typed: str) -> None:
     assert node.path == "/localhost/A.rtc"
 
 
-@pytest.mark.parametrize("typed", ["/far/A.rtc", "/localhost/B.rtc", "/localhost/A.rtc/x"])
+@pytest.mark.parametrize("typed", ["far/A.rtc", "/localhost/B.rtc", "/localhost/A.rtc/x"])
 def test_what_is_not_there(root: TreeNode, typed: str) -> None:
     assert resolve.find(root, parse_path(typed), "box.lan") is None
     with pytest.raises(NotFound, match=f"^No such object: {typed}$"):
         resolve.entry(root, parse_path(typed), "box.lan")
+
+
+@pytest.mark.parametrize(
+    ("host", "told"),
+    [
+        ("fz", "no such host: fz (add it: rthost add fz USER@ADDRESS)"),
+        ("robto1", "no such host: robto1 (did you mean robot1?)"),
+        ("robot1", "host robot1 is not linked (rtmgr start --host robot1 links it)"),
+    ],
+)
+def test_a_host_that_is_not_there_is_told_as_one(
+    root: TreeNode, host: str, told: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for name in ("RTKIT_RUNTIME_DIR", "XDG_CONFIG_HOME"):
+        monkeypatch.setenv(name, str(tmp_path))
+    (tmp_path / "hosts.toml").write_text('[robot1]\naddress = "x"\n')
+    monkeypatch.chdir(tmp_path)
+    for typed in (f"/{host}", f"/{host}/x", f"/{host}/manager.mgr"):
+        why = resolve.absent(root, parse_path(typed), "box.lan")
+        assert str(why) == f"{typed}: {told}"
+    (tmp_path / "hosts.toml").write_text("[robot1")  # a command that goes there tells that
+    assert "(add it: " in str(resolve.absent(root, parse_path("/robto1/x"), "box.lan"))
 
 
 @pytest.mark.parametrize(

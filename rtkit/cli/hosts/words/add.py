@@ -39,6 +39,7 @@ def main(
     from rtkit.hosts import inventory
     from rtkit.hosts.host import host_at
     from rtkit.link import host_links
+    from rtkit.settings.inventory_files import user_file
 
     if len(words) != 2:
         raise WrongArguments("takes a name and an address")
@@ -53,4 +54,4 @@ def main(
     if host_links.is_linked(host.name) and host.name not in inventory.read():
         raise Refused(f"another host is linked as {host.name}: rtmgr stop --host ends that first")
     inventory.add(host, is_forced=is_forced)
-    app.verbose(f"{host.name} is in {inventory.user_file()}")
+    app.verbose(f"{host.name} is in {user_file()}")
