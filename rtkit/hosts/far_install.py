@@ -1,10 +1,11 @@
 """Program that makes a version of rtkit on a host, or tells which wheels it lacks for that.
 
 It is sent as text to the interpreter there, under any Python 3. Its argument is JSON: ``id`` of the
-version, ``wheels`` by name with their SHA-256, ``mark`` that begins its answer. A version is a
-virtual environment, in which wheels are unpacked as the format of wheels says; the link ``current``
-is put in its place by one rename, when all is there. Versions that nothing uses are removed then,
-but for the last one. Lines before its answer tell what it does.
+version, ``wheels`` by name with their SHA-256, ``mark`` that begins its answer, and whether the
+version ``is_damaged``, if it is there. A version is a virtual environment, in which wheels are
+unpacked as the format of wheels says. It is made beside its place, and renamed when all is there;
+so is the link ``current``. Versions that nothing uses are removed then, but for the last one. Lines
+before its answer tell what it does.
 """
 
 import configparser
@@ -65,9 +66,8 @@ def _program(path: str, text: str) -> None:
     os.chmod(path, 0o755)
 
 
-def _unpack(wheel: str, folder: str, site: str) -> None:
+def _unpack(wheel: str, folder: str, site: str, python: str) -> None:
     """Put the files of a wheel where they belong; with the programs that it names."""
-    python = os.path.join(folder, "bin", "python")
     with zipfile.ZipFile(wheel) as archive:
         archive.extractall(site)
         top = {name.split("/")[0] for name in archive.namelist()}
@@ -96,22 +96,50 @@ def _unpack(wheel: str, folder: str, site: str) -> None:
 
 
 def _install(wanted: dict, folder: str, wheels: str) -> None:  # type: ignore[type-arg]
-    """Make the environment in its place; it counts only with the mark of completeness."""
-    shutil.rmtree(folder, ignore_errors=True)
-    words = [sys.executable, "-m", "venv", "--without-pip", folder]
+    """Make the environment, and rename it; the mark of completeness tells what is in it."""
+    draft, former = folder + ".draft", folder + ".damaged"
+    for each in (draft, former):
+        shutil.rmtree(each, ignore_errors=True)
+    words = [sys.executable, "-m", "venv", "--without-pip", draft]
     done = subprocess.run(words, stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
     if done.returncode:
         lines = done.stdout.decode("utf-8", "replace").strip().splitlines()
         raise SystemExit("cannot run python -m venv: " + " ".join(lines[-3:]))
-    (site,) = glob.glob(os.path.join(folder, "lib", "python3*", "site-packages"))
+    for name in [os.path.join("bin", each) for each in os.listdir(os.path.join(draft, "bin"))]:
+        if not os.path.islink(os.path.join(draft, name)):
+            _replace(os.path.join(draft, name), draft, folder)
+    _replace(os.path.join(draft, "pyvenv.cfg"), draft, folder)
+    (site,) = glob.glob(os.path.join(draft, "lib", "python3*", "site-packages"))
     for number, name in enumerate(sorted(wanted["wheels"])):
         _report(
             " ".join(["installing", str(number), str(len(wanted["wheels"])), name.split("-")[0]])
         )
-        _unpack(os.path.join(wheels, name), folder, site)
+        _unpack(os.path.join(wheels, name), draft, site, os.path.join(folder, "bin", "python"))
     os.sync()  # the mark is not to outlive a power failure that the files do not
-    with open(os.path.join(folder, _COMPLETE), "w") as file:
-        file.write(wanted["id"])
+    files = _files(draft)
+    with open(os.path.join(draft, _COMPLETE), "w") as file:
+        json.dump(files, file)
+    if os.path.exists(folder):
+        os.rename(folder, former)  # a manager that runs with it keeps what it has open
+    os.rename(draft, folder)
+
+
+def _replace(path: str, old: str, new: str) -> None:
+    with open(path, "rb") as file:
+        data = file.read()
+    with open(path, "wb") as file:
+        file.write(data.replace(old.encode(), new.encode()))
+
+
+def _files(folder: str) -> dict:  # type: ignore[type-arg]
+    """Return size and time of change of all files in a folder, by their paths in it."""
+    found = {}
+    for top, _, names in os.walk(folder):
+        for path in (os.path.join(top, each) for each in names):
+            if not os.path.islink(path):
+                status = os.stat(path)
+                found[os.path.relpath(path, folder)] = [status.st_size, status.st_mtime_ns]
+    return found
 
 
 def _used(folder: str) -> bool:
@@ -151,7 +179,7 @@ def _make(wanted: dict, base: str) -> dict:  # type: ignore[type-arg]
     folder = os.path.join(base, "versions", wanted["id"])
     with open(os.path.join(base, "lock"), "w") as lock:
         _take(lock.fileno())
-        is_complete = os.path.exists(os.path.join(folder, _COMPLETE))
+        is_complete = os.path.exists(os.path.join(folder, _COMPLETE)) and not wanted["is_damaged"]
         lacking = {
             name: _size(os.path.join(wheels, name + ".part"))
             for name, digest in wanted["wheels"].items()

@@ -23,11 +23,36 @@ def _value(file: str, key: str) -> str:
     return dict(lines).get(key, "").strip()
 
 
+def _damage(folder: str) -> list:  # type: ignore[type-arg]
+    """Return the first files of a version of rtkit that are not as they were made."""
+    try:
+        with open(os.path.join(folder, "rtkit-complete")) as stream:
+            known = dict(json.load(stream))
+    except FileNotFoundError:
+        return []  # it is not whole yet, and does not count
+    except (OSError, ValueError, TypeError):
+        return ["rtkit-complete"]
+    if not os.path.exists(os.path.join(folder, "bin", "python")):
+        return ["bin/python"]
+    changed = []
+    for path, made in known.items():
+        try:
+            status = os.stat(os.path.join(folder, path))
+            is_same = [status.st_size, status.st_mtime_ns] == made
+        except OSError:
+            is_same = False
+        if not is_same:
+            changed.append(path)
+    return sorted(changed)[:3]
+
+
 def found(devices=()) -> dict:  # type: ignore[no-untyped-def, type-arg]
     """Return what this host is; of some devices, paths or patterns, those that are there."""
     home = os.path.expanduser("~")
     base = os.path.join(home, ".local", "share", "rtkit")
     current = os.path.join(base, "current")
+    versions = glob.glob(os.path.join(base, "versions", "*"))
+    damage = {os.path.basename(each): _damage(each) for each in versions}
     memory = _value("/proc/meminfo", "MemAvailable").split()
     user = os.environ.get("USER") or os.environ.get("LOGNAME") or ""
     try:
@@ -59,6 +84,7 @@ def found(devices=()) -> dict:  # type: ignore[no-untyped-def, type-arg]
                 os.path.join(current, "lib", "python3*", "site-packages", "*.dist-info")
             )
         ],
+        "damaged": {version: files for version, files in damage.items() if files},
         "devices": [each for each in devices if glob.glob(each)],
         "current": os.path.basename(os.readlink(current)) if os.path.islink(current) else "",
     }

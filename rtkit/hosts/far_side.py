@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
 from rtkit.errors import Malformed, Refused
-from rtkit.fast_dataclass import Record
+from rtkit.fast_dataclass import Record, field
 from rtkit.hosts import far_program
 from rtkit.packages.wheel_target import WheelKind, WheelTarget
 from rtkit.rtc.serde import decode_text
@@ -24,7 +24,11 @@ _LOOK_S = 10.0
 
 
 class FarSide(Record):
-    """Host as its own Python sees it; sizes in bytes, time in seconds since 1970."""
+    """Host as its own Python sees it; sizes in bytes, time in seconds since 1970.
+
+    Attributes:
+        damaged: Files that are gone or changed, the first ones, by the version of rtkit.
+    """
 
     python: tuple[int, ...]
     implementation: str
@@ -45,11 +49,17 @@ class FarSide(Record):
     current: str
     distributions: tuple[str, ...] = ()
     devices: tuple[str, ...] = ()
+    damaged: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
 
     @property
     def version(self) -> str:
         """Version of its Python, ``3.11``."""
         return ".".join(map(str, self.python[:2]))
+
+    @property
+    def damage(self) -> str:
+        """Files of the version in use that are gone or changed; empty if it is as it was made."""
+        return ", ".join(self.damaged.get(self.current, ()))
 
     @property
     def kind(self) -> WheelKind:

@@ -48,11 +48,19 @@ _TIMES = 2
 
 
 class Provisioned(NamedTuple):
-    """Outcome of provisioning: the version in use, whether it is new, bytes that were sent."""
+    """Outcome of provisioning.
+
+    Attributes:
+        id: The version in use.
+        is_new: Whether it was made.
+        sent_bytes: How much was sent for it.
+        damage: Files for which it was made anew.
+    """
 
     id: str
     is_new: bool
     sent_bytes: int
+    damage: str = ""
 
 
 class _Installed(Record):
@@ -80,7 +88,8 @@ def provision(
     """Have this rtkit on a host; what is there already is used.
 
     Interrupted anywhere it can be done again: a version counts when it is complete, and of what was
-    sent nothing is sent twice. What is to `check` is so before anything changes there.
+    sent nothing is sent twice. One of which files are gone or changed is made anew. What is to
+    `check` is so before anything changes there.
 
     Raises:
         Refused: The host does not do; tells all that is wrong.
@@ -92,18 +101,19 @@ def provision(
     # What has a version needs no room for another, if that is the one.
     far_side.check(far.obstacles(needs_room=not far.current), name)
     chosen = _chosen(connection.host, far, show)
-    if far.current == chosen.id:
+    damage = ", ".join(far.damaged.get(chosen.id, ()))
+    if far.current == chosen.id and not damage:
         return Provisioned(chosen.id, False, 0)
     far_side.check(far.obstacles(), name)
     check()
     with _turn(connection, show):
-        return _made(connection, chosen, show)
+        return _made(connection, chosen, damage, show)
 
 
-def _made(connection: HostConnection, chosen: WheelSet, show: Progress) -> Provisioned:
+def _made(connection: HostConnection, chosen: WheelSet, damage: str, show: Progress) -> Provisioned:
     """Have a version on a host; only one command at a time does."""
     name, sent = connection.host.name, 0
-    answer = _install(connection, chosen, show)
+    answer = _install(connection, chosen, damage, show)
     for _ in range(_TIMES):
         if not answer.lacking:
             break
@@ -113,12 +123,12 @@ def _made(connection: HostConnection, chosen: WheelSet, show: Progress) -> Provi
         sent += sum(sizes.values()) - sum(there.values())
         _send(connection, chosen, there, answer.wheels, show)
         fault.point("provision.sent")
-        answer = _install(connection, chosen, show)
+        answer = _install(connection, chosen, damage, show)
     if answer.lacking:
         raise Refused(f"{name}: damaged on the way: {', '.join(answer.lacking)}")
     for each in answer.removed:
         show(name, HostStep(f"rtkit {each} is removed, nothing uses it"))
-    return Provisioned(chosen.id, answer.made, sent)
+    return Provisioned(chosen.id, answer.made, sent, damage)
 
 
 @contextmanager
@@ -155,10 +165,13 @@ def _chosen(host: Host, far: FarSide, show: Progress) -> WheelSet:
         return wheels.wheels_for(far.kind, host.extras)
 
 
-def _install(connection: HostConnection, chosen: WheelSet, show: Progress) -> _Installed:
+def _install(
+    connection: HostConnection, chosen: WheelSet, damage: str, show: Progress
+) -> _Installed:
     """Make the version there if all wheels are, else return which are lacking."""
     host = connection.host
-    wanted = json.dumps({"id": chosen.id, "wheels": chosen.digests, "mark": far_program.MARK})
+    what = {"id": chosen.id, "wheels": chosen.digests, "is_damaged": bool(damage)}
+    wanted = json.dumps({**what, "mark": far_program.MARK})
 
     def show_step(line: str) -> None:
         word, *rest = line.split()[:4] or [""]

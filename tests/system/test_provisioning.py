@@ -96,7 +96,7 @@ def test_a_cut_connection_leaves_no_half_version_and_nothing_is_sent_twice(far: 
     assert passed <= 15_300_000 * 3
     assert "rtls" in far.run(f"{_BASE}/current/bin/rtls", "--help")
     with connect(Host("bare", far.address, "root"), 10.0) as connection:
-        assert _make(connection) == (done.id, False, 0)
+        assert _make(connection) == Provisioned(done.id, False, 0)
 
 
 def test_a_shell_that_writes_lines_of_its_own_is_no_obstacle(far: FarHost) -> None:
@@ -127,6 +127,39 @@ def test_a_next_version_sends_only_what_is_new(far: FarHost, tmp_path: Path) -> 
     assert then.is_new
     assert then.sent_bytes == own.stat().st_size
     assert set(_versions(far)[1]) == {made.id, then.id}
+
+
+def test_a_version_of_which_files_are_gone_or_changed_is_made_anew(
+    shell_to: Shell, far: FarHost
+) -> None:
+    shell_to.ok("rtmgr start --host bare")
+    made, _ = _versions(far)
+    at = f"{_BASE}/current"
+    (site,) = far.run("sh", "-c", f"cd {at}; echo lib/python3*/site-packages").split()
+    for damage, file in (
+        (f"rm {at}/{site}/click/core.py", f"{site}/click/core.py"),
+        (f"echo >> {at}/{site}/rtkit/errors.py", f"{site}/rtkit/errors.py"),
+        (f"rm {at}/bin/python", "bin/python"),
+        (f"echo > {at}/rtkit-complete", "rtkit-complete"),
+    ):
+        far.run("sh", "-c", damage)
+        assert f"Damaged      {file} (rtmgr start" in shell_to.ok("rthost check bare")
+        told = shell_to.ok("rtmgr start --host bare")
+        assert f"rtkit {made} was damaged there ({file}) and is made anew, 0.0 MB sent" in told
+        assert "Damaged" not in shell_to.ok("rthost check bare")
+        assert _versions(far)[0] == made
+        far.run(f"{at}/bin/rtls", "--help")
+        assert f"it runs with rtkit {made}.damaged until --replace has it end" in told
+        assert "manager replaced; that of" in shell_to.ok("rtmgr start --host bare --replace")
+        assert shell_to.ok("rtmgr start --host bare") == "bare: linked, manager ran already\n"
+    shell_to.ok("rtmgr stop --host bare")
+    # What is left of a try that was broken off is no obstacle, and what was sent is not lacking.
+    far.run("sh", "-c", f"mkdir {_BASE}/versions/{made}.draft; rm {at}/{site}/click/*.py")
+    far.run("sh", "-c", f"rm {_BASE}/wheels/click-*")
+    told = shell_to.ok("rtmgr start --host bare")
+    assert "and is made anew, 0.1 MB sent" in told
+    assert far.run("ls", f"{_BASE}/versions").split() == [made]
+    shell_to.ok("rtmgr stop --host bare")
 
 
 def test_old_versions_go_when_nothing_uses_them_but_for_the_last(far: FarHost) -> None:

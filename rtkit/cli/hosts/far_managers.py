@@ -105,7 +105,9 @@ def _summary(host: Host, done: BroughtUp) -> str:
     if done.old_build:
         parts.append(f"it runs with rtkit {done.old_build} until --replace has it end")
     if made is not None and made.is_new:
-        parts.append(f"rtkit {made.id} is new there, {made.sent_bytes / 1e6:.1f} MB sent")
+        how = f"was damaged there ({made.damage}) and is made anew" if made.damage else ""
+        size = f"{made.sent_bytes / 1e6:.1f} MB sent"
+        parts.append(f"rtkit {made.id} {how or 'is new there'}, {size}")
     return "; ".join(parts)
 
 

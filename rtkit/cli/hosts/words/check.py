@@ -114,6 +114,11 @@ def _rows(far: FarSide) -> list[tuple[str, str]]:
         ("Memory free", f"{far.memory_bytes >> 20} MiB"),
         ("Disk free", f"{far.free_bytes >> 20} MiB in {far.home}"),
         ("rtkit", far.current or "not there yet (rtmgr start --host makes it)"),
+        *(
+            [("Damaged", f"{far.damage} (rtmgr start --host makes rtkit anew)")]
+            if far.damage
+            else ()
+        ),
     ]
 
 
@@ -150,4 +155,5 @@ def _of_shell(far: FarSide) -> dict[str, object]:
         "memory_bytes": far.memory_bytes,
         "free_bytes": far.free_bytes,
         "rtkit": far.current,
+        "damaged": [*far.damaged.get(far.current, ())],
     }
