@@ -45,8 +45,8 @@ def at_all(
         raise KeyboardInterrupt("the same command goes on where this one was") from None
     finally:
         found = {host.name: found[host.name] for host in hosts if host.name in found}
-        told = ((n, summary(each)) for n, each in found.items() if not isinstance(each, RtkitError))
-        terminal.write(f"{name}: {text}" for name, text in told if text)
+        done = ((n, e) for n, e in found.items() if not isinstance(e, RtkitError))
+        terminal.write(f"{name}: {text}" for name, each in done if (text := summary(each)))
     return found
 
 

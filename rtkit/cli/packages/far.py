@@ -50,10 +50,10 @@ def at_hosts(
         with connect(host, app.timeout_s) as connection:
             return work(connection, show_step)
 
-    def told(answers: Sequence[PackageAnswer]) -> str:
+    def line(answers: Sequence[PackageAnswer]) -> str:
         return "; ".join(map(summary, answers)) if is_json is None else ""
 
-    found = at_all(app, hosts, one, told)
+    found = at_all(app, hosts, one, line)
     if is_json is not None:
         done = ((n, each) for n, each in found.items() if not isinstance(each, RtkitError))
         answers = [(name, answer) for name, all in done for answer in all]
