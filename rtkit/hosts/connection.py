@@ -158,9 +158,13 @@ def _socket(
 ) -> socket.socket | Channel:
     place = (way.address, way.port)
     if through is not None:
-        return through.transport.open_channel(
-            "direct-tcpip", place, ("localhost", 0), timeout=timeout_s
-        )
+        try:
+            return through.transport.open_channel(
+                "direct-tcpip", place, ("localhost", 0), timeout=timeout_s
+            )
+        except paramiko.ChannelException as error:
+            between = through.transport.getpeername()[0]
+            raise paramiko.SSHException(f"{between}, in between: {error.text}") from error
     found = _PromptSocket(fileno=socket.create_connection(place, timeout_s).detach())
     found.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
     with suppress(OSError):  # what is lost is sent again at even intervals, not ever later

@@ -5,10 +5,12 @@ A git repository is ``git+URL[@REVISION][#subdirectory=FOLDER]``, as pip writes 
 
 from __future__ import annotations
 
+import http.client
 import json
 import os
 import shutil
 import tempfile
+import time
 import urllib.request
 from collections.abc import Iterator, Sequence
 from contextlib import ExitStack, contextmanager
@@ -181,7 +183,7 @@ def _links(url: str, key: str, name: str) -> list[str]:
     request = urllib.request.Request(url, headers={"Accept": _WANTED})
     try:
         with urllib.request.urlopen(request, timeout=_ANSWER_S) as answer:
-            data = answer.read(_LARGEST_PAGE)
+            data = _read_in_time(answer)
             is_json = "json" in (answer.headers.get("Content-Type") or "")
         if is_json:
             return [str(each[name]) for each in json.loads(data)[key]]
@@ -192,6 +194,21 @@ def _links(url: str, key: str, name: str) -> list[str]:
     page = _Page()
     page.feed(data.decode("utf-8", "replace"))
     return page.names
+
+
+def _read_in_time(answer: http.client.HTTPResponse) -> bytes:
+    """Return a page; whoever sends it byte by byte has not more time than others.
+
+    Raises:
+        TimeoutError: It does not end in time.
+    """
+    deadline, parts, size = time.monotonic() + _ANSWER_S, [b""], 0
+    while (part := answer.read1(1 << 16)) and size < _LARGEST_PAGE:
+        if time.monotonic() > deadline:
+            raise TimeoutError("the page does not end")
+        parts.append(part)
+        size += len(part)
+    return b"".join(parts)
 
 
 class _Page(HTMLParser):

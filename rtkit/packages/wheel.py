@@ -10,6 +10,7 @@ import base64
 import csv
 import hashlib
 import io
+import os
 import stat
 import zipfile
 from collections.abc import Iterator
@@ -85,6 +86,8 @@ def read_wheel(path: str) -> Wheel:
     file = path.rpartition("/")[2]
     name, version = named(file)
     try:
+        if os.path.exists(path) and not os.path.isfile(path):
+            raise Refused(f"cannot read {path}: it is no file")  # a pipe may have no end
         with open(path, "rb") as stream, zipfile.ZipFile(stream) as archive:
             _check_entries(archive, file)
             return _read(archive, file, name, version, _digest(stream))

@@ -152,6 +152,10 @@ def test_a_version_of_which_files_are_gone_or_changed_is_made_anew(
         assert f"it runs with rtkit {made}.damaged until --replace has it end" in told
         assert "manager replaced; that of" in shell_to.ok("rtmgr start --host bare --replace")
         assert shell_to.ok("rtmgr start --host bare") == "bare: linked, manager ran already\n"
+    # Builds before this one marked a version by its name, and listed no files.
+    far.run("sh", "-c", f"cp {at}/rtkit-complete /tmp; printf %s {made} > {at}/rtkit-complete")
+    assert "Damaged" not in shell_to.ok("rthost check bare")
+    far.run("cp", "/tmp/rtkit-complete", f"{at}/rtkit-complete")
     shell_to.ok("rtmgr stop --host bare")
     # What is left of a try that was broken off is no obstacle, and what was sent is not lacking.
     far.run("sh", "-c", f"mkdir {_BASE}/versions/{made}.draft; rm {at}/{site}/click/*.py")
