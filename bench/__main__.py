@@ -26,6 +26,7 @@ GROUPS = (
     "managers",
     "hosts",
     "links",
+    "spread",
     "ports",
     "rates",
     "data",
