@@ -25,7 +25,7 @@ THREATS = [
     .splitlines()
     if line.startswith("| ") and not line.startswith(("| threat |", "| ---"))
 ]
-SECTIONS = ("Component code", "Processes", "Machine")
+SECTIONS = ("Component code", "Processes", "Machine", "Several hosts")
 
 
 def named_in(row: list[str]) -> list[str]:
