@@ -16,6 +16,7 @@ import hashlib
 import json
 import os
 import shutil
+import signal
 import subprocess
 import sys
 import time
@@ -49,15 +50,16 @@ def _report(text: str) -> None:
 def _take(lock: int) -> None:
     """Wait until nobody else makes a version; who lost his connection may still be at it."""
     until = time.monotonic() + _LOCK_S
-    while True:
-        try:
-            fcntl.lockf(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
-            return
-        except OSError:
-            if time.monotonic() > until:
-                raise SystemExit("another command makes a version there") from None
-            _report("waiting for another command")
-            time.sleep(0.5)
+
+    def tell(*_: object) -> None:
+        if time.monotonic() > until:
+            raise SystemExit("another command makes a version there")
+        _report("waiting for another command")
+
+    signal.signal(signal.SIGALRM, tell)
+    signal.setitimer(signal.ITIMER_REAL, 0.5, 10.0)
+    fcntl.lockf(lock, fcntl.LOCK_EX)
+    signal.setitimer(signal.ITIMER_REAL, 0)
 
 
 def _program(path: str, text: str) -> None:

@@ -29,17 +29,14 @@ _SILENT_S = 60.0
 _CHUNK = 1 << 15
 _LONGEST = 1 << 20
 _TURN = """
-import fcntl, os, sys, time
+import fcntl, os, signal, sys
 base = os.path.join(os.path.expanduser("~"), ".local", "share", "rtkit")
 os.makedirs(base, mode=0o700, exist_ok=True)
 with open(os.path.join(base, "turn"), "w") as lock:
-    while True:
-        try:
-            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
-            break
-        except OSError:
-            print("waiting")
-            time.sleep(0.5)
+    signal.signal(signal.SIGALRM, lambda *_: print("waiting"))
+    signal.setitimer(signal.ITIMER_REAL, 0.5, 10.0)
+    fcntl.flock(lock, fcntl.LOCK_EX)
+    signal.setitimer(signal.ITIMER_REAL, 0)
     print(sys.argv[1] + "mine")
     sys.stdin.read()
 """
