@@ -128,7 +128,7 @@ class PackageHosts:
 
     def _is_worth_it(self, host: str, types: Sequence[str]) -> bool:
         """Return whether something is to be made that rtkit lacks, or a package may be surplus."""
-        from rtkit.packages.bundling import is_built_in
+        from rtkit.packages.precheck import is_built_in
 
         if any(not is_built_in(each) for each in self.components_on(host) if self.is_fresh(each)):
             return True

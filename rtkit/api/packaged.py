@@ -237,7 +237,7 @@ def _installer(
 
 
 def _repositories(document: SystemProfile) -> Sequence[str]:
-    from rtkit.packages.repository import known_repositories
+    from rtkit.packages.precheck import known_repositories
 
     is_bundle = document.source.endswith(BUNDLE)
     return [document.source] if is_bundle else known_repositories()
@@ -293,7 +293,7 @@ class _Asking:
     def pending(self, known: Mapping[str, KnownType], host: str, survey: Survey) -> dict[str, str]:
         """Return the types of components that do not live and cannot be made, by their names."""
         from rtkit.deployment.described import type_of
-        from rtkit.packages.bundling import is_built_in
+        from rtkit.packages.precheck import is_built_in
 
         removed = {*self._removed()} if host == LOCAL else set()
         asked: dict[str, tuple[str, str]] = {}

@@ -359,13 +359,15 @@ class _Placer(Closing):
     @cached_property
     def _packaged(self) -> dict[str, str]:
         """The types of components that a package offers, or may offer, by component."""
-        from rtkit.packages.bundling import is_built_in
-        from rtkit.packages.offering import offerings
-        from rtkit.packages.repository import known_repositories
+        from rtkit.packages.precheck import is_built_in, known_repositories
 
         named = {each.instance_name: each for each in self._profile.components}
         coded = [named[name] for name in self._makings if not is_built_in(named[name])]
         types = {each.instance_name: type_of(each.id).id for each in coded}
         may_be_any = self._is_bundle or bool(known_repositories())
-        here = offerings({*types.values()}) if types and not may_be_any else {}
-        return {name: id for name, id in types.items() if may_be_any or id in here}
+        if not types or may_be_any:
+            return types
+        from rtkit.packages.offering import offerings
+
+        here = offerings({*types.values()})
+        return {name: id for name, id in types.items() if id in here}

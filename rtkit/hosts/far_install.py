@@ -51,12 +51,12 @@ def _take(lock: int) -> None:
     """Wait until nobody else makes a version; who lost his connection may still be at it."""
     until = time.monotonic() + _LOCK_S
 
-    def tell(*_: object) -> None:
+    def report_waiting(*_: object) -> None:
         if time.monotonic() > until:
             raise SystemExit("another command makes a version there")
         _report("waiting for another command")
 
-    signal.signal(signal.SIGALRM, tell)
+    signal.signal(signal.SIGALRM, report_waiting)
     signal.setitimer(signal.ITIMER_REAL, 0.5, 10.0)
     fcntl.lockf(lock, fcntl.LOCK_EX)
     signal.setitimer(signal.ITIMER_REAL, 0)

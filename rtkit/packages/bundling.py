@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import os
 from collections.abc import Iterable, Mapping, Sequence
 from importlib import metadata
@@ -10,22 +9,17 @@ from importlib import metadata
 from packaging.requirements import Requirement
 from packaging.utils import canonicalize_name
 
-from rtkit.component.composite import TYPES as COMPOSITES
-from rtkit.deployment.described import properties_of, type_of
-from rtkit.deployment.extension import CREATE, MODULE, STAND_IN
+from rtkit.deployment.described import type_of
 from rtkit.errors import NotFound, Refused, RtkitError
-from rtkit.modules.creatable import lacking
-from rtkit.modules.search import Search, file_of
 from rtkit.packages.installed import compare, installed, kept_wheels
 from rtkit.packages.offering import offerings
+from rtkit.packages.precheck import is_built_in
 from rtkit.packages.repository import Repositories, newest_first, offers, opened
 from rtkit.packages.resolving import fetch, resolve
 from rtkit.packages.signing import check
 from rtkit.packages.wheel import read_wheel
 from rtkit.packages.wheel_target import WheelTarget
 from rtkit.profile.rts_model import ComponentInstance, RtsProfile
-from rtkit.rtc.create import readable_create
-from rtkit.rtc.profiles import split_module
 
 
 def gather(profile: RtsProfile, repositories: Repositories, folder: str) -> dict[str, list[str]]:
@@ -78,25 +72,6 @@ def fetched(
     if not repositories.are_bundles():
         check(wheels)
     return {name: [os.path.join(there, each.file) for each in wheels]}
-
-
-def is_built_in(component: ComponentInstance) -> bool:
-    """Return whether rtkit alone makes a component."""
-    own = properties_of(component.properties)
-    create = readable_create(own.get(CREATE, ""))
-    type = type_of(component.id)
-    if STAND_IN in own or create.implementation_id in COMPOSITES or type.type_name in COMPOSITES:
-        return True
-    path, init = split_module(own.get(MODULE, ""))
-    search = Search([], is_absolute_allowed=False)
-    try:
-        real = search.read(path or f"{type.type_name}.py").real
-        question = json.dumps([(f"{path}:{init}" if path else "", type.full_id)])
-        why = json.loads(lacking(question, (), search, is_search_allowed=True))[0]
-    except RtkitError:
-        return False
-    inside = os.path.dirname(os.path.realpath(file_of("rtkit")))
-    return not why and real.startswith(f"{inside}/")
 
 
 def _offered(id: str, component: ComponentInstance, repositories: Repositories) -> str:

@@ -23,10 +23,10 @@ from packaging.version import Version
 
 from rtkit.errors import Malformed, NotFound, Refused, RtkitError, Unreachable
 from rtkit.packages.bundle import is_bundle, unpacked
+from rtkit.packages.precheck import known_repositories
 from rtkit.packages.tools import git, git_head, is_git_empty
 from rtkit.packages.wheel import Wheel, named, read_wheel
 
-VARIABLE = "RTKIT_REPOSITORIES"
 _LARGEST_PAGE = 1 << 26
 _ANSWER_S = 30.0
 _WANTED = "application/vnd.pypi.simple.v1+json, text/html;q=0.5"
@@ -65,11 +65,6 @@ class Repositories(NamedTuple):
         for folder in self.folders.values():
             words += ["--find-links", folder]
         return words
-
-
-def known_repositories(given: Sequence[str] = ()) -> list[str]:
-    """Return those that were given, else those of the settings; there may be none."""
-    return [*given] or [each for each in os.environ.get(VARIABLE, "").split(";") if each]
 
 
 def named_repositories(given: Sequence[str]) -> list[str]:

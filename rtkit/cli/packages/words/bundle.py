@@ -45,7 +45,8 @@ def main(
     from rtkit.cli.system.document import read_document
     from rtkit.packages.bundle import SUFFIX, write
     from rtkit.packages.bundling import gather
-    from rtkit.packages.repository import known_repositories, opened
+    from rtkit.packages.precheck import known_repositories
+    from rtkit.packages.repository import opened
     from rtkit.packages.wheel import read_wheel
 
     if len(words) != 1:
