@@ -107,7 +107,7 @@ def hosts_section(setbacks: Sequence[Setback], hosts: int, conditions: Condition
         conditions=conditions_line(conditions),
         hosts=hosts,
         table=_table(hosts_rows(setbacks)),
-        verdict="\n".join(["Not back were:", "", *broken]) if broken else "It always was.",
+        verdict="\n".join(["Not back were:", "", *broken]) if broken else "It always came back.",
     )
 
 

@@ -121,7 +121,7 @@ def test_the_section_on_several_hosts_is_written_beside_the_rest(tmp_path) -> No
     text = file.read_text()
     assert text.startswith("# second\n\n## Over several hosts\n\n2 faults. Seed 1, ")
     assert "This host and 2 others" in text
-    assert "It always was." in text
+    assert "It always came back." in text
     bad = Setback("slow", "robot1", 50.0, "there is no number")
     write_hosts(file, hosts_section([bad], 1, conditions))
     assert "- slow robot1: there is no number" in file.read_text()
