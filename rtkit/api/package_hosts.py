@@ -98,13 +98,15 @@ class PackageHosts:
                 self._session.verbose(text)
             return found
         is_lost = any(each.manager in self._snapshot.unreachable for each in self._on(host))
-        if is_lost or not self._is_worth_it(host, types):
+        # One that is to be started is to answer before anything is done.
+        is_asked = notes and not self.is_up(host)
+        if is_lost or not (is_asked or self._is_worth_it(host, types)):
             return Survey()
         try:
             return self._far(host, self._question(host, types, notes=notes))
         except RtkitError as error:
-            if notes and not self.is_up(host):
-                raise  # it is to be started, too
+            if is_asked:
+                raise
             notify = self._session.verbose if self.is_up(host) else self._session.fail
             notify(f"which packages {host} has is not known: {error}")
             return Survey()
