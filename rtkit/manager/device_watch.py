@@ -29,11 +29,11 @@ class DeviceWatch:
         self._known: dict[str, str | None] = {}
 
     def watch(self, bound: Mapping[str, tuple[str, ...]]) -> None:
-        """Look at the devices of these components from now on."""
+        """Look at the devices of these components from now on; what is absent is told anew."""
         if bound is not self._bound:
             self._bound = bound
             devices = sorted({device for each in bound.values() for device in each})
-            self._known = {each: self._known.get(each) for each in devices}
+            self._known = {each: self._known.get(each) or None for each in devices}
             self.look_at = time.monotonic() if devices else None
 
     def look(self) -> None:

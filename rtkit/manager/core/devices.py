@@ -41,6 +41,7 @@ class DeviceKeeper:
     def seen(self, event: ev.DevicesSeen) -> None:
         """Take note of which of the required devices are absent."""
         self._state.absent = frozenset(event.absent)
+        self._state.unjudged.clear()
 
     def run(self, _now: float) -> None:
         """Begin what has to be done, once it is known what lives."""
@@ -51,7 +52,7 @@ class DeviceKeeper:
         for instance, devices in state.bound.items():
             missing = next((each for each in devices if each in state.absent), "")
             is_held = instance in self._busy or instance in state.ending or instance in state.claims
-            if is_held or instance not in state.kept.components:
+            if is_held or instance in state.unjudged or instance not in state.kept.components:
                 continue
             watched = state.watched(instance)
             waits = is_device_absence(watched.pending)

@@ -35,7 +35,7 @@ from rtkit.manager.core.registration import (
     remember,
     unregister,
 )
-from rtkit.manager.core.required_devices import note_devices
+from rtkit.manager.core.required_devices import note_made
 from rtkit.manager.core.state import ManagerState, NameReservation, Process
 from rtkit.manager.core.wiring import connect, cut, disconnect, living
 from rtkit.rtc.create import FRESH_SLAVE, CreateString, parse_create
@@ -138,7 +138,7 @@ def _create(state: ManagerState, action: act.Create) -> Procedure:
     left_out = _enter(state, action, instance, str(made), is_renewed=known is not None)
     if read_rules(made.options):
         state.ruled.add(instance)
-    note_devices(state, instance, str(made))
+    note_made(state, instance, str(made))
     if names != claim.names:
         yield from remember(state, instance)
     return Result(value=instance, note=note, left_out=left_out)

@@ -25,3 +25,14 @@ def note_devices(state: ManagerState, instance: str, create: str) -> None:
     if devices != state.bound.get(instance, ()):
         others = {name: each for name, each in state.bound.items() if name != instance}
         state.bound = {**others, instance: devices} if devices else others
+
+
+def note_made(state: ManagerState, instance: str, create: str) -> None:
+    """Note the same of one that was made: a device that it needs may have come since the last look.
+
+    It is looked at again before the component is judged by it.
+    """
+    note_devices(state, instance, create)
+    if not state.absent.isdisjoint(state.bound.get(instance, ())):
+        state.unjudged.add(instance)
+        state.bound = dict(state.bound)

@@ -157,7 +157,8 @@ class ManagerState:
         unwell: Those of them that live, and are to be ended first.
         ruled: Instances with rules of health.
         bound: Devices whose end ends components, by instance; replaced when that changes.
-        absent: Those of them that are not there.
+        absent: Those of them that were not there at the last look.
+        unjudged: Components that were made after it, by such a device: the next look tells.
         degraded: Which of those rules they break, by instance.
         limits: Limits of components that have any, by instance.
         capacity: Returns what this host has.
@@ -205,6 +206,7 @@ class ManagerState:
     ruled: set[str] = field(default_factory=set)
     bound: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
     absent: frozenset[str] = frozenset()
+    unjudged: set[str] = field(default_factory=set)
     degraded: dict[str, str] = field(default_factory=dict)
     limits: dict[str, SlaveLimits] = field(default_factory=dict)
     capacity: Callable[[], Capacity] = Capacity

@@ -83,6 +83,20 @@ def test_what_a_user_ends_while_it_waits_stays_ended(shell: FakeShell) -> None:
     assert come_back(shell) == []
 
 
+def test_one_that_is_made_is_judged_by_the_next_look(shell: FakeShell) -> None:
+    other = bound(shell, "B")
+    seen(shell, CAMERA)
+    ended(shell, other)
+    before = shell.state.bound
+    key = bound(shell, "A")  # the camera may have come meanwhile
+    assert shell.state.bound is not before
+    assert not shell.calls
+    assert not shell.state.components["A"].zombie
+    seen(shell, CAMERA)
+    ended(shell, key)
+    assert shell.state.components["A"].zombie == WHY
+
+
 def test_one_that_died_of_it_waits_for_it_and_uses_up_no_restart(shell: FakeShell) -> None:
     key = make(shell, "A", "s", **{"place.device": CAMERA, "restart": "on-failure"})
     shell.end(key, "exit status 3")

@@ -40,3 +40,13 @@ def test_changes_are_told_once_and_another_file_as_gone_and_come(tmp_path: Path)
     assert told[2:] == [DevicesSeen((str(device),)), DevicesSeen(())]
     watch.watch({})
     assert watch.look_at is None
+
+
+def test_what_is_absent_is_told_anew_when_components_change(tmp_path: Path) -> None:
+    told: list[DevicesSeen] = []
+    watch, device = DeviceWatch(told.append), str(tmp_path / "lamp")
+    for _ in range(2):
+        watch.watch({"A": (device,)})
+        watch.look()
+        watch.look()
+    assert told == [DevicesSeen((device,))] * 2
