@@ -332,7 +332,8 @@ def test_a_module_that_does_not_import(loader, folder, source, why):
     with pytest.raises(Refused, match=why) as caught:
         loader.load("Thing.py")
     assert "\n" not in str(caught.value).replace("\\n", "")
-    assert set(sys.modules) == before
+    # That an extra may be lacking is looked up by a module of rtkit's own.
+    assert set(sys.modules) - before <= {"rtkit.extras"}
     (folder / "Thing.py").write_text(THING.format(name="Thing", text="One"))
     assert loader.load("Thing.py").types
 
