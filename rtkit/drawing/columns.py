@@ -51,6 +51,7 @@ class _Columns:
         self._boxes = boxes
         self._wires = wires
         self._sizes = [s.box_size(box) for box in boxes]
+        self._offsets = [s.port_offsets(box) for box in boxes]
         self._rank = ranks(len(boxes), [(wire.source.box, wire.target.box) for wire in wires])
         self._heights = [size.height for size in self._sizes]
         self._columns: list[list[int]] = [[] for _ in range(max(self._rank) + 1)]
@@ -135,7 +136,7 @@ class _Columns:
         box = self._boxes[end.box]
         # The right side of a box faces the left side of its channel.
         side = s.LEFT if box.ports[end.port].side == s.RIGHT else s.RIGHT
-        return Stop(end.box, s.port_offset(box, end.port), side)
+        return Stop(end.box, self._offsets[end.box][end.port], side)
 
     def _settled(self) -> dict[int, int]:
         """Return the distance of each node from the top."""
@@ -243,7 +244,7 @@ class _Columns:
         box = self._boxes[end.box]
         x, y = places[end.box]
         right = self._sizes[end.box].width if box.ports[end.port].side == s.RIGHT else 0
-        return x + right, y + s.port_offset(box, end.port)
+        return x + right, y + self._offsets[end.box][end.port]
 
 
 def _x_of(start: int, track: int) -> int:

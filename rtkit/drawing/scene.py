@@ -202,11 +202,19 @@ def inside_offset(box: Box) -> tuple[int, int]:
 
 def port_offset(box: Box, port: int) -> int:
     """Return the distance of a port's middle from the top of its box."""
+    return port_offsets(box)[port]
+
+
+def port_offsets(box: Box) -> dict[int, int]:
+    """Return `port_offset` of all ports of a box."""
     if box.is_group:
-        return _offsets_through(box)[port]
-    side = box.ports[port].side
-    row = sum(other.side == side for other in box.ports[:port])
-    return header_height(box) + row * ROW + ROW // 2
+        return _offsets_through(box)
+    rows = {LEFT: 0, RIGHT: 0}
+    offsets = {}
+    for port, pin in enumerate(box.ports):
+        offsets[port] = header_height(box) + rows[pin.side] * ROW + ROW // 2
+        rows[pin.side] += 1
+    return offsets
 
 
 def _offsets_through(box: Box) -> dict[int, int]:
@@ -218,8 +226,9 @@ def _offsets_through(box: Box) -> dict[int, int]:
         return {}
     _, top = inside_offset(box)
     scene, layout = box.inside.scene, box.inside.layout
+    offsets_of = {end.box: port_offsets(scene.boxes[end.box]) for _, end in box.inside.links}
     wanted = {
-        port: top + layout.places[end.box][1] + port_offset(scene.boxes[end.box], end.port)
+        port: top + layout.places[end.box][1] + offsets_of[end.box][end.port]
         for port, end in box.inside.links
     }
     offsets: dict[int, int] = {}
