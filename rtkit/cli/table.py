@@ -109,6 +109,7 @@ TOPICS: dict[str, dict[str, str]] = {
         "rtstodot": "Write the system of an RTS profile as a graph for Graphviz.",
         "rtstop": "Deactivate every component of an RTS profile, in reverse order.",
         "rtteardown": "Remove every connection of an RTS profile.",
+        "rtweb": "Serve the system editor as a page for the browser, until Ctrl-C.",
     },
     "tree": {
         "rtcat": "Describe a component, a port or a manager.",

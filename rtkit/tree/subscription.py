@@ -46,9 +46,14 @@ class TreeChange(NamedTuple):
 
 
 class SubscriptionEnded(NamedTuple):
-    """End of a subscription: the manager is gone, and nothing comes after that."""
+    """End of a subscription: the manager is gone, and nothing comes after that.
+
+    Attributes:
+        is_orderly: The manager said so itself, and what it held has ended with it.
+    """
 
     why: str
+    is_orderly: bool = False
 
 
 ManagerEvent = TreeChange | Metrics | SubscriptionEnded
@@ -143,7 +148,7 @@ class ManagerSubscription(Closing):
         if delta.run == self._run and delta.number <= self._number:
             return []
         if delta.is_last:
-            return [self._end("ends")]
+            return [self._end("ends", is_orderly=True)]
         if (delta.run, delta.number) != (self._run, self._number + 1):
             return self._catch_up(delta)
         self._number = delta.number
@@ -163,9 +168,9 @@ class ManagerSubscription(Closing):
         self._run, self._number, self.facts = snapshot.run, snapshot.number, snapshot.facts
         return [TreeChange(delta.time, changes, lost)] if changes or lost else []
 
-    def _end(self, why: str) -> SubscriptionEnded:
+    def _end(self, why: str, *, is_orderly: bool = False) -> SubscriptionEnded:
         self._is_over = True
-        return SubscriptionEnded(f"manager {self.tree.manager!r} {why}")
+        return SubscriptionEnded(f"manager {self.tree.manager!r} {why}", is_orderly)
 
     def _is_gone(self) -> bool:
         return self._process is not None and bool(select.select([self._process], [], [], 0)[0])

@@ -1,0 +1,82 @@
+"""``rtweb``: the system editor in the browser."""
+
+from __future__ import annotations
+
+import secrets
+
+import click
+
+from rtkit.cli.shared import terminal
+from rtkit.cli.shared.app import App
+from rtkit.cli.shared.command import command
+from rtkit.cli.shared.options import flag, option
+from rtkit.errors import Refused
+
+
+@command(
+    "rtweb",
+    examples=(
+        ("rtweb", "Open the system editor in the browser."),
+        ("rtweb --no-browser --port 8080", "Print its address only; the port is always the same."),
+        ("rtweb --read-only", "Look, and change nothing."),
+    ),
+    arguments=(),
+)
+def main(
+    app: App,
+    port: int | None = option(
+        "--port N", "Port on this host (default: a free one).", click.IntRange(1, 65535)
+    ),
+    is_read_only: bool = flag("--read-only", "Change nothing."),
+    no_browser: bool = flag("--no-browser", "Open no browser."),
+) -> None:
+    """Serve the system editor as a page for the browser, until Ctrl-C.
+
+    The page shows what lives in all managers of this host and of linked hosts, as it changes, and
+    connects, configures, activates, creates and ends components. Each action is a command line,
+    which the page shows; what has an inverse can be undone.
+
+    Only browsers of this host reach it. The address that is printed has a secret, good until the
+    command ends: who has it does what you may do.
+    """
+    try:
+        from rtkit.web.server import HERE, STATIC, WebServer, listening, serve
+    except ImportError as error:
+        if (error.name or "").partition(".")[0] not in ("starlette", "uvicorn", "anyio"):
+            raise
+        raise Refused("the page needs starlette and uvicorn: pip install 'rtkit[web]'") from None
+    from rtkit.web.guard import WebGuard
+
+    check_built(STATIC)
+    listener = listening(port or 0)
+    number = listener.getsockname()[1]
+    token = secrets.token_urlsafe(16)
+    names = frozenset({"localhost", HERE})
+    guard = WebGuard(token, names, is_read_only=is_read_only)
+
+    def ready() -> None:
+        address = f"http://{HERE}:{number}/#token={token}"
+        terminal.write_now([address])
+        if not no_browser:
+            _open(address)
+
+    serve(WebServer(app, guard, ready), listener)
+
+
+def check_built(folder: str) -> None:
+    """Refuse to serve a page that was not built into this installation.
+
+    Raises:
+        Refused: Tells how to build it.
+    """
+    import os
+
+    if not os.path.exists(os.path.join(folder, "index.html")):
+        raise Refused("this installation has no page: install rtkit from a wheel, or make web")
+
+
+def _open(address: str) -> None:
+    import webbrowser
+
+    if not webbrowser.open(address):
+        terminal.write_now(["no browser was found here: open the address yourself"])

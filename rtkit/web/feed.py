@@ -1,0 +1,179 @@
+"""Follows all managers on a thread of its own, and publishes changes: records, rates, notices."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from threading import Thread
+from time import monotonic
+from typing import TYPE_CHECKING, NamedTuple
+
+from rtkit.api.observers import ManagerSeen, ObservedEvent, Observers, place_of
+from rtkit.api.rates import Rater
+from rtkit.deployment.delta import TREE
+from rtkit.deployment.metrics import METRICS, Metrics
+from rtkit.errors import RtkitError
+from rtkit.link.places import host_name
+from rtkit.link.wakeup import Wakeup
+from rtkit.tree.subscription import SubscriptionEnded
+from rtkit.web.records import KnownManager, Record, SystemRecords, records_of
+
+if TYPE_CHECKING:
+    from rtkit.api.session import Session
+
+_REST = 4.0
+"""After a look at a large system changes are gathered for so many times what the look took."""
+
+
+class FeedUpdate(NamedTuple):
+    """All that the feed publishes at once.
+
+    Attributes:
+        records: All that is known now.
+        managers: Those that are known, with their facts.
+        events: What happened, as ``rtwatch --json`` has it.
+        rates: Rates of connectors and components; None where no metrics have come.
+    """
+
+    records: SystemRecords
+    managers: Sequence[KnownManager]
+    events: Sequence[Record]
+    rates: Record | None
+
+
+class SystemFeed:
+    """The thread that follows; `close` ends it."""
+
+    def __init__(
+        self, session: Session, publish: Callable[[FeedUpdate], None], notice: Callable[[str], None]
+    ) -> None:
+        """Begin, once `start` is called.
+
+        Args:
+            session: Of the command; nobody else uses it from then on.
+            publish: Called on the thread with what is new.
+            notice: Called on the thread with what the user should know.
+        """
+        self._session = session
+        self._publish = publish
+        self._notice = notice
+        self._host = host_name()
+        self._records = SystemRecords.nothing()
+        self._known: dict[str, KnownManager] = {}
+        self._ended: dict[str, KnownManager] = {}
+        self._gathered: list[Record] = []
+        self._due: float | None = None
+        self._free_at = 0.0
+        self._raters: dict[str, Rater] = {}
+        self._ending = Wakeup()
+        self._thread = Thread(target=self._run, name="feed", daemon=True)
+
+    def start(self) -> None:
+        """Begin to follow."""
+        self._thread.start()
+
+    def close(self) -> None:
+        """Follow no more."""
+        self._ending.ring()
+        self._thread.join()
+        self._ending.close()
+
+    def _run(self) -> None:
+        lines = (TREE, METRICS)
+        try:
+            with Observers(
+                self._session, lines, is_wide=True, has_hosts=True, is_patient=True
+            ) as observers:
+                if observers.why is not None:
+                    self._notice(f"{observers.why}; waiting for it")
+                self._look(observers)
+                self._publish_all(None)
+                self._follow(observers)
+        except RtkitError as error:
+            self._notice(str(error))
+
+    def _follow(self, observers: Observers) -> None:
+        for events in observers.listen(None, (self._ending.fileno(),), lambda: self._due):
+            if self._ending.hush():
+                return
+            self._gathered += [
+                each for event in events for each in self._happened(observers, event)
+            ]
+            has_metrics = any(isinstance(each.event, Metrics) for each in events)
+            if self._due is None and not all(isinstance(each.event, Metrics) for each in events):
+                self._due = self._free_at
+            if self._due is not None and monotonic() >= self._due:
+                self._look(observers)
+                self._publish_all(None)
+            if has_metrics:
+                self._publish_all(self._rates())
+
+    def _happened(self, observers: Observers, observed: ObservedEvent) -> Iterator[Record]:
+        """Yield the records of an event; note what it says of the manager itself."""
+        name, event = observed
+        if isinstance(event, Metrics):
+            self._raters.setdefault(name, Rater()).take(event)
+        elif isinstance(event, ManagerSeen):
+            self._ended.pop(name, None)
+            self._notice(str(event))
+        elif isinstance(event, SubscriptionEnded):
+            self._note_end(name, event)
+        else:
+            known = observers.names[name], observers.places[name]
+            for each in event.user_events:
+                yield {
+                    "time": event.time,
+                    "kind": each.kind,
+                    "path": place_of(known[0], each, self._host, is_usual=not name, local=known[1]),
+                    "subject": each.subject,
+                    "event": each.event,
+                    "detail": each.detail,
+                }
+
+    def _note_end(self, name: str, end: SubscriptionEnded) -> None:
+        self._raters.pop(name, None)
+        last = self._known.pop(name, None)
+        if last is not None and not end.is_orderly:
+            self._ended[name] = last._replace(why=end.why)
+        self._notice(f"{end.why}; waiting for it to come back")
+
+    def _publish_all(self, rates: Record | None) -> None:
+        managers = (*self._known.values(), *self._ended.values())
+        events, self._gathered = self._gathered, []
+        self._publish(FeedUpdate(self._records, managers, events, rates))
+
+    def _look(self, observers: Observers) -> None:
+        """Make all records anew, so seldom that it takes a small part of the time only."""
+        began = monotonic()
+        self._known = {
+            name: KnownManager(
+                observers.names[name], observers.places[name], not name, subscription.facts
+            )
+            for name, subscription in observers.subscriptions.items()
+        }
+        managers = [*self._known.values(), *self._ended.values()]
+        self._records = records_of(managers, self._host)
+        now = monotonic()
+        self._due = None
+        self._free_at = now + _REST * (now - began)
+
+    def _rates(self) -> Record:
+        """Return the rate of each connector, that of its out port, and of each component."""
+        components: Record = {}
+        written: dict[tuple[str, str], float] = {}
+        for name, manager in self._known.items():
+            rater = self._raters.get(name)
+            if rater is None or not rater.has_rates:
+                continue
+            paths = {c.instance: manager.path(c, self._host) for c in manager.facts.components}
+            for row in rater.rows(manager.facts, paths):
+                load = row.mean_s * row.reached_hz if row.mean_s and row.reached_hz else None
+                components[row.path] = {"hz": row.reached_hz, "load": load}
+                written |= {(row.path, port): hz for port, hz in (row.written_hz or {}).items()}
+        ends = (
+            (id, (each["source"]["component"], each["source"]["port"]))
+            for id, each in self._records.connectors.items()
+        )
+        return {
+            "components": components,
+            "connectors": {id: {"hz": written[end]} for id, end in ends if end in written},
+        }

@@ -1,0 +1,41 @@
+"""Tells which ports a port may be connected to, by the rules of ``rtcon``."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from rtkit.component.port_matching import refusal
+from rtkit.errors import NotFound
+from rtkit.profile_tools.system_summary import short_type
+from rtkit.rtc.profiles import PortProfile
+from rtkit.tree.wiring import DATA_DEFAULTS
+from rtkit.web.records import KnownManager, Record
+
+
+def fitting(port: str, managers: Iterable[KnownManager], hostname: str) -> list[Record]:
+    """Return all other ports, each with the reason why it does not fit; empty where it does.
+
+    Raises:
+        NotFound: There is no such port.
+    """
+    ports = {
+        f"{manager.path(facts, hostname)}:{each.name}": each
+        for manager in managers
+        if not manager.why
+        for facts in manager.facts.components
+        if not facts.zombie
+        for each in facts.ports
+    }
+    asked = ports.pop(port, None)
+    if asked is None:
+        raise NotFound(f"No such port: {port}")
+    return [
+        {"path": path, "type": short_type(each.data_type), "why": _why(asked, each)}
+        for path, each in ports.items()
+    ]
+
+
+def _why(one: PortProfile, other: PortProfile) -> str:
+    data_type = one.data_type or other.data_type
+    properties = {**DATA_DEFAULTS, "dataport.data_type": data_type} if data_type else {}
+    return refusal((one, other), properties)

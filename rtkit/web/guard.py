@@ -1,0 +1,74 @@
+"""Decides whether a request is one of our own page: plain rules over method, path and headers.
+
+The accidents of local web servers of this kind are known: DNS rebinding, requests that pages of
+other sites send, and secrets that a browser adds by itself. So the host must be ours, the origin
+too where one is sent, and the token is in a header that only our page sets.
+"""
+
+from __future__ import annotations
+
+import hmac
+from collections.abc import Container, Mapping
+from typing import NamedTuple
+
+from rtkit.wires.http.guard import stranger
+
+JSON = "application/json"
+POLICY = (
+    "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data: blob:; "
+    "connect-src 'self'; worker-src 'self'; font-src 'self'; base-uri 'none'; "
+    "form-action 'none'; frame-ancestors 'none'"
+)
+HEADERS = {
+    "Content-Security-Policy": POLICY,
+    "X-Content-Type-Options": "nosniff",
+    "Referrer-Policy": "no-referrer",
+    "Cross-Origin-Opener-Policy": "same-origin",
+    "Cross-Origin-Resource-Policy": "same-origin",
+}
+"""Headers of every response."""
+
+
+class Refusal(NamedTuple):
+    """A request that is not answered: HTTP status, kind of error and reason."""
+
+    status: int
+    kind: str
+    text: str
+
+
+class WebGuard(NamedTuple):
+    """Rules of one server.
+
+    Attributes:
+        token: The secret in the address that the user opens.
+        names: Names of this host that a browser may ask for, in lower case.
+        scheme: ``http`` or ``https``.
+        is_read_only: Nothing is changed through it.
+    """
+
+    token: str
+    names: Container[str]
+    scheme: str = "http"
+    is_read_only: bool = False
+
+    def refusal(self, method: str, path: str, headers: Mapping[str, str]) -> Refusal | None:
+        """Return why a request is refused, None if it is not; names of headers in lower case."""
+        why = stranger(headers, self.names, self.scheme)
+        if why:
+            return Refusal(403, "denied", why)
+        if not path.startswith("/api/"):
+            if method in ("GET", "HEAD"):
+                return None
+            return Refusal(405, "malformed", f"{path[:80]} takes no {method[:20]}")
+        given = headers.get("authorization", "")
+        if not hmac.compare_digest(given.encode(), f"Bearer {self.token}".encode()):
+            return Refusal(401, "denied", "the token is missing, or is of another run")
+        if method == "GET":
+            return None
+        if method != "POST":
+            return Refusal(405, "malformed", f"{path[:80]} takes no {method[:20]}")
+        kind = headers.get("content-type", "").partition(";")[0].strip().lower()
+        if kind != JSON:
+            return Refusal(415, "malformed", f"the content is to be {JSON}")
+        return None

@@ -1,0 +1,47 @@
+"""Streams to pages: order, latest rates, and a new beginning for who reads too slowly."""
+
+from __future__ import annotations
+
+import asyncio
+import json
+from typing import Any
+
+from rtkit.web.pages import CHANGE, RATES, Pages
+
+
+def read(event: bytes) -> list[tuple[str, Any]]:
+    blocks = filter(None, event.decode().split("\n\n"))
+    pairs = (block.split("\n") for block in blocks)
+    return [(kind.removeprefix("event: "), json.loads(data[6:])) for kind, data in pairs]
+
+
+def test_changes_come_in_order_and_rates_are_the_latest() -> None:
+    async def main() -> None:
+        pages = Pages(1)
+        stream = pages.stream(lambda: {"revision": 0})
+        assert read(await anext(stream)) == [("picture", {"revision": 0})]
+        assert pages.is_full
+        for number in range(3):
+            pages.send(RATES, {"rate": number})
+            pages.send(CHANGE, {"revision": number})
+        assert read(await anext(stream)) == [
+            *(("change", {"revision": number}) for number in range(3)),
+            ("rates", {"rate": 2}),
+        ]
+        await stream.aclose()
+        assert not pages.is_full
+
+    asyncio.run(main())
+
+
+def test_a_slow_page_begins_anew() -> None:
+    async def main() -> None:
+        pages = Pages(1)
+        stream = pages.stream(lambda: {"revision": 1000})
+        await anext(stream)
+        for number in range(1000):
+            pages.send(CHANGE, {"revision": number})
+        assert read(await anext(stream))[0] == ("picture", {"revision": 1000})
+        await stream.aclose()
+
+    asyncio.run(main())
