@@ -1,0 +1,101 @@
+import { useCallback, useMemo, useRef, useState } from 'react';
+
+import type { Action, Done } from '../model/types';
+import { EMPTY_HISTORY, moved, recorded, type History, type Way } from '../model/undo';
+import { sentence, type Api } from '../server/api';
+import { useTexts, type Texts } from '../texts';
+import type { Toast, Toasts } from './useToasts';
+
+/** A plan that waits for a yes or no. */
+export interface Asked { label: string; plan: Done; ends: boolean; answer: (isYes: boolean) => void }
+
+export interface Actions {
+  asked: Asked | null;
+  history: History;
+  perform: (actions: Action[], label: string) => Promise<boolean>;
+  move: (way: Way) => Promise<void>;
+}
+
+/** Does actions: shows the plan where there is more than one step, tells the result, remembers how to take it back. */
+export function useActions(api: Api, toasts: Toasts): Actions {
+  const texts = useTexts();
+  const [asked, setAsked] = useState<Asked | null>(null);
+  const [history, setHistory] = useState(EMPTY_HISTORY);
+  const latest = useRef(history);
+  const isMoving = useRef(false);
+  const { add } = toasts;
+
+  const change = useCallback((step: (history: History) => History) => {
+    latest.current = step(latest.current);
+    setHistory(latest.current);
+  }, []);
+
+  const confirmed = useCallback(async (actions: Action[], label: string): Promise<boolean> => {
+    const plan = await api.act(actions, true);
+    const ends = actions.some((action) => action.do === 'delete');
+    if (plan.steps.length < 2 && !ends) return true;
+    return new Promise((resolve) => {
+      const answer = (isYes: boolean) => {
+        setAsked(null);
+        resolve(isYes);
+      };
+      setAsked({ label, plan, ends, answer });
+    });
+  }, [api]);
+
+  /** Null when the answer was no; throws what the server says. */
+  const carryOut = useCallback(async (actions: Action[], label: string): Promise<Done | null> =>
+    (await confirmed(actions, label)) ? api.act(actions, false) : null, [api, confirmed]);
+
+  const perform = useCallback(async (actions: Action[], label: string): Promise<boolean> => {
+    try {
+      const done = await carryOut(actions, label);
+      if (!done) return false;
+      if (done.undo?.length) {
+        const entry = { label, actions: done.undo };
+        change((history) => recorded(history, entry));
+      }
+      add(toastOf(done, label, texts));
+      return done.steps.every((step) => step.ok);
+    } catch (error) {
+      add({ level: 'error', title: texts.toast.failed(label), lines: [sentence(error)], command: '', canUndo: false });
+      return false;
+    }
+  }, [add, carryOut, change, texts]);
+
+  const move = useCallback(async (way: Way): Promise<void> => {
+    const entry = latest.current[way].at(-1);
+    if (isMoving.current) return;
+    if (!entry) {
+      add({ level: 'info', title: way === 'undo' ? texts.toast.nothingToUndo : texts.toast.nothingToRedo, lines: [], command: '', canUndo: false });
+      return;
+    }
+    isMoving.current = true;
+    const label = texts.label[way](entry.label);
+    try {
+      const done = await carryOut(entry.actions, label);
+      if (!done) return;
+      const inverse = done.undo?.length ? { label: entry.label, actions: done.undo } : null;
+      change((history) => moved(history, way, inverse));
+      add({ ...toastOf(done, label, texts), canUndo: false });
+    } catch (error) {
+      // The live value is another one by now, or the thing has gone: trying again would fail again.
+      change((history) => moved(history, way, null));
+      add({ level: 'error', title: texts.toast.failed(label), lines: [sentence(error), texts.toast.refusedUndo(entry.label)], command: '', canUndo: false });
+    } finally {
+      isMoving.current = false;
+    }
+  }, [add, carryOut, change, texts]);
+
+  return useMemo(() => ({ asked, history, perform, move }), [asked, history, perform, move]);
+}
+
+function toastOf(done: Done, label: string, texts: Texts): Omit<Toast, 'id'> {
+  const failed = done.steps.filter((step) => step.ok === false);
+  const ok = done.steps.filter((step) => step.ok);
+  const command = ok.map((step) => step.command).filter(Boolean).join('\n');
+  if (!failed.length) return { level: 'done', title: label, lines: [], command, canUndo: Boolean(done.undo?.length) };
+  const partly = ok.length ? [texts.toast.partly(ok.length, done.steps.length)] : [];
+  const lines = [...partly, ...failed.map((step) => step.error || step.text)];
+  return { level: 'error', title: texts.toast.failed(label), lines, command, canUndo: false };
+}

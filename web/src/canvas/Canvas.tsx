@@ -1,0 +1,200 @@
+import '@xyflow/react/dist/base.css';
+
+import {
+  Background, BackgroundVariant, ConnectionLineType, ConnectionMode, MiniMap, ReactFlow, ReactFlowProvider, useReactFlow,
+  type Connection, type NodeChange, type OnConnectStartParams,
+} from '@xyflow/react';
+import { useCallback, useEffect, useMemo, useRef, useState, type KeyboardEvent } from 'react';
+
+import { isHeading, nearest, type Heading } from '../model/nearest';
+import type { System } from '../model/system';
+import { portPath, type Box, type Layout, type PortEnd } from '../model/types';
+import { sentence } from '../server/api';
+import { useEditor } from '../shell/contexts';
+import type { View } from '../shell/view';
+import { useTexts } from '../texts';
+import { CanvasTools } from './CanvasTools';
+import { ComponentNode } from './ComponentNode';
+import { ConnectingContext, type Connecting } from './ConnectingContext';
+import { FrameNode } from './FrameNode';
+import { buildEdges, buildNodes, keeper, placedBoxes, type GraphNode, type WireEdgeType } from './graph';
+import { Wire } from './Wire';
+
+const NODE_TYPES = { component: ComponentNode, frame: FrameNode };
+const EDGE_TYPES = { wire: Wire };
+const MINIMAP_SIZE = { width: 150, height: 100 };
+const PAN_STEP = 80;
+const MOVE_STEP = 20;
+const SPEED_MS = matchMedia('(prefers-reduced-motion: reduce)').matches ? 0 : 250;
+
+interface Props { system: System; layout: Layout; view: View; onOpen: () => void; onConnect: (from: PortEnd, to: PortEnd) => void }
+
+export function Canvas(props: Props) {
+  return <ReactFlowProvider><Diagram {...props} /></ReactFlowProvider>;
+}
+
+/** The diagram: boxes and wires of the layout, what the user has moved, and the keys and drags that work on them. */
+function Diagram({ system, layout, view, onOpen, onConnect }: Props) {
+  const texts = useTexts();
+  const editor = useEditor();
+  const flow = useReactFlow<GraphNode, WireEdgeType>();
+  const wrapper = useRef<HTMLDivElement>(null);
+  const { connecting, hint, begin, end } = useConnecting();
+
+  const [keepNode] = useState(() => keeper<GraphNode>());
+  const [keepEdge] = useState(() => keeper<WireEdgeType>());
+  const boxes = useMemo(() => placedBoxes(layout, view.placed), [layout, view.placed]);
+  const selection = useMemo(() => new Set(view.selection), [view.selection]);
+  const scene = { system, boxes, selection };
+  const nodes = buildNodes(scene, texts.canvas.component, keepNode);
+  const edges = buildEdges(scene, layout, view.placed, texts.canvas.wire, keepEdge);
+
+  useCentre(view.centre, boxes);
+
+  const onNodesChange = useCallback((changes: NodeChange<GraphNode>[]) => {
+    const places = new Map<string, { x: number; y: number }>();
+    for (const change of changes) if (change.type === 'position' && change.position && change.dragging) places.set(change.id, change.position);
+    if (places.size) editor.place(places);
+  }, [editor]);
+
+  const pick = (id: string, isAdded: boolean) => {
+    if (!isAdded) editor.select([id]);
+    else editor.select(selection.has(id) ? view.selection.filter((one) => one !== id) : [...view.selection, id]);
+  };
+
+  const focusNode = (id: string) => {
+    editor.reveal(id);
+    wrapper.current?.querySelector<HTMLElement>(`.react-flow__node[data-id="${CSS.escape(id)}"]`)?.focus();
+  };
+
+  const go = (heading: Heading, isMoving: boolean) => {
+    const current = view.selection.find((id) => boxes.get(id)?.kind === 'component' || boxes.get(id)?.is_folded);
+    if (current && isMoving) editor.place(new Map([[current, shifted(boxes.get(current), heading)]]));
+    else if (current) {
+      const reachable = new Map([...boxes].filter(([, box]) => box.kind === 'component' || box.is_folded));
+      const next = nearest(reachable, current, heading);
+      if (next) focusNode(next);
+    } else {
+      const { x, y, zoom } = flow.getViewport();
+      const [dx, dy] = ways(heading);
+      void flow.setViewport({ x: x - dx * PAN_STEP, y: y - dy * PAN_STEP, zoom });
+    }
+  };
+
+  const onKeyDown = (event: KeyboardEvent) => {
+    const at = event.target instanceof Element ? event.target : null;
+    if (at?.closest('button')) return;
+    const focused = at?.closest<HTMLElement>('.react-flow__node, .react-flow__edge')?.dataset['id'];
+    if (isHeading(event.key)) go(event.key, event.altKey);
+    else if (event.key === 'Enter' || event.key === ' ') {
+      if (focused) editor.select([focused]);
+      if (event.key === 'Enter') onOpen();
+    } else return;
+    event.preventDefault();
+  };
+
+  /** Focus by keyboard selects, so that what the keys work on is what is shown. */
+  const onFocus = ({ target }: { target: EventTarget }) => {
+    const id = target instanceof HTMLElement && target.matches('.react-flow__node:focus-visible') ? target.dataset['id'] : undefined;
+    if (id && !selection.has(id)) editor.reveal(id);
+  };
+
+  const connect = ({ source, sourceHandle, target, targetHandle }: Connection) => {
+    if (!sourceHandle || !targetHandle) return;
+    const [from, to] = [{ component: source, port: sourceHandle }, { component: target, port: targetHandle }];
+    const isTurned = system.components.get(from.component)?.ports.some((port) => port.name === from.port && port.direction === 'in');
+    onConnect(isTurned ? to : from, isTurned ? from : to);
+  };
+
+  const allows = ({ source, sourceHandle, target, targetHandle }: Connection | WireEdgeType): boolean => {
+    const far = connecting && portPath(connecting.from) === `${source}:${sourceHandle}` ? `${target}:${targetHandle}` : `${source}:${sourceHandle}`;
+    return connecting?.whys?.get(far) === '';
+  };
+
+  return (
+    <div className="canvas" ref={wrapper} onKeyDown={onKeyDown} onFocus={onFocus} role="presentation">
+      <ConnectingContext value={connecting}>
+        <ReactFlow<GraphNode, WireEdgeType>
+          aria-label={texts.canvas.label}
+          nodes={nodes} edges={edges} nodeTypes={NODE_TYPES} edgeTypes={EDGE_TYPES}
+          onNodesChange={onNodesChange}
+          onNodeClick={(event, node) => !(event.target instanceof Element && event.target.closest('button')) && pick(node.id, event.shiftKey || event.ctrlKey || event.metaKey)}
+          onNodeDoubleClick={(_, node) => (node.type === 'frame' ? editor.toggleFold(node.id) : onOpen())}
+          onEdgeClick={(event, edge) => pick(edge.id, event.shiftKey || event.ctrlKey || event.metaKey)}
+          onPaneClick={() => editor.select([])}
+          onConnectStart={(_, start) => begin(start)} onConnectEnd={end} onConnect={connect} isValidConnection={allows}
+          nodesConnectable={editor.canChange} connectionMode={ConnectionMode.Loose} connectionLineType={ConnectionLineType.SmoothStep}
+          connectionRadius={18} disableKeyboardA11y elementsSelectable={false} edgesFocusable onlyRenderVisibleElements
+          fitView fitViewOptions={{ padding: 0.06, maxZoom: 1 }} minZoom={0.05} maxZoom={2} deleteKeyCode={null} selectionKeyCode={null}
+          multiSelectionKeyCode={null} zoomOnDoubleClick={false} elevateNodesOnSelect={false} nodeDragThreshold={3}
+          proOptions={{ hideAttribution: true }}
+        >
+          <Background variant={BackgroundVariant.Dots} gap={20} size={1} />
+          <MiniMap<GraphNode> pannable zoomable ariaLabel={texts.canvas.minimap} nodeClassName={miniClass} nodeBorderRadius={6} style={MINIMAP_SIZE} />
+          <CanvasTools />
+        </ReactFlow>
+      </ConnectingContext>
+      {connecting && <p className="hint" role="status">{hint}</p>}
+    </div>
+  );
+}
+
+const miniClass = (node: GraphNode): string => (node.type === 'component' ? `look-${node.data.component.look}` : `mini-${node.data.frame.kind}`);
+
+const ways = (heading: Heading): [number, number] =>
+  ({ ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] } as const)[heading] as [number, number];
+
+function shifted(box: Box | undefined, heading: Heading): { x: number; y: number } {
+  const [dx, dy] = ways(heading);
+  return { x: (box?.x ?? 0) + dx * MOVE_STEP, y: (box?.y ?? 0) + dy * MOVE_STEP };
+}
+
+/** Brings what was asked for to the middle, as soon as the layout shows it. */
+function useCentre(centre: View['centre'], boxes: ReadonlyMap<string, Box>) {
+  const flow = useReactFlow();
+  const done = useRef(0);
+  useEffect(() => {
+    const box = centre && boxes.get(centre.id);
+    if (!box || centre.count === done.current) return;
+    done.current = centre.count;
+    const { x, y, zoom } = flow.getViewport();
+    const pane = document.querySelector('.react-flow')?.getBoundingClientRect();
+    const [left, top] = [box.x * zoom + x, box.y * zoom + y];
+    const isSeen = pane && zoom >= 0.5 && left >= 0 && top >= 0 && left + box.width * zoom <= pane.width && top + box.height * zoom <= pane.height;
+    if (!isSeen) void flow.setCenter(box.x + box.width / 2, box.y + box.height / 2, { zoom: Math.max(zoom, 0.8), duration: SPEED_MS });
+  }, [centre, boxes, flow]);
+}
+
+/** Asks the server which ports fit as soon as a wire is begun, and tells why the port under the pointer does not. */
+function useConnecting() {
+  const { api } = useEditor();
+  const texts = useTexts();
+  const [connecting, setConnecting] = useState<Connecting | null>(null);
+  const [why, setWhy] = useState('');
+  const begin = useCallback(({ nodeId, handleId }: OnConnectStartParams) => {
+    if (!nodeId || !handleId) return;
+    const from = { component: nodeId, port: handleId };
+    setConnecting({ from, whys: null });
+    api.connectable(portPath(from)).then(
+      (ports) => setConnecting((now) => now && { from, whys: new Map(ports.map((port) => [port.path, port.why])) }),
+      (error: unknown) => setWhy(sentence(error)),
+    );
+  }, [api]);
+  const end = useCallback(() => {
+    setConnecting(null);
+    setWhy('');
+  }, []);
+  useEffect(() => {
+    if (!connecting?.whys) return undefined;
+    const look = (event: MouseEvent) => {
+      const at = event.target instanceof Element ? event.target.closest<HTMLElement>('[data-why]') : null;
+      setWhy(at?.dataset['why'] ?? '');
+    };
+    document.addEventListener('mousemove', look);
+    return () => document.removeEventListener('mousemove', look);
+  }, [connecting?.whys]);
+  const hasFit = connecting?.whys ? [...connecting.whys.values()].includes('') : true;
+  const standing = !connecting?.whys ? texts.canvas.asking : hasFit ? texts.canvas.release : texts.canvas.noneFits;
+  return { connecting, hint: why || standing, begin, end };
+}
+

@@ -1,0 +1,39 @@
+import { BaseEdge, getSmoothStepPath, useStore, type EdgeProps } from '@xyflow/react';
+import { memo, useContext } from 'react';
+
+import { rateText } from '../parts/numbers';
+import { RatesContext } from '../shell/contexts';
+import type { WireEdgeType } from './graph';
+import { labelPlace, roundedPath } from './path';
+
+const LABEL_ZOOM = 0.5;
+
+/** A connector: along the path of the layout, else right-angled between its ends; thicker the more values it carries. */
+export const Wire = memo(function Wire(props: EdgeProps<WireEdgeType>) {
+  const { id, data, selected } = props;
+  const hz = useContext(RatesContext).connectors[id]?.hz ?? null;
+  const hasLabel = useStore((state) => state.transform[2] >= LABEL_ZOOM);
+  const [path, x, y] = course(props);
+  const isTroubled = Boolean(data?.wire.trouble);
+  const classes = ['wire', isTroubled && 'is-troubled', data?.isNear && 'is-near', selected && 'is-selected', hz === 0 && 'is-quiet'];
+  return (
+    <g className={classes.filter(Boolean).join(' ')} data-speed={speed(hz)}>
+      <BaseEdge id={id} path={path} interactionWidth={14} />
+      {hasLabel && (isTroubled || hz !== null) && (
+        <text x={x} y={y - 5}>{isTroubled ? `⚠ ${rateText(hz)}` : rateText(hz)}</text>
+      )}
+    </g>
+  );
+});
+
+function course({ data, sourceX, sourceY, targetX, targetY, sourcePosition, targetPosition }: EdgeProps<WireEdgeType>): [string, number, number] {
+  if (data?.path && data.path.length > 1) return [roundedPath(data.path), ...labelPlace(data.path)];
+  const [path, x, y] = getSmoothStepPath({ sourceX, sourceY, targetX, targetY, sourcePosition, targetPosition, borderRadius: 6 });
+  return [path, x, y];
+}
+
+/** Four steps of thickness: nothing, a few, tens, hundreds of values a second. */
+function speed(hz: number | null): number {
+  if (!hz) return 0;
+  return hz < 10 ? 1 : hz < 200 ? 2 : 3;
+}

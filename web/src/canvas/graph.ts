@@ -1,0 +1,196 @@
+import { Position, type Edge, type Node, type NodeHandle } from '@xyflow/react';
+
+import { endText } from '../model/does';
+import { sides } from '../model/ports';
+import type { System } from '../model/system';
+import { LOOKS, type Box, type Component, type Connector, type Layout, type Look, type Manager, type Point, type PortEnd, type Process } from '../model/types';
+
+export const HEADER = 42;
+export const ROW = 20;
+const HANDLE = 10;
+
+export type ComponentNodeType = Node<{ component: Component; box: Box; connected: string }, 'component'>;
+
+export interface Frame {
+  kind: Exclude<Box['kind'], 'component'>; name: string; isFolded: boolean;
+  /** The state of the manager, process or composite; its trouble in words. */
+  state: string; isTroubled: boolean; why: string; counts: Count[];
+}
+export type FrameNodeType = Node<{ frame: Frame; box: Box; composite: Component | null }, 'frame'>;
+export type WireEdgeType = Edge<{ wire: Connector; path: Point[] | null; isNear: boolean }, 'wire'>;
+export type GraphNode = ComponentNodeType | FrameNodeType;
+
+export type Count = [look: Look, count: number];
+export type Places = ReadonlyMap<string, { x: number; y: number }>;
+
+/** A function that returns the object it made before while what it is made of is the same: React then skips it. */
+export function keeper<T>(): (id: string, parts: readonly unknown[], make: () => T) => T {
+  const kept = new Map<string, { parts: readonly unknown[]; value: T }>();
+  return (id, parts, make) => {
+    const old = kept.get(id);
+    if (old && old.parts.length === parts.length && old.parts.every((part, index) => part === parts[index])) return old.value;
+    const value = make();
+    kept.set(id, { parts, value });
+    return value;
+  };
+}
+
+/** The boxes as they stand: those of the layout, moved by hand, frames grown round what was moved. */
+export function placedBoxes(layout: Layout, placed: Places): Map<string, Box> {
+  const boxes = new Map<string, Box>();
+  for (const [id, box] of Object.entries(layout.boxes)) {
+    const place = placed.get(id);
+    boxes.set(id, place && (box.kind === 'component' || box.is_folded) ? { ...box, ...place } : box);
+  }
+  if (placed.size) for (const [id, box] of boxes) if (placed.has(id)) growAround(boxes, box);
+  return boxes;
+}
+
+const MARGIN = 16;
+
+function growAround(boxes: Map<string, Box>, inner: Box): void {
+  const outer = inner.parent === null ? undefined : boxes.get(inner.parent);
+  if (!outer || inner.parent === null) return;
+  const left = Math.min(outer.x, inner.x - MARGIN);
+  const top = Math.min(outer.y, inner.y - HEADER);
+  const right = Math.max(outer.x + outer.width, inner.x + inner.width + MARGIN);
+  const bottom = Math.max(outer.y + outer.height, inner.y + inner.height + MARGIN);
+  const grown = { ...outer, x: left, y: top, width: right - left, height: bottom - top };
+  boxes.set(inner.parent, grown);
+  growAround(boxes, grown);
+}
+
+/** The box that shows a component: its own, else the folded one round it; undefined when none does. */
+export function shownAs(id: string, system: Pick<System, 'components'>, boxes: ReadonlyMap<string, Box>): string | undefined {
+  for (let one = system.components.get(id); one; one = system.components.get(one.composite)) {
+    if (boxes.has(one.id)) return one.id;
+    if (!one.composite) return [one.process, one.manager].find((outer) => boxes.has(outer));
+  }
+  return undefined;
+}
+
+/** How many components below a manager, process or composite have each look. */
+export function countsIn(components: Iterable<Component>): Count[] {
+  const counts = new Map<Look, number>();
+  for (const { look } of components) counts.set(look, (counts.get(look) ?? 0) + 1);
+  return LOOKS.flatMap((look) => (counts.has(look) ? [[look, counts.get(look) ?? 0] as Count] : []));
+}
+
+interface Scene { system: System; boxes: ReadonlyMap<string, Box>; selection: ReadonlySet<string> }
+
+/** What readers hear of a component. */
+export type Label = (name: string, type: string, state: string, ports: number) => string;
+
+export function buildNodes({ system, boxes, selection }: Scene, label: Label, keep: ReturnType<typeof keeper<GraphNode>>): GraphNode[] {
+  const connected = connectedPorts(system.connectors.values());
+  const nodes: GraphNode[] = [];
+  for (const [id, box] of boxes) {
+    const isSelected = selection.has(id);
+    const component = system.components.get(id);
+    if (box.kind === 'component') {
+      if (!component) continue;
+      const ports = (connected.get(id) ?? []).sort().join('\n');
+      nodes.push(keep(id, [component, box, isSelected, ports, label], () => componentNode(component, box, isSelected, ports, label)));
+    } else {
+      const frame = frameOf(id, box, system);
+      if (frame) nodes.push(keep(id, [JSON.stringify(frame), box, isSelected, component], () => frameNode(id, frame, box, isSelected, component)));
+    }
+  }
+  return nodes;
+}
+
+function connectedPorts(wires: Iterable<Connector>): Map<string, string[]> {
+  const found = new Map<string, string[]>();
+  for (const wire of wires)
+    for (const end of [wire.source, wire.target]) {
+      const ports = found.get(end.component);
+      if (ports) ports.push(end.port);
+      else found.set(end.component, [end.port]);
+    }
+  return found;
+}
+
+function componentNode(component: Component, box: Box, isSelected: boolean, connected: string, label: Label): ComponentNodeType {
+  return {
+    ...placedNode(component.id, box, isSelected),
+    type: 'component', data: { component, box, connected }, handles: portHandles(component, box), zIndex: 10,
+    ariaLabel: label(component.name, component.type, component.word, component.ports.length),
+  };
+}
+
+function frameNode(id: string, frame: Frame, box: Box, isSelected: boolean, composite: Component | undefined): FrameNodeType {
+  const ports = composite ? portHandles(composite, box) : [];
+  return {
+    ...placedNode(id, box, isSelected),
+    type: 'frame', data: { frame, box, composite: composite ?? null }, zIndex: frame.isFolded ? 10 : 0, draggable: frame.isFolded, focusable: false,
+    handles: [...ports, handle('', 'target', 0, sideHeight(box, 'left')), handle('', 'source', box.width, sideHeight(box, 'right'))],
+  };
+}
+
+function placedNode(id: string, { x, y, width, height }: Box, selected: boolean) {
+  // Sizes and handles are given, so that wires to boxes outside of the window can be drawn without measuring them.
+  return { id, position: { x, y }, width, height, measured: { width, height }, selected };
+}
+
+function portHandles(component: Component, box: Box): NodeHandle[] {
+  const { left, right } = sides(component);
+  return [
+    ...left.map((port, row) => handle(port.name, 'target', 0, portHeight(box, port.name, row))),
+    ...right.map((port, row) => handle(port.name, 'source', box.width, portHeight(box, port.name, row))),
+  ];
+}
+
+/** The middle of a port below the top of its box, as the layout has it. */
+export const portHeight = (box: Box, port: string, row: number): number => box.ports?.[port]?.y ?? HEADER + ROW * row + ROW / 2;
+
+/** Where a folded frame takes the wires of one side. */
+export const sideHeight = (box: Box, side: 'left' | 'right'): number => box.ports?.[side]?.y ?? HEADER;
+
+function handle(id: string, type: 'source' | 'target', x: number, y: number): NodeHandle {
+  const position = type === 'source' ? Position.Right : Position.Left;
+  // A wire begins at the outer edge of its handle: that edge stands on the border of the box.
+  const left = type === 'source' ? x - HANDLE : x;
+  return { id: id || type, type, position, x: left, y: y - HANDLE / 2, width: HANDLE, height: HANDLE };
+}
+
+function frameOf(id: string, box: Box, system: System): Frame | null {
+  const kind = box.kind as Frame['kind'];
+  const inside = [...system.components.values()].filter((one) =>
+    kind === 'composite' ? one.composite === id : kind === 'process' ? one.process === id : one.manager === id);
+  const shared = { kind, isFolded: box.is_folded, counts: countsIn(inside) };
+  const record: Manager | Process | Component | undefined =
+    kind === 'composite' ? system.components.get(id) : kind === 'process' ? system.processes.get(id) : system.managers.get(id);
+  if (!record) return null;
+  if ('look' in record) return { ...shared, name: record.name, state: record.word, isTroubled: record.look === 'error', why: record.remark };
+  return { ...shared, name: record.name, state: record.state, isTroubled: record.state !== 'up' && record.state !== 'starting', why: record.why };
+}
+
+export function buildEdges(
+  { system, boxes, selection }: Scene, layout: Layout, placed: Places,
+  label: (source: string, target: string) => string, keep: ReturnType<typeof keeper<WireEdgeType>>,
+): WireEdgeType[] {
+  const edges: WireEdgeType[] = [];
+  for (const wire of system.connectors.values()) {
+    const source = shownAs(wire.source.component, system, boxes);
+    const target = shownAs(wire.target.component, system, boxes);
+    if (!source || !target || (source === target && wire.source.component !== wire.target.component)) continue;
+    // The path of the layout holds while both ends stand where the layout has put them.
+    const path = placed.has(source) || placed.has(target) ? null : (layout.paths[wire.id] ?? null);
+    const isSelected = selection.has(wire.id);
+    const isNear = selection.has(source) || selection.has(target);
+    const ends = [handleOf(wire.source, source, 'source', system), handleOf(wire.target, target, 'target', system)] as const;
+    const make = (): WireEdgeType => ({
+      id: wire.id, type: 'wire', source, target, sourceHandle: ends[0], targetHandle: ends[1],
+      data: { wire, path, isNear }, selected: isSelected, zIndex: isSelected ? 20 : 5,
+      ariaLabel: label(endText(wire.source), endText(wire.target)),
+    });
+    edges.push(keep(wire.id, [wire, source, target, ends[0], ends[1], path, isSelected, isNear, label], make));
+  }
+  return edges;
+}
+
+/** A folded box takes the wires of all that it holds at one place on each side. */
+function handleOf(end: PortEnd, shown: string, side: 'source' | 'target', system: System): string {
+  const isOwn = shown === end.component && system.components.get(shown)?.ports.some((port) => port.name === end.port);
+  return isOwn ? end.port : side;
+}

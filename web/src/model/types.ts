@@ -1,0 +1,113 @@
+/** Records of the contract between the page and the server. Field names are those on the wire. */
+
+export type Look =
+  | 'active' | 'inactive' | 'error' | 'created' | 'unknown' | 'zombie' | 'stuck' | 'unreachable' | 'restarting';
+
+export const LOOKS: readonly Look[] = [
+  'error', 'zombie', 'stuck', 'unreachable', 'restarting', 'unknown', 'active', 'inactive', 'created',
+];
+
+/** Looks that need somebody's attention. */
+export const TROUBLED: ReadonlySet<Look> = new Set<Look>(['error', 'zombie', 'stuck', 'unreachable']);
+
+export type Direction = 'in' | 'out' | 'service';
+
+export interface Manager {
+  id: string; name: string; host: string; pid: number; version: string;
+  state: 'up' | 'gone'; why: string;
+}
+
+export interface Process {
+  id: string; name: string; manager: string; pid: number;
+  state: 'up' | 'starting' | 'stopped' | 'silent' | 'lost'; why: string; is_slave: boolean;
+}
+
+export interface Context {
+  id: string; kind: 'PERIODIC' | 'EVENT_DRIVEN' | 'OTHER'; rate_hz: number; is_running: boolean;
+  state: string; owner: string;
+}
+
+export interface Interface { instance: string; type: string; polarity: 'PROVIDED' | 'REQUIRED' }
+
+export interface Port { name: string; direction: Direction; type: string; interfaces: Interface[] }
+
+export interface Component {
+  id: string; name: string; type: string; type_id: string; manager: string; process: string;
+  state: 'Active' | 'Inactive' | 'Error' | 'Created' | 'Unknown';
+  look: Look; word: string; remark: string; since: number; description: string;
+  composite: string; members: string[];
+  contexts: Context[]; ports: Port[];
+  active_set: string; sets: Record<string, Record<string, string>>;
+  widgets: Record<string, string>; constraints: Record<string, string>;
+  properties: Record<string, string>;
+}
+
+export interface PortEnd { component: string; port: string }
+
+export interface Connector {
+  id: string; name: string; source: PortEnd; target: PortEnd;
+  properties: Record<string, string>; trouble: string;
+}
+
+export interface TreeEvent { time: number; kind: string; path: string; subject: string; event: string; detail: string }
+
+export interface Records {
+  managers: Manager[]; processes: Process[]; components: Component[]; connectors: Connector[];
+}
+
+export interface Picture extends Records { revision: number; host: string; version: string; read_only: boolean }
+
+export interface Change extends Records {
+  revision: number; time: number;
+  gone: { managers: string[]; processes: string[]; components: string[]; connectors: string[] };
+  events: TreeEvent[];
+}
+
+export interface Rates {
+  connectors: Record<string, { hz: number | null; written: number | null }>;
+  components: Record<string, { hz: number | null; load: number | null }>;
+}
+
+export interface Notice { level: 'error' | 'warning' | 'info'; text: string }
+
+export type BoxKind = 'component' | 'process' | 'manager' | 'composite';
+
+export interface Box {
+  x: number; y: number; width: number; height: number; parent: string | null; kind: BoxKind; is_folded: boolean;
+  /** Where wires end, below the top of the box; a folded frame takes all of a side at one place, named "left" or "right". */
+  ports?: Record<string, { side: 'left' | 'right'; y: number }>;
+}
+
+export type Point = [number, number];
+
+export interface Layout {
+  revision: number; width: number; height: number;
+  boxes: Record<string, Box>; paths: Record<string, Point[]>;
+}
+
+export type Action =
+  | { do: 'connect'; source: string; target: string; id?: string; name?: string; properties?: Record<string, string> }
+  | { do: 'disconnect'; connector: string }
+  | { do: 'activate' | 'deactivate' | 'reset'; component: string; context?: string }
+  | { do: 'configure'; component: string; set: string; values: Record<string, string>; expect?: Record<string, string> }
+  | { do: 'activate_set'; component: string; set: string }
+  | { do: 'rate'; component: string; context: string; rate_hz: number }
+  | { do: 'start' | 'stop'; component: string; context: string }
+  | { do: 'load'; manager: string; path: string; init?: string }
+  | { do: 'create'; manager: string; create: string }
+  | { do: 'delete'; component: string };
+
+export interface Step { text: string; command: string; ok: boolean | null; error: string }
+
+export interface Done { steps: Step[]; undo: Action[] | null; undo_reason: string }
+
+export interface Connectable { path: string; type: string; why: string }
+
+/** The path of a port, as actions name it. */
+export const portPath = (end: PortEnd): string => `${end.component}:${end.port}`;
+
+/** The two parts of a port's path. Port names hold no colon; component paths may. */
+export function portEnd(path: string): PortEnd {
+  const at = path.lastIndexOf(':');
+  return { component: path.slice(0, at), port: path.slice(at + 1) };
+}

@@ -1,0 +1,34 @@
+import { useContext } from 'react';
+
+import { endText, wireText } from '../model/does';
+import type { Connector } from '../model/types';
+import { rateText } from '../parts/numbers';
+import { RatesContext, useEditor } from '../shell/contexts';
+import { useTexts } from '../texts';
+import { Fields, Section } from './Fields';
+import { Link } from './Link';
+import { useVerbs } from './useVerbs';
+
+export function ConnectorInspector({ wire }: { wire: Connector }) {
+  const texts = useTexts();
+  const { canChange } = useEditor();
+  const { disconnect } = useVerbs();
+  const rate = useContext(RatesContext).connectors[wire.id];
+  const properties = Object.entries(wire.properties);
+  return (
+    <>
+      <div className="headline"><h2>{wireText(wire)}</h2><p>{wire.name}</p></div>
+      {wire.trouble && <p className="remark">{wire.trouble}</p>}
+      <div className="buttons"><button type="button" className="danger" disabled={!canChange} onClick={() => disconnect([wire])}>{texts.act.disconnect}</button></div>
+      <Fields rows={[
+        [texts.inspector.source, <Link key="source" id={wire.source.component} text={endText(wire.source)} />],
+        [texts.inspector.target, <Link key="target" id={wire.target.component} text={endText(wire.target)} />],
+        [texts.inspector.rate, rateText(rate?.hz ?? null)],
+        [texts.inspector.written, rate?.written ?? ''],
+      ]} />
+      <Section title={texts.inspector.properties} count={properties.length}>
+        {properties.length ? <Fields rows={properties} /> : <p className="empty">{texts.inspector.noProperties}</p>}
+      </Section>
+    </>
+  );
+}

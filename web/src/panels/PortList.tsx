@@ -1,0 +1,36 @@
+import { farEnds, endText } from '../model/does';
+import { portType } from '../model/ports';
+import type { System } from '../model/system';
+import type { Component, Port } from '../model/types';
+import { Icon } from '../parts/icons';
+import { useEditor } from '../shell/contexts';
+import { useTexts } from '../texts';
+import { Link } from './Link';
+import { useVerbs } from './useVerbs';
+
+/** Ports of a component with their connectors. */
+export function PortList({ system, component }: { system: System; component: Component }) {
+  const texts = useTexts();
+  if (!component.ports.length) return <p className="empty">{texts.inspector.noPorts}</p>;
+  return <ul className="ports">{component.ports.map((port) => <PortItem key={port.name} system={system} component={component} port={port} />)}</ul>;
+}
+
+function PortItem({ system, component, port }: { system: System; component: Component; port: Port }) {
+  const texts = useTexts();
+  const { canChange } = useEditor();
+  const { disconnect } = useVerbs();
+  const ends = farEnds(system, component.id, port.name);
+  return (
+    <li>
+      <p><span className={`direction direction-${port.direction}`}>{texts.directions[port.direction]}</span> <strong>{port.name}</strong> <span className="type">{portType(port)}</span></p>
+      {ends.length === 0 && <p className="empty">{texts.inspector.free}</p>}
+      {ends.map(({ wire, far }) => (
+        <p key={wire.id} className={`far ${wire.trouble ? 'is-troubled' : ''}`} title={wire.trouble}>
+          <span aria-hidden="true">{port.direction === 'in' ? '←' : '→'}</span> <Link id={wire.id} text={endText(far)} />
+          {wire.trouble && <span className="warning">⚠ {wire.trouble}</span>}
+          <button type="button" className="quiet" disabled={!canChange} aria-label={texts.label.disconnect(endText({ component: component.id, port: port.name }), endText(far))} title={texts.act.disconnect} onClick={() => disconnect([wire])}><Icon name="close" /></button>
+        </p>
+      ))}
+    </li>
+  );
+}

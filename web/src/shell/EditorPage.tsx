@@ -1,0 +1,110 @@
+import { useCallback, useEffect, useMemo, useReducer, useState } from 'react';
+
+import { ConnectDialog } from '../actions/ConnectDialog';
+import { PlanDialog } from '../actions/PlanDialog';
+import { ToastList } from '../actions/ToastList';
+import { useActions } from '../actions/useActions';
+import { useToasts } from '../actions/useToasts';
+import { Canvas } from '../canvas/Canvas';
+import { removeActions, wireText } from '../model/does';
+import type { System } from '../model/system';
+import type { Notice } from '../model/types';
+import { EventsPanel } from '../panels/EventsPanel';
+import { Inspector } from '../panels/Inspector';
+import { TableView } from '../panels/TableView';
+import { TreePanel } from '../panels/TreePanel';
+import { createApi } from '../server/api';
+import { useTexts, type Texts } from '../texts';
+import { Banner } from './Banner';
+import { KeysDialog } from './KeysDialog';
+import { LiveRegion } from './LiveRegion';
+import { Palette } from './Palette';
+import { TopBar, type Settings } from './TopBar';
+import { EditorContext, RatesContext } from './contexts';
+import { useEditorValue } from './editor';
+import { useLayout } from './useLayout';
+import { useShortcuts } from './useShortcuts';
+import { useSystem } from './useSystem';
+import { FIRST_VIEW, reduceView } from './view';
+
+interface Props { token: string; settings: Settings; onDenied: () => void }
+
+/** The editor: puts the system that the server tells, the view of this page and the actions together. */
+export function EditorPage({ token, settings, onDenied }: Props) {
+  const texts = useTexts();
+  const api = useMemo(() => createApi(token), [token]);
+  const toasts = useToasts();
+  const { add } = toasts;
+  const onNotice = useCallback(({ level, text }: Notice) => add({ level, title: text, lines: [], command: '', canUndo: false }), [add]);
+  const onError = useCallback((text: string) => onNotice({ level: 'error', text }), [onNotice]);
+  const { system, link, lostAt } = useSystem(token, api, onNotice);
+  const [view, dispatch] = useReducer(reduceView, FIRST_VIEW);
+  const layout = useLayout(api, system.structure, view.folded, onError);
+  const { asked, history, perform, move } = useActions(api, toasts);
+  const canChange = link === 'up' && !system.isReadOnly;
+  const editor = useEditorValue(api, canChange, system, dispatch, perform);
+  useEffect(() => {
+    if (link === 'denied') onDenied();
+  }, [link, onDenied]);
+  const [focusCount, setFocusCount] = useState(0);
+
+  const openInspector = () => {
+    if (!view.panels.inspector) editor.togglePanel('inspector');
+    setFocusCount((count) => count + 1);
+  };
+  const selected = view.selection.flatMap((id) => system.components.get(id) ?? []);
+  const [component] = selected;
+  const connect = () => {
+    if (component?.ports.length && canChange) editor.open({ kind: 'connect', from: null, to: null, component: component.id });
+  };
+  const remove = () => {
+    const actions = removeActions(view.selection, system);
+    if (actions.length && canChange) void perform(actions, removeLabel(view.selection, system, texts));
+  };
+  useShortcuts({
+    palette: () => editor.open({ kind: 'palette' }),
+    keys: () => editor.open({ kind: 'keys' }),
+    undo: () => canChange && void move('undo'),
+    redo: () => canChange && void move('redo'),
+    remove,
+    connect,
+    clear: () => editor.select([]),
+    turn: () => editor.show(view.kind === 'table' ? 'diagram' : 'table'),
+  });
+  const { dialog } = view;
+
+  return (
+    <EditorContext value={editor}>
+      <RatesContext value={system.rates}>
+        <div className={`page ${link === 'up' ? '' : 'is-stale'}`} data-tree={view.panels.tree} data-inspector={view.panels.inspector} data-events={view.panels.events}>
+          <TopBar system={system} view={view} history={history} settings={settings} onMove={(way) => void move(way)} />
+          <Banner link={link} lostAt={lostAt} managers={system.managers} />
+          {view.panels.tree && <TreePanel managers={system.managers} processes={system.processes} components={system.components} selection={view.selection} />}
+          {view.kind === 'table' ? <TableView system={system} /> : (
+            <main className="stage">
+              {layout && system.components.size > 0 && (
+                <Canvas system={system} layout={layout} view={view} onOpen={openInspector}
+                  onConnect={(from, to) => editor.open({ kind: 'connect', from, to, component: from.component })} />
+              )}
+              {!(layout && system.components.size) && <p className="empty">{system.isKnown && !system.components.size ? texts.canvas.empty : link === 'connecting' ? texts.link.connecting : texts.canvas.loading}</p>}
+            </main>
+          )}
+          {view.panels.inspector && <Inspector system={system} view={view} focusCount={focusCount} />}
+          {view.panels.events && <EventsPanel events={system.events} />}
+        </div>
+        {dialog?.kind === 'palette' && <Palette system={system} given={{ view, selected, history, settings, onMove: move, onConnect: connect, onRemove: remove }} />}
+        {dialog?.kind === 'keys' && <KeysDialog />}
+        {dialog?.kind === 'connect' && <ConnectDialog system={system} component={dialog.component} from={dialog.from} to={dialog.to} />}
+        {asked && <PlanDialog asked={asked} />}
+        <ToastList toasts={toasts} onUndo={() => void move('undo')} />
+        <LiveRegion components={system.components} isKnown={system.isKnown} />
+      </RatesContext>
+    </EditorContext>
+  );
+}
+
+function removeLabel(ids: readonly string[], system: System, texts: Texts): string {
+  const [wires, components] = [ids.flatMap((id) => system.connectors.get(id) ?? []), ids.flatMap((id) => system.components.get(id) ?? [])];
+  if (components.length) return texts.label.end(components.map((one) => one.name).join(', '));
+  return wires.length === 1 && wires[0] ? `${texts.act.disconnect} ${wireText(wires[0])}` : texts.label.disconnectSome(wires.length);
+}

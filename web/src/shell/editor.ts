@@ -1,0 +1,68 @@
+import { useEffect, useMemo, useRef, type Dispatch } from 'react';
+
+import type { System } from '../model/system';
+import { portEnd, type Action } from '../model/types';
+import type { Api } from '../server/api';
+import type { Dialog, Panel, ViewEvent, ViewKind } from './view';
+
+/** What the parts of the page ask for. */
+export interface Editor {
+  api: Api;
+  /** False while the server is read-only or out of reach. */
+  canChange: boolean;
+  select: (ids: readonly string[]) => void;
+  /** Selects one thing, unfolds what hides it and brings it to the middle. */
+  reveal: (id: string) => void;
+  toggleFold: (id: string) => void;
+  place: (places: ReadonlyMap<string, { x: number; y: number }>) => void;
+  arrange: () => void;
+  show: (view: ViewKind) => void;
+  togglePanel: (panel: Panel) => void;
+  open: (dialog: Dialog | null) => void;
+  draft: (key: string, parameter: string, text: string | null) => void;
+  undraft: (key: string) => void;
+  perform: (actions: Action[], label: string) => Promise<boolean>;
+}
+
+export function useEditorValue(
+  api: Api, canChange: boolean, system: System, dispatch: Dispatch<ViewEvent>, perform: Editor['perform'],
+): Editor {
+  const latest = useRef(system);
+  useEffect(() => {
+    latest.current = system;
+  }, [system]);
+  return useMemo<Editor>(() => ({
+    api,
+    canChange,
+    perform,
+    select: (ids) => dispatch({ kind: 'select', ids }),
+    reveal: (path) => {
+      const id = shownBy(path, latest.current);
+      dispatch({ kind: 'reveal', id, ancestors: ancestors(id, latest.current) });
+    },
+    toggleFold: (id) => dispatch({ kind: 'fold', id }),
+    place: (places) => dispatch({ kind: 'place', places }),
+    arrange: () => dispatch({ kind: 'arrange' }),
+    show: (view) => dispatch({ kind: 'show', view }),
+    togglePanel: (panel) => dispatch({ kind: 'panel', panel }),
+    open: (dialog) => dispatch({ kind: 'dialog', dialog }),
+    draft: (key, parameter, text) => dispatch({ kind: 'draft', key, parameter, text }),
+    undraft: (key) => dispatch({ kind: 'undraft', key }),
+  }), [api, canChange, dispatch, perform]);
+}
+
+/** Events name ports, too: what is shown then is the component of the port. */
+function shownBy(path: string, system: Pick<System, 'components'>): string {
+  const { component } = portEnd(path);
+  return !system.components.has(path) && system.components.has(component) ? component : path;
+}
+
+/** The boxes round a component: composites, process and manager. */
+export function ancestors(id: string, system: Pick<System, 'components' | 'processes'>): string[] {
+  const found: string[] = [];
+  const component = system.components.get(id);
+  for (let outer = component?.composite; outer; outer = system.components.get(outer)?.composite) found.push(outer);
+  if (component) found.push(component.process, component.manager);
+  const manager = system.processes.get(id)?.manager;
+  return manager && manager !== id ? [...found, manager] : found;
+}

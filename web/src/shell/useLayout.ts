@@ -1,0 +1,27 @@
+import { useEffect, useState } from 'react';
+
+import type { Layout } from '../model/types';
+import { sentence, type Api } from '../server/api';
+
+/** Changes of the structure come in bursts, while a system is deployed: one layout for each pause. */
+const PAUSE_MS = 60;
+
+/** The layout for this structure and these folded boxes; the one before until the next has come. */
+export function useLayout(api: Api, structure: number, folded: ReadonlySet<string>, onError: (text: string) => void): Layout | null {
+  const [layout, setLayout] = useState<Layout | null>(null);
+  useEffect(() => {
+    if (!structure) return undefined;
+    let isWanted = true;
+    const timer = setTimeout(() => {
+      api.layout([...folded]).then(
+        (next) => isWanted && setLayout(next),
+        (error: unknown) => isWanted && onError(sentence(error)),
+      );
+    }, PAUSE_MS);
+    return () => {
+      isWanted = false;
+      clearTimeout(timer);
+    };
+  }, [api, structure, folded, onError]);
+  return layout;
+}

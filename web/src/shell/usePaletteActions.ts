@@ -1,0 +1,41 @@
+import { allows, type Verb } from '../model/does';
+import type { Component } from '../model/types';
+import type { History, Way } from '../model/undo';
+import { useVerbs } from '../panels/useVerbs';
+import { LANGUAGES, useTexts } from '../texts';
+import type { Command } from './Palette';
+import type { Settings } from './TopBar';
+import { useEditor } from './contexts';
+import type { View } from './view';
+
+export interface PaletteGiven {
+  view: View; selected: readonly Component[]; history: History; settings: Settings;
+  onMove: (way: Way) => Promise<void>; onConnect: () => void; onRemove: () => void;
+}
+
+/** The actions that make sense now, as rows of the palette. */
+export function usePaletteActions({ view, selected, history, settings, onMove, onConnect, onRemove }: PaletteGiven): Command[] {
+  const texts = useTexts();
+  const editor = useEditor();
+  const verbs = useVerbs();
+  const command = (name: string, run: () => void, note = ''): Command => ({ kind: 'action', name, note, run });
+  const names = selected.map((one) => one.name).join(', ');
+  const words: Record<Verb, string> = { ...texts.act, delete: texts.act.end };
+  const forSelected = !editor.canChange ? [] : [
+    ...(['activate', 'deactivate', 'reset'] as const).filter((verb) => selected.some((one) => allows(one, verb)))
+      .map((verb) => command(words[verb], () => verbs.act(selected, verb), names)),
+    ...(selected.length === 1 ? [command(texts.act.connect, onConnect, names)] : []),
+    ...(selected.length ? [command(texts.act.end, onRemove, names)] : []),
+  ];
+  const [undo, redo] = [history.undo.at(-1), history.redo.at(-1)];
+  return [
+    ...forSelected,
+    ...(undo && editor.canChange ? [command(texts.bar.undo, () => void onMove('undo'), undo.label)] : []),
+    ...(redo && editor.canChange ? [command(texts.bar.redo, () => void onMove('redo'), redo.label)] : []),
+    view.kind === 'table' ? command(texts.bar.diagram, () => editor.show('diagram')) : command(texts.bar.table, () => editor.show('table')),
+    ...(view.placed.size ? [command(texts.bar.arrange, editor.arrange)] : []),
+    ...(['auto', 'light', 'dark'] as const).filter((theme) => theme !== settings.theme).map((theme) => command(`${texts.bar.theme}: ${texts.bar.themes[theme]}`, () => settings.setTheme(theme))),
+    ...(['en', 'ja'] as const).filter((key) => key !== settings.language).map((key) => command(LANGUAGES[key].language, () => settings.setLanguage(key))),
+    command(texts.keys.title, () => editor.open({ kind: 'keys' })),
+  ];
+}

@@ -1,0 +1,86 @@
+import type { PortEnd } from '../model/types';
+
+export type Panel = 'tree' | 'inspector' | 'events';
+export type ViewKind = 'diagram' | 'table';
+export type Dialog = { kind: 'palette' } | { kind: 'keys' } | { kind: 'connect'; from: PortEnd | null; to: PortEnd | null; component: string };
+
+/** What this page shows and how; nothing of it is known to the server. */
+export interface View {
+  kind: ViewKind;
+  selection: readonly string[];
+  folded: ReadonlySet<string>;
+  placed: ReadonlyMap<string, { x: number; y: number }>;
+  panels: Readonly<Record<Panel, boolean>>;
+  dialog: Dialog | null;
+  /** What to bring to the middle of the window; the count tells two requests for the same apart. */
+  centre: { id: string; count: number } | null;
+  /** Values that were typed and not applied, by component and set, then by parameter. */
+  drafts: ReadonlyMap<string, Readonly<Record<string, string>>>;
+}
+
+export type ViewEvent =
+  | { kind: 'show'; view: ViewKind }
+  | { kind: 'select'; ids: readonly string[] }
+  | { kind: 'reveal'; id: string; ancestors: readonly string[] }
+  | { kind: 'fold'; id: string }
+  | { kind: 'place'; places: ReadonlyMap<string, { x: number; y: number }> }
+  | { kind: 'arrange' }
+  | { kind: 'panel'; panel: Panel }
+  | { kind: 'dialog'; dialog: Dialog | null }
+  | { kind: 'draft'; key: string; parameter: string; text: string | null }
+  | { kind: 'undraft'; key: string };
+
+/** At 1024 pixels the strip of events would leave the diagram too little room. */
+const hasRoom = typeof innerHeight === 'undefined' || innerHeight > 780;
+
+export const FIRST_VIEW: View = {
+  kind: 'diagram', selection: [], folded: new Set(), placed: new Map(),
+  panels: { tree: true, inspector: true, events: hasRoom }, dialog: null, centre: null, drafts: new Map(),
+};
+
+export const draftKey = (component: string, set: string): string => `${component}\n${set}`;
+
+export function reduceView(view: View, event: ViewEvent): View {
+  switch (event.kind) {
+    case 'show':
+      return { ...view, kind: event.view };
+    case 'select':
+      return sameIds(view.selection, event.ids) ? view : { ...view, selection: event.ids };
+    case 'reveal': {
+      const folded = new Set([...view.folded].filter((id) => !event.ancestors.includes(id)));
+      return { ...view, selection: [event.id], folded, centre: { id: event.id, count: (view.centre?.count ?? 0) + 1 } };
+    }
+    case 'fold': {
+      const folded = new Set(view.folded);
+      if (!folded.delete(event.id)) folded.add(event.id);
+      return { ...view, folded };
+    }
+    case 'place':
+      return { ...view, placed: new Map([...view.placed, ...event.places]) };
+    case 'arrange':
+      return { ...view, placed: new Map() };
+    case 'panel':
+      return { ...view, panels: { ...view.panels, [event.panel]: !view.panels[event.panel] } };
+    case 'dialog':
+      return { ...view, dialog: event.dialog };
+    case 'draft':
+      return { ...view, drafts: drafted(view.drafts, event.key, event.parameter, event.text) };
+    case 'undraft': {
+      const drafts = new Map(view.drafts);
+      drafts.delete(event.key);
+      return { ...view, drafts };
+    }
+  }
+}
+
+function drafted(drafts: View['drafts'], key: string, parameter: string, text: string | null): View['drafts'] {
+  const values = Object.entries(drafts.get(key) ?? {}).filter(([name]) => name !== parameter);
+  if (text !== null) values.push([parameter, text]);
+  const after = new Map(drafts);
+  if (values.length) after.set(key, Object.fromEntries(values));
+  else after.delete(key);
+  return after;
+}
+
+const sameIds = (one: readonly string[], other: readonly string[]): boolean =>
+  one.length === other.length && one.every((id, index) => id === other[index]);

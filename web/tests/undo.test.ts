@@ -1,0 +1,24 @@
+import { describe, expect, it } from 'vitest';
+
+import { EMPTY_HISTORY, moved, recorded, type Entry } from '../src/model/undo';
+
+const entry = (label: string): Entry => ({ label, actions: [{ do: 'disconnect', connector: label }] });
+const both = recorded(recorded(EMPTY_HISTORY, entry('a')), entry('b'));
+
+describe('undo and redo', () => {
+  it('undoes the last action first, and redoes by the inverse of the undo', () => {
+    const undone = moved(both, 'undo', entry('b again'));
+    expect(undone.undo).toEqual([entry('a')]);
+    expect(undone.redo).toEqual([entry('b again')]);
+    expect(moved(undone, 'redo', entry('b'))).toEqual(both);
+  });
+
+  it('drops what has no inverse any more', () => {
+    expect(moved(both, 'undo', null)).toEqual({ undo: [entry('a')], redo: [] });
+  });
+
+  it('forgets what could be redone when something new is done', () => {
+    const undone = moved(both, 'undo', entry('b'));
+    expect(recorded(undone, entry('c'))).toEqual({ undo: [entry('a'), entry('c')], redo: [] });
+  });
+});
