@@ -114,7 +114,7 @@ def answer_in(text: bytes) -> str | None:
 def last_lines(text: bytes) -> str:
     """Return the end of what a program writes, on one line."""
     lines = [each for each in text.decode("utf-8", "replace").splitlines() if each.strip()]
-    own = [each for each in lines if not each.startswith(("installing ", "waiting "))]
+    own = [each for each in lines if not each.startswith(("fetching ", "installing ", "waiting "))]
     return " ".join(" ".join(own[-3:]).split())[-300:]
 
 

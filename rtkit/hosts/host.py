@@ -28,6 +28,7 @@ class Host(Record):
         tags: Words by which requirements of components choose it.
         extras: What its rtkit is made with besides: ``sim`` brings numpy.
         is_tls: It is reached over TLS, at the port of its manager for certificates.
+        index: Simple index that it reaches, from which it fetches wheels; empty for none.
     """
 
     name: str
@@ -39,6 +40,7 @@ class Host(Record):
     tags: tuple[str, ...] = ()
     extras: tuple[str, ...] = ()
     is_tls: bool = False
+    index: str = ""
 
     def __str__(self) -> str:
         user = f"{self.user}@" if self.user else ""

@@ -20,7 +20,7 @@ from rtkit.rtc.nearest import did_you_mean
 from rtkit.settings.inventory_files import files, hint, user_file
 from rtkit.settings.reading import read_private
 
-_KEYS = ("address", "python", "manager", "tags", "extras")
+_KEYS = ("address", "python", "manager", "index", "tags", "extras")
 
 
 def read() -> dict[str, Host]:
@@ -53,9 +53,10 @@ def add(new: Host, *, is_forced: bool = False) -> None:
 
     Raises:
         Refused: There is one of that name already, or the name is that of this host.
-        Malformed: One of its tags is no word, or rtkit has no such extra.
+        Malformed: One of its tags is no word, rtkit has no such extra, or its index is none.
     """
     _check_tags(new.tags)
+    _check_index(new.index)
     if new.extras:
         check_extras(new.extras)
     if new.name == places.host_name():
@@ -84,6 +85,23 @@ def _check_tags(tags: Iterable[str]) -> None:
             raise Malformed(f"a tag is one word: {each!r}")
 
 
+def _check_index(index: str) -> None:
+    """Check the address of an index, which others there see (ps): it has no secret in it."""
+    if not index:
+        return
+    from urllib.parse import urlsplit
+
+    try:
+        parts = urlsplit(index)
+        at = parts.hostname if parts.scheme in ("http", "https") and parts.port != 0 else ""
+    except ValueError:
+        at = ""
+    if not (at and is_word(index)):
+        raise Malformed(f"an index is http[s]://ADDRESS[:PORT]/...: {index!r}")
+    if parts.username is not None:
+        raise Malformed(f"a secret in the address of an index: that at {at} is to need none")
+
+
 def _put(document: Any, new: Host, *, is_forced: bool) -> None:
     if new.name in document and not is_forced:
         raise Refused(f"host {new.name} is there already; --force replaces it")
@@ -93,6 +111,8 @@ def _put(document: Any, new: Host, *, is_forced: bool) -> None:
         table["python"] = new.python
     if new.manager != usual.manager:
         table["manager"] = new.manager
+    if new.index:
+        table["index"] = new.index
     if new.tags:
         table["tags"] = [*new.tags]
     if new.extras:
@@ -170,7 +190,7 @@ def _host(name: str, table: Any) -> Host:
     for key in table:
         if key not in _KEYS:
             raise Malformed(f"{name}: unknown key: {key}{did_you_mean(key, _KEYS)}")
-    texts = {key: table.get(key) for key in ("address", "python", "manager")}
+    texts = {key: table.get(key) for key in ("address", "python", "manager", "index")}
     for key, value in texts.items():
         if (key == "address" or key in table) and not (isinstance(value, str) and value):
             raise Malformed(f"{name}: {key}: not a text")
@@ -180,6 +200,7 @@ def _host(name: str, table: Any) -> Host:
             raise Malformed(f"{name}: {key}: not a list of texts")
     with named(name):
         _check_tags(tags)
+        _check_index(texts["index"] or "")
         if extras:
             check_extras(extras)
     with named(f"{name}: address"):
@@ -195,4 +216,5 @@ def _host(name: str, table: Any) -> Host:
         tuple(tags),
         tuple(sorted(set(extras))),
         at.is_tls,
+        texts["index"] or "",
     )

@@ -11,7 +11,7 @@ import os
 import posixpath
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from rtkit import fault
 from rtkit.errors import Malformed, Refused, Unreachable
@@ -40,6 +40,9 @@ with open(os.path.join(base, "turn"), "w") as lock:
     print(sys.argv[1] + "mine")
     sys.stdin.read()
 """
+_STEPS = ("fetching", "installing")
+_REASON = 200
+"""How much of a reason of the host is told [characters]."""
 _TIMES = 2
 """How often what is lacking is sent: it may stand behind the beginning of another file."""
 
@@ -52,12 +55,16 @@ class Provisioned(NamedTuple):
         is_new: Whether it was made.
         sent_bytes: How much was sent for it.
         damage: Files for which it was made anew.
+        fetched_bytes: How much the host fetched for it.
+        unfetched: Why it did not fetch others.
     """
 
     id: str
     is_new: bool
     sent_bytes: int
     damage: str = ""
+    fetched_bytes: int = 0
+    unfetched: str = ""
 
 
 class _Installed(Record):
@@ -109,8 +116,12 @@ def provision(
 
 def _made(connection: HostConnection, chosen: WheelSet, damage: str, show: Progress) -> Provisioned:
     """Have a version on a host; only one command at a time does."""
-    name, sent = connection.host.name, 0
+    name, sent, fetched, unfetched = connection.host.name, 0, 0, ""
     answer = _install(connection, chosen, damage, show)
+    if wanted := connection.host.index and [each for each in answer.lacking if each != chosen.own]:
+        unfetched = _fetch(connection, chosen, wanted, answer.wheels, show)
+        answer = _install(connection, chosen, damage, show)
+        fetched = sum(os.path.getsize(chosen.files[e]) for e in {*wanted} - answer.lacking.keys())
     for _ in range(_TIMES):
         if not answer.lacking:
             break
@@ -125,7 +136,7 @@ def _made(connection: HostConnection, chosen: WheelSet, damage: str, show: Progr
         raise Refused(f"{name}: damaged on the way: {', '.join(answer.lacking)}")
     for each in answer.removed:
         show(name, HostStep(f"rtkit {each} is removed, nothing uses it"))
-    return Provisioned(chosen.id, answer.made, sent, damage)
+    return Provisioned(chosen.id, answer.made, sent, damage, fetched, unfetched)
 
 
 @contextmanager
@@ -168,27 +179,53 @@ def _install(
     """Make the version there if all wheels are, else return which are lacking."""
     host = connection.host
     what = {"id": chosen.id, "wheels": chosen.digests, "is_damaged": bool(damage)}
-    wanted = json.dumps({**what, "mark": far_program.MARK})
-
-    def show_step(line: str) -> None:
-        word, *rest = line.split()[:4] or [""]
-        if word == "installing" and len(rest) == 3 and rest[0].isdigit() and rest[1].isdigit():
-            show(host.name, HostStep("installing", int(rest[0]), int(rest[1]), "wheels"))
-        elif word == "waiting":
-            show(host.name, HostStep("waiting for another command that installs there"))
-
-    command = [host.python, "-", wanted]
-    program = far_program.text_of("far_install.py")
     try:
-        answer = far_program.ask(
-            connection, command, program, timeout_s=_SILENT_S, on_line=show_step
-        )
-        found = decode_text(_Installed, answer)
+        found = decode_text(_Installed, _run(connection, "far_install.py", what, show))
     except (Malformed, Refused) as error:
         raise type(error)(f"{host.name}: rtkit cannot be made there: {error}") from None
     if not chosen.files.keys() >= found.lacking.keys():
         raise Malformed(f"{host.name}: it lacks what is no wheel of rtkit")
     return found
+
+
+def _fetch(
+    connection: HostConnection, chosen: WheelSet, wanted: list[str], folder: str, show: Progress
+) -> str:
+    """Have the host fetch wheels from its index; return why it did not, by reason and package.
+
+    It is not believed: who installs them compares them again, and what lacks then is sent.
+    """
+    name = connection.host.name
+    sizes = {each: (chosen.digests[each], os.path.getsize(chosen.files[each])) for each in wanted}
+    what = {"index": connection.host.index, "folder": folder, "wheels": sizes}
+    try:
+        failed = decode_text(dict[str, str], _run(connection, "far_fetch.py", what, show))
+    except (Malformed, Refused, Unreachable) as error:
+        failed = dict.fromkeys(wanted, str(error))
+    packages: dict[str, list[str]] = {}
+    for each in sorted(failed.keys() & {*wanted}):
+        why = " ".join(failed[each].split())[:_REASON]
+        packages.setdefault(why, []).append(each.split("-")[0])
+    why = "; ".join(f"{', '.join(each)}: {why}" for why, each in packages.items())
+    if why:
+        show(name, HostStep(f"not fetched there: {why}"))
+    return why
+
+
+def _run(connection: HostConnection, file: str, what: dict[str, Any], show: Progress) -> str:
+    """Run a program there that takes long, and shows its steps; return its answer."""
+    host = connection.host
+
+    def show_step(line: str) -> None:
+        word, *rest = line.split()[:4] or [""]
+        if word in _STEPS and len(rest) == 3 and rest[0].isdigit() and rest[1].isdigit():
+            show(host.name, HostStep(word, int(rest[0]), int(rest[1]), "wheels"))
+        elif word == "waiting":
+            show(host.name, HostStep("waiting for another command that installs there"))
+
+    command = [host.python, "-", json.dumps({**what, "mark": far_program.MARK})]
+    program = far_program.text_of(file)
+    return far_program.ask(connection, command, program, timeout_s=_SILENT_S, on_line=show_step)
 
 
 def _send(

@@ -44,11 +44,13 @@ class WheelSet(NamedTuple):
         id: Version, with a fingerprint of what is in the wheels.
         files: Paths by name.
         digests: SHA-256 by name, in hexadecimal.
+        own: Name of the one of rtkit, made here: no index has the same.
     """
 
     id: str
     files: dict[str, str]
     digests: dict[str, str]
+    own: str = ""
 
     @property
     def versions(self) -> dict[str, str]:
@@ -91,7 +93,7 @@ def _wheels_in(cache: str, kind: WheelKind, extras: tuple[str, ...]) -> WheelSet
     files[os.path.basename(own)] = own
     digests |= {os.path.basename(own): _digest(own)}
     whole = hashlib.sha256(json.dumps(digests, sort_keys=True).encode()).hexdigest()
-    return WheelSet(f"{__version__}-{whole[:12]}", files, digests)
+    return WheelSet(f"{__version__}-{whole[:12]}", files, digests, os.path.basename(own))
 
 
 def target_of(look: FarSide, extras: tuple[str, ...], *, is_bare: bool) -> WheelTarget:

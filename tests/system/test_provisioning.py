@@ -6,9 +6,13 @@ import json
 import os
 import shutil
 import signal
+import socket
 import subprocess
+import threading
 import zipfile
 from collections.abc import Iterator
+from contextlib import contextmanager
+from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
 
 import pytest
@@ -21,6 +25,7 @@ from terminal import opened
 from waiting import until
 
 from rtkit.errors import RtkitError, Unreachable
+from rtkit.fast_dataclass import replace
 from rtkit.hosts import clock, far_program, far_side, link_process, provisioned, wheels
 from rtkit.hosts.connection import HostConnection, connect
 from rtkit.hosts.host import Host
@@ -414,3 +419,85 @@ def test_an_extra_that_a_component_lacks_there_is_told_and_brought(
     shell_to.ok("rtmgr /bare/manager.mgr -c 'HomeWorld?instance_name=world'")
     shell_to.ok("rtact /bare/world.rtc")
     shell_to.ok("rtmgr stop --host bare")
+
+
+class _Index(BaseHTTPRequestHandler):
+    """Simple index of the wheels for the host, with links as an index that is proxied has them."""
+
+    files: dict[str, Path]
+    project = ""
+
+    def do_GET(self) -> None:
+        *_, folder, name = self.path.partition("?")[0].split("/")
+        if name and name in self.files:
+            self._answer(self._wheel(name))
+        elif wheels := [each for each in self.files if not name and self._is_of(each, folder)]:
+            link = '<a class="x" href = "../../files/{0}?a=1&amp;b=2#sha256=0">{0}</a>'
+            self._answer("".join(map(link.format, ["other-1.0.whl", *wheels])).encode())
+        else:
+            self.send_error(404, "Not \033[31mFound")
+
+    def _is_of(self, wheel: str, project: str) -> bool:
+        return wheel.split("-")[0].replace("_", "-").lower() == project
+
+    def _wheel(self, name: str) -> bytes:
+        data = self.files[name].read_bytes()
+        return b"#" + data[1:] if name.startswith("click-") else data
+
+    def _answer(self, data: bytes) -> None:
+        self.send_response(200)
+        self.send_header("Content-Length", str(len(data)))
+        self.end_headers()
+        self.wfile.write(data)
+
+    def log_message(self, format: str, *words: object) -> None:
+        """Say nothing."""
+
+
+@contextmanager
+def _index(address: str, files: dict[str, Path]) -> Iterator[str]:
+    server = ThreadingHTTPServer((address, 0), type("Index", (_Index,), {"files": files}))
+    thread = threading.Thread(target=server.serve_forever)
+    thread.start()
+    try:
+        yield f"http://{address}:{server.server_port}/simple"
+    finally:
+        server.shutdown()
+        thread.join()
+        server.server_close()
+
+
+def test_a_host_fetches_from_its_index_what_is_right_there_and_is_sent_the_rest(
+    shell_to: Shell, far: FarHost
+) -> None:
+    with connect(Host("bare", far.address, "root"), 10.0) as connection:
+        chosen = wheels.wheels_for(far_side.look(connection).kind)
+    files = {name: Path(path) for name, path in chosen.files.items()}
+    (lacking,) = (each for each in files if each.startswith("tomlkit-"))
+    sent = sum(p.stat().st_size for n, p in files.items() if n.startswith(("rtkit-", "click-")))
+    sent += files.pop(lacking).stat().st_size
+    fetched = sum(path.stat().st_size for path in map(Path, chosen.files.values())) - sent
+    with _index(far.near, files) as index:
+        shell_to.ok(f"rthost add --force bare root@{far.address} --index {index}/")
+        told = shell_to.ok("rtmgr start --host bare")
+    made = f"rtkit {chosen.id} is new there, {sent / 1e6:.1f} MB sent, {fetched / 1e6:.1f} MB"
+    assert f"{made} fetched from {index}/; not fetched there: click: it has other bytes" in told
+    assert "tomlkit: the index answers 404 Not \\x1b[31mFound" in told
+    assert _versions(far) == (chosen.id, [chosen.id])
+    shell_to.ok("rtmgr stop --host bare")
+
+
+@pytest.mark.parametrize("is_there", [True, False])
+def test_an_index_that_does_not_answer_is_asked_once_and_all_is_sent(
+    far: FarHost, is_there: bool
+) -> None:
+    with socket.create_server((far.near, 0)) as silent:  # which accepts nobody
+        index = f"http://{far.near}:{silent.getsockname()[1]}/simple"
+        if not is_there:
+            silent.close()
+        with connect(replace(Host("bare", far.address, "root"), index=index), 10.0) as connection:
+            done = _make(connection)
+    assert (done.is_new, done.fetched_bytes) == (True, 0)
+    why = "timed out" if is_there else "[Errno 111] Connection refused"
+    assert done.unfetched.endswith(f": no answer of the index: {why}")
+    assert _versions(far) == (done.id, [done.id])

@@ -46,7 +46,8 @@ def at_all(
     finally:
         found = {host.name: found[host.name] for host in hosts if host.name in found}
         done = ((n, e) for n, e in found.items() if not isinstance(e, RtkitError))
-        terminal.write(f"{name}: {text}" for name, each in done if (text := summary(each)))
+        lines = (f"{name}: {text}" for name, each in done if (text := summary(each)))
+        terminal.write(map(terminal.printable, lines))  # parts of it are the words of the host
     return found
 
 
@@ -63,6 +64,6 @@ def _progress(app: App, meter: Meter | None) -> Progress:
         return by_lines(app.verbose)
 
     def show(name: str, step: HostStep) -> None:
-        meter.show(name, step.done, step.total or None, str(step))
+        meter.show(name, step.done, step.total or None, terminal.printable(str(step)))
 
     return show

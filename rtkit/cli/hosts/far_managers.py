@@ -107,7 +107,11 @@ def _summary(host: Host, done: BroughtUp) -> str:
     if made is not None and made.is_new:
         how = f"was damaged there ({made.damage}) and is made anew" if made.damage else ""
         size = f"{made.sent_bytes / 1e6:.1f} MB sent"
+        if host.index:
+            size += f", {made.fetched_bytes / 1e6:.1f} MB fetched from {host.index}"
         parts.append(f"rtkit {made.id} {how or 'is new there'}, {size}")
+        if made.unfetched:
+            parts.append(f"not fetched there: {made.unfetched}")
     return "; ".join(parts)
 
 

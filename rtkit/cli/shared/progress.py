@@ -32,9 +32,9 @@ class Meter:
         self._console = Console(stderr=True, highlight=False)
         columns = (
             SpinnerColumn(),
-            TextColumn("{task.description}"),
+            TextColumn("{task.description}", markup=False),
             BarColumn(),
-            TextColumn("{task.fields[text]}"),
+            TextColumn("{task.fields[text]}", markup=False),
             TimeElapsedColumn(),
         )
         self._bar = Progress(*columns, console=self._console, transient=True)

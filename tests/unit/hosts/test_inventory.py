@@ -73,3 +73,18 @@ def test_extras_of_a_host_are_kept_and_those_that_rtkit_has_not_refused(profile:
     Path("hosts.toml").write_text('[z]\naddress = "z"\nextras = "sim"\n')
     with pytest.raises(Malformed, match=r"hosts\.toml: z: extras: not a list of texts"):
         inventory.read()
+
+
+def test_an_index_of_a_host_is_an_address_without_a_secret(profile: str) -> None:
+    index = "https://pypi.org/simple"
+    inventory.add(Host("z", "10.0.0.7", index=index))
+    assert inventory.read()["z"].index == index
+    for wrong in ("ftp://a/simple", "simple", "http://", "http://[", "http://a:x", "http://a b"):
+        with pytest.raises(Malformed, match="an index is http"):
+            inventory.add(Host("y", "10.0.0.7", index=wrong))
+    with pytest.raises(Malformed, match="a secret in the address of an index: that at a is") as it:
+        inventory.add(Host("y", "10.0.0.7", index="http://me:word@a/simple"))
+    assert "word" not in str(it.value)
+    Path("hosts.toml").write_text('[z]\naddress = "z"\nindex = "/wheels"\n')
+    with pytest.raises(Malformed, match=r"hosts\.toml: z: an index is http.*: '/wheels'"):
+        inventory.read()

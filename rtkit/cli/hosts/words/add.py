@@ -14,6 +14,7 @@ from rtkit.cli.shared.options import arguments, flag, option, several
         ("rthost add robot1 pi@192.168.1.7", "Known as /robot1 from now on."),
         ("rthost add arm arm.local:2222 --tag gpu", "With a tag, which requirements name."),
         ("rthost add arm arm.local --extra sim", "Its rtkit gets numpy, which a world needs."),
+        ("rthost add arm arm.local --index https://pypi.org/simple", "It fetches wheels itself."),
         ("rthost add robot2 tls:10.0.0.7:2811", "Over mutual TLS: its manager has --tls."),
     ),
     arguments=("words",),
@@ -24,6 +25,7 @@ def main(
     manager: str = option("--manager NAME", "Manager there (default manager).", default=""),
     tags: tuple[str, ...] = several("--tag WORD", "Word by which requirements choose it."),
     extras: tuple[str, ...] = several("--extra NAME", "What its rtkit is made with, as sim."),
+    index: str = option("--index URL", "Simple index from which it fetches wheels.", default=""),
     is_forced: bool = flag("--force", "Replace a host of that name."),
     words: tuple[str, ...] = arguments("NAME [USER@]ADDRESS[:PORT]|tls:ADDRESS:PORT"),
 ) -> None:
@@ -32,7 +34,8 @@ def main(
     NAME is its name in the tree, /NAME. ADDRESS is a name, an IP address (IPv6 in brackets), or a
     Host of ~/.ssh/config. With tls: it is that of a manager with a port for certificates (rtmgr
     start --tls), which an administrator links without an account there; it is started there.
-    Nothing is asked of the host: rthost check does that.
+    Nothing is asked of the host: rthost check does that. With --index rtmgr start --host has it
+    fetch the wheels that were chosen here, by their SHA-256; the others are sent.
     """
     from rtkit.errors import Refused
     from rtkit.fast_dataclass import replace
@@ -50,6 +53,7 @@ def main(
         manager=manager or found.manager,
         tags=tags,
         extras=tuple(sorted(set(extras))),
+        index=index,
     )
     if host_links.is_linked(host.name) and host.name not in inventory.read():
         raise Refused(f"another host is linked as {host.name}: rtmgr stop --host ends that first")
