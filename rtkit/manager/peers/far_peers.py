@@ -25,7 +25,9 @@ from rtkit.rtc.far_ends import host_of, on_host
 _OPEN_S = 2.0
 """How long the router of a manager here may take to let this one in [s]."""
 _PATIENCE_S = 2.0
-"""How long a peer is looked for before whoever asks it is told that it is away [s]."""
+"""How long a peer is looked for, that nobody asks, before it is told to be away [s]."""
+_PART = 0.8
+"""Part of the time of a request for which its peer is looked for; the rest is for saying so."""
 _LINGER_S = 2.0
 """How long the last answer to a peer may take: until then it finds this manager [s]."""
 
@@ -107,8 +109,9 @@ class FarPeers:
             self._answer(asked, failure(Unreachable(why_away(peer.name))))
             return
         peer.asked.append(asked)
-        if not peer.is_found and peer.lost_at is None:  # it may just have been told to expect this
-            peer.lost_at = time.monotonic() + _PATIENCE_S
+        if not peer.is_found:  # it may just have been told to expect this
+            until = time.monotonic() + _PART * asked.timeout_s
+            peer.lost_at = max(peer.lost_at or 0.0, until)
 
     def run(self) -> None:
         """Take note of who was found or lost, and ask what is to be asked."""
