@@ -46,13 +46,15 @@ class DeviceKeeper:
     def run(self, _now: float) -> None:
         """Begin what has to be done, once it is known what lives."""
         state = self._state
-        if not state.bound or self._supervisor.is_early:
+        if self._supervisor.is_early:
             return
+        if not state.bound.keys() <= state.kept.components.keys():  # whose devices are looked at
+            state.bound = {k: v for k, v in state.bound.items() if k in state.kept.components}
         come = []
         for instance, devices in state.bound.items():
             missing = next((each for each in devices if each in state.absent), "")
             is_held = instance in self._busy or instance in state.ending or instance in state.claims
-            if is_held or instance in state.unjudged or instance not in state.kept.components:
+            if is_held or instance in state.unjudged:
                 continue
             watched = state.watched(instance)
             waits = is_device_absence(watched.pending)

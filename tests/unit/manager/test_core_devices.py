@@ -83,6 +83,17 @@ def test_what_a_user_ends_while_it_waits_stays_ended(shell: FakeShell) -> None:
     assert come_back(shell) == []
 
 
+def test_devices_of_what_is_no_more_are_not_looked_at(shell: FakeShell) -> None:
+    key = bound(shell, "A")
+    bound(shell, "B", device="/dev/other")
+    shell.ask(act.Delete("A"))
+    ended(shell, key)
+    assert shell.state.bound == {"B": ("/dev/other",)}
+    before = shell.state.bound
+    seen(shell)
+    assert shell.state.bound is before
+
+
 def test_one_that_is_made_is_judged_by_the_next_look(shell: FakeShell) -> None:
     other = bound(shell, "B")
     seen(shell, CAMERA)
