@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, NamedTuple
 from rtkit.api.system_profiles import BUNDLE
 from rtkit.closing import Closing
 from rtkit.deployment.described import properties_of, type_of
-from rtkit.deployment.extension import CREATE, MODULE, STAND_IN
+from rtkit.deployment.extension import CREATE, MODULE, PLACE_HOSTS, STAND_IN
 from rtkit.errors import Impossible, Refused, Unreachable
 from rtkit.fast_dataclass import replace
 from rtkit.rtc.create import readable_create
@@ -72,6 +72,7 @@ def placed(
     from rtkit.deployment.placement.conflict import placed as chosen
 
     with _placer(session, document, mapped, stand_in=stand_in) as placer:
+        session.warn(placer.unknown_hosts())
         problem = placer.problem()
         try:
             choice, lacks = chosen(problem)
@@ -99,6 +100,7 @@ def unmet(session: Session, document: SystemProfile, mapped: Iterable[str] = ())
     from rtkit.deployment.placement import conflict
 
     with _placer(session, document, mapped, stand_in=True) as placer:
+        session.warn(placer.unknown_hosts())
         return conflict.unmet(placer.problem_as_is())
 
 
@@ -184,6 +186,16 @@ class _Placer(Closing):
     def close(self) -> None:
         """End all connections."""
         self._places.close()
+
+    def unknown_hosts(self) -> Iterator[str]:
+        """Yield a remark for each host that a requirement names and that is not known."""
+        from rtkit.rtc.nearest import did_you_mean
+
+        known = [LOCAL, *self._places.hosts]
+        for name, each in self._required.items() if self._session.finds_managers else ():
+            for host in (host for host in each.hosts if host not in known):
+                hint = did_you_mean(host, known) or f" (rthost add {host} USER@ADDRESS)"
+                yield f"{name}: {PLACE_HOSTS}: host {host} is not known, and is left out{hint}"
 
     def homes(self) -> dict[str, str]:
         """Return where components live that may be there, as far as managers can be asked."""

@@ -44,6 +44,22 @@ def test_a_device_decides_and_a_component_that_keeps_without_it_stays(manager: S
     assert manager.run(f"rtplan {file}").status == 1
 
 
+def test_a_host_that_is_not_known_is_named(shell: Shell) -> None:
+    shell.ok("rthost add robot1 user@192.0.2.1")
+    file = free_profile(shell.folder / "typed.xml", In1={"hosts": "localhost,kitchen,robt1"})
+    left_out = "warning: In1: rtkit.place.hosts: host {} is not known, and is left out ({})\n"
+    near = left_out.format("robt1", "did you mean robot1?")
+    far = left_out.format("kitchen", "rthost add kitchen USER@ADDRESS")
+    for command in ("rtapply", "rtplan", "rtcheck"):
+        told = shell.run(f"{command} {file}")
+        assert (told.status, near in told.err, far in told.err) == (0, True, True), told.err
+    shell.ok(f"rtteardown --exit {file}")
+    file = free_profile(shell.folder / "wrong.xml", In1={"hosts": "kitchen"})
+    told = shell.run(f"rtplan {file}")
+    assert (told.status, far in told.err) == (1, True)
+    shell.ok("rtmgr stop")
+
+
 def test_components_of_one_process_are_made_in_the_slave_of_one(manager: Shell) -> None:
     file = free_profile(manager.folder / "with.xml", In1={"with": "Out1"}, Out1={})
     text = manager.folder / "with.xml"
