@@ -94,7 +94,7 @@ lint: $(READY)
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
-	$(BIN)/mypy bench campaign examples/demo.py examples/ci/acceptance.py hatch_build.py tools/make_commands.py tools/first_value.py
+	$(BIN)/mypy bench campaign examples/demo.py examples/home/demo.py examples/ci/acceptance.py hatch_build.py tools/make_commands.py tools/first_value.py
 	$(BIN)/lint-imports
 	$(BIN)/python hatch_build.py check
 

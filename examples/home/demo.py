@@ -34,6 +34,7 @@ from rtkit.hosts import inventory
 from rtkit.link import places
 from rtkit.manager.child_process import ENDS_WITH
 from rtkit.packages.building import build
+from rtkit.settings import inventory_files
 
 HERE = Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE.parent))
@@ -186,7 +187,7 @@ def make_ready(there: str, folder: Path) -> None:
              "extras": [*host.extras]}  # fmt: skip
     lines = [f"[{there}]", *(f"{key} = {json.dumps(value)}" for key, value in table.items()), ""]
     (folder / places.INVENTORY).write_text("\n".join(lines))
-    inventory.heed(str(folder))
+    inventory_files.heed(str(folder))
     build(str(HERE), str(folder / "wheels"))
     os.environ["RTKIT_REPOSITORIES"] = str(folder / "wheels")
 
