@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from contextlib import ExitStack
-from math import inf
 from typing import TYPE_CHECKING, NamedTuple
 
+from rtkit.deployment.placement.choice import PlaceCandidate
 from rtkit.errors import NotFound, RtkitError, Unreachable
+from rtkit.fast_dataclass import replace
 from rtkit.link.places import host_name
 from rtkit.rtc.names import LOCAL, MANAGER_SUFFIX, is_local_host
 
@@ -24,29 +25,16 @@ class LookedAt(NamedTuple):
     """A place, and what was found there.
 
     Attributes:
-        place: As paths begin: ``localhost``, ``localhost/m1.mgr``, ``robot1``.
-        tags: Words that its host has.
-        memory: Free memory [bytes]; infinite where it is not known.
-        devices: Of the devices that were asked for those that are there.
+        candidate: The place, and what its host has.
         tree: Connection to its manager; None where that does not run.
         snapshot: What lives there.
-        why_not: Why nothing can be made there.
         is_lost: It cannot be reached, and may hold components.
     """
 
-    place: str
-    tags: frozenset[str] = frozenset()
-    memory: float = inf
-    devices: frozenset[str] = frozenset()
+    candidate: PlaceCandidate
     tree: Tree | None = None
     snapshot: Snapshot | None = None
-    why_not: str = ""
     is_lost: bool = False
-
-    @property
-    def host(self) -> str:
-        """Return its host."""
-        return self.place.partition("/")[0]
 
 
 def stated_place(component: ComponentInstance, hosts: Collection[str]) -> str:
@@ -103,7 +91,7 @@ class Places(ExitStack):
             from rtkit.settings.configuration import CommandLineSettings, read
 
             tags = read(CommandLineSettings()).settings.text("rtkit.tags")
-            return _found(place, facts_of_host(self._devices, tags))
+            return LookedAt(_found(place, facts_of_host(self._devices, tags)))
 
     def _connected(self, manager: str) -> Tree:
         if not self._session.finds_managers:
@@ -123,18 +111,19 @@ class Places(ExitStack):
             tree = self.enter_context(connect_far(host, "", self._session.timeout_s))
             found = self._at(host, tree)
         except RtkitError as error:
-            return LookedAt(host, why_not=str(error), is_lost=True)
-        known = self.hosts.get(host)
-        return found._replace(tags=found.tags | {*(known.tags if known is not None else ())})
+            return LookedAt(PlaceCandidate(host, why_not=str(error)), is_lost=True)
+        if (known := self.hosts.get(host)) is None:
+            return found
+        tags = found.candidate.tags | {*known.tags}
+        return found._replace(candidate=replace(found.candidate, tags=tags))
 
     def _at(self, place: str, tree: Tree) -> LookedAt:
         try:
-            facts = tree.host_facts(self._devices)
+            candidate = _found(place, tree.host_facts(self._devices))
         except NotFound as error:
-            snapshot = tree.snapshot()
             why = f"its rtkit tells nothing of its host: {error}"
-            return LookedAt(place, tree=tree, snapshot=snapshot, why_not=why)
-        return _found(place, facts)._replace(tree=tree, snapshot=tree.snapshot())
+            candidate = PlaceCandidate(place, why_not=why)
+        return LookedAt(candidate, tree, tree.snapshot())
 
     def _over_ssh(self, name: str) -> LookedAt:
         from rtkit.hosts import far_side
@@ -146,10 +135,10 @@ class Places(ExitStack):
             with connect(host, self._session.timeout_s) as connection:
                 far = far_side.look(connection, self._devices)
         except RtkitError as error:
-            return LookedAt(name, why_not=str(error))
+            return LookedAt(PlaceCandidate(name, why_not=str(error)))
         why = "; ".join(far.obstacles(needs_room=not far.current))
-        memory, tags = far.memory_bytes, frozenset(host.tags)
-        return LookedAt(name, tags, memory, frozenset(far.devices), why_not=why)
+        devices, tags = frozenset(far.devices), frozenset(host.tags)
+        return LookedAt(PlaceCandidate(name, tags, far.memory_bytes, devices, why))
 
 
 def _hosts(mapped: Collection[str]) -> dict[str, Host | None]:
@@ -160,8 +149,8 @@ def _hosts(mapped: Collection[str]) -> dict[str, Host | None]:
     return {host: each for host, each in sorted(found.items()) if host not in mapped}
 
 
-def _found(place: str, facts: HostFacts) -> LookedAt:
-    return LookedAt(place, frozenset(facts.tags), facts.memory, frozenset(facts.devices))
+def _found(place: str, facts: HostFacts) -> PlaceCandidate:
+    return PlaceCandidate(place, frozenset(facts.tags), facts.memory, frozenset(facts.devices))
 
 
 def lacking(
@@ -174,6 +163,6 @@ def lacking(
     try:
         whys = dict(zip(distinct, looked_at.tree.lacking(distinct), strict=True))
     except RtkitError as error:
-        session.verbose(f"what {looked_at.place} can make is not known: {error}")
+        session.verbose(f"what {looked_at.candidate.place} can make is not known: {error}")
         return {}
     return {name: whys[making] for name, making in makings.items() if whys[making]}

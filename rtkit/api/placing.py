@@ -207,8 +207,8 @@ class _Placer(Closing):
         for each in self._places.seen.values():
             for facts in each.snapshot.components if each.snapshot is not None else ():
                 name = facts.instance
-                if not facts.zombie and self._stated.get(name, "?") in ("", each.place):
-                    found.setdefault(name, each.place)
+                if not facts.zombie and self._stated.get(name, "?") in ("", each.candidate.place):
+                    found.setdefault(name, each.candidate.place)
         return found
 
     def check_zombies(self, places: Mapping[str, str]) -> None:
@@ -228,7 +228,7 @@ class _Placer(Closing):
         for each in self._places.seen.values():
             for facts in each.snapshot.components if each.snapshot is not None else ():
                 if facts.zombie and facts.instance in self.free:
-                    yield facts, each.place
+                    yield facts, each.candidate.place
 
     def _open_places(self) -> list[str]:
         """Return the places where a free component may be, this host first."""
@@ -279,15 +279,16 @@ class _Placer(Closing):
         """
         for name in self.free:
             for host in self.lost_for(name) if name not in homes else ():
-                why, hint = self._places.seen[host].why_not, f"rtmgr stop --host {host} gives it up"
+                why = self._places.seen[host].candidate.why_not
+                hint = f"rtmgr stop --host {host} gives it up"
                 raise Unreachable(f"{name} may live on {host}: {why} ({hint})")
 
     def lost_for(self, name: str) -> Iterator[str]:
         """Yield the hosts that cannot be reached on which a component may live."""
         hosts = self._required[name].hosts
-        for each in self._places.seen.values():
-            if each.is_lost and (not hosts or each.host in hosts):
-                yield each.host
+        for place, each in self._places.seen.items():
+            if each.is_lost and (not hosts or place in hosts):
+                yield place
 
     def _posed(self, homes: Mapping[str, str]) -> PlacementProblem:
         from rtkit.deployment.placement.choice import PlaceCandidate, PlacementProblem
@@ -295,7 +296,7 @@ class _Placer(Closing):
         seen = self._places.seen
         order = [LOCAL, *self._places.hosts, *sorted({*self._stated.values()} - {""})]
         candidates = [
-            self._candidate(seen[place]) if place in seen else PlaceCandidate(place, place)
+            self._candidate(seen[place]) if place in seen else PlaceCandidate(place)
             for place in dict.fromkeys(order)
             if place in seen or place in self._stated.values()
         ]
@@ -337,24 +338,19 @@ class _Placer(Closing):
 
     def _candidate(self, found: LookedAt) -> PlaceCandidate:
         from rtkit.api.candidates import lacking
-        from rtkit.deployment.placement.choice import PlaceCandidate
         from rtkit.deployment.planning.model import DEFAULT_COSTS
 
-        is_bare = found.tree is None and found.host != LOCAL
-        lacks = lacking(self._session, found, self._makings)
-        if is_bare:
-            lacks = dict.fromkeys(self._packaged, "")
-        start = (
-            {} if found.tree is not None else {f"mgr:{found.place}": DEFAULT_COSTS["start_manager"]}
-        )
+        candidate, lacks = found.candidate, lacking(self._session, found, self._makings)
+        start = {}
+        if found.tree is None:
+            start = {f"mgr:{candidate.place}": DEFAULT_COSTS["start_manager"]}
+            if candidate.host != LOCAL:
+                lacks = dict.fromkeys(self._packaged, "")
         extras = {name: {**start} for name in self._demanding}
         for name in lacks.keys() & self._packaged.keys():
-            extras[name][f"pkg:{found.host}/{self._packaged[name]}"] = DEFAULT_COSTS["install"]
+            extras[name][f"pkg:{candidate.host}/{self._packaged[name]}"] = DEFAULT_COSTS["install"]
             del lacks[name]
-        return PlaceCandidate(
-            found.place, found.host, found.tags, found.memory, found.devices, found.why_not,
-            lacks, extras,
-        )  # fmt: skip
+        return replace(candidate, lacks=lacks, extras=extras)
 
     @cached_property
     def _makings(self) -> dict[str, tuple[str, str]]:

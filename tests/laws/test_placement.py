@@ -68,7 +68,6 @@ def problems(draw: st.DrawFn) -> PlacementProblem:
     candidates = tuple(
         PlaceCandidate(
             place,
-            host,
             words[host][0],
             memory[host],
             words[host][1],
@@ -231,7 +230,7 @@ def fleets(draw: st.DrawFn) -> tuple[Model, PlacementProblem]:
             if package and f"pkg:{host}/{package}" not in live:
                 extra[f"pkg:{host}/{package}"] = special[f"install {host}/{package}"]
             extras[name] = extra
-        candidates.append(PlaceCandidate(host, host, extras=extras))
+        candidates.append(PlaceCandidate(host, extras=extras))
     table = {"install": 3.0, "uninstall": 1.0, "start_manager": start, "create_slave": 1.0}
     model = Model(
         dict.fromkeys(hosts), units, live=live, desired={f"cmp:{n}": "*" for n in units},
@@ -259,8 +258,8 @@ def test_many_components_are_placed_within_the_tries():
     ]
     parts = tuple(PlacedComponent(f"c{n}", each) for n, each in enumerate(required))
     extras = {each.name: {"start": 8.0} for each in parts}
-    hosts = [PlaceCandidate(f"robot{n}", f"robot{n}", memory=900 << 20) for n in range(5)]
-    hosts += [PlaceCandidate("robot9", "robot9", extras=extras)]
+    hosts = [PlaceCandidate(f"robot{n}", memory=900 << 20) for n in range(5)]
+    hosts += [PlaceCandidate("robot9", extras=extras)]
     links = tuple((f"c{n}", f"c{n // 2}") for n in range(1, 300))
     choice = choose(PlacementProblem(parts, tuple(hosts), links))
     assert choice is not None

@@ -64,8 +64,7 @@ class PlaceCandidate:
 
     Attributes:
         place: The manager as paths begin: ``localhost``, ``localhost/m1.mgr``, ``robot1``.
-        host: Its host.
-        tags: Words that the host has.
+        tags: Words that its host has.
         memory: Free memory [bytes]; infinite where it is not known.
         devices: Of the required devices those that are there.
         why_not: Why nothing can be made there, which counts for what does not live there.
@@ -74,13 +73,17 @@ class PlaceCandidate:
     """
 
     place: str
-    host: str
     tags: frozenset[str] = frozenset()
     memory: float = inf
     devices: frozenset[str] = frozenset()
     why_not: str = ""
     lacks: Mapping[str, str] = field(default_factory=dict)
     extras: Mapping[str, Extras] = field(default_factory=dict)
+
+    @property
+    def host(self) -> str:
+        """Return its host."""
+        return self.place.partition("/")[0]
 
     @property
     def is_usual(self) -> bool:

@@ -9,10 +9,10 @@ from rtkit.deployment.placement.elsewhere import elsewhere
 from rtkit.deployment.placement.requirements import Requirements
 
 HOSTS = (
-    PlaceCandidate("localhost", "localhost"),
-    PlaceCandidate("robot1", "robot1", frozenset({"arm"}), why_not="lost"),
-    PlaceCandidate("robot2", "robot2", frozenset({"arm"}), memory=500),
-    PlaceCandidate("robot3", "robot3", frozenset({"arm"}), memory=900),
+    PlaceCandidate("localhost"),
+    PlaceCandidate("robot1", frozenset({"arm"}), why_not="lost"),
+    PlaceCandidate("robot2", frozenset({"arm"}), memory=500),
+    PlaceCandidate("robot3", frozenset({"arm"}), memory=900),
 )
 ANY = ("robot2", "robot3", "localhost")
 ARM = Requirements(tags=("arm",))

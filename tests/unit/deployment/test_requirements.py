@@ -16,10 +16,10 @@ from rtkit.errors import Impossible, Malformed
 
 MIB = 1 << 20
 HOSTS = (
-    PlaceCandidate("localhost", "localhost", memory=900 * MIB, devices=frozenset(["/dev/video0"])),
-    PlaceCandidate("robot1", "robot1", frozenset(["arm"]), 120 * MIB, frozenset(["/dev/video0"])),
-    PlaceCandidate("robot2", "robot2", frozenset(["arm"]), 700 * MIB),
-    PlaceCandidate("robot3", "robot3", why_not="no answer within 2 s"),
+    PlaceCandidate("localhost", memory=900 * MIB, devices=frozenset(["/dev/video0"])),
+    PlaceCandidate("robot1", frozenset(["arm"]), 120 * MIB, frozenset(["/dev/video0"])),
+    PlaceCandidate("robot2", frozenset(["arm"]), 700 * MIB),
+    PlaceCandidate("robot3", why_not="no answer within 2 s"),
 )
 
 
