@@ -220,11 +220,11 @@ def _installer(
 ) -> Installer:
     from rtkit.packages.supply import LocalInstaller
 
-    system = document.profile.id
-    near = LocalInstaller(places, digests, session.timeout_s, system)
+    near = LocalInstaller(places, digests, session.timeout_s, document.profile.id)
     if hosts.names == (LOCAL,):
         return near
     from rtkit.hosts.package_installer import HostsInstaller
+    from rtkit.hosts.progress import by_lines
     from rtkit.packages.bundling import pushable
 
     def wheels(package: str, folder: str, target: WheelTarget) -> Mapping[str, Sequence[str]]:
@@ -232,8 +232,7 @@ def _installer(
         return pushable(name, places, digests[package], folder, target)
 
     bare = {host for host in hosts.names if not hosts.is_up(host)}
-    how = (system, bare, session.verbose, session.timeout_s)
-    return HostsInstaller(LOCAL, near, wheels, *how)
+    return HostsInstaller(near, wheels, bare, by_lines(session.verbose))
 
 
 def _repositories(document: SystemProfile) -> Sequence[str]:

@@ -165,20 +165,13 @@ def here(packages: Sequence[str]) -> frozenset[str]:
     return frozenset(there.intersection(packages))
 
 
-class LocalInstaller:
+class LocalInstaller(NamedTuple):
     """Installs on this host what a plan says, from the repositories in which it was chosen."""
 
-    def __init__(
-        self,
-        repositories: Sequence[str],
-        digests: Mapping[str, Mapping[str, str]],
-        timeout_s: float,
-        system: str,
-    ) -> None:
-        self._repositories = repositories
-        self._digests = digests
-        self._timeout_s = timeout_s
-        self._system = system
+    repositories: Sequence[str]
+    digests: Mapping[str, Mapping[str, str]]
+    timeout_s: float
+    system: str
 
     def install(self, package: str) -> None:
         """Install a package, ``HOST/NAME==VERSION``, with the very bytes that were looked at.
@@ -187,8 +180,8 @@ class LocalInstaller:
             RtkitError: See `rtkit.packages.installed.install`.
         """
         wanted = Requirement(package.partition("/")[2])
-        with opened(self._repositories) as there:
-            install(wanted, there, self._digests.get(package), system=self._system)
+        with opened(self.repositories) as there:
+            install(wanted, there, self.digests.get(package), system=self.system)
 
     def uninstall(self, package: str) -> None:
         """Remove a package, ``HOST/NAME==VERSION``.
@@ -199,5 +192,5 @@ class LocalInstaller:
         text = package.partition("/")[2]
         for each in installed():
             if each.text == text:
-                check_unused(each, self._timeout_s)
+                check_unused(each, self.timeout_s)
                 remove(each)
