@@ -165,10 +165,7 @@ def where_they_live(
         if each.why and not each.is_lost:
             session.miss(f"/{each.path}: {name} was moved there: {each.why}")
     paths = {name: each.path for name, each in found.items()}
-    return _with_paths(document, {**paths, **owning.paths(session, document)})
-
-
-def _with_paths(document: SystemProfile, paths: Mapping[str, str]) -> SystemProfile:
+    paths |= owning.paths(session, document)
     if not paths:
         return document
     from rtkit.deployment.placement.profiles import with_paths

@@ -186,7 +186,6 @@ class SystemOwner:
     def _ended_elsewhere(self, owned: OwnedSystem) -> OwnedSystem:
         """End older ones of components where their host is back."""
         from rtkit.api.gathering import connected
-        from rtkit.deployment.actions import Delete
 
         for name, each in list(owned.components.items()):
             for manager in each.stale:
@@ -202,9 +201,7 @@ class SystemOwner:
                     break
                 with connected(manager, _TIMEOUT_S) as tree:
                     owning.send_epoch({manager: tree}, self._manager, name, owned, _log.info)
-                    if tree.snapshot().component(name) is not None:
-                        for result in tree.apply([Delete(name, is_forced=True)]):
-                            result.raise_for_error()
+                    if owning.end(tree, name):
                         _log.warning("%s in %s was of a past epoch, and is ended", name, manager)
                 left = tuple(other for other in each.stale if other != manager)
                 owned = owned.with_component(name, replace(each, stale=left), is_pending=True)

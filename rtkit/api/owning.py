@@ -202,7 +202,7 @@ def note(session: Session, document: SystemProfile, goal: DeploymentGoal, older:
     }
     for each, managers in older.items():
         for manager in managers & session.tree.trees.keys():
-            _end(session.tree.at(manager), each)
+            end(session.tree.at(manager), each)
     made = OwnedSystem(name, document.source, document.text(), components)
     write(session.usual_manager, made)
     for each in components:
@@ -286,17 +286,20 @@ def _end_older(session: Session, known: OwnedSystem) -> None:
             path = f"/{split_manager(manager)[1] or LOCAL}/{name}.rtc"
             try:
                 with connected(manager, session.timeout_s) as tree:
-                    _end(tree, name)
+                    end(tree, name)
             except RtkitError as error:
                 session.miss(f"{path}: an older one may live there: {error}")
 
 
-def _end(tree: Tree, name: str) -> None:
+def end(tree: Tree, name: str) -> bool:
+    """End a component in a manager, which is older than one elsewhere; return whether it lived."""
     from rtkit.deployment.actions import Delete
 
-    if tree.snapshot().component(name) is not None:
-        for result in tree.apply([Delete(name, is_forced=True)]):
-            result.raise_for_error()
+    if tree.snapshot().component(name) is None:
+        return False
+    for result in tree.apply([Delete(name, is_forced=True)]):
+        result.raise_for_error()
+    return True
 
 
 def send_epoch(

@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from functools import partial
 from typing import TYPE_CHECKING, TypeVar
 
-from rtkit.errors import Refused, RtkitError, Unreachable
+from rtkit.errors import RtkitError, Unreachable
 from rtkit.link.host_links import hosts, is_linked
 from rtkit.link.places import DEFAULT_MANAGER, host_name, manager_socket, usual_manager
 from rtkit.rtc.manager_address import is_address
@@ -50,18 +50,6 @@ def manager_of(path: Path) -> str:
 def is_far_address(host: str) -> bool:
     """Return whether a step of a path is the address of a manager on another host."""
     return is_address(host) and not is_local_host(host, host_name())
-
-
-def check_is_here(path: Path, what: str) -> None:
-    """Refuse a path to a linked host, for what is done only on this one.
-
-    Raises:
-        Refused: It leads there; says that `what` is not possible.
-    """
-    if is_on_another_host(path):
-        raise Refused(
-            f"{path.typed} is on host {path.elements[0]}: {what} only on this host so far"
-        )
 
 
 def is_on_another_host(path: Path) -> bool:
