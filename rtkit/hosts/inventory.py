@@ -13,6 +13,7 @@ from contextlib import contextmanager
 from typing import Any
 
 from rtkit.errors import Malformed, NotFound, Refused
+from rtkit.fast_dataclass import replace
 from rtkit.hosts.host import Host, host_at, is_word, named
 from rtkit.link import places
 from rtkit.rtc.names import check_host_name
@@ -20,7 +21,8 @@ from rtkit.rtc.nearest import did_you_mean
 from rtkit.settings.inventory_files import files, hint, user_file
 from rtkit.settings.reading import read_private
 
-_KEYS = ("address", "python", "manager", "index", "tags", "extras")
+_TEXTS = ("address", "python", "manager", "index")
+_KEYS = (*_TEXTS, "tags", "extras")
 
 
 def read() -> dict[str, Host]:
@@ -32,7 +34,7 @@ def read() -> dict[str, Host]:
     """
     found: dict[str, Host] = {}
     for file in reversed(files()):
-        found.update(_parsed(file, read_private(file, must_be_ours=True)))
+        found.update(_read(file))
     return dict(sorted(found.items()))
 
 
@@ -107,16 +109,9 @@ def _put(document: Any, new: Host, *, is_forced: bool) -> None:
         raise Refused(f"host {new.name} is there already; --force replaces it")
     table: dict[str, Any] = {"address": str(new)}
     usual = Host("", "")
-    if new.python != usual.python:
-        table["python"] = new.python
-    if new.manager != usual.manager:
-        table["manager"] = new.manager
-    if new.index:
-        table["index"] = new.index
-    if new.tags:
-        table["tags"] = [*new.tags]
-    if new.extras:
-        table["extras"] = [*new.extras]
+    for key in _KEYS[1:]:
+        if (value := getattr(new, key)) != getattr(usual, key):
+            table[key] = value if isinstance(value, str) else [*value]
     document[new.name] = table
 
 
@@ -128,13 +123,13 @@ def remove(name: str) -> None:
     """
     with _edited() as document:
         if name not in document:
-            elsewhere = [file for file in files() if file != user_file() and name in _names(file)]
+            elsewhere = [each for each in files() if each != user_file() and name in _read(each)]
             where = f"; it stands in {elsewhere[0]}" if elsewhere else ""
             raise NotFound(f"no such host in {user_file()}: {name}{where}")
         del document[name]
 
 
-def _names(file: str) -> Iterable[str]:
+def _read(file: str) -> dict[str, Host]:
     return _parsed(file, read_private(file, must_be_ours=True))
 
 
@@ -190,9 +185,12 @@ def _host(name: str, table: Any) -> Host:
     for key in table:
         if key not in _KEYS:
             raise Malformed(f"{name}: unknown key: {key}{did_you_mean(key, _KEYS)}")
-    texts = {key: table.get(key) for key in ("address", "python", "manager", "index")}
+    texts: dict[str, Any] = {
+        "address": "",
+        **{each: table[each] for each in _TEXTS if each in table},
+    }
     for key, value in texts.items():
-        if (key == "address" or key in table) and not (isinstance(value, str) and value):
+        if not (isinstance(value, str) and value):
             raise Malformed(f"{name}: {key}: not a text")
     tags, extras = table.get("tags", []), table.get("extras", [])
     for key, words in (("tags", tags), ("extras", extras)):
@@ -200,21 +198,9 @@ def _host(name: str, table: Any) -> Host:
             raise Malformed(f"{name}: {key}: not a list of texts")
     with named(name):
         _check_tags(tags)
-        _check_index(texts["index"] or "")
+        _check_index(texts.get("index", ""))
         if extras:
             check_extras(extras)
     with named(f"{name}: address"):
-        at = host_at(name, str(texts["address"]))
-    usual = Host("", "")
-    return Host(
-        at.name,
-        at.address,
-        at.user,
-        at.port,
-        str(texts["python"] or usual.python),
-        str(texts["manager"] or usual.manager),
-        tuple(tags),
-        tuple(sorted(set(extras))),
-        at.is_tls,
-        texts["index"] or "",
-    )
+        at = host_at(name, str(texts.pop("address")))
+    return replace(at, tags=tuple(tags), extras=tuple(sorted(set(extras))), **texts)
