@@ -88,7 +88,7 @@ def prepare(session: Session, path: Path, target: Path, *, lock: PlanLocks | Non
 
 
 def carry_out(session: Session, move: Move) -> None:
-    """Carry a move out; when a step fails, lead back to what was before.
+    """Carry a move out, if anything is left of it; when a step fails, lead back to what was before.
 
     Raises:
         Refused: A step failed; the message says what became of it.
@@ -100,15 +100,17 @@ def carry_out(session: Session, move: Move) -> None:
     from rtkit.tree.grace import uninterrupted
 
     record, goal, was, plan, survey = move
+    if not plan.moves:
+        move_records.finish(record)
+        return
     move_records.keep(record)
     owning.claim_one(session, record.facts.instance, record.manager)
     report = session.report
     try:
-        if plan.moves:
-            _hold(session, record)
-            now = uninterrupted(session.tree.snapshot)
-            survey = goal.survey(now, was)
-            plan = goal.plan(now, was)
+        _hold(session, record)
+        now = uninterrupted(session.tree.snapshot)
+        survey = goal.survey(now, was)
+        plan = goal.plan(now, was)
         with step_times.noting(session, goal.system, was) as taken:
             applier = Applier(session.tree, goal, report, report, taken, survey, uninterrupted)
             applier.run(plan, was, rolls_back=True)
@@ -135,11 +137,6 @@ def _hold(session: Session, record: MoveRecord) -> None:
             for result in session.tree.apply(left, is_ordered=False):
                 if not result.ok:
                     session.verbose(result.why)
-
-
-def finish(move: Move) -> None:
-    """Forget a move of which nothing is left to be done."""
-    move_records.finish(move.record)
 
 
 def _place(target: Path) -> tuple[str, str]:

@@ -53,8 +53,7 @@ def main(
     move = moving.prepare(app, path, target, lock=lock)
     if dry_run:
         terminal.write(map(terminal.printable, lines(move.plan, move.goal.costs)))
-    elif move.plan.moves:
-        moving.carry_out(app, move)
-    else:
-        moving.finish(move)
+        return
+    moving.carry_out(app, move)
+    if not move.plan.moves:
         app.verbose(f"{move.record.facts.instance} is at {move.record.place} already")
