@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import AbstractContextManager, nullcontext
+from functools import partial
 from queue import SimpleQueue
-from typing import TypeVar
+from typing import NoReturn, TypeVar
 
 from rtkit.errors import RtkitError
 from rtkit.hosts import ssh_login
@@ -45,8 +46,15 @@ def at_once(
         return found
 
     def one(host: Host) -> None:
-        outcome = _outcome(work, host)
-        events.put(lambda: _raised(host, outcome))
+        outcome: T | RtkitError
+        try:
+            outcome = work(host)
+        except RtkitError as error:
+            outcome = error
+        except BaseException as error:
+            events.put(partial(_raise, error))
+            return
+        events.put(lambda: (host, outcome))
 
     with ssh_login.asked_by(ask):
         for host in hosts:
@@ -57,14 +65,5 @@ def at_once(
                 yield found
 
 
-def _outcome(work: Callable[[Host], T], host: Host) -> T | BaseException:
-    try:
-        return work(host)
-    except BaseException as error:
-        return error
-
-
-def _raised(host: Host, outcome: T | BaseException) -> tuple[Host, T | RtkitError]:
-    if isinstance(outcome, BaseException) and not isinstance(outcome, RtkitError):
-        raise outcome
-    return host, outcome
+def _raise(error: BaseException) -> NoReturn:
+    raise error

@@ -8,9 +8,9 @@ from __future__ import annotations
 
 import itertools
 import json
-import threading
 from collections.abc import Callable
 from functools import partial
+from queue import Empty, SimpleQueue
 from time import monotonic
 from urllib.parse import quote
 
@@ -29,7 +29,7 @@ from rtkit.wires.secure import connected
 
 IDENTITY = "~identity"
 _TAP = "@x/tap/"
-_GRACE_S = 0.5
+_GRACE_S, _LISTEN_S = 0.5, 10.0
 _QUEUE = "queue=256&mode=all"
 _KINDS = {"timeout": "unreachable", "no-service": "unreachable", "busy": "unreachable"}
 _OWN_KINDS = ("malformed", "refused", "invalid", "not-found", "unreachable", "impossible", "limit")
@@ -61,27 +61,18 @@ class SecureLink(Link, Closing):
 
     def _ask(self, target: str, payload: Payload | None, timeout_s: float) -> Callable[[], Answer]:
         until = monotonic() + timeout_s
-        done, answers = threading.Event(), list[Answer]()
-
-        def take(answer: Answer) -> None:
-            answers.append(answer)
-            done.set()
+        answers: SimpleQueue[Answer] = SimpleQueue()
 
         def ask() -> None:
             if self._why:
-                take(Answer(self._why, "no-service"))
+                answers.put(Answer(self._why, "no-service"))
                 return
             about = target if payload is not None else with_deadline(target, until)
-            self._connection.ask(about, payload, str(next(self._ids)), take, until)
-
-        def answer() -> Answer:
-            # The other end answers in time, or says that nobody did.
-            if not done.wait(max(0.0, until - monotonic()) + _GRACE_S):
-                raise Unreachable(f"no answer within {timeout_s:g} s")
-            return answers[0]
+            self._connection.ask(about, payload, str(next(self._ids)), answers.put, until)
 
         self._loop.post(ask)
-        return answer
+        # The other end answers in time, or says that nobody did.
+        return lambda: _next(answers, max(0.0, until - monotonic()) + _GRACE_S, timeout_s)
 
     def ask_tap(self, word: str, body: bytes, timeout_s: float) -> Callable[[], bytes]:
         """Send a request to the tap of this connection (`rtkit.link.tap_messages`).
@@ -107,19 +98,13 @@ class SecureLink(Link, Closing):
             Unreachable: The connection has ended.
         """
         target = self._target(key)
-        done, answers = threading.Event(), list[Answer]()
+        answers: SimpleQueue[Answer] = SimpleQueue()
 
         def take(event: PropertyEvent) -> None:
             on_text(event.payload if isinstance(event.payload, str) else event.payload.decode())
 
-        def answered(answer: Answer) -> None:
-            answers.append(answer)
-            done.set()
-
-        self._loop.post(partial(self._connection.listen, target, _QUEUE, take, answered))
-        if not done.wait(10.0):
-            raise Unreachable("no answer within 10 s")
-        _reply(answers[0]).value()
+        self._loop.post(partial(self._connection.listen, target, _QUEUE, take, answers.put))
+        _reply(_next(answers, _LISTEN_S, _LISTEN_S)).value()
         return lambda: self._loop.post(partial(self._connection.leave, target))
 
     def notice(self, key: str, found: Callable[[bool], object]) -> Callable[[], object]:
@@ -142,6 +127,13 @@ class SecureLink(Link, Closing):
         self._why = why
         for found in list(self._noticing):
             found(False)
+
+
+def _next(answers: SimpleQueue[Answer], most_s: float, shown_s: float) -> Answer:
+    try:
+        return answers.get(timeout=most_s)
+    except Empty:
+        raise Unreachable(f"no answer within {shown_s:g} s") from None
 
 
 def _reply(answer: Answer) -> Reply:
