@@ -5,6 +5,7 @@ syntax of later versions.
 """
 
 import glob
+import importlib.util
 import json
 import os
 import platform
@@ -58,19 +59,13 @@ def found(devices=()) -> dict:  # type: ignore[no-untyped-def, type-arg]
     damage = {os.path.basename(each): _damage(each) for each in versions}
     memory = _value("/proc/meminfo", "MemAvailable").split()
     user = os.environ.get("USER") or os.environ.get("LOGNAME") or ""
-    try:
-        import venv  # noqa: F401
-
-        has_venv = True
-    except ImportError:
-        has_venv = False
     return {
         "python": list(sys.version_info[:3]),
         "implementation": sys.implementation.name,
         "abi": sysconfig.get_config_var("SOABI") or "",
         "machine": platform.machine(),
         "libc": list(platform.libc_ver()),
-        "has_venv": has_venv,
+        "has_venv": importlib.util.find_spec("venv") is not None,
         "home": home,
         "hostname": platform.node(),
         "user": user,

@@ -33,7 +33,6 @@ from rtkit.link.zenoh import ask_router_id, await_answerer, open_between, unix_e
 from rtkit.rtc.serde import decode_text
 
 if TYPE_CHECKING:
-    import zenoh
     from paramiko.channel import Channel
 
     from rtkit.hosts.tls_connection import TlsConnection
@@ -156,12 +155,13 @@ def _join(host: Host, manager: str, stack: ExitStack) -> Callable[[], str]:
 
     start_thread(lambda: splice(listener, counted, note), "tunnel")
     lease_ms = int(1000 * (connection.longest_silence_s + _MORE_S))
-    session = _open(host, places.manager_socket(manager), path, lease_ms)
+    near, tunnel = unix_endpoint(places.manager_socket(manager)), unix_endpoint(path)
+    session = open_between((near, tunnel), rules(ask_router_id(near), host.name), lease_ms)
     # Zenoh may take 10 s where a neighbour is silent; the next link need not wait for that.
     stack.callback(lambda: start_thread(session.close, "closing").join(_CLOSE_S))
     # Routers tell each other of what they serve some time after they were joined.
     far = zenoh_keys.property_key(zenoh_keys.service(host.name, host.manager), "manager.pid")
-    await_answerer(unix_endpoint(places.manager_socket(manager)), far, _ROUTE_S)
+    await_answerer(near, far, _ROUTE_S)
     start_thread(lambda: note(connection.await_silence(counted.seconds_ago)), "pings")
 
     def lost() -> str:
@@ -238,16 +238,6 @@ def splice(
             start_thread(lambda: outward(end), "outward")
             pump(lambda: channel.recv(_CHUNK), end.sendall)
     note("the manager there has hung up: it has ended, or heard nothing in time")
-
-
-def _open(host: Host, near: str, tunnel: str, lease_ms: int) -> zenoh.Session:
-    """Open the router in between.
-
-    Raises:
-        Unreachable: One of both does not answer.
-    """
-    ends = (unix_endpoint(near), unix_endpoint(tunnel))
-    return open_between(ends, rules(ask_router_id(ends[0]), host.name), lease_ms)
 
 
 def rules(near_id: str, host: str) -> str:
