@@ -94,17 +94,14 @@ class SystemOwner:
         """Do what is due; return when to look again, None for not before something changes."""
         now = monotonic()
         due: list[float] = []
-        for path in owned_files.of_manager(self._manager):
-            owned = owning.decoded(owned_files.read(path))
-            if owned is None:
-                continue
+        for owned in owning.records(self._manager):
             if self._again_at > now:
                 due.append(self._again_at)
                 continue
             try:
                 due += self._keep(owned)
             except RtkitError as error:
-                self._note(path, str(error))
+                self._note(owned.system, str(error))
                 self._again_at = monotonic() + AGAIN_S
                 due.append(self._again_at)
         return min(due, default=None)
@@ -138,9 +135,9 @@ class SystemOwner:
             self._carry_out(owned)
             self._left_out[owned.system] = lost
 
-    def _note(self, path: str, why: str) -> None:
+    def _note(self, system: str, why: str) -> None:
         """Note why a plan failed, which is tried again."""
-        owned = owning.decoded(owned_files.read(path))
+        owned = owning.read(self._manager, system)
         if owned is not None and owned.why != why:
             _log.error("%s: %s", owned.system, why)
             owning.write(self._manager, replace(owned, why=why))
@@ -272,9 +269,7 @@ def _why_lost(host: str) -> str:
 
     One whose link is just being made, as the manager here has begun, is not lost yet.
     """
-    if not host or not host_links.is_linked(host):
-        return ""
-    why = host_links.read(host).why
+    why = host_links.why_lost(host)
     return "" if why == host_links.NOT_YET else why
 
 

@@ -53,11 +53,8 @@ def claim(session: Session, document: SystemProfile, goal: DeploymentGoal) -> Ol
 
 def claim_one(session: Session, name: str, home: str) -> None:
     """Raise the epoch of one component, which is moved by request, if its owner is here."""
-    from rtkit.link import owned_files
-
-    for path in owned_files.of_manager(session.usual_manager) if _is_here(session) else ():
-        known = decoded(owned_files.read(path))
-        if known is not None and name in known.components:
+    for known in records(session.usual_manager) if _is_here(session) else ():
+        if name in known.components:
             _moved(session, known, name, home)
 
 
@@ -163,8 +160,7 @@ def is_lost(manager: str) -> bool:
     """Return whether the host of a manager is linked and cannot be reached."""
     from rtkit.link import host_links
 
-    host = split_manager(manager)[1]
-    return bool(host) and host_links.is_linked(host) and bool(host_links.read(host).why)
+    return bool(host_links.why_lost(split_manager(manager)[1]))
 
 
 def _moved(
@@ -261,13 +257,12 @@ def _linked(session: Session, stack: ExitStack, but: Collection[str]) -> dict[st
 
 def _take_back(session: Session, trees: Mapping[str, Tree], names: Collection[str]) -> None:
     """Take back what managers were told of components that the manager here owns no more."""
-    from rtkit.link import host_links, owned_files
+    from rtkit.link import host_links
     from rtkit.link.places import host_name
 
     if not host_links.hosts():
         return
-    records = (decoded(owned_files.read(p)) for p in owned_files.of_manager(session.usual_manager))
-    owned = {name for each in records if each is not None for name in each.components}
+    owned = {name for each in records(session.usual_manager) for name in each.components}
     here = f"{host_name()}/{session.usual_manager}"
     for tree in trees.values():
         for line in tree.get("get_fences").splitlines():
@@ -329,10 +324,18 @@ def read(manager: str, system: str) -> OwnedSystem | None:
     """Return the record of a system that a manager owns, if it does."""
     from rtkit.link import owned_files
 
-    return decoded(owned_files.read(owned_files.path_of(manager, system)))
+    return _decoded(owned_files.read(owned_files.path_of(manager, system)))
 
 
-def decoded(text: str) -> OwnedSystem | None:
+def records(manager: str) -> Iterator[OwnedSystem]:
+    """Yield the records of all systems that a manager owns; damaged ones are left out."""
+    from rtkit.link import owned_files
+
+    texts = map(owned_files.read, owned_files.of_manager(manager))
+    return filter(None, map(_decoded, texts))
+
+
+def _decoded(text: str) -> OwnedSystem | None:
     """Return a record from its text; None for an empty or damaged one."""
     from rtkit.deployment.owned import OwnedSystem
     from rtkit.rtc.serde import decode_text
@@ -345,13 +348,8 @@ def decoded(text: str) -> OwnedSystem | None:
 
 def troubles(manager: str) -> dict[str, str]:
     """Return what is wrong with movable components that a manager owns, by their names."""
-    from rtkit.link import owned_files
-
     found = {}
-    for path in owned_files.of_manager(manager):
-        owned = decoded(owned_files.read(path))
-        if owned is None:
-            continue
+    for owned in records(manager):
         for name, each in owned.components.items():
             left = [f"an older one may live in {manager}" for manager in each.stale]
             failed = [owned.why or "not all is connected yet"] if owned.is_pending else []

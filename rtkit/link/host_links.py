@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import json
 import os
+from contextlib import suppress
 from typing import NamedTuple
 
 from rtkit.errors import Unreachable
@@ -80,6 +81,11 @@ def read(host: str) -> HostLink:
         raise Unreachable(f"the state of the link to {host} cannot be read: {error}") from error
 
 
+def why_lost(host: str) -> str:
+    """Return why a linked host cannot be reached; empty for one that can, and without a link."""
+    return read(host).why if is_linked(host) else ""
+
+
 def is_cured_by_start(why: str) -> bool:
     """Return whether a link is down for want of a manager there: the reason names the start."""
     return "rtmgr start" in why
@@ -124,8 +130,6 @@ def _why_at_rest(pid: int) -> str:
 
 def remove(host: str, pid: int = 0) -> None:
     """Remove what a link leaves that is no more; with `pid`, only if it is of that process."""
-    from contextlib import suppress
-
     with suppress(Unreachable):
         if pid and read(host).pid != pid:
             return

@@ -70,7 +70,7 @@ def check_reached(host: str) -> None:
     Raises:
         Unreachable: It is not; tells why.
     """
-    if host_links.is_linked(host) and (why := host_links.read(host).why):
+    if why := host_links.why_lost(host):
         raise Unreachable(f"host {host} cannot be reached: {why}")
 
 
