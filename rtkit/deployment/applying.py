@@ -115,7 +115,7 @@ class Applier:
     def _see(self, before: Snapshot, now: Snapshot) -> Model:
         """Return the model of what lives now; report parts of the wanted system that do not exist.
 
-        What nobody knew before is known as soon as a component lives.
+        Some of it becomes known only when a component lives.
         """
         survey = self._goal.survey(now, before)
         self.unmet = survey.unmet

@@ -42,8 +42,8 @@ def capture(
 ) -> rts.RtsProfile:
     """Return the profile of what lives: components that are connected, or all of them.
 
-    What a connected composite is made of counts as connected too, and the composite of a member;
-    likewise whom its execution contexts drive, and who drives it.
+    The members of a connected composite count as connected too, and so does the composite of a
+    member; likewise the components that its execution contexts drive, and the one that drives it.
 
     With `hosts` only components registered below one of these. Zombies are left out, and so are
     components of attached processes that state no create string: what a data tool shows for a while

@@ -18,7 +18,7 @@ from rtkit.rtc.profiles import (
 )
 
 AT_FIRST, IS_SO, BY_OTHERS = "at first", "is so", "by others"
-"""What is told of how a system came to a state without an event."""
+"""Words for the ways in which a system came to a state without an event."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -10,7 +10,7 @@ from rtkit.errors import Malformed
 
 Message = Mapping[str, Any]
 MISSING, NEW = "missing", "new"
-"""What is done where a configuration set is not there: it is added; and one that is, is refused."""
+"""Ways to write a set: one that is not there is added, or one that is there is refused, too."""
 
 
 def message_from(text: str) -> Message:

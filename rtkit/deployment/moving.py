@@ -182,8 +182,8 @@ def wanted_move(record: MoveRecord) -> WantedSystem:
 def holding_steps(record: MoveRecord) -> tuple[tuple[Action, ...], ...]:
     """Return what comes before the plan of a move, so that no value on the way is lost.
 
-    What others write to the component is kept by their ports, it reads all that has arrived, then
-    what it wrote itself arrives.
+    The ports of others keep values for the component, it reads all that have arrived, then the
+    values arrive that it wrote itself.
     """
     facts = record.facts
     name = facts.instance

@@ -152,7 +152,7 @@ class PlanRunner:
             try:
                 (result,) = self._careful(partial(self._site.apply, [trace.undo]))
             except Unreachable as error:
-                # Who is silent now would be waited for once more with each of the others.
+                # A silent manager would be waited for once more with each of the others.
                 remaining += [f"{trace.what} ({error})", *(each.what for each in left)]
                 break
             if result.ok or result.kind == "not-found":

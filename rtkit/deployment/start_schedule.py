@@ -15,7 +15,7 @@ from rtkit.fast_dataclass import dataclass, replace
 from rtkit.rtc.enums import Transition
 
 MISSING = "missing"
-"""What is seen of a component that is not there."""
+"""State of a component that is not there."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -21,7 +21,7 @@ ENDS = (os.CLD_EXITED, os.CLD_KILLED, os.CLD_DUMPED)
 _FIRST_S = 0.1
 _MOST_S = 10.0
 _HEALTH_S = 30.0
-"""Who has run for so long, or has done its work, ended by accident [s]."""
+"""A process that has run for so long, or has done its work, ended by accident [s]."""
 
 
 def unmarked(environment: Mapping[str, str]) -> dict[str, str]:
@@ -32,9 +32,9 @@ def unmarked(environment: Mapping[str, str]) -> dict[str, str]:
 def withhold() -> None:
     """Have programs that are started from here inherit nothing that this one was given.
 
-    What this process opened itself is not inherited anyway; but a script may have handed it the
-    lock it holds, or a pipe whose end somebody waits for, and what outlives the script would keep
-    them.
+    Descriptors that this process opened itself are not inherited anyway; but a script may have
+    handed it the lock it holds, or a pipe whose end somebody waits for, and a process that outlives
+    the script would keep them.
     """
     for name in os.listdir("/proc/self/fd"):
         descriptor = int(name)

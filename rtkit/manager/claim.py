@@ -21,7 +21,7 @@ _REWRITTEN = ("held", "family", "rehearsed")
 _OF_SLAVES = ("beats", "rehearsal", *_REWRITTEN, *(f"{kind}.new" for kind in _REWRITTEN))
 _OF_GUESTS = "guest.beats"
 _KINDS = (*_OF_SLAVES, _OF_GUESTS, "data", "zygote")
-"""What processes of a manager lay into the runtime folder, named ``<manager>.<pid>.<kind>``."""
+"""Kinds of files of a manager's processes in the runtime folder: ``<manager>.<pid>.<kind>``."""
 
 
 def take_lock(name: str, stack: ExitStack) -> None:

@@ -195,7 +195,7 @@ def _claim(name: str, is_shown: bool, stack: ExitStack) -> dict[int, SlaveCheckp
     crashes = unseen_crashes(name, dead)
     left = end_descendants(name)
     remove_stale(name, living)
-    # What an earlier manager leaves that was just dying at the start is seen at the end only.
+    # Files of an earlier manager that was just dying at the start are seen at the end only.
     stack.callback(lambda: remove_stale(name, living_slaves(name)))
     stack.callback(fault.point, "manager.unlocking")
     stack.enter_context(open_log(name, is_shown=is_shown))
@@ -460,7 +460,8 @@ def catch_signals(post: Callable[[StopRequested], object], *, is_shown: bool) ->
     """End in order at TERM, INT and QUIT, in the foreground also when the terminal is closed (HUP).
 
     QUIT first writes to stderr where every thread is, USR1 writes it and nothing else. In the
-    foreground a second INT or QUIT ends at once. What a shell or ``nohup`` had ignored stays so.
+    foreground a second INT or QUIT ends at once. Signals that a shell or ``nohup`` had ignored stay
+    so.
 
     TERM comes with the end of the machine, not from a user: desired state is kept then.
     """

@@ -61,7 +61,7 @@ class MoveTo:
 
 
 Target = rtkit.Marker | list[rtkit.Marker] | rtkit.Element
-"""What starts a behaviour, or how it stands."""
+"""Value that starts a behaviour, or tells how it stands."""
 
 
 def behaviors_of(chassis: Chassis, frames: Frames, kinds: dict[str, Callable[..., Any]]) -> object:

@@ -27,7 +27,7 @@ _STEP = os.O_RDONLY | os.O_DIRECTORY | os.O_NOFOLLOW | os.O_CLOEXEC
 _FILE = os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK | os.O_NOCTTY | os.O_CLOEXEC
 _NEW = os.O_RDWR | os.O_CREAT | os.O_EXCL | os.O_NOFOLLOW | os.O_CLOEXEC
 _TICK_NS = 30_000_000
-"""What changes within this time of a look may bear the time of before [ns]."""
+"""A file that changes within this time of a look may bear its time of before [ns]."""
 _CODES = {
     errno.ENOENT: ("unknown", "there is no such file"),
     errno.ENOTDIR: ("unknown", "there is no such file"),

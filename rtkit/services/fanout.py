@@ -20,7 +20,7 @@ _OWN = {"robots", "groups", "join", "leave", "failures", "deadline", "name", "ty
         "status", "properties"}  # fmt: skip
 """First parts of the names of a group itself."""
 _NAMES = ("location", "velocity", "behaviors.moveto", "behaviors.stop")
-"""What a group has also while no member has told what it has."""
+"""Names that a group has also while no member has told its own."""
 _AGAIN_S = 5.0
 """How long until members are asked again for their names [s]."""
 _WAITED_S = 0.2

@@ -1,8 +1,8 @@
 """Fusion of markers: which of them are one thing, and where it is, given how sure each one is.
 
-What is seen of a thing is weighted by the inverse of its covariance, so the order does not matter.
-It is of the nearest thing of its type, as far as its Mahalanobis distance is within the gate; of
-what one sensor sees at one time, no two are one thing. A thing may drift: the longer ago it was
+Each sighting of a thing is weighted by the inverse of its covariance, so the order does not matter.
+It is of the nearest thing of its type, as far as its Mahalanobis distance is within the gate; no
+two sightings by one sensor at one time are of one thing. A thing may drift: the longer ago it was
 seen, the less sure its place. Pure: the time is handed in, frames are those of the caller.
 
 Source: `property-service` reference, section 9.

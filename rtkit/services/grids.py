@@ -13,7 +13,7 @@ Cell = tuple[int, int]
 Sums = dict[Cell, tuple[int, float]]
 """How many values each cell has, and their sum."""
 Share = tuple[str, float, Sequence[tuple[int, int, int, float]]]
-"""Which model measured, the side of cells [m]; of each its place, how many values, their sum."""
+"""Model that measured, side of cells [m]; of each its place, how many values, their sum."""
 
 MOST_CELLS = 40_000
 MOST_GRIDS = 100

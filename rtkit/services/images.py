@@ -32,7 +32,7 @@ def opencv() -> Any:
         import cv2
     except ImportError as error:
         raise Refused(f"vision needs OpenCV: {how_to_get('vision')}") from error
-    # What is wrong with a picture is told to who sent it.
+    # The sender of a picture is told what is wrong with it.
     cv2.utils.logging.setLogLevel(cv2.utils.logging.LOG_LEVEL_ERROR)
     return cv2
 

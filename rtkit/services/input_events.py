@@ -66,7 +66,7 @@ class InputReader:
     def feed(self, data: bytes) -> list[list[InputEvent]]:
         """Return the reports that are whole now.
 
-        What comes behind a loss, up to the end of that report, says nothing and is left out.
+        Events behind a loss, up to the end of that report, say nothing and are left out.
 
         Raises:
             ValueError: These are no input events.

@@ -20,7 +20,7 @@ from rtkit.services.sensor import MIDDLE, DeviceSensor, Pose6, within
 
 
 class Microphone(DeviceSensor):
-    """Microphone. Whoever listens with ``?queue=100&mode=all`` gets each block, in order.
+    """Microphone. A listener with ``?queue=100&mode=all`` gets each block, in order.
 
     Args:
         device: A pipe or device that sends samples, or a file ``NAME.wav``.
@@ -29,7 +29,7 @@ class Microphone(DeviceSensor):
         block: Length of a block [s].
         location, base, frames: See `Sensor`.
         silence: How long no sample may come before `status` calls it silent [s]; 0: for ever.
-            What is quiet sends samples, too.
+            A quiet device sends samples, too.
 
     Attributes:
         data: The latest block; empty while there is none.

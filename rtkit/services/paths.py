@@ -23,7 +23,7 @@ Path = tuple[str, ...]
 LONGEST = 255
 DEEPEST = 32
 TEMPORARY = ".rtkit-upload-"
-"""What names of files begin with that are not whole yet."""
+"""Beginning of the names of files that are not whole yet."""
 
 RESERVED = frozenset({"properties", "parameters", "gui", "listen", "meta", "history"})
 """Parts of names behind which there is no further one, but what is told of a property."""

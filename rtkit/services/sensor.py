@@ -51,7 +51,7 @@ class Sensor(Asking):
 
     type: Final[tuple[str, ...]] = ("sensor",)
     version: Final = "1.0"
-    # What is Final cannot be SET from outside; a sensor itself changes it by `_publish`.
+    # A Final property cannot be SET from outside; a sensor itself changes it by `_publish`.
     status: Final[str] = "ready"
     unit: Final[str] = ""
     rate: Final[Annotated[float, rtkit.Unit("Hz")]] = 0.0

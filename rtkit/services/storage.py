@@ -378,7 +378,7 @@ class Storage(Names):
             if monotonic() - each.touched > UPLOAD_IDLE_S:
                 self._uploads.pop(key).close()
 
-    # What is asked about all of them
+    # Properties of all of them
 
     def _now_used(self) -> int:
         """Return what all files hold, as it was a second ago at most but for what was set here."""

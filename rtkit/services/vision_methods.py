@@ -158,7 +158,8 @@ def _blob(picture: Picture, color: str, rim: Any) -> Blob:
 def _circle(picture: Picture, rim: Any) -> tuple[float, float, float] | None:
     """Return the circle (x y radius) on which most of a rim lies, None if there is none.
 
-    Three points make a circle. What hides a disc takes something away: nothing is out of it.
+    Three points make a circle. A thing that hides a disc takes something away: nothing is out of
+    it.
     """
     import numpy as np
 

@@ -1,6 +1,7 @@
 """World service: a simulated home with walls, rooms, lights, objects, and the bodies of robots.
 
-Whoever owns a body moves it and hears how far it came; whose process ends leaves its body standing.
+The owner of a body moves it and hears how far it came; when its process ends the body is left
+standing.
 """
 
 from __future__ import annotations

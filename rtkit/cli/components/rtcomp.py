@@ -55,12 +55,11 @@ def main(
 ) -> None:
     """Make and change composite components.
 
-    With a manager the composite of that NAME, by default CompositeRTC, is made, or changed if it
-    is there already. PORTS are names of the member's ports with commas between; the composite
-    shows them as INSTANCE.PORT. What is added comes last in the order of execution. All members
-    have to be in one process. Without -a and -r an empty composite is made. Its context, which
-    drives all members, runs at 1000 Hz unless -o says another rate:
-    -o 'exec_cxt.periodic.rate=100'.
+    With a manager the composite of that NAME, by default CompositeRTC, is made, or changed if it is
+    there already. PORTS are names of the member's ports with commas between; the composite shows
+    them as INSTANCE.PORT. Added members come last in the order of execution. All members have to be
+    in one process. Without -a and -r an empty composite is made. Its context, which drives all
+    members, runs at 1000 Hz unless -o says another rate: -o 'exec_cxt.periodic.rate=100'.
     """
     if not targets:
         raise Malformed("No manager or existing composite component specified.")

@@ -48,8 +48,8 @@ def main(
     getstructure             the states and transitions, as SCXML
     setstructure FILE        give it those of an SCXML file (- is stdin)
 
-    A structure is taken over between two periods; a state that it has too is kept. What the
-    component does in its states is its own code: such content of a file is left out (-v tells).
+    A structure is taken over between two periods; a state that it has too is kept. The actions of
+    the component in its states are its own code: such content of a file is left out (-v tells).
     """
     if not words:
         raise Malformed("No component specified.")

@@ -86,8 +86,8 @@ def main(
     or come back with their components, are recorded from then on.
 
     A recording is an MCAP file that other viewers open too: values in CDR, with their data types.
-    What was recorded up to half a second ago can be read even after the recorder was killed.
-    On a busy host values may be lost, large ones first; how many is told at the end. With
+    Values that were recorded up to half a second ago can be read even after the recorder was
+    killed. On a busy host values may be lost, large ones first; how many is told at the end. With
     --lossless none is: who writes waits. More by rtkit help connectors.
 
     Streams are named after their ports, Robot0_pose, or as a port is followed by .STREAM. A port

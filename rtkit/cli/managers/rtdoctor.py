@@ -47,9 +47,9 @@ def main(
     Looked at are versions, variables, limits, the clock, folders and their rights, keys and
     inventories of hosts and links to them, what killed processes left, TCP doors, managers, slaves
     and components; a large value is sent over a connection as it is made between two processes.
-    Nothing is changed, and a manager that hangs holds nothing up. What is in order is told with -v
-    only, and by --json; the exit status is 1 when something is wrong, which warnings and notes are
-    not.
+    Nothing is changed, and a manager that hangs holds nothing up. Things that are in order are told
+    with -v only, and by --json; the exit status is 1 when something is wrong, which warnings and
+    notes are not.
     """
     if words:
         raise WrongArguments(f"takes no arguments: {' '.join(words)}")

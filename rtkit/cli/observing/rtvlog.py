@@ -80,10 +80,10 @@ def main(
     r"""Print what components log.
 
     PATH is a component; a slave, for all that its process logs; a manager, for its own log and
-    those of its slaves; or a directory, for the components in it; / for everything. What is there
-    comes first, then what is logged, in the order of time. PATHs may be on several hosts, / is all
-    linked ones, too: the offsets of their clocks are told, and taken off their times. Zombies, and
-    components of a manager that does not run, have logs too.
+    those of its slaves; or a directory, for the components in it; / for everything. Records that
+    are there come first, then new ones, in the order of time. PATHs may be on several hosts, / is
+    all linked ones, too: the offsets of their clocks are told, and taken off their times. Zombies,
+    and components of a manager that does not run, have logs too.
 
     \b
     levels   FATAL ERROR WARN INFO NORMAL DEBUG TRACE VERBOSE PARANOID
@@ -92,9 +92,9 @@ def main(
     \b
     What code of a component prints, or logs elsewhere, bears its name: while it is imported,
     made or called, and on threads that it starts. After a crash the stacks are printed, too,
-    also of one that ended its manager. What C code and programs print is in NAME.out beside.
+    also of one that ended its manager. The output of C code and programs is in NAME.out beside.
 
-    What a component does not log at its level (option logger.log_level) cannot be printed.
+    Records below the level of a component (option logger.log_level) cannot be printed.
     """
     if not paths:
         raise WrongArguments("No component specified.")

@@ -44,11 +44,11 @@ def main(
     """Apply an RTS profile, and again what is saved, until Ctrl-C.
 
     Watched are FILE, what it includes, files of --values, the modules of its components, what these
-    import from beside them, and other sources beside all these. What was saved becomes the smallest
+    import from beside them, and other sources beside all these. Each save becomes the smallest
     plan, which is shown and carried out as by rtapply: of a changed parameter only that is set. Of
     a changed module only its components are made again, with all that shares a slave with them, and
-    get their connections, values and states back. What is no more in FILE ends. Types that rtbuild
-    made of an IDL file are made anew.
+    get their connections, values and states back. Components that are no more in FILE end. Types
+    that rtbuild made of an IDL file are made anew.
 
     A file with a syntax error, or a module that does not import, is told with its line, and the
     system stays as it was.

@@ -50,8 +50,8 @@ def main(
 ) -> None:
     r"""Begin the project of a component, with a test and a system.
 
-    NAME is the type of the component, and the folder unless -o says another. What is there is never
-    written over.
+    NAME is the type of the component, and the folder unless -o says another. Files that are there
+    are never written over.
 
     \b
     NAME.py             the component: multiplies what arrives by a parameter

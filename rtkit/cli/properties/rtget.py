@@ -45,12 +45,12 @@ def main(
 ) -> int:
     """Print the values of live properties, a line each.
 
-    TARGET is SERVICE.NAME, or a path such as /localhost/SERVICE/NAME; in place of a service it
-    may be a component, a manager or this host (/localhost/Motor0.rtc.state). Elsewhere it is an
-    address such as http://HOST:PORT/ps/SERVICE/NAME; rtkit help wires lists their forms. Alone, a
-    service stands for the names it has. Behind the name of a property .meta asks what is known of
-    it, .properties what is below, .parameters, .gui, .history more. What cannot be got is reported
-    behind the others.
+    TARGET is SERVICE.NAME, or a path such as /localhost/SERVICE/NAME; in place of a service it may
+    be a component, a manager or this host (/localhost/Motor0.rtc.state). Elsewhere it is an address
+    such as http://HOST:PORT/ps/SERVICE/NAME; rtkit help wires lists their forms. Alone, a service
+    stands for the names it has. Behind the name of a property .meta asks what is known of it,
+    .properties what is below, .parameters, .gui, .history more. Properties that cannot be got are
+    reported behind the others.
     """
     if not targets:
         raise click.UsageError("No targets specified.")

@@ -36,8 +36,8 @@ def main(
     """Show a panel of a live service: see and set its properties.
 
     TARGET is a service, or a part of one (SERVICE.PART), as of rtget. Tab goes from one widget to
-    the next, arrow keys move it, Enter has a value typed or an action started, s stops that; q
-    ends the panel. What is away, stale or alarming is marked by words.
+    the next, arrow keys move it, Enter has a value typed or an action started, s stops that; q ends
+    the panel. Properties that are away, stale or alarming are marked by words.
     """
     if not (terminal.is_terminal() and sys.stderr.isatty()):  # textual draws on stderr
         raise Refused("a panel needs a terminal; for values as text: rtget, rtlisten")

@@ -152,7 +152,7 @@ def main(
         thing_made, name, settable=settable, hide=hide, history=history, rules=policy,
         notify=notify, hosts=hosts, is_on_zenoh=True, is_insecure=is_insecure, **endpoints,
     ) as served:  # fmt: skip
-        # What --at takes without a scheme is printed without one.
+        # Addresses that --at takes without a scheme are printed without one.
         opened = [each.removeprefix(TCP_CLIENTS.prefix) for each in served.addresses.values()]
         terminal.write_now(["  ".join([f"/localhost/{served.name}", *opened])])
         ended.wait()

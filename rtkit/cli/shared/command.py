@@ -90,7 +90,7 @@ def command(
     """Turn a function that takes an `App` and its options into a command.
 
     The default of each other parameter is an option (`rtkit.cli.shared.options`). A command that
-    `is_local` asks no manager. What is `declared` is explained at `Main`; the settings between are
+    `is_local` asks no manager. `Main` explains the fields of `declared`; the settings between are
     those of click. The first sentence of the docstring is the summary.
     """
 

@@ -49,7 +49,7 @@ def of_command(
 ) -> Iterator[Default]:
     """Yield the defaults of a command, ``rtls`` or ``rtprofile show``: each from where it counts.
 
-    What is `given` are settings of all commands that a file has put into the environment.
+    The settings `given` are those of all commands that a file has put into the environment.
 
     Raises:
         Malformed: A value or a name is wrong; names its place.

@@ -50,20 +50,20 @@ def main(
     done, and what has changed is told. Where something turns out otherwise on the way it stops,
     instead of planning anew.
 
-    What holds already is not touched. Steps that need nothing of each other are done at once, and
-    what lives is looked at before each round: what turned out otherwise is planned anew. When a
-    step fails nothing more is begun, and what is left is told; run again, it goes on from there.
-    With --rollback it goes back instead, by the cheapest way; what fails on that way is told, and
-    the rest goes back all the same. So it is with --strict, where a step that is done with a note
-    has failed.
+    Nothing that holds already is touched. Steps that need nothing of each other are done at once,
+    and the live system is looked at before each round: if something turned out otherwise, the rest
+    is planned anew. When a step fails nothing more is begun, and what is left is told; run again,
+    it goes on from there. With --rollback it goes back instead, by the cheapest way; what fails on
+    that way is told, and the rest goes back all the same. So it is with --strict, where a step that
+    is done with a note has failed.
 
     Managers that do not run and are needed are started first, as rtmgr start does; those of hosts
     that rthost knows, which paths name, /robot1/Motor0.rtc, as rtmgr start --host does.
     Only one rtapply, rtresurrect or rtstate works at a manager at a time; another one names
     it and ends, or waits with --wait.
 
-    What a component does not have, a parameter or a set, is told; when all else is done the exit
-    status is 1 then, as that of rtcheck.
+    A parameter or set that a component does not have is told; when all else is done the exit status
+    is 1 then, as that of rtcheck.
 
     --timeout bounds each step. Steps are told on stderr when they are done, and what they took is
     noted: plans made later count with it.

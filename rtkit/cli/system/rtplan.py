@@ -45,8 +45,8 @@ def main(
 ) -> int:
     """Show the cheapest plan from the live system to an RTS profile (FILE, or stdin).
 
-    Nothing is changed. Each step is shown with its cost and with what it changes; then which
-    steps may be done at once, and what is kept. What holds already takes no step: a parameter
+    Nothing is changed. Each step is shown with its cost and with what it changes; then which steps
+    may be done at once, and what is kept. A setting that holds already takes no step: a parameter
     that may be changed while its component runs (rtkit.hot) is set without a stop, another by
     stopping that component and no other; one that moves is made anew with its connections.
 
@@ -54,9 +54,10 @@ def main(
     before, or with --costs table, what the table says (rtkit help plans). A profile may say what
     interrupting a component costs (rtkit.cost), and --cost goes before all.
 
-    All that a profile says is compared: rates, policies and names, too, which are changed without
-    a stop. What cannot be changed in place is told, and is part of a plan with --replace only; what
-    the profile does not name is removed with --prune only (rtkit help plans).
+    All that a profile says is compared: rates, policies and names, too, which are changed without a
+    stop. A change that cannot be made in place is told, and is part of a plan with --replace only;
+    components and connections that the profile does not name are removed with --prune only (rtkit
+    help plans).
 
     Where there is no plan, the command tells which goals cannot hold together, and why; with
     --exit-detail the status is 7 then.

@@ -37,8 +37,8 @@ def main(
 
     Components that are not there are created where the profile, its rtkit properties, or a known
     component profile says how; then connections are made and configuration sets written and
-    activated. What is there already is left as it is. If something required fails, what was made
-    is removed again.
+    activated. Components that are there already are left as they are. If something required fails,
+    what was made is removed again.
 
     Managers that do not run are started first, as rtmgr start does, those of hosts that rthost
     knows as with --host; with --no-create they must run. Only one rtapply, rtresurrect or rtstate

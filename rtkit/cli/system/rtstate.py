@@ -70,8 +70,8 @@ def main(
     With --follow the manager of the system follows its events from now on, also after its own
     restart, until --unfollow, rtteardown or a transition that fails without an event failed. The
     command only watches: each transition is told on stdout, and an interruption ends nothing but
-    the watching. What a profile with rtkit.follow=true describes is followed from rtapply,
-    rtresurrect or rtstart on.
+    the watching. A system whose profile has rtkit.follow=true is followed from rtapply, rtresurrect
+    or rtstart on.
     """
     if sum((goto is not None, event is not None, follow, unfollow is not None)) > 1:
         raise UsageProblem("--goto, --event, --follow and --unfollow exclude each other")

@@ -27,8 +27,9 @@ def main(
     """Deactivate every component of an RTS profile (FILE, or stdin), in reverse order.
 
     The order is that of the profile's Deactivation if there is one, else the reverse of the start.
-    A component that is missing or refuses is reported; the others are stopped all the same. Who
-    waits for another one to be inactive does not wait for one that is in Error or gone.
+    A component that is missing or refuses is reported; the others are stopped all the same. A
+    component that waits for another one to be inactive does not wait for one that is in Error or
+    gone.
 
     --timeout bounds a plan with conditions as a whole. Without it the plan ends when nothing has
     happened for 10 s after the last time that it names.

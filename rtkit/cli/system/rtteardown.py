@@ -30,9 +30,9 @@ def main(
 ) -> None:
     """Remove every connection of an RTS profile (FILE, or stdin).
 
-    What is missing is reported; the rest is removed all the same. A system that its manager
-    follows (rtstate) is followed no more. Packages stay where another system was applied that needs
-    them, or something that lives is of them.
+    Missing parts are reported; the rest is removed all the same. A system that its manager follows
+    (rtstate) is followed no more. Packages stay where another system was applied that needs them,
+    or something that lives is of them.
     """
     from rtkit.api.starting import teardown
 

@@ -55,12 +55,12 @@ def main(
 ) -> int:
     """List directories, managers and components of the tree.
 
-    Without a path: the working directory (RTKIT_CWD). A zombie, an entry with nobody behind it,
-    has a * before its name. With -l each line tells the state, then ports and how many of them
-    are connected (all, in, out, service), then the name and in brackets what else to know.
-    Of a served object (rtserve): its properties; with -l type, access, unit, quality, name, value.
-    What talks with other hosts without TLS (--insecure) is told on standard error by each -l.
-    Managers that do not answer, whose entries are missing, are told, and the status is 1 then.
+    Without a path: the working directory (RTKIT_CWD). A zombie, an entry with nobody behind it, has
+    a * before its name. With -l each line tells the state, then ports and how many of them are
+    connected (all, in, out, service), then the name and in brackets what else to know. Of a served
+    object (rtserve): its properties; with -l type, access, unit, quality, name, value. Managers and
+    services that talk with other hosts without TLS (--insecure) are told on standard error by each
+    -l. Managers that do not answer, whose entries are missing, are told, and the status is 1 then.
     Watched, it is written again only when it has changed, on a terminal in place of what was.
     """
     check_at_most_one(paths, "path")

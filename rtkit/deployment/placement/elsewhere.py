@@ -14,7 +14,7 @@ from rtkit.errors import Impossible
 from rtkit.fast_dataclass import replace
 
 _RANK = 1e4
-"""What a place costs more than the one that is named before it."""
+"""Extra cost of a place over the one that is named before it."""
 
 Texts = Mapping[str, str]
 

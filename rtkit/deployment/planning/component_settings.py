@@ -68,7 +68,7 @@ def _rates(
     component: WantedComponent, facts: ComponentFacts | None, was: ComponentFacts | None
 ) -> Iterator[ComponentSetting]:
     now = dict(_own_rates(facts)) if facts is not None else {}
-    # Who is not where he was gets his rates again.
+    # A component that is not where it was gets its rates again.
     has_left = (
         was is not None and not was.zombie and (facts is None or facts.process != was.process)
     )

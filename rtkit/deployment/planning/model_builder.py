@@ -107,7 +107,7 @@ class ModelBuilder:
         self.live = live
         self.is_back = is_back
         self._began = began or live.snapshot
-        # What was otherwise before is to be so again, and what was not there is to go again.
+        # Things that were otherwise before are to be so again, and new ones are to go again.
         self.replaces = wanted.replaces or is_back
         self._joined = {connector.connector_id: connector for connector in self._began.connectors}
         self._before = {facts.instance: facts for facts in self._began.components}
@@ -397,7 +397,7 @@ class ModelBuilder:
         if self.wanted.absent.isdisjoint(ends):
             self._desired[f"con:{id}"] = var.YES
         for other in filter(None, (known, self._joined.get(id))):
-            # Who is joined by it now, or was, has to do with it.
+            # Components that it joins now, or joined before, have to do with it.
             for end in other.ports:
                 if end.instance not in self._units and not self._is_gone(end.instance):
                     self._bystander(end.instance)

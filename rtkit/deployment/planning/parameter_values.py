@@ -60,7 +60,7 @@ class Values:
         now_active = facts.active_set if facts is not None else ""
         self._used = component.active_set or now_active
         self._seen = (self._used, now_active)
-        # What lived when it all began keeps what leads it from state to state.
+        # A component that lived at the beginning keeps the values that lead it from state to state.
         self._free = component.kept if was is not None and not was.zombie else frozenset()
         found = {each.parameter: each for each in self._wanted()}
         if was is not None and not was.zombie:

@@ -133,7 +133,7 @@ def difference(model: Model, variable: str, was: str) -> str:
 def rollback_goal(now: Model, before: Model, joined: Mapping[str, tuple[str, ...]]) -> Model:
     """Return the model of what lives now with all that lived before as desired.
 
-    What somebody else made meanwhile, and nobody knew of before, is left as it is.
+    Things that somebody else made meanwhile, and nobody knew of before, are left as they are.
 
     Args:
         now: What lives, and what was desired.
@@ -166,7 +166,7 @@ def rollback_goal(now: Model, before: Model, joined: Mapping[str, tuple[str, ...
         variable = f"con:{name}"
         was = before.now(variable)
         if was == var.OTHER:
-            # What was there under its name is what is desired now, and what is there the other.
+            # The connection that had its name is desired now, and the present one is the other.
             live[variable] = {var.YES: var.OTHER, var.OTHER: var.YES}.get(now.now(variable), var.NO)
             if not all(end in units for end in joined[name]):
                 continue

@@ -141,7 +141,7 @@ class Costs:
 
 
 USUAL = Costs()
-"""What the table says."""
+"""Costs of the table."""
 
 
 def interruption(component: str, cost: float) -> dict[str, float]:

@@ -110,8 +110,8 @@ def variant(
     Args:
         system: As its profile states it.
         wished: Desired differences from it.
-        watched: Component and property of each value that leads from state to state. Who lives
-            keeps it: it was changed so that something happens, not to be set back.
+        watched: Component and property of each value that leads from state to state. A
+            living component keeps it: it was changed so that something happens, not to be set back.
     """
     of: dict[str, dict[str, str]] = {}
     for wish in wished:

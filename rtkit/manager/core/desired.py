@@ -1,9 +1,9 @@
 """Desired state: everything that was acknowledged, as rows for the store.
 
 Facts are reports of processes; desired state is what users asked for. A component that died is no
-fact any more and is still desired; a component that a user ended is neither. What a process was
-asked last is desired, recorded or not; what is desired and was not asked since a component was made
-is still to be done.
+fact any more and is still desired; a component that a user ended is neither. The last request to a
+process is desired, recorded or not; a desire without a request since a component was made is still
+to be fulfilled.
 """
 
 from __future__ import annotations
@@ -144,7 +144,7 @@ class DesiredState:
         zombies: Components whose end is for their user to see, as they were.
         watched: What has been done about the ends of components, by instance.
         revived: Components that are just being restarted: they are not newly desired.
-        boot, life: Which run of the machine this is, and the name of this store, which is unique.
+        boot, life: Identity of this run of the machine, and the unique name of this store.
         halves: Of connectors to other managers, by id: which making each comes from, and with which
             store of its peer it was made.
         far: Ids of those connectors, by peer.
@@ -152,7 +152,7 @@ class DesiredState:
             the making that the last one of that id came from.
         answered: What batches came to that changed anything, the last ones, by id.
         followed: By what systems are followed whose events lead them, as text, by name.
-        reached, hosts: What became of each of them; other hosts to be linked, by name, as JSON.
+        reached, hosts: The state of each of them; other hosts to be linked, by name, as JSON.
         gone: Removed connectors of which a manager of another host has not heard yet, as (peer,
             connector, making), also over restarts.
         fences: Components that may be moved: since which epoch they are where, and their owner.

@@ -1,8 +1,8 @@
 """Ends components whose device goes, and makes them again when it appears.
 
-What waits for a device is a zombie that says so: its desired state is kept, and a user may end it.
-The shell looks at devices and reports which are absent; everything else follows from the state, so
-that it does not matter when the manager was restarted.
+A component that waits for a device is a zombie that says so: its desired state is kept, and a user
+may end it. The shell looks at devices and reports which are absent; everything else follows from
+the state, so that it does not matter when the manager was restarted.
 """
 
 from __future__ import annotations

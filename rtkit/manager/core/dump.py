@@ -1,9 +1,10 @@
 """Text of a dump: a header, the checkpoint, one line for each event or fault, the state at the end.
 
 Each line is a JSON table. Unlike `rtkit.rtc.serde` it needs no expected type: types that JSON lacks
-are written as an object with one key that begins with ``~``, and each record names its class. What
-is read is data of a stranger: it is checked before anything is done with it. Only the classes that
-events and state consist of are ever made, and each field is checked against its annotation.
+are written as an object with one key that begins with ``~``, and each record names its class. A
+dump that is read is data of a stranger: it is checked before anything is done with it. Only the
+classes that events and state consist of are ever made, and each field is checked against its
+annotation.
 """
 
 from __future__ import annotations

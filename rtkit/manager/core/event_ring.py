@@ -23,7 +23,7 @@ from rtkit.manager.core.state import ManagerState
 MOST_EVENTS = 4096
 MOST_BYTES = 4 << 20
 _EACH = 64
-"""What a value takes beside its characters, about [bytes]."""
+"""Memory that a value takes beside its characters, about [bytes]."""
 
 
 CORE = "core"

@@ -196,9 +196,8 @@ class SlaveReady(Event):
 class SlaveFound(Event):
     """A slave of an earlier manager, or an attached process, reported its components.
 
-    With a `silence`, ``stopped`` or ``does not answer``, this is from its checkpoint.
-    What was `asked` of components since they were made, it alone may know, and how it is
-    `configured`.
+    With a `silence`, ``stopped`` or ``does not answer``, this is from its checkpoint. It alone may
+    know the requests since components were made (`asked`), and how it is `configured`.
     """
 
     pid: int

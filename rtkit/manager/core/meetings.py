@@ -66,7 +66,7 @@ class Meetings:
         for peer in self._away - kept.far.keys():
             if not host_of(peer):
                 kept.untold.pop(peer, None)  # it asks itself when it is back
-        # Who is just asked is let go only when that is over.
+        # A peer that is just asked is let go only when that is over.
         wanted = tuple(sorted({*kept.far, *kept.untold, *expected, *self._tasks.peers_asked()}))
         if wanted != self._watched:
             self._out.append(ev.WatchPeers(wanted))

@@ -68,7 +68,7 @@ class MetricsCollector:
     def _ask(self) -> None:
         self._answers.clear()
         self._asked = {each.key for each in self._state.processes.values() if _answers(each)}
-        # Who has not answered yet is not asked again: what it is sent would only pile up.
+        # A container that has not answered yet is not asked again: requests would only pile up.
         for key in self._asked - self._unanswered:
             self._out.append(SendToContainer(key, {"op": "metrics"}))
         self._unanswered &= self._asked

@@ -1,6 +1,6 @@
 """Procedures of actions: generators that yield each `effects.Effect` they wait for.
 
-What a procedure has changed when it fails, it takes back itself.
+A procedure that fails takes its changes back itself.
 """
 
 from __future__ import annotations

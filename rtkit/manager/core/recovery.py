@@ -1,7 +1,7 @@
 """Recovers the desired state: creates what is missing and repairs what differs.
 
-Components do not move here, so the cheapest plan is the differences, sorted by kind: there
-is nothing to search for. What fails is reported, and the rest is done all the same.
+Components do not move here, so the cheapest plan is the differences, sorted by kind: there is
+nothing to search for. Failures are reported, and the rest is done all the same.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ RESTORE_S = 10.0
 """How long each step may take [s]."""
 
 _TOGETHER_S = 1.0
-"""Who dies within this time of each other was ended together [s]."""
+"""Processes that die within this time of each other were ended together [s]."""
 
 Steps = Generator[Yielded, Any, None]
 Failed = Callable[[str, RtkitError], object]

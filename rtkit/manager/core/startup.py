@@ -1,6 +1,6 @@
 """Starts the system of a manager: loads, creates, connects, activates; reports each failure.
 
-What follows a failure is tried all the same: the rest of a system is better than nothing of it.
+The start goes on after a failure: the rest of a system is better than nothing of it.
 """
 
 from __future__ import annotations
@@ -63,8 +63,8 @@ _PHASES: Sequence[tuple[str, _Plan]] = (
 class StartUp:
     """Hands in one batch after the other; `done` is called with the failures, by name.
 
-    What is done with a note goes to `warn`, or is a failure where the start is strict.
-    All of it runs on the thread of the loop: `begin` is called there, and so are answers.
+    Notes about what is done go to `warn`, or are failures where the start is strict. All of it runs
+    on the thread of the loop: `begin` is called there, and so are answers.
     """
 
     def __init__(

@@ -1,8 +1,8 @@
 """Permissions of other hosts at a manager: what a request is, in words, and the role it takes.
 
-Whoever makes components runs code of this user, so that takes an administrator; an operator has
-those change that are there; a viewer looks. What is not named here takes an administrator, or is
-for nobody on another host.
+Making components runs code of this user, so that takes an administrator; an operator has those
+change that are there; a viewer looks. Requests that are not named here take an administrator, or
+are for nobody on another host.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ RESTART = "@/restart"
 ROUTER = "@x/router"
 """Bytes to and from the router of a manager, by which hosts are linked."""
 _HALF = "@x/half"
-"""What managers of linked hosts ask each other."""
+"""Requests between managers of linked hosts."""
 _STEPS = r"(/[^/*$?#\s\x00-\x1f]+)+"
 _NAME = re.compile(rf"@{_STEPS}(\?id=[0-9a-f-]{{1,64}})?|@x{_STEPS}")
 """Operations may bear an id; what is reserved is looked at by its name, to which nothing is added.

@@ -1,7 +1,7 @@
 """Relay of a manager: passes on what clients with certificates ask, if their role goes that far.
 
 Clients speak the line protocol; a target is a key below that of the manager, quoted as in URLs.
-What takes more than looking, and what is denied, is on record in the audit file.
+Requests that take more than looking, and denied ones, are on record in the audit file.
 """
 
 from __future__ import annotations
@@ -51,16 +51,16 @@ NAME = "manager"
 IDENTITY = "~identity"
 """Target of the first request of a client: which manager of which realm it is."""
 LIMITS = EndpointLimits(connections=128, listeners=8, door_listeners=1024, rate=500, size=1 << 22)
-"""What there is room for; a batch of 10,000 creations has 2 MB."""
+"""Limits of all clients; a batch of 10,000 creations has 2 MB."""
 _LISTEN = ".listen"
 _MOST_UNDER_WAY = 32
 """Requests of one client that are passed on at a time."""
 _TIMEOUT_S = 10.0
 _CHUNK, _HIGH = 1 << 16, 1 << 20
-"""What a link reads at a time, and what may wait to be sent [bytes]."""
+"""Size of one read of a link, and of the data that may wait to be sent [bytes]."""
 _LONGEST_S = 7 * 86_400.0
 _QUEUE = SubscriptionOptions(queue=256, is_all=True)
-"""Texts that wait for one listener; whoever misses one takes a new snapshot."""
+"""Texts that wait for one listener; a listener that misses one takes a new snapshot."""
 
 
 class GatewayConnection(SecureConnection):
@@ -117,8 +117,8 @@ class GatewayConnection(SecureConnection):
     def _is_full(self) -> bool:
         if self._router is not None:
             return self._router.is_full
-        # Whoever reads no answers, of which each may be large, is asked for no further request.
-        # Whoever asks too often waits: a script in a loop is to be slow, and not to fail.
+        # A client that reads no answers, of which each may be large, is asked for no further
+        # request. One that asks too often waits: a script in a loop is to be slow, and not to fail.
         if self._wait_s() > 0:
             self._is_slowed = True  # until `_work` looks again: requests may be left in its buffer
             return True

@@ -1,7 +1,7 @@
 """Passes bytes between a client of a gateway and the router of the manager: a link of hosts.
 
-Its other end is `rtkit.hosts.tls_connection`. What a router is told is done, so that takes an
-administrator, whose certificate is looked at as long as the link lasts.
+Its other end is `rtkit.hosts.tls_connection`. A router does all that it is asked to, so a link
+takes an administrator, whose certificate is looked at as long as the link lasts.
 """
 
 from __future__ import annotations

@@ -177,7 +177,7 @@ def capacity(root: str = _ROOT, groups: str = _GROUPS, meminfo: str = _MEMINFO) 
 def free_memory(root: str = _ROOT, groups: str = _GROUPS, meminfo: str = _MEMINFO) -> float:
     """Return the memory that is free here [bytes]: the least of the machine and its groups.
 
-    What holds files that could be read again counts as free, as ``MemAvailable`` does.
+    Memory that holds files which could be read again counts as free, as in ``MemAvailable``.
     """
     free = _total(meminfo, "MemAvailable")
     for controllers, path in _own(groups):

@@ -1,7 +1,7 @@
 """Keeps slaves within their limits: samples their usage and reports the limit that one reaches.
 
-Looks are the law. What could run away between two of them is held by resource limits of the
-kernel with room above, and by a control group where there can be one.
+Looks are the law. Between two of them resource limits of the kernel, with room above, hold a
+process, and so does a control group where there can be one.
 
 See decision 44.
 """

@@ -1,7 +1,7 @@
 """Asks other managers on a thread of its own, and reports when one is found or lost.
 
 A peer of this host is reached through its own socket, and its end is seen at its process: nothing
-is asked again and again. Whoever calls sees neither: only names, questions and answers.
+is asked again and again. Callers see neither: only names, questions and answers.
 """
 
 from __future__ import annotations

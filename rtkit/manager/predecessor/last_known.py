@@ -1,6 +1,6 @@
 """Reads from the disk what is known of a manager that does not run, as it would tell it itself.
 
-What its store, the checkpoints of its slaves and their output say is put together, nothing changed.
+Its store, the checkpoints of its slaves and their output are put together, nothing is changed.
 """
 
 from __future__ import annotations

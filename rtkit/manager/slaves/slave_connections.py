@@ -1,7 +1,8 @@
 """Slave connections of a manager, and those to zygotes: accepts, greets, passes on, hangs up.
 
-Every connection is a private unix socket in the manager's selector. What comes in leads to events
-for the core; slaves that an earlier manager left are admitted with what they hold.
+Every connection is a private unix socket in the manager's selector. Messages that come in lead to
+events for the core; slaves that an earlier manager left are admitted with the components that they
+hold.
 """
 
 from __future__ import annotations

@@ -1,13 +1,13 @@
 """Warms up the zygote: goes through the first moments of a slave before any is forked.
 
-What Python works out at first use is then there in every slave, costs no time in any, and memory
-once for all: coders of records, answers of abstract classes, byte code that is fitted to what it
-met. The latter takes a few times. Done between two requests, with the files and threads of a real
-slave, and without what would change this process: descriptors, signals, environment.
+Results that Python works out at first use are then there in every slave, cost no time in any, and
+memory once for all: coders of records, answers of abstract classes, byte code that is fitted to the
+types it met. The latter takes a few times. Done between two requests, with the files and threads of
+a real slave, and without what would change this process: descriptors, signals, environment.
 
 Last of all the heap is compacted. A page that a slave writes to becomes its own, and is copied
-first. What it allocates would go into gaps all over the memory that it has in common with the
-others; where those are filled, it goes to new pages, of which it needs but few.
+first. New objects would go into gaps all over the memory that it has in common with the others;
+where those are filled, they go to new pages, of which it needs but few.
 
 See decision 49.
 """
@@ -147,7 +147,7 @@ _LARGEST, _STEP = 512, 16
 """Of what sizes Python keeps gaps in pools of one size each [bytes]."""
 
 _HEAD = 33
-"""What an object of bytes needs beside them [bytes]."""
+"""Memory that an object of bytes needs beside them [bytes]."""
 
 _RUN = 8
 """So many objects one behind the other lie in a pool that was empty."""

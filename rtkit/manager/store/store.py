@@ -1,7 +1,8 @@
 """Store of desired state: one table of rows, each change synced to disk before it counts.
 
 SQLite with a write-ahead log that is synced at each commit: a kill or a loss of power at any moment
-leaves the rows before a commit or those after it. What cannot be read is kept aside, never deleted.
+leaves the rows before a commit or those after it. A store that cannot be read is kept aside, never
+deleted.
 
 How many commits there were is noted in a file beside it, too: so it is seen when the store, or some
 of its journal, is gone.
@@ -33,7 +34,7 @@ APPLICATION = 0x72746B77
 VERSION = 1
 NOTED = "-commits"
 _BESIDE = ("-wal", "-shm", "-journal", NOTED)
-"""What lies beside a store, under its name with these behind."""
+"""Endings of the files beside a store that bear its name."""
 _DIGITS = 20
 _BUSY_S = 1.0
 _LOCKS, _LOCKS_LENGTH = 0x40000000, 512

@@ -2,7 +2,7 @@
 
 ``robots/r1.location.x > 1 and not (light.on or variables.laps >= 3)``. A name with a dot or a slash
 is a property of a service, ``variables.laps`` a variable of the machine, any other name a text.
-Signs that a name may contain (``-``, ``+``, ``/``) have blanks around them. What is not known makes
+Signs that a name may contain (``-``, ``+``, ``/``) have blanks around them. An unknown value makes
 a comparison unknown, which is not true.
 """
 

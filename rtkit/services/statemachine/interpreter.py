@@ -111,7 +111,7 @@ class Interpreter:
         self._sends: list[OutgoingSet] = []
         self._now = self._shift = self._wall = 0.0
 
-    # What may happen; each returns the SETs to send.
+    # Events; each method returns the SETs to send.
 
     def command(self, word: str, now: float) -> list[OutgoingSet]:
         """Carry out ``start``, ``stop``, ``pause`` or ``step``, where it means something now.
@@ -221,7 +221,7 @@ class Interpreter:
                 self._end(end)
         return self._advance()
 
-    # What is asked.
+    # Questions.
 
     def wanted(self) -> frozenset[str]:
         """Return the properties that the active states look at."""

@@ -2,8 +2,8 @@
 
 The vocabulary is ``schemas/statemachine.ttl``. A document is read whole or refused with the line of
 what is wrong. States are told apart by their IRIs; the last part of an IRI, behind ``#``, ``/`` or
-a dot, is the name. What a document does not describe is named by its path in the machine that the
-document is put into.
+a dot, is the name. A state that a document does not describe is named by its path in the machine
+that the document is put into.
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ _RDF = "http://www.w3.org/1999/02/22-rdf-syntax-ns#"
 _COMMENT = "http://www.w3.org/2000/01/rdf-schema#comment"
 _NAME = re.compile(r"[A-Za-z_][\w-]*", re.ASCII)
 _NO_TEXT = re.compile("[\x00-\x08\x0b\x0c\x0e-\x1f\ufffe\uffff]")
-"""What XML cannot say."""
+"""Characters that XML cannot hold."""
 _DEEPEST = 30
 
 

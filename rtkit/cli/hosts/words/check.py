@@ -37,9 +37,9 @@ def main(
 ) -> int:
     """Look at hosts over SSH or TLS, all of the inventory by default.
 
-    Nothing is changed there. What keeps rtkit from being made there is told, all of it, and the
-    status is 1 then. The clock is compared with the one here by several questions, as exactly as
-    half the time of the shortest allows. All are asked at once: silent hosts cost one time-out.
+    Nothing is changed there. All obstacles to making rtkit there are told, and the status is 1
+    then. The clock is compared with the one here by several questions, as exactly as half the time
+    of the shortest allows. All are asked at once: silent hosts cost one time-out.
     """
     from rtkit.hosts import inventory, ssh_config
 

@@ -19,7 +19,7 @@ from rtkit.errors import Unreachable
 def main(app: App, words: tuple[str, ...] = arguments("NAME")) -> None:
     """Remove a host from the inventory of the user, and end the link to it.
 
-    What runs there goes on: rtmgr stop --host NAME ends it before.
+    Its manager runs on: rtmgr stop --host NAME ends it before.
     """
     from rtkit.hosts import inventory
     from rtkit.link import host_links

@@ -24,8 +24,8 @@ def main(
 ) -> None:
     """Make a private CA, and a certificate of this user with the role administrator.
 
-    What is there already is never overwritten. The key of the CA stays where it is made: whoever
-    has it can let others in.
+    Keys that are there already are never overwritten. The key of the CA stays where it is made: its
+    holder can let others in.
     """
     import getpass
 

@@ -35,8 +35,8 @@ def main(
 
     The file is all that another machine with rtkit needs: rtapply FILE.rtbundle installs what is
     missing there and brings the system up, rtpkg install FILE.rtbundle only installs. No repository
-    is asked. A changed byte is refused, and named. The same content is the same bytes. What rtkit
-    itself has is not in it; a component that is of no package is refused.
+    is asked. A changed byte is refused, and named. The same content is the same bytes. Wheels that
+    rtkit itself has are not in it; a component that is of no package is refused.
     """
     import os
     import tempfile

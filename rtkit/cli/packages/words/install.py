@@ -51,10 +51,11 @@ def main(
 ) -> int:
     """Install packages with all that they need, each version in a folder of its own.
 
-    NAME may have constraints, 'NAME>=1.2,<2'. What it needs comes from the repositories, too, but
-    for what the Python of rtkit has. BUNDLE is a file that rtpkg bundle made; it is all that is
-    needed then. Nothing of a package is run. Managers find its types at once:
-    by name the newest version, by RTC:vendor:category:type:language:version the one with that id.
+    NAME may have constraints, 'NAME>=1.2,<2'. The packages that it needs come from the
+    repositories, too, but for those that the Python of rtkit has. BUNDLE is a file that rtpkg
+    bundle made; it is all that is needed then. Nothing of a package is run. Managers find its types
+    at once: by name the newest version, by RTC:vendor:category:type:language:version the one with
+    that id.
 
     With --host packages are looked for here and pushed over SSH to a host that rtmgr start --host
     has brought up, with all that they need: it asks no repository, and needs no network. Wheels are

@@ -21,7 +21,8 @@ def main(app: App, files: tuple[str, ...] = arguments("WHEEL|BUNDLE...")) -> Non
 
     rtkeys init makes such a key, rtkeys issue others. The signature is in the file, which is
     replaced as a whole: sign a wheel before it is published, as another one of that name is never
-    replaced. Who knows the CA checks it: rtpkg install --signed, or signed = true in rtkit.toml.
+    replaced. Hosts that know the CA check it: rtpkg install --signed, or signed = true in
+    rtkit.toml.
     """
     from rtkit.packages.bundle import is_bundle
     from rtkit.packages.bundle import sign as sign_bundle

@@ -29,9 +29,9 @@ def main(
 ) -> int:
     """Write a profile as XML, YAML or JSON.
 
-    INPUT may be - for stdin; without OUTPUT, or with -, the result goes to stdout. What was written
-    is read again before anything is put in place: it holds all that the profile says, or nothing
-    is written. Comments are no part of a profile: that they are left out is told.
+    INPUT may be - for stdin; without OUTPUT, or with -, the result goes to stdout. The result is
+    read again before anything is put in place: it holds all that the profile says, or nothing is
+    written. Comments are no part of a profile: that they are left out is told.
     """
     from rtkit.cli.profiles.document import read_bytes_of, report_findings
     from rtkit.link.atomic import write_output

@@ -40,7 +40,7 @@ def main(
 
     MODULE is a file, or a name in the places where managers look for modules; FACTORY is its init
     function, by default NAMEInit, or the class of a component. The module is imported and an
-    instance is made of it: its code runs. What rtbuild puts into code is found again.
+    instance is made of it: its code runs. Everything that rtbuild puts into code is found again.
     """
     if len(modules) != 1:
         raise WrongArguments("One MODULE:FACTORY has to be given.")

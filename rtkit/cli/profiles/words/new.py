@@ -103,8 +103,8 @@ def main(
 
     An RTC profile or an RTS profile.
 
-    It is valid at once. What is there is not replaced without --force; an output that ends in .yaml
-    or .json is written in that form, and - is stdout. Standard data types need no module.
+    It is valid at once. A file that is there is not replaced without --force; an output that ends
+    in .yaml or .json is written in that form, and - is stdout. Standard data types need no module.
 
     A component implements onInitialize, onActivated, onDeactivated and onExecute unless --callback
     tells others. Components of a system have the ports, parameters and rates of their profiles.

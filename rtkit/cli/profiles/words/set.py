@@ -35,9 +35,9 @@ def main(
 
     So policies of restart, rules of health (rtkit help survival) and limits (rtkit help limits) are
     written down, states of the system (rtkit help states), costs (rtkit.cost) and what else rtkit
-    or others know. What makes no sense is refused, and nothing is written; what looks like a
-    property of rtkit and is none is warned of. The file is replaced whole; what FILE - reads goes
-    to stdout.
+    or others know. A setting that makes no sense is refused, and nothing is written; a name that
+    looks like a property of rtkit and is none is warned of. The file is replaced whole; what FILE -
+    reads goes to stdout.
     """
     from rtkit.cli.profiles.document import read_document, report_findings
     from rtkit.deployment.known_keys import odd_properties

@@ -48,9 +48,9 @@ def main(
 ) -> int:
     """Check profiles against the schemas, and against what no schema can tell.
 
-    Files, all profiles below folders, or stdin (-, or nothing). Whatever could be put right is
-    put right and noted, with its line and XPath, what stands there and what may; the exit status
-    is 0. What could not makes it 1. With --strict nothing is put right.
+    Files, all profiles below folders, or stdin (-, or nothing). Whatever could be put right is put
+    right and noted, with its line and XPath, what stands there and what may; the exit status is 0.
+    A fault that could not makes it 1. With --strict nothing is put right.
     """
     rules = _rules()
     if lists_rules:
