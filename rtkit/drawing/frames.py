@@ -5,7 +5,7 @@ A wire that leaves a frame does so at a port of the frame, which leads on to the
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 
 from rtkit.drawing.layout import laid_out
 from rtkit.drawing.nesting import parents_in
@@ -15,7 +15,7 @@ from rtkit.drawing.sides import with_sides
 
 def framed(scene: Scene) -> Scene:
     """Return a scene in which frames contain the boxes inside them."""
-    return _Nesting(scene).scene(None)
+    return _Nesting(scene).scene(None, {})
 
 
 class _Nesting:
@@ -33,21 +33,37 @@ class _Nesting:
         for wire in scene.wires:
             self._route(wire)
 
-    def scene(self, frame: int | None) -> Scene:
-        """Return the boxes and wires directly inside a frame, or in none."""
+    def scene(self, frame: int | None, sides: Mapping[WireEnd, str]) -> Scene:
+        """Return the boxes and wires directly inside a frame, or in none.
+
+        A service port whose wire leaves the frame is at the side where the wire does: the sides of
+        the frame's own ports are chosen before those of what is inside.
+
+        Args:
+            frame: Number of its box; None for what is in no frame.
+            sides: Of the ports inside that ports of the frame lead to.
+        """
         members = [i for i in range(len(self._boxes)) if self._parents.get(i) == frame]
         places = {box: place for place, box in enumerate(members)}
         wires = tuple(_moved(wire, places) for wire in self._wires.get(frame, ()))
-        return with_sides(Scene(tuple(map(self._box, members)), wires))
+        scene = with_sides(Scene(tuple(self._box(each, sides) for each in members), wires))
+        filled = (self._filled(*each) for each in zip(members, scene.boxes, strict=True))
+        return scene._replace(boxes=tuple(filled))
 
-    def _box(self, index: int) -> Box:
-        box = self._flat.boxes[index]._replace(ports=tuple(self._boxes[index]))
+    def _box(self, index: int, sides: Mapping[WireEnd, str]) -> Box:
+        ports = (
+            port._replace(side=sides.get(WireEnd(index, place), port.side))
+            for place, port in enumerate(self._boxes[index])
+        )
+        return self._flat.boxes[index]._replace(ports=tuple(ports))
+
+    def _filled(self, index: int, box: Box) -> Box:
         members = sorted(i for i, parent in self._parents.items() if parent == index)
         if not members:
             return box
         places = {box: place for place, box in enumerate(members)}
         links = self._links.get(index, {}).items()
-        inner = self.scene(index)
+        inner = self.scene(index, {end: box.ports[port].side for end, port in links})
         ends = tuple((port, WireEnd(places[end.box], end.port)) for end, port in links)
         return box._replace(inside=Inside(inner, laid_out(inner), ends))
 

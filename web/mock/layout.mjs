@@ -11,6 +11,13 @@ export function layoutOf(system, folded) {
     return process.is_slave ? [nodes('process', process.id, inside)] : inside;
   })));
 
+  function portsOf({ ports }) {
+    const rows = { left: 0, right: 0 };
+    return Object.fromEntries(ports.map(({ name, direction }) => {
+      const side = direction === 'in' ? 'left' : 'right';
+      return [name, { side, y: 42 + 20 * rows[side]++ + 10 }];
+    }));
+  }
   function size(node) {
     if (node.kind === 'component') {
       const { ports } = of(node.id);
@@ -32,7 +39,7 @@ export function layoutOf(system, folded) {
   }
   function put(node, x, y, parent) {
     const isFolded = node.kind !== 'component' && (folded.includes(node.id) || !node.children.length);
-    boxes[node.id] = { x, y, ...size(node), parent, kind: node.kind, is_folded: isFolded };
+    boxes[node.id] = { x, y, ...size(node), parent, kind: node.kind, is_folded: isFolded, ports: node.kind === 'manager' || node.kind === 'process' || isFolded ? {} : portsOf(of(node.id)) };
     if (!isFolded) node.children.forEach((child) => put(child, x + child.at[0], y + child.at[1], node.id));
   }
   let y = 0;

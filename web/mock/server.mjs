@@ -64,8 +64,6 @@ const acts = {
     return { command: `rtrate ${a.component} ${a.rate_hz}`, text: `Set the rate to ${a.rate_hz} Hz`, undo: { ...a, rate_hz: context.rate_hz }, run: () => { context.rate_hz = a.rate_hz; tell({ components: [find(a.component)] }); } };
   },
 };
-for (const word of ['start', 'stop'])
-  acts[word] = (a) => ({ command: `rt${word} ${a.component}`, text: `${word} the context`, undo: { ...a, do: word === 'start' ? 'stop' : 'start' }, run: () => { find(a.component).contexts.find((one) => one.id === a.context).is_running = word === 'start'; tell({ components: [find(a.component)] }); } });
 
 function connect(a, id) {
   const end = (path) => ({ component: path.slice(0, path.lastIndexOf(':')), port: path.slice(path.lastIndexOf(':') + 1) });

@@ -9,7 +9,7 @@ const MANAGER = '/localhost/manager.mgr';
 const sensor = component('Sensor0', { ports: [port('out', 'out')] });
 const motor = component('Motor0', { ports: [port('speed', 'in')] });
 const system = reduceSystem(EMPTY_SYSTEM, { kind: 'picture', picture: picture({ components: [sensor, motor], connectors: [wire('w', 'Sensor0.out', 'Motor0.speed')] }) });
-const box = (x: number, kind: Box['kind'], more: Partial<Box> = {}): Box => ({ x, y: 40, width: 100, height: 70, parent: MANAGER, kind, is_folded: false, ...more });
+const box = (x: number, kind: Box['kind'], more: Partial<Box> = {}): Box => ({ x, y: 40, width: 100, height: 70, parent: MANAGER, kind, is_folded: false, ports: {}, ...more });
 const frame = box(0, 'manager', { y: 0, width: 300, height: 120, parent: null });
 const layout: Layout = { revision: 1, width: 300, height: 120, boxes: { [MANAGER]: frame, [sensor.id]: box(20, 'component'), [motor.id]: box(160, 'component') }, paths: { w: [[120, 92], [160, 92]] } };
 const label = () => '';
@@ -32,6 +32,13 @@ describe('the graph', () => {
   it('draws a wire along the path of the layout until one of its ends is moved by hand', () => {
     expect(graph().edges[0]?.data?.path).toEqual([[120, 92], [160, 92]]);
     expect(graph(system, new Map([[motor.id, { x: 400, y: 40 }]])).edges[0]?.data?.path).toBeNull();
+  });
+
+  it('takes side and height of a port from the layout', () => {
+    const service = component('Tts0', { ports: [port('say', 'service')] });
+    const given = reduceSystem(system, { kind: 'change', change: change(2, { components: [service] }) });
+    const placed: Layout = { ...layout, boxes: { [service.id]: box(20, 'component', { ports: { say: { side: 'left', y: 52 } } }) } };
+    expect(graph(given, new Map(), placed).nodes[0]?.handles).toMatchObject([{ id: 'say', position: 'left', x: 0, y: 47 }]);
   });
 
   it('grows the frame round a box that was moved out of it', () => {

@@ -13,6 +13,11 @@ describe('undo and redo', () => {
     expect(moved(undone, 'redo', entry('b'))).toEqual(both);
   });
 
+  it('keeps what was refused, with the reason', () => {
+    const left = { ...entry('b'), refusal: 'it is 9, not 7' };
+    expect(moved(both, 'undo', null, left)).toEqual({ undo: [entry('a'), left], redo: [] });
+  });
+
   it('drops what has no inverse any more', () => {
     expect(moved(both, 'undo', null)).toEqual({ undo: [entry('a')], redo: [] });
   });

@@ -61,6 +61,22 @@ def test_boxes_are_in_their_frames_and_wires_end_at_ports(folded: list[str]) -> 
     assert set(layout["paths"]) == (set() if MANAGER in folded else {"B", "C"})
 
 
+def test_a_service_wire_ends_at_the_side_where_it_enters_the_frame() -> None:
+    records = system()
+    for name in "AB":
+        records.components[f"/localhost/{name}.rtc"]["ports"].append(
+            {"name": "svc", "direction": "service", "type": "", "interfaces": []}
+        )
+    ends = ({"component": f"/localhost/{name}.rtc", "port": "svc"} for name in "AB")
+    records.connectors["svc"] = {"id": "svc", **dict(zip(("source", "target"), ends, strict=True))}
+    layout = arranged(records)
+    inner, path = layout["boxes"]["/localhost/B.rtc"], layout["paths"]["svc"]
+    port = inner["ports"]["svc"]
+    assert port["side"] == "left"
+    assert path[-1] == (inner["x"], inner["y"] + port["y"])
+    assert max(x for x, _ in path) == inner["x"]
+
+
 def test_a_wire_to_what_is_not_there_is_left_out() -> None:
     records = system()
     records.connectors["B"]["target"]["component"] = "/robot9/manager.mgr/X.rtc"

@@ -37,9 +37,10 @@ function ToastCard({ toast, onClose, onUndo }: { toast: Toast; onClose: () => vo
       <p className="toast-title">{toast.title}</p>
       {toast.lines.map((line) => <p key={line}>{line}</p>)}
       {toast.command && <pre title={toast.command}><code>{toast.command}</code></pre>}
-      {toast.command && (
+      {(toast.command || toast.onDrop) && (
         <div className="buttons">
-          <button type="button" onClick={copy}><Icon name="copy" />{isCopied ? texts.toast.copied : texts.toast.copy}</button>
+          {toast.command && <button type="button" onClick={copy}><Icon name="copy" />{isCopied ? texts.toast.copied : texts.toast.copy}</button>}
+          {toast.onDrop && <button type="button" onClick={() => { toast.onDrop?.(); onClose(); }}>{texts.toast.drop}</button>}
           {toast.canUndo && <button type="button" onClick={() => { onUndo(); onClose(); }}><Icon name="undo" />{texts.toast.undo}</button>}
         </div>
       )}

@@ -1,7 +1,7 @@
 import { useCallback, useMemo, useRef, useState } from 'react';
 
 import type { Action, Done } from '../model/types';
-import { EMPTY_HISTORY, moved, recorded, type History, type Way } from '../model/undo';
+import { EMPTY_HISTORY, moved, recorded, type Entry, type History, type Way } from '../model/undo';
 import { sentence, type Api } from '../server/api';
 import { useTexts, type Texts } from '../texts';
 import type { Toast, Toasts } from './useToasts';
@@ -63,6 +63,9 @@ export function useActions(api: Api, toasts: Toasts): Actions {
     }
   }, [add, carryOut, change, texts]);
 
+  const drop = useCallback((way: Way, entry: Entry) => () =>
+    change((history) => ({ ...history, [way]: history[way].filter((one) => one !== entry) })), [change]);
+
   const move = useCallback(async (way: Way): Promise<void> => {
     const entry = latest.current[way].at(-1);
     if (isMoving.current) return;
@@ -76,18 +79,26 @@ export function useActions(api: Api, toasts: Toasts): Actions {
       const done = await carryOut(entry.actions, label);
       if (!done) return;
       const inverse = done.undo?.length ? { label: entry.label, actions: done.undo } : null;
-      change((history) => moved(history, way, inverse));
-      add({ ...toastOf(done, label, texts), canUndo: false });
+      const left = leftOf(entry, done);
+      change((history) => moved(history, way, inverse, left));
+      add({ ...toastOf(done, label, texts), canUndo: false, ...(left && { onDrop: drop(way, left) }) });
     } catch (error) {
-      // The live value is another one by now, or the thing has gone: trying again would fail again.
-      change((history) => moved(history, way, null));
-      add({ level: 'error', title: texts.toast.failed(label), lines: [sentence(error), texts.toast.refusedUndo(entry.label)], command: '', canUndo: false });
+      // Another value lives by now, or the thing has gone. Who brings it back can try again.
+      const left = { ...entry, refusal: sentence(error) };
+      change((history) => moved(history, way, null, left));
+      add({ level: 'error', title: texts.toast.failed(label), lines: [left.refusal], command: '', canUndo: false, onDrop: drop(way, left) });
     } finally {
       isMoving.current = false;
     }
-  }, [add, carryOut, change, texts]);
+  }, [add, carryOut, change, drop, texts]);
 
   return useMemo(() => ({ asked, history, perform, move }), [asked, history, perform, move]);
+}
+
+/** What of an entry was not done, with the reason; null when all was. Each action is one step. */
+function leftOf(entry: Entry, done: Done): Entry | null {
+  const failed = done.steps.findIndex((step) => step.ok === false);
+  return failed < 0 ? null : { ...entry, actions: entry.actions.slice(failed), refusal: done.steps[failed]?.error ?? '' };
 }
 
 function toastOf(done: Done, label: string, texts: Texts): Omit<Toast, 'id'> {

@@ -5,6 +5,8 @@ export interface Toast {
   /** What does the same in a shell; empty when nothing was done. */
   command: string;
   canUndo: boolean;
+  /** Takes what was refused off the list of what can be undone. */
+  onDrop?: () => void;
 }
 
 export interface Toasts { list: readonly Toast[]; add: (toast: Omit<Toast, 'id'>) => void; close: (id: number) => void }

@@ -1,12 +1,12 @@
 import { Handle, Position, useStore, type NodeProps } from '@xyflow/react';
 import { memo, useContext } from 'react';
 
-import { portType, sides } from '../model/ports';
-import { portPath, type Component, type Port } from '../model/types';
+import { placedPorts, portType, type PlacedPort } from '../model/ports';
+import { portPath, type Component } from '../model/types';
 import { StateIcon } from '../parts/StateIcon';
 import { Anchors } from './Anchors';
 import { ConnectingContext } from './ConnectingContext';
-import { portHeight, type ComponentNodeType } from './graph';
+import { endKind, type ComponentNodeType } from './graph';
 
 /** Below these zooms the names of ports, and then those of components, could not be read: leaving them out keeps 1,000 boxes quick. */
 const DETAIL_ZOOM = 0.45;
@@ -21,7 +21,6 @@ export const ComponentNode = memo(function ComponentNode({ data, selected }: Nod
   const connected = new Set(data.connected.split('\n'));
   const isDim = connecting?.whys && !takesPart(component, connecting.from.component, connecting.whys);
   const classes = ['component', `look-${component.look}`, selected && 'is-selected', isDim && 'is-dim', !isDetailed && 'is-far'];
-  const { left, right } = sides(component);
   return (
     <div className={classes.filter(Boolean).join(' ')}>
       <header>
@@ -31,8 +30,7 @@ export const ComponentNode = memo(function ComponentNode({ data, selected }: Nod
         {isDetailed && <span className="word">{component.word}</span>}
       </header>
       {!isDetailed && <Anchors component={component} box={box} />}
-      {isDetailed && left.map((port, row) => <PortRow key={port.name} component={component} port={port} top={portHeight(box, port.name, row)} isConnected={connected.has(port.name)} />)}
-      {isDetailed && right.map((port, row) => <PortRow key={port.name} component={component} port={port} top={portHeight(box, port.name, row)} isConnected={connected.has(port.name)} />)}
+      {isDetailed && placedPorts(component, box).map((placed) => <PortRow key={placed.port.name} component={component} placed={placed} isConnected={connected.has(placed.port.name)} />)}
       {isDetailed && component.remark && <p className="remark" title={component.remark}>{component.remark}</p>}
     </div>
   );
@@ -42,17 +40,16 @@ function takesPart(component: Component, from: string, whys: ReadonlyMap<string,
   return component.id === from || component.ports.some((port) => whys.get(portPath({ component: component.id, port: port.name })) === '');
 }
 
-interface PortRowProps { component: Component; port: Port; top: number; isConnected: boolean }
+interface PortRowProps { component: Component; placed: PlacedPort; isConnected: boolean }
 
-function PortRow({ component, port, top, isConnected }: PortRowProps) {
+function PortRow({ component, placed: { port, side, y }, isConnected }: PortRowProps) {
   const connecting = useContext(ConnectingContext);
-  const isIn = port.direction === 'in';
   const why = connecting?.whys?.get(portPath({ component: component.id, port: port.name }));
   const isFrom = connecting?.from.component === component.id && connecting.from.port === port.name;
   const fit = !connecting?.whys || isFrom ? '' : why === '' ? 'fits' : 'fits-not';
   return (
-    <div className={`port port-${port.direction} ${isConnected ? 'is-connected' : ''} ${fit}`} style={{ top }} title={`${port.name}: ${portType(port)}`} data-why={why}>
-      <Handle id={port.name} type={isIn ? 'target' : 'source'} position={isIn ? Position.Left : Position.Right} />
+    <div className={`port port-${port.direction} at-${side} ${isConnected ? 'is-connected' : ''} ${fit}`} style={{ top: y }} title={`${port.name}: ${portType(port)}`} data-why={why}>
+      <Handle id={port.name} type={endKind(port)} position={side === 'left' ? Position.Left : Position.Right} />
       <span>{port.name}</span>
     </div>
   );

@@ -1,12 +1,11 @@
 import { Position, type Edge, type Node, type NodeHandle } from '@xyflow/react';
 
 import { endText } from '../model/does';
-import { sides } from '../model/ports';
+import { placedPorts } from '../model/ports';
 import type { System } from '../model/system';
-import { LOOKS, type Box, type Component, type Connector, type Layout, type Look, type Manager, type Point, type PortEnd, type Process } from '../model/types';
+import { LOOKS, type Box, type Component, type Connector, type Layout, type Look, type Manager, type Point, type Port, type PortEnd, type Process } from '../model/types';
 
-export const HEADER = 42;
-export const ROW = 20;
+const HEADER = 42;
 const HANDLE = 10;
 
 export type ComponentNodeType = Node<{ component: Component; box: Box; connected: string }, 'component'>;
@@ -123,7 +122,7 @@ function frameNode(id: string, frame: Frame, box: Box, isSelected: boolean, comp
   return {
     ...placedNode(id, box, isSelected),
     type: 'frame', data: { frame, box, composite: composite ?? null }, zIndex: frame.isFolded ? 10 : 0, draggable: frame.isFolded, focusable: false,
-    handles: [...ports, handle('', 'target', 0, sideHeight(box, 'left')), handle('', 'source', box.width, sideHeight(box, 'right'))],
+    handles: [...ports, handle('target', 'target', 'left', sideHeight(box, 'left'), box), handle('source', 'source', 'right', sideHeight(box, 'right'), box)],
   };
 }
 
@@ -133,24 +132,19 @@ function placedNode(id: string, { x, y, width, height }: Box, selected: boolean)
 }
 
 function portHandles(component: Component, box: Box): NodeHandle[] {
-  const { left, right } = sides(component);
-  return [
-    ...left.map((port, row) => handle(port.name, 'target', 0, portHeight(box, port.name, row))),
-    ...right.map((port, row) => handle(port.name, 'source', box.width, portHeight(box, port.name, row))),
-  ];
+  return placedPorts(component, box).map(({ port, side, y }) => handle(port.name, endKind(port), side, y, box));
 }
 
-/** The middle of a port below the top of its box, as the layout has it. */
-export const portHeight = (box: Box, port: string, row: number): number => box.ports?.[port]?.y ?? HEADER + ROW * row + ROW / 2;
+/** Which end of a wire React Flow finds at a port; with `ConnectionMode.Loose` a wire may end at a "source", too. */
+export const endKind = (port: Port): 'source' | 'target' => (port.direction === 'in' ? 'target' : 'source');
 
 /** Where a folded frame takes the wires of one side. */
-export const sideHeight = (box: Box, side: 'left' | 'right'): number => box.ports?.[side]?.y ?? HEADER;
+export const sideHeight = (box: Box, side: 'left' | 'right'): number => box.ports[side]?.y ?? HEADER;
 
-function handle(id: string, type: 'source' | 'target', x: number, y: number): NodeHandle {
-  const position = type === 'source' ? Position.Right : Position.Left;
+function handle(id: string, type: 'source' | 'target', side: 'left' | 'right', y: number, box: Box): NodeHandle {
   // A wire begins at the outer edge of its handle: that edge stands on the border of the box.
-  const left = type === 'source' ? x - HANDLE : x;
-  return { id: id || type, type, position, x: left, y: y - HANDLE / 2, width: HANDLE, height: HANDLE };
+  const [position, x] = side === 'right' ? [Position.Right, box.width - HANDLE] as const : [Position.Left, 0] as const;
+  return { id, type, position, x, y: y - HANDLE / 2, width: HANDLE, height: HANDLE };
 }
 
 function frameOf(id: string, box: Box, system: System): Frame | null {

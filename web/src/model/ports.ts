@@ -1,11 +1,14 @@
-import type { Component, Connector, Port } from './types';
+import type { Box, Component, Connector, Port } from './types';
 
-/** The sides of a box: in ports left, out and service ports right, each in their order. */
-export function sides(component: Component): { left: Port[]; right: Port[] } {
-  return {
-    left: component.ports.filter((port) => port.direction === 'in'),
-    right: component.ports.filter((port) => port.direction !== 'in'),
-  };
+/** A port at its box: the layout decides its side and its height [px below the top of the box]. */
+export interface PlacedPort { port: Port; side: 'left' | 'right'; y: number }
+
+/** The ports that the layout has placed; one that it does not know yet waits for the next layout. */
+export function placedPorts(component: Component, box: Box): PlacedPort[] {
+  return component.ports.flatMap((port) => {
+    const place = box.ports[port.name];
+    return place ? [{ port, ...place }] : [];
+  });
 }
 
 /** Wires at a port. */

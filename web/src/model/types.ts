@@ -75,7 +75,7 @@ export type BoxKind = 'component' | 'process' | 'manager' | 'composite';
 export interface Box {
   x: number; y: number; width: number; height: number; parent: string | null; kind: BoxKind; is_folded: boolean;
   /** Where wires end, below the top of the box; a folded frame takes all of a side at one place, named "left" or "right". */
-  ports?: Record<string, { side: 'left' | 'right'; y: number }>;
+  ports: Record<string, { side: 'left' | 'right'; y: number }>;
 }
 
 export type Point = [number, number];
@@ -92,7 +92,6 @@ export type Action =
   | { do: 'configure'; component: string; set: string; values: Record<string, string>; expect?: Record<string, string> }
   | { do: 'activate_set'; component: string; set: string }
   | { do: 'rate'; component: string; context: string; rate_hz: number }
-  | { do: 'start' | 'stop'; component: string; context: string }
   | { do: 'load'; manager: string; path: string; init?: string }
   | { do: 'create'; manager: string; create: string }
   | { do: 'delete'; component: string };

@@ -1,7 +1,7 @@
 import type { Action } from './types';
 
-/** What was done, and the actions that take it back. */
-export interface Entry { label: string; actions: Action[] }
+/** What was done, the actions that take it back, and why that was refused when it was tried last. */
+export interface Entry { label: string; actions: Action[]; refusal?: string }
 
 /** Actions to undo and to redo, the next one last. */
 export interface History { undo: readonly Entry[]; redo: readonly Entry[] }
@@ -19,9 +19,9 @@ export const recorded = (history: History, entry: Entry): History => ({
   redo: [],
 });
 
-/** The history after its last entry went this way; `inverse` takes that back again, null if nothing does. */
-export function moved(history: History, way: Way, inverse: Entry | null): History {
+/** The history after its last entry went this way; `inverse` takes that back again, null if nothing does; `left` is what could not be done of it. */
+export function moved(history: History, way: Way, inverse: Entry | null, left: Entry | null = null): History {
   const back: Way = way === 'undo' ? 'redo' : 'undo';
-  const rest = { ...history, [way]: history[way].slice(0, -1) };
+  const rest = { ...history, [way]: [...history[way].slice(0, -1), ...(left ? [left] : [])] };
   return inverse ? { ...rest, [back]: [...history[back], inverse] } : rest;
 }

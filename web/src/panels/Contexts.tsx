@@ -4,7 +4,7 @@ import type { Component, Context } from '../model/types';
 import { useEditor } from '../shell/contexts';
 import { useTexts } from '../texts';
 
-/** Execution contexts of a component: kind, state, rate; start and stop. */
+/** Execution contexts of a component: kind, state, rate. */
 export function Contexts({ component }: { component: Component }) {
   return <ul className="contexts">{component.contexts.map((context) => <ContextRow key={context.id} component={component} context={context} />)}</ul>;
 }
@@ -16,7 +16,6 @@ function ContextRow({ component, context }: { component: Component; context: Con
   const rate = typed ?? String(context.rate_hz);
   const isChanged = typed !== null && Number(typed) !== context.rate_hz;
   const isGood = Number(rate) > 0;
-  const verb = context.is_running ? 'stop' : 'start';
   const apply = (event: SyntheticEvent) => {
     event.preventDefault();
     if (!isChanged || !isGood) return;
@@ -28,19 +27,13 @@ function ContextRow({ component, context }: { component: Component; context: Con
       <p>
         <strong>{context.id}</strong> {texts.contextKinds[context.kind]}, {context.is_running ? texts.inspector.running : texts.inspector.stopped}, {context.state}
       </p>
-      <form className="row" onSubmit={apply}>
-        {context.kind === 'PERIODIC' && (
-          <>
-            <label>{texts.inspector.rate} <input type="number" min="0" step="any" className={isChanged ? 'is-changed' : ''} aria-invalid={!isGood} disabled={!canChange}
-              value={rate} onChange={(event) => setTyped(event.target.value)} /> {texts.inspector.hz}</label>
-            {isChanged && <button type="submit" disabled={!canChange || !isGood}>{texts.inspector.set}</button>}
-          </>
-        )}
-        <button type="button" disabled={!canChange}
-          onClick={() => void perform([{ do: verb, component: component.id, context: context.id }], texts.label[verb](component.name))}>
-          {texts.act[verb]}
-        </button>
-      </form>
+      {context.kind === 'PERIODIC' && (
+        <form className="row" onSubmit={apply}>
+          <label>{texts.inspector.rate} <input type="number" min="0" step="any" className={isChanged ? 'is-changed' : ''} aria-invalid={!isGood} disabled={!canChange}
+            value={rate} onChange={(event) => setTyped(event.target.value)} /> {texts.inspector.hz}</label>
+          {isChanged && <button type="submit" disabled={!canChange || !isGood}>{texts.inspector.set}</button>}
+        </form>
+      )}
     </li>
   );
 }

@@ -1,6 +1,6 @@
 import { countsIn } from '../canvas/graph';
 import type { System } from '../model/system';
-import type { History, Way } from '../model/undo';
+import type { Entry, History, Way } from '../model/undo';
 import { Counts } from '../parts/Counts';
 import { Icon, type IconName } from '../parts/icons';
 import { LANGUAGES, useTexts, type Language } from '../texts';
@@ -18,6 +18,7 @@ export function TopBar({ system, view, history, settings, onMove }: Props) {
   const texts = useTexts();
   const { open, show, arrange, togglePanel, canChange } = useEditor();
   const [undo, redo] = [history.undo.at(-1), history.redo.at(-1)];
+  const named = ({ label, refusal }: Entry) => (refusal ? texts.bar.refused(label, refusal) : label);
   return (
     <header className="bar">
       <h1><img src="/icon.svg" alt="" width="20" height="20" />rtkit <span>{system.host}</span></h1>
@@ -28,8 +29,8 @@ export function TopBar({ system, view, history, settings, onMove }: Props) {
         {(['diagram', 'table'] as const).map((kind) => <button key={kind} type="button" aria-pressed={view.kind === kind} onClick={() => show(kind)}>{texts.bar[kind]}</button>)}
       </div>
       <div className="group">
-        <IconButton icon="undo" label={undo ? texts.bar.undoOf(undo.label) : texts.bar.undo} isDisabled={!undo || !canChange} onClick={() => onMove('undo')} />
-        <IconButton icon="redo" label={redo ? texts.bar.redoOf(redo.label) : texts.bar.redo} isDisabled={!redo || !canChange} onClick={() => onMove('redo')} />
+        <IconButton icon="undo" label={undo ? texts.bar.undoOf(named(undo)) : texts.bar.undo} isDisabled={!undo || !canChange} onClick={() => onMove('undo')} />
+        <IconButton icon="redo" label={redo ? texts.bar.redoOf(named(redo)) : texts.bar.redo} isDisabled={!redo || !canChange} onClick={() => onMove('redo')} />
         <button type="button" disabled={!view.placed.size} onClick={arrange}><Icon name="arrange" />{texts.bar.arrange}</button>
       </div>
       <div className="group">

@@ -30,7 +30,7 @@ export const en = {
     undo: 'Undo', redo: 'Redo', arrange: 'Arrange', fit: 'Fit', zoomIn: 'Zoom in', zoomOut: 'Zoom out',
     help: 'Keys', theme: 'Colours', themes: { auto: 'Auto', light: 'Light', dark: 'Dark' },
     languageLabel: 'Language', tree: 'Tree', inspector: 'Inspector', events: 'Events',
-    undoOf: (label: string) => `Undo: ${label}`, redoOf: (label: string) => `Redo: ${label}`,
+    undoOf: (label: string) => `Undo: ${label}`, redoOf: (label: string) => `Redo: ${label}`, refused: (label: string, why: string) => `${label} (refused: ${why})`,
     show: (panel: string) => `Show: ${panel}`, hide: (panel: string) => `Hide: ${panel}`,
   },
 
@@ -75,7 +75,7 @@ export const en = {
   list: { up: (item: string) => `Move ${item} up`, down: (item: string) => `Move ${item} down` },
 
   act: {
-    activate: 'Activate', deactivate: 'Deactivate', reset: 'Reset', end: 'End', forget: 'Forget', start: 'Start', stop: 'Stop',
+    activate: 'Activate', deactivate: 'Deactivate', reset: 'Reset', end: 'End', forget: 'Forget',
     connect: 'Connect', disconnect: 'Disconnect', 
   },
   /** Names of what was done, for toasts and for undo. */
@@ -87,7 +87,6 @@ export const en = {
     disconnectSome: (n: number) => `Disconnect ${n} connectors`,
     configure: (name: string) => `Configure ${name}`, activateSet: (name: string, set: string) => `Activate set ${set} of ${name}`,
     rate: (name: string, hz: string) => `Set the rate of ${name} to ${hz} Hz`,
-    start: (name: string) => `Start a context of ${name}`, stop: (name: string) => `Stop a context of ${name}`,
     several: (n: number) => `${n} components`, undo: (label: string) => `Undo: ${label}`, redo: (label: string) => `Redo: ${label}`,
   },
 
@@ -100,7 +99,7 @@ export const en = {
     region: 'Results', copy: 'Copy as command', copied: 'Copied', close: 'Close', undo: 'Undo',
     failed: (label: string) => `${label}: this failed.`,
     partly: (done: number, all: number) => `${done} of ${all} steps were done.`,
-    refusedUndo: (label: string) => `“${label}” cannot be undone any more. It is off the list.`,
+    drop: 'Take it off the list',
     nothingToUndo: 'There is nothing to undo.', nothingToRedo: 'There is nothing to redo.',
   },
 

@@ -32,7 +32,7 @@ export const ja: Texts = {
     undo: '元に戻す', redo: 'やり直す', arrange: '整列', fit: '全体表示', zoomIn: '拡大', zoomOut: '縮小',
     help: 'キー', theme: '配色', themes: { auto: '自動', light: 'ライト', dark: 'ダーク' },
     languageLabel: '言語', tree: 'ツリー', inspector: 'インスペクタ', events: 'イベント',
-    undoOf: (label) => `元に戻す: ${label}`, redoOf: (label) => `やり直す: ${label}`,
+    undoOf: (label) => `元に戻す: ${label}`, redoOf: (label) => `やり直す: ${label}`, refused: (label, why) => `${label} (拒否: ${why})`,
     show: (panel) => `${panel}を表示`, hide: (panel) => `${panel}を隠す`,
   },
 
@@ -77,7 +77,7 @@ export const ja: Texts = {
   list: { up: (item) => `${item} を上へ`, down: (item) => `${item} を下へ` },
 
   act: {
-    activate: 'アクティブ化', deactivate: '非アクティブ化', reset: 'リセット', end: '終了', forget: '登録を消す', start: '開始', stop: '停止',
+    activate: 'アクティブ化', deactivate: '非アクティブ化', reset: 'リセット', end: '終了', forget: '登録を消す',
     connect: '接続', disconnect: '切断', 
   },
   label: {
@@ -88,7 +88,6 @@ export const ja: Texts = {
     disconnectSome: (n) => `コネクタ ${n} 本を切断`,
     configure: (name) => `${name} を設定`, activateSet: (name, set) => `${name} のセット ${set} をアクティブ化`,
     rate: (name, hz) => `${name} の周期を ${hz} Hz に設定`,
-    start: (name) => `${name} のコンテキストを開始`, stop: (name) => `${name} のコンテキストを停止`,
     several: (n) => `コンポーネント ${n} 個`, undo: (label) => `元に戻す: ${label}`, redo: (label) => `やり直す: ${label}`,
   },
 
@@ -101,7 +100,7 @@ export const ja: Texts = {
     region: '結果', copy: 'コマンドとしてコピー', copied: 'コピーしました', close: '閉じる', undo: '元に戻す',
     failed: (label) => `${label}: 失敗しました。`,
     partly: (done, all) => `${all} 個の手順のうち ${done} 個を行いました。`,
-    refusedUndo: (label) => `「${label}」はもう元に戻せません。履歴から外しました。`,
+    drop: '履歴から外す',
     nothingToUndo: '元に戻すものはありません。', nothingToRedo: 'やり直すものはありません。',
   },
 
