@@ -5,16 +5,17 @@ A git repository is ``git+URL[@REVISION][#subdirectory=FOLDER]``, as pip writes 
 
 from __future__ import annotations
 
+import html
 import http.client
 import json
 import os
+import re
 import shutil
 import tempfile
 import time
 import urllib.request
 from collections.abc import Iterator, Sequence
 from contextlib import ExitStack, contextmanager
-from html.parser import HTMLParser
 from typing import NamedTuple
 from urllib.parse import parse_qs, unquote, urldefrag, urljoin, urlsplit
 
@@ -28,7 +29,11 @@ from rtkit.packages.tools import git, git_head, is_git_empty
 from rtkit.packages.wheel import Wheel, named, read_wheel
 
 _LARGEST_PAGE = 1 << 26
+_MOST_WHEELS = 20_000
 _ANSWER_S = 30.0
+_SEARCH_S = 60.0
+"""How long the pages of an index are read [s]."""
+_LINK = re.compile(r"""<a\s(?:[^<>]*\s)?href\s*=\s*["']?([^"'\s<>]+)""", re.IGNORECASE)
 _WANTED = "application/vnd.pypi.simple.v1+json, text/html;q=0.5"
 
 
@@ -166,11 +171,21 @@ def offers(found: Repositories) -> Iterator[Offer | RtkitError]:
             yield error
 
 
-def _of_index(index: str) -> Iterator[Offer]:
-    for name in dict.fromkeys(map(canonicalize_name, _links(index, "projects", "name"))):
-        for file in _links(urljoin(index, f"{name}/"), "files", "filename"):
-            if file.endswith(".whl"):
+def _of_index(index: str) -> Iterator[Offer | RtkitError]:
+    names = dict.fromkeys(map(canonicalize_name, _links(index, "projects", "name")))
+    until = time.monotonic() + _SEARCH_S
+    for number, name in enumerate(names):
+        if time.monotonic() > until:
+            raise Unreachable(f"{index} is too slow: {number} of {len(names)} packages were read")
+        files = _links(urljoin(index, f"{name}/"), "files", "filename")
+        wheels = [each for each in dict.fromkeys(files) if each.endswith(".whl")]
+        if len(wheels) > _MOST_WHEELS:
+            raise Malformed(f"{index}{name}/ lists more than {_MOST_WHEELS} wheels")
+        for file in wheels:
+            try:
                 yield Offer(*named(file), file, index)
+            except Malformed as error:
+                yield Malformed(f"{index}{name}/: {error}")
 
 
 def _links(url: str, key: str, name: str) -> list[str]:
@@ -186,39 +201,25 @@ def _links(url: str, key: str, name: str) -> list[str]:
         raise Unreachable(f"no answer of {url}: {error}") from None
     except (ValueError, KeyError, TypeError) as error:
         raise Malformed(f"{url} is no simple index: {error}") from None
-    page = _Page()
-    page.feed(data.decode("utf-8", "replace"))
-    return page.names
+    links = (html.unescape(each[1]) for each in _LINK.finditer(data.decode("utf-8", "replace")))
+    paths = (each.partition("#")[0].partition("?")[0] for each in links)
+    names = (unquote(path.rstrip("/").rpartition("/")[2]) for path in paths)
+    return [name for name in names if name not in ("", ".", "..")]
 
 
 def _read_in_time(answer: http.client.HTTPResponse) -> bytes:
     """Return a page; whoever sends it byte by byte has not more time than others.
 
     Raises:
-        TimeoutError: It does not end in time.
+        TimeoutError: It does not end in time, or is too large.
     """
     deadline, parts, size = time.monotonic() + _ANSWER_S, [b""], 0
-    while (part := answer.read1(1 << 16)) and size < _LARGEST_PAGE:
-        if time.monotonic() > deadline:
+    while part := answer.read1(1 << 16):
+        size += len(part)
+        if time.monotonic() > deadline or size > _LARGEST_PAGE:
             raise TimeoutError("the page does not end")
         parts.append(part)
-        size += len(part)
     return b"".join(parts)
-
-
-class _Page(HTMLParser):
-    """Names that the links of a page lead to."""
-
-    def __init__(self) -> None:
-        super().__init__()
-        self.names: list[str] = []
-
-    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
-        """Keep the last part of where a link leads."""
-        link = dict(attrs).get("href") or ""
-        path = urlsplit(link).path.rstrip("/")
-        if tag == "a" and path and path not in (".", ".."):
-            self.names.append(unquote(path.rpartition("/")[2]))
 
 
 def newest_first(found: list[Offer]) -> list[Offer]:

@@ -18,7 +18,7 @@ from packaging.version import Version
 from rtkit.errors import Malformed, NotFound, Refused, RtkitError, Unreachable
 from rtkit.packages.repository import Repositories
 from rtkit.packages.tools import pip
-from rtkit.packages.wheel import Wheel, read_wheel
+from rtkit.packages.wheel import Wheel, named, read_wheel
 from rtkit.packages.wheel_target import WheelTarget
 
 _CONSTRAINT = "The user requested (constraint)"
@@ -148,7 +148,23 @@ def _failure(
         kind = f" for {target.kind.name}" if target is not None else ""
         return NotFound(f"no repository has {name.partition(' (from')[0]}{kind}{by}{there}")
     errors = [line.removeprefix("ERROR: ") for line in lines if line.startswith("ERROR: ")]
+    if errors[:1] == ["Exception:"]:
+        raised = re.findall(r"^\w[\w.]*(?:Error|Exception)\b.*", text, re.MULTILINE)
+        asked = ", or ".join(repositories.indexes) or "the repositories"
+        why = f": {raised[-1].replace('MemoryError', 'it does not end')}" if raised else ""
+        return Malformed(f"{wanted}: pip cannot read what {asked} has{why}")
+    if damaged := re.findall(r"^Wheel '.*' located at (.*) is invalid", "\n".join(errors), re.M):
+        return Refused(f"{damaged[0]} is no wheel, or damaged{_cure(damaged[0])}")
     return Refused(f"{wanted}: {errors[0] if errors else lines[-1]}")
+
+
+def _cure(file: str) -> str:
+    """Return what is to be done about a wheel that cannot be used, which hides older ones."""
+    try:
+        name, version = named(file.rpartition("/")[2])
+    except Malformed:
+        return ""
+    return f" (until its repository has a good one, ask for another: '{name}!={version}')"
 
 
 def fetch(chosen: Chosen, folder: str, target: WheelTarget | None = None) -> Wheel:
@@ -168,7 +184,10 @@ def fetch(chosen: Chosen, folder: str, target: WheelTarget | None = None) -> Whe
         _, error = pip("download", *words, "--", link)
         if error:
             raise Refused(f"{chosen.file}: {error.splitlines()[-1]}")
-    wheel = read_wheel(path)
+    try:
+        wheel = read_wheel(path)
+    except RtkitError as error:
+        raise type(error)(f"{error}{_cure(chosen.file)}") from None
     if wheel.sha256 != chosen.sha256:
         raise Refused(f"{chosen.file} has changed while it was fetched")
     return wheel

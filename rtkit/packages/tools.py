@@ -10,6 +10,14 @@ import tempfile
 from rtkit.errors import Refused
 
 _LONGEST_S = 600.0
+_PIP = """
+import resource, runpy
+_, most = resource.getrlimit(resource.RLIMIT_DATA)
+size = 2 << 30
+resource.setrlimit(resource.RLIMIT_DATA, (size if most < 0 else min(size, most), most))
+runpy.run_module("pip", run_name="__main__", alter_sys=True)
+"""
+"""Pip reads a page of an index to its end, also where it has none: this bounds its memory."""
 
 
 def pip(*words: str, is_isolated: bool = True) -> tuple[str, str]:
@@ -19,7 +27,7 @@ def pip(*words: str, is_isolated: bool = True) -> tuple[str, str]:
         Refused: It cannot be run.
     """
     usual = ["--disable-pip-version-check", "--no-input", *(["--isolated"] if is_isolated else [])]
-    out, error = _run([sys.executable, "-m", "pip", words[0], *usual, *words[1:]])
+    out, error = _run([sys.executable, "-c", _PIP, words[0], *usual, *words[1:]])
     if "No module named pip" in error:
         raise Refused(f"{sys.executable} has no pip, which fetches packages (install it there)")
     return out, error

@@ -13,6 +13,7 @@ import io
 import os
 import stat
 import zipfile
+import zlib
 from collections.abc import Iterator
 from typing import NamedTuple
 
@@ -27,6 +28,7 @@ from rtkit.rtc.profiles import TypeProfile
 LARGEST_WHEEL = 1 << 29
 """Most bytes of a wheel, and a fourth of what may be in it."""
 _MOST_FILES = 50_000
+_DAMAGED = (zipfile.BadZipFile, zlib.error, NotImplementedError, RuntimeError, EOFError)
 _PIECE = 1 << 20
 SIGNATURE = ".jws"
 """Behind the name of RECORD, that of the file with its signature."""
@@ -93,8 +95,8 @@ def read_wheel(path: str) -> Wheel:
             return _read(archive, file, name, version, _digest(stream))
     except FileNotFoundError:
         raise NotFound(f"no such file: {path}") from None
-    except (zipfile.BadZipFile, NotImplementedError, RuntimeError, EOFError) as error:
-        raise InvalidDocument(f"{file} is no wheel: {error}") from None
+    except (*_DAMAGED, InvalidMetadata) as error:
+        raise InvalidDocument(f"{file} is no wheel, or damaged: {error}") from None
     except OSError as error:
         raise Refused(f"cannot read {path}: {error.strerror}") from None
 

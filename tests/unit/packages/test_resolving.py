@@ -13,7 +13,7 @@ import pytest
 from packaging.requirements import Requirement
 from wheelkit import made
 
-from rtkit.errors import NotFound, Refused
+from rtkit.errors import Malformed, NotFound, Refused
 from rtkit.packages.repository import Repositories
 from rtkit.packages.resolving import Chosen, fetch, resolve
 from rtkit.packages.wheel_target import WheelKind, WheelTarget
@@ -94,3 +94,27 @@ def test_a_wheel_fits_by_its_tags() -> None:
     for tags in ("cp312-cp312-manylinux_2_28_aarch64", "cp313-cp313-manylinux_2_28_x86_64"):
         assert not kind.fits([NATIVE, f"a-1-{tags}.whl"])
     assert not kind.fits(["a-1-cp313-cp313-manylinux_2_39_aarch64.whl"])
+
+
+def test_a_page_that_pip_cannot_read_is_told_in_a_sentence(wheels: Path, index: str) -> None:
+    (wheels / "index.html").write_bytes(b"<a href='http://[/native-1.0-py3-none-any.whl'>x</a>")
+    with pytest.raises(Malformed) as told:
+        resolve(Requirement("native"), Repositories({}, [index]))
+    assert (
+        str(told.value) == f"native: pip cannot read what {index} has: ValueError: Invalid IPv6 URL"
+    )
+
+
+@pytest.mark.parametrize("cut", [True, False])
+def test_a_damaged_newest_wheel_is_told_with_how_to_have_an_older_one(
+    wheels: Path, tmp_path: Path, cut: bool
+) -> None:
+    there = Repositories({"w": str(wheels)}, [])
+    made(wheels, "gear", "1.0")
+    newest = made(wheels, "gear", "1.1", {"gear/a.py": ""}, lies=("gear/a.py",))
+    if cut:
+        newest.write_bytes(b"PK")
+    with pytest.raises(Refused, match=r"gear-1\.1-py3.*ask for another: 'gear!=1\.1'"):
+        fetch(resolve(Requirement("gear"), there)[0], str(tmp_path))
+    (older,) = resolve(Requirement("gear!=1.1"), there)
+    assert fetch(older, str(tmp_path)).version == "1.0"

@@ -81,6 +81,35 @@ def test_every_cut_of_a_wheel_is_refused(tmp_path: Path) -> None:
             read_wheel(str(path))
 
 
+def test_a_changed_byte_is_refused_or_of_no_account_but_no_bug(tmp_path: Path) -> None:
+    path = made(tmp_path, "gain", "1", type="Gain")
+    with zipfile.ZipFile(path) as stored:
+        inside = {each: stored.read(each) for each in stored.namelist()}
+    with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as packed:
+        for name, data in inside.items():
+            packed.writestr(name, data)
+    whole, found = path.read_bytes(), set[str]()
+    for place in range(0, len(whole), 3):
+        path.write_bytes(whole[:place] + bytes([whole[place] ^ 2]) + whole[place + 1 :])
+        try:
+            read_wheel(str(path))
+        except RtkitError as error:
+            found.add(str(error).partition(": ")[0])
+    assert f"{path.name} is no wheel, or damaged" in found
+    unnamed = made(tmp_path, "gain", "2", {"gain-2.dist-info/x": ""})
+    _replace(unnamed, b"Name: gain", b"Nbme: gain")
+    with pytest.raises(InvalidDocument, match="'name' is a required field"):
+        read_wheel(str(unnamed))
+
+
+def _replace(wheel: Path, old: bytes, new: bytes) -> None:
+    with zipfile.ZipFile(wheel) as archive:
+        inside = {each: archive.read(each).replace(old, new) for each in archive.namelist()}
+    with zipfile.ZipFile(wheel, "w") as archive:
+        for name, data in inside.items():
+            archive.writestr(name, data)
+
+
 def test_types_without_profile_and_entry_points_without_type_are_objected_to(
     tmp_path: Path,
 ) -> None:
