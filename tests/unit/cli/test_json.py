@@ -92,6 +92,7 @@ WITHOUT = {
     "rthost", "rtkeys", "rtpkg", "rtprofile",  # their words have it
     "rtdoc", "rtstodot",  # write documents of other forms
     "rtgui",  # for a terminal only
+    "rtweb",  # for a browser, which asks it for JSON
 }  # fmt: skip
 
 

@@ -61,7 +61,8 @@ def test_the_last_news_end_it(world: FakeManager) -> None:
         tell = subscription._take_in("tree")
         number = tree.full_snapshot().number
         tell(json.dumps(encode(Delta("fake", number + 1, is_last=True))))
-        assert subscription.wait(10.0) == [SubscriptionEnded("manager 'manager' ends")]
+        ended = SubscriptionEnded("manager 'manager' ends", is_orderly=True)
+        assert subscription.wait(10.0) == [ended]
         assert subscription.wait(10.0) == []
 
 
