@@ -10,7 +10,7 @@ from rtkit.api import configuring
 from rtkit.api.ports import NotReached, PortReader
 from rtkit.api.session import Notify, ScriptSession, Stream, begun
 from rtkit.tree import client
-from rtkit.tree.api import Value, value_text
+from rtkit.tree.api import Value, as_text, value_text
 
 if TYPE_CHECKING:
     from rtkit.api.client import Client
@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from rtkit.api.properties import Properties
     from rtkit.link.transport import Link
     from rtkit.logs.logbook import LogEntry
+    from rtkit.rtc.names import Path
     from rtkit.tree.subscription import ManagerSubscription
 
 
@@ -45,6 +46,59 @@ class DataTree(client.Tree):
         super().__init__(link, host, manager, timeout_s)
         self.notify = notify
         self._client: Client | None = None
+        self._led: dict[str, client.Tree] = {}
+
+    def _manager_at(self, path: Path) -> str:
+        """Return the other manager that a path leads to, as commands read it; empty for this one.
+
+        It is named as `rtkit.connect` takes it.
+        """
+        from rtkit.tree.place import manager_of
+
+        manager = manager_of(path)
+        return "" if manager.partition("/")[0] in (self.manager, self.place) else manager
+
+    def led_to(self, path: Path | str) -> client.Tree:
+        """Return the connection to the manager that a path leads to; it is closed with this one.
+
+        Example::
+
+            tree.led_to("/robot1").create("ConsoleIn")
+
+        Raises:
+            Unreachable: That manager does not run, or does not answer.
+        """
+        from rtkit.rtc.names import parse_path
+
+        manager = self._manager_at(parse_path(path) if isinstance(path, str) else path)
+        if not manager:
+            return self
+        if manager not in self._led:
+            from rtkit.tree.connect import connect
+
+            self._led[manager] = connect(manager, self.timeout_s, type(self))
+        return self._led[manager]
+
+    def ls(self, path: str = "/localhost") -> list[str]:
+        """Return the names of what is at a place, as ``rtls`` lists it.
+
+        Raises:
+            NotFound: Nothing is there.
+        """
+        from rtkit.rtc.names import LOCAL, parse_path
+        from rtkit.tree.place import root_for
+        from rtkit.tree.resolve import entry
+        from rtkit.tree.view import build
+
+        where = parse_path(as_text(path, "a path"))
+        tree = self.led_to(where)
+        if tree.place == LOCAL or tree is not self:
+            root, host = root_for(lambda: tree, where, is_deep=False)
+        else:
+            listing = self.listing()
+            root, host = build(listing), listing.host
+        node = entry(root, where, host)
+        return [child.name for child in node.entries()] if node.is_directory else [node.name]
 
     # Waiting
 
@@ -254,6 +308,9 @@ class DataTree(client.Tree):
 
     def close(self) -> None:
         """End the connection."""
+        for tree in self._led.values():
+            tree.close()
+        self._led.clear()
         if self._client is not None:
             self._client.close()
         super().close()

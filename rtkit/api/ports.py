@@ -182,7 +182,7 @@ class PortReader(Closing):
         from rtkit.component.codec import codec_for
         from rtkit.rtc.enums import PortType
 
-        streams = _streams(tree, ports, PortType.OUT)
+        tree, streams = _streams(tree, ports, PortType.OUT)
         self._typed = {stream.name: stream.ends[0].path.typed for stream in streams}
         self._decode = {name: codec_for(cls).decode for name, cls in types_of(streams).items()}
         self._arrived: deque[Arrival] = deque()
@@ -240,7 +240,7 @@ def write(tree: Tree, port: str, data: Iterable[Any], rate: float) -> int:
     """Write values to an in port and return how many; see `rtkit.Tree.write`."""
     from rtkit.rtc.enums import PortType
 
-    streams = _streams(tree, [port], PortType.IN)
+    tree, streams = _streams(tree, [port], PortType.IN)
     types = types_of(streams)
     count = 0
     with writing(tree, "writer", streams, types) as probe:
@@ -269,12 +269,15 @@ def _value(cls: type, given: Any) -> Any:
     return Literal(cls, text).at(Time.now())
 
 
-def _streams(tree: Tree, ports: Sequence[str], wanted: PortType) -> tuple[Stream, ...]:
+def _streams(tree: Tree, ports: Sequence[str], wanted: PortType) -> tuple[Tree, tuple[Stream, ...]]:
+    """Return the streams of ports, and the connection to their manager."""
     from rtkit.probe.port_spec import parse_spec
 
     if not ports:
         raise Malformed("No ports specified.")
-    return streams_of(tree, [parse_spec(each) for each in ports], wanted)
+    specs = [parse_spec(each) for each in ports]
+    there = tree.led_to(specs[0].path)
+    return there, streams_of(there, specs, wanted)
 
 
 def call(tree: Tree, typed: str, arguments: Sequence[Any], timeout_s: float) -> Any:
@@ -285,6 +288,7 @@ def call(tree: Tree, typed: str, arguments: Sequence[Any], timeout_s: float) -> 
     path = parse_path(typed)
     if path.port is None:
         raise Malformed(f"No port specified: {typed} (it is COMPONENT:PORT.OPERATION)")
+    tree = tree.led_to(path)
     operations, name = operations_at(tree, path)
     operation = chosen(operations, name)
     found = operation.call(

@@ -20,6 +20,8 @@ if TYPE_CHECKING:
     from rtkit.tree.view import TreeNode
 
     class _Calls(Protocol):
+        host: str
+        manager: str
         ticks: dict[tuple[str, int | str], Action]
         place: str
 
@@ -37,11 +39,18 @@ if TYPE_CHECKING:
 
         def perform(self, action: Action, *, timeout_s: float | None = None) -> str: ...
 
+        def set(self, name: str, value: str) -> str: ...
+
+        def _manager_at(self, path: Path) -> str: ...
+
+        def led_to(self, path: Path) -> _Calls: ...
+
 
 class ByPath:
     """Scripting methods of a `Tree`: the commands as methods that take paths.
 
-    Paths are absolute, as ``rtls`` shows them and `create` returns them. Every method is bounded by
+    Paths are absolute, as ``rtls`` shows them and `create` returns them; they may lead to other
+    managers, of this host or a linked one, which are connected to then. Every method is bounded by
     the time-out. An execution context is given by its number (own ones first, then those taken part
     in) or id.
 
@@ -72,7 +81,7 @@ class ByPath:
             NotFound: Nothing is there.
             Refused: It is no component, or a zombie.
         """
-        return _facts(self, path)
+        return _facts(self.led_to(_read(path)), path)
 
     def load(self: _Calls, path: str, init: str = "") -> None:
         """Have a module loaded: a file by its path, or by its name in a load path.
@@ -121,10 +130,11 @@ class ByPath:
 
         where = _read(path)
         check_component_syntax(where)
-        node = _entry(self.listing(), where)
+        tree = self.led_to(where)
+        node = _entry(tree.listing(), where)
         if node.is_directory:
             raise Refused(f"Not a component: {path}")
-        self.perform(Delete(node.instance))
+        tree.perform(Delete(node.instance))
 
     def activate(self: _Calls, path: str, context: int | str = 0) -> None:
         """Make a component active in an execution context; returns when it is.
@@ -132,7 +142,7 @@ class ByPath:
         Raises:
             Refused: Its state does not allow it.
         """
-        _change(self, path, context, "activate")
+        _change(self.led_to(_read(path)), path, context, "activate")
 
     def deactivate(self: _Calls, path: str, context: int | str = 0) -> None:
         """Make a component inactive in an execution context; returns when it is.
@@ -140,7 +150,7 @@ class ByPath:
         Raises:
             Refused: Its state does not allow it.
         """
-        _change(self, path, context, "deactivate")
+        _change(self.led_to(_read(path)), path, context, "deactivate")
 
     def reset(self: _Calls, path: str, context: int | str = 0) -> None:
         """Bring a component from Error to Inactive; returns when it is.
@@ -148,7 +158,7 @@ class ByPath:
         Raises:
             Refused: Its state does not allow it.
         """
-        _change(self, path, context, "reset")
+        _change(self.led_to(_read(path)), path, context, "reset")
 
     def tick(
         self: _Calls, *paths: str, context: int | str = 0, timeout_s: float | None = None
@@ -205,12 +215,19 @@ class ByPath:
         from uuid import uuid4
 
         from rtkit.deployment.actions import Connect
-        from rtkit.tree.wiring import find_ends, make_connector
+        from rtkit.rtc.far_ends import host_of, named_by, peer_of
+        from rtkit.tree.expecting import expected
+        from rtkit.tree.wiring import find_ends_at, in_order, make_connector
 
-        _, (first, second) = find_ends(self, [_port(one), _port(other)])
+        _, (first, second) = find_ends_at(self.led_to, [_port(one), _port(other)])
         given = {key.replace("__", "."): value_text(each, key) for key, each in properties.items()}
         connector = make_connector(first, second, connector_id or str(uuid4()), "", given)
-        return self.perform(Connect(connector))
+        out, into = in_order(first, second)
+        expecting = []
+        if host_of(peer_of(connector)):
+            expecting = [(self.led_to(into.path), named_by(connector, out.manager))]
+        with expected(expecting):
+            return self.led_to(out.path).perform(Connect(connector))
 
     def disconnect(self: _Calls, one: str, other: str = "") -> int:
         """Remove the connections of a port, or those between two; return how many there were.
@@ -220,12 +237,13 @@ class ByPath:
             tree.disconnect("/localhost/In0.rtc:out")
         """
         from rtkit.deployment.actions import Disconnect
-        from rtkit.tree.wiring import between, find_ends
+        from rtkit.tree.wiring import between_paths
 
         paths = [_port(path) for path in (one, other) if path != ""]
-        snapshot, (first, *others) = find_ends(self, paths)
-        connectors = between(snapshot.connectors, first.ref, [end.ref for end in others])
-        for result in self.apply([Disconnect(connector.connector_id) for connector in connectors]):
+        tree, manager = self.led_to(paths[0]), self._manager_at(paths[0])
+        is_near = lambda path: self._manager_at(path) == manager  # noqa: E731
+        connectors = between_paths(tree, self.led_to, is_near, paths)
+        for result in tree.apply([Disconnect(connector.connector_id) for connector in connectors]):
             result.raise_for_error()
         return len(connectors)
 

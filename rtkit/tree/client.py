@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from rtkit.deployment.listing import Listing
     from rtkit.link.devices import HostFacts
     from rtkit.link.transport import Link
+    from rtkit.rtc.names import Path
 
 DEFAULT_TIMEOUT_S = 10.0
 _CREATE = "create_component"
@@ -69,6 +70,15 @@ class Tree(ByPath, Closing):
     def close(self) -> None:
         """End the connection."""
         self.link.close()
+
+    def _manager_at(self, _path: Path) -> str:
+        """Return the other manager that a path leads to, empty for this one; see `DataTree`."""
+        return ""
+
+    def led_to(self, path: Path) -> Tree:
+        """Return the connection to the manager that a path leads to; see `DataTree`."""
+        del path
+        return self
 
     def listing(self) -> Listing:
         """Return the short list of components.

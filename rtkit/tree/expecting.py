@@ -7,17 +7,23 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, suppress
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Protocol
 
 from rtkit.errors import RtkitError
 
 if TYPE_CHECKING:
     from rtkit.rtc.profiles import ConnectorProfile
-    from rtkit.tree.client import Tree
+
+
+class SettableManager(Protocol):
+    """Manager whose properties can be set: a `Tree`."""
+
+    def set(self, name: str, value: str) -> object:
+        """Set a property, or call an operation."""
 
 
 @contextmanager
-def expected(wanted: Iterable[tuple[Tree, ConnectorProfile]]) -> Iterator[list[str]]:
+def expected(wanted: Iterable[tuple[SettableManager, ConnectorProfile]]) -> Iterator[list[str]]:
     """Have managers expect connectors that others make inside the block.
 
     Those whose ids are put into the list, and all if the block fails, they expect no more at its
@@ -29,7 +35,7 @@ def expected(wanted: Iterable[tuple[Tree, ConnectorProfile]]) -> Iterator[list[s
     """
     from rtkit.rtc.serde import encode_text
 
-    asked: list[tuple[Tree, str]] = []
+    asked: list[tuple[SettableManager, str]] = []
     failed: list[str] = []
     try:
         for tree, connector in wanted:

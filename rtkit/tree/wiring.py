@@ -115,6 +115,35 @@ def find_ends_at(
     return snapshots, [found[number] for number in range(len(paths))]
 
 
+def between_paths(
+    facts: ManagerFacts,
+    at: Callable[[Path], ManagerFacts],
+    is_near: Callable[[Path], bool],
+    paths: Sequence[Path],
+) -> list[ConnectorProfile]:
+    """Return the connectors of the port at the first path, or those to the ports at the others.
+
+    Args:
+        facts: Of the manager to which the first path leads.
+        at: Returns the facts of the manager that a path leads to.
+        is_near: Whether a path leads to that of the first one.
+        paths: Of ports.
+
+    Raises:
+        NotFound: A component, or a port, does not exist.
+        Refused: Something else than a living component is there.
+    """
+    from rtkit.link.host_links import read
+
+    snapshot, (first, *others) = find_ends(facts, [path for path in paths if is_near(path)])
+    refs = [other.ref for other in others]
+    for path in paths:
+        if not is_near(path):
+            linked = lambda host: read(host).far_manager  # noqa: E731
+            refs.append(find_far_end(at, path, facts.host, linked))
+    return between(snapshot.connectors, first.ref, refs)
+
+
 def find_far_end(
     at: Callable[[Path], ManagerFacts], path: Path, host: str, far_manager: Callable[[str], str]
 ) -> PortRef:

@@ -5,6 +5,8 @@ from __future__ import annotations
 import json
 import os
 import signal
+import subprocess
+import sys
 from collections.abc import Iterator
 
 import pytest
@@ -182,6 +184,34 @@ def test_two_robots_are_joined_through_here(fleet: Shell, hosts: list[FarHost]) 
     flowing(fleet, hosts, (2,))
     fleet.ok(f"rtdis {FAR_OUT} {OTHER}")
     assert half(fleet, OTHER, "across") is None
+
+
+def test_scripts_go_by_the_paths_of_commands(fleet: Shell) -> None:
+    script = (
+        "import rtkit\n"
+        "with rtkit.connect() as tree:\n"
+        "    print(*tree.ls('/'), *tree.ls('/robot1'))\n"
+        "    tree.deactivate('/robot1/C.rtc')\n"
+        "    print(tree.component('/robot1/C.rtc').state)\n"
+        "    tree.activate('/robot1/C.rtc')\n"
+        f"    tree.connect('{FAR_OUT}', '{INTO}')\n"
+        f"    print(tree.disconnect('{INTO}', '{FAR_OUT}'))\n"
+        f"    print(tree.read('{FAR_OUT}').data > 0)\n"
+        "    path = tree.led_to('/robot1').create('Counter')\n"
+        "    print(path)\n"
+        "    tree.delete(path)\n"
+        "    tree.ls('/robot7')\n"
+    )
+    (fleet.folder / "script.py").write_text(script)
+    command = [sys.executable, fleet.folder / "script.py"]
+    told = subprocess.run(command, env=fleet.environment, capture_output=True, text=True)
+    names = [*fleet.ok("rtls /").split(), *fleet.ok("rtls /robot1").split()]
+    listed = [each.rstrip("/") for each in names]
+    made = "/robot1/Counter0.rtc"
+    assert told.stdout.splitlines() == [" ".join(listed), "Inactive", "1", "True", made], (
+        told.stderr
+    )
+    assert "/robot7: no such host: robot7" in told.stderr
 
 
 def test_nobody_is_connected_who_does_not_expect_it(fleet: Shell, hosts: list[FarHost]) -> None:

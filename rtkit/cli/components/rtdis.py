@@ -58,21 +58,13 @@ def _check_ports(paths: Sequence[Path]) -> None:
 
 
 def _connections(app: App, paths: Sequence[Path]) -> list[ConnectorProfile]:
-    from rtkit.link.host_links import read
     from rtkit.tree.resolve import component
-    from rtkit.tree.wiring import between, find_ends, find_far_end, of_component
+    from rtkit.tree.wiring import between_paths, of_component
 
     if paths[0].port is None:
         instance = app.node(component, paths[0]).instance
         return of_component(app.tree.part([instance]), instance)
-    near = [path for path in paths if app.is_at_tree(path)]
-    snapshot, (first, *others) = find_ends(app.tree, near)
-    refs = [other.ref for other in others]
-    for path in paths:
-        if path not in near:
-            linked = lambda host: read(host).far_manager  # noqa: E731
-            refs.append(find_far_end(app.tree_at, path, app.tree.host, linked))
-    return between(snapshot.connectors, first.ref, refs)
+    return between_paths(app.tree, app.tree_at, app.is_at_tree, paths)
 
 
 def _remove(app: App, wires: Sequence[ConnectorProfile]) -> None:
