@@ -51,10 +51,7 @@ class SystemReport:
 
 
 def compare(
-    session: Session,
-    document: SystemProfile,
-    state: LifeCycleState | None,
-    mapped: tuple[str, ...] = (),
+    session: Session, document: SystemProfile, state: LifeCycleState | None
 ) -> SystemReport:
     """Compare what lives with a profile; see `rtkit.Tree.check`."""
     from rtkit.api import owning
@@ -64,12 +61,12 @@ def compare(
     from rtkit.deployment.deviations import deviations
     from rtkit.deployment.live_index import LiveIndex
 
-    stated = settled(session, document, mapped)
+    stated = settled(session, document)
     session.warn(owning.absent_hosts(stated))
-    document = where_they_live(session, stated, mapped)
-    snapshot = looking.look(session, document.profile, dry_run=False, may_lack=True, mapped=mapped)
-    system = looking.wanted_system(session, document, snapshot, mapped=mapped)
+    document = where_they_live(session, stated)
+    snapshot = looking.look(session, document, dry_run=False, may_lack=True)
+    system = looking.wanted_system(session, document, snapshot)
     live = LiveIndex(snapshot, system)
     present = present_code(on_this_host(snapshot))
-    broken = {**remarks(stated, document), **unmet(session, document, mapped)}
+    broken = {**remarks(stated, document), **unmet(session, document)}
     return SystemReport(system, live, tuple(deviations(system, live, state, present, broken)))

@@ -35,14 +35,11 @@ class Displaced(NamedTuple):
     is_lost: bool = False
 
 
-def homes_of(
-    session: Session, document: SystemProfile, mapped: tuple[str, ...] = ()
-) -> dict[str, str]:
+def homes_of(session: Session, document: SystemProfile) -> dict[str, str]:
     """Return the managers to which a profile has its components belong, by component."""
     from rtkit.api.gathering import Managers
-    from rtkit.api.looking import host_map
 
-    return Managers(document.profile, session.usual_manager, host_map(mapped)).homes
+    return Managers(document.profile, session.usual_manager, document.mapped).homes
 
 
 def _by_request(
@@ -126,15 +123,13 @@ def _state(session: Session, manager: str, name: str) -> str | None:
     return None if facts is None else facts.zombie
 
 
-def places_to_leave(
-    session: Session, document: SystemProfile, mapped: tuple[str, ...] = ()
-) -> dict[str, str]:
+def places_to_leave(session: Session, document: SystemProfile) -> dict[str, str]:
     """Return the places to which components were moved by request, for a plan that leads them back.
 
     Raises:
         Unreachable: One may live where nobody can look: a second one would be made.
     """
-    found = _by_request(session, document, homes_of(session, document, mapped))
+    found = _by_request(session, document, homes_of(session, document))
     _check_seen(found)
     return {name: owning.place(each.manager) for name, each in found.items()}
 
@@ -146,7 +141,7 @@ def _check_seen(found: Mapping[str, Displaced]) -> None:
 
 
 def where_they_live(
-    session: Session, document: SystemProfile, mapped: tuple[str, ...] = (), *, makes: bool = False
+    session: Session, document: SystemProfile, *, makes: bool = False
 ) -> SystemProfile:
     """Return a profile with its components where they live, or may live on lost hosts.
 
@@ -157,8 +152,8 @@ def where_they_live(
     """
     from rtkit.api.placing import settled
 
-    document = settled(session, document, mapped)
-    found = _by_request(session, document, homes_of(session, document, mapped))
+    document = settled(session, document)
+    found = _by_request(session, document, homes_of(session, document))
     if makes:
         _check_seen(found)
     for name, each in found.items():

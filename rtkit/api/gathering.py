@@ -13,6 +13,7 @@ NOWHERE: Mapping[str, str] = {}
 
 if TYPE_CHECKING:
     from rtkit.api.session import Session
+    from rtkit.api.system_profiles import SystemProfile
     from rtkit.deployment.facts import Snapshot
     from rtkit.profile.rts_model import ComponentInstance, RtsProfile
     from rtkit.tree.client import Tree
@@ -158,30 +159,28 @@ def connected(name: str, timeout_s: float) -> Tree:
 
 def gather(
     session: Session,
-    profile: RtsProfile,
+    document: SystemProfile,
     *,
     is_lenient: bool,
     starts: bool = False,
     would_start: bool = False,
-    mapped: Collection[str] = (),
     moving: Mapping[str, str] = NOWHERE,
 ) -> Snapshot | None:
     """Connect to the managers of a profile; return a snapshot if none of them runs.
 
     Args:
         session: Is given the connection, if the profile is about another manager or several.
-        profile: The system profile.
+        document: The system profile; hosts for which another one stands are not asked.
         is_lenient: A manager that does not run is told and counts as holding nothing.
         starts: One that does not run holds nothing, and can be started.
         would_start: It is only planned; also one of a linked host that runs no more holds nothing.
-        mapped: Hosts that are not asked, as another one stands for them.
         moving: Places that components are to leave, by component.
 
     Raises:
         Unreachable: Tells which managers do not run, and what belongs there; or one is so like
             another one that runs that it is not started.
     """
-    managers = Managers(profile, session.usual_manager, mapped, moving)
+    managers = Managers(document.profile, session.usual_manager, document.mapped, moving)
     trees, absent = managers.connect(session.timeout_s)
     if would_start:
         managers.take_for_empty(can_be_started)

@@ -7,7 +7,7 @@ from contextlib import contextmanager
 from functools import partial
 from typing import TYPE_CHECKING
 
-from rtkit.errors import Malformed, Unreachable, UsageProblem
+from rtkit.errors import Malformed, Unreachable
 from rtkit.fast_dataclass import replace
 from rtkit.link.places import host_name
 from rtkit.rtc.names import split_manager
@@ -26,21 +26,6 @@ if TYPE_CHECKING:
     from rtkit.tree.plan_locks import PlanLocks
 
 
-def host_map(mapped: tuple[str, ...]) -> dict[str, str]:
-    """Read ``HOST=HOST`` options.
-
-    Raises:
-        UsageProblem: One is not of that form.
-    """
-    pairs = {}
-    for item in mapped:
-        host, equals, other = item.partition("=")
-        if not (host and equals and other):
-            raise UsageProblem(f"--map needs HOST=HOST: {item}")
-        pairs[host] = other
-    return pairs
-
-
 def wanted_system(
     session: Session,
     document: SystemProfile,
@@ -48,7 +33,6 @@ def wanted_system(
     *,
     stand_in: bool = False,
     transmit: bool = False,
-    mapped: tuple[str, ...] = (),
     known_types: Mapping[str, KnownType] | None = None,
     moving: Collection[str] = (),
 ) -> WantedSystem:
@@ -67,7 +51,7 @@ def wanted_system(
             snapshot.host,
             stand_in=stand_in,
             transmit=transmit,
-            host_map=host_map(mapped),
+            host_map=document.mapped,
             known_types=known_types,
             stand_ins={c.instance for c in snapshot.components if c.is_stand_in},
             managers=[each.manager for each in snapshot.others],
@@ -134,20 +118,19 @@ def remains(session: Session) -> Snapshot:
 
 def look(
     session: Session,
-    profile: RtsProfile,
+    document: SystemProfile,
     *,
     dry_run: bool,
     may_lack: bool = False,
     starts: bool = False,
     lock: PlanLocks | None = None,
-    mapped: tuple[str, ...] = (),
     moving: Mapping[str, str] = NOTHING,
 ) -> Snapshot:
     """Return a snapshot of a profile's managers; a dry run reports missing ones and goes on.
 
     With `may_lack` some of several managers may be missing, but not all; where one is missing
     that `starts` can be started, it holds nothing. A `lock` is taken before it is looked, and
-    given back when the command ends. Hosts that are `mapped`, ``HOST=HOST``, are not asked.
+    given back when the command ends. Hosts for which another one stands are not asked.
     What is `moving` is to leave the place that is told of it.
 
     Raises:
@@ -158,15 +141,14 @@ def look(
     if session.finds_managers:
         from rtkit.api import gathering
 
-        if moving or gathering.names_another(profile):
+        if moving or gathering.names_another(document.profile):
             is_lenient = dry_run or may_lack
             empty = gathering.gather(
                 session,
-                profile,
+                document,
                 is_lenient=is_lenient,
                 starts=starts,
                 would_start=would_start,
-                mapped=host_map(mapped),
                 moving=moving,
             )
             if empty is not None:

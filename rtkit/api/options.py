@@ -35,8 +35,8 @@ class PlanKeywords(WayKeywords, total=False):
     prune: bool
 
 
-Request = tuple["GoalOptions", tuple[str, ...], bool]
-"""The goal and the way to it, ``HOST=HOST`` pairs, and whether to take warnings for errors."""
+Request = tuple["GoalOptions", Mapping[str, str], bool]
+"""The goal and the way to it, hosts for others, and whether to take warnings for errors."""
 
 
 def request(
@@ -60,7 +60,7 @@ def request(
     texts = tuple(f"{name}={cost!r}" for name, cost in costs.items())
     way = planning.WayOptions(texts, planning.MEASURED, stand_in, transmit, replace)
     aim = planning.GoalOptions(known(state, planning.STATES), way, prune)
-    return aim, mapped(hosts), strict
+    return aim, hosts, strict
 
 
 def known(state: str, words: Sequence[str]) -> str:
@@ -73,11 +73,6 @@ def known(state: str, words: Sequence[str]) -> str:
         if word.casefold() == state.casefold():
             return word
     raise Malformed(f"state is one of {', '.join(words)}, not {state!r}")
-
-
-def mapped(hosts: Mapping[str, str]) -> tuple[str, ...]:
-    """Return ``HOST=HOST`` for each host that stands for another."""
-    return tuple(f"{host}={other}" for host, other in hosts.items())
 
 
 def takes(options: type) -> Callable[[Method], Method]:

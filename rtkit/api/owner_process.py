@@ -236,13 +236,10 @@ class SystemOwner:
         from rtkit.tree.plan_locks import PlanLocks
 
         document = made(placed(_profile(owned), owned), owned.source)
-        with (
-            self._session(owned) as session,
-            PlanLocks(session.name, _WAIT_S, _log.info) as lock,
-        ):
+        with self._session(owned) as session, PlanLocks(session.name, _WAIT_S, _log.info) as lock:
             aim = planning.GoalOptions(state=_state(session.tree, document))
             prepared = planning.prepare(
-                session, document, (), aim, is_dry=False, lock=lock, leaves_out=True
+                session, document, aim, is_dry=False, lock=lock, leaves_out=True
             )
             for name in owned.components:
                 owning.send_epoch(session.tree.trees, self._manager, name, owned, _log.info)

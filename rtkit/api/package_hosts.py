@@ -28,16 +28,9 @@ class PackageHosts:
         targets: What packages are chosen for on the other hosts that were surveyed.
     """
 
-    def __init__(
-        self,
-        session: Session,
-        document: SystemProfile,
-        snapshot: Snapshot,
-        mapped: tuple[str, ...] = (),
-    ) -> None:
-        """Find them; those that are `mapped`, ``HOST=HOST``, are none."""
+    def __init__(self, session: Session, document: SystemProfile, snapshot: Snapshot) -> None:
+        """Find them; those for which another one stands are none."""
         from rtkit.api.gathering import Managers
-        from rtkit.api.looking import host_map
         from rtkit.deployment.extension import stated_id
 
         self._session = session
@@ -46,7 +39,7 @@ class PackageHosts:
         alive = (each for each in snapshot.components if not each.zombie)
         self._alive = {each.instance: stated_id(each) for each in alive}
         known = {each.manager: each for each in (snapshot, *snapshot.others)}
-        managers = Managers(document.profile, session.usual_manager, host_map(mapped))
+        managers = Managers(document.profile, session.usual_manager, document.mapped)
         # What belongs to none of these is made by the first, and counts as here.
         self.managers = {name: known.get(home, snapshot) for name, home in managers.homes.items()}
         hosts = (self.host_of(name) for name in self.managers)

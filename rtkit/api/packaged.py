@@ -40,12 +40,7 @@ class Packaged(NamedTuple):
 
 
 def bundled(
-    session: Session,
-    document: SystemProfile,
-    snapshot: Snapshot,
-    mapped: tuple[str, ...],
-    *,
-    installs: bool,
+    session: Session, document: SystemProfile, snapshot: Snapshot, *, installs: bool
 ) -> Packaged:
     """Return a profile as `unpackaged`; of a bundle what its hosts lack is installed before.
 
@@ -53,9 +48,9 @@ def bundled(
         RtkitError: See `supplied`; a package cannot be installed.
     """
     if not document.source.endswith(BUNDLE):
-        return unpackaged(session, document, snapshot, mapped)
-    found = supplied(session, document, snapshot, mapped, is_dry=not installs)
-    hosts = PackageHosts(session, document, snapshot, mapped)
+        return unpackaged(session, document, snapshot)
+    found = supplied(session, document, snapshot, is_dry=not installs)
+    hosts = PackageHosts(session, document, snapshot)
     needed = (f"{hosts.host_of(name)}/{text}" for name, text in found.packages.of.items())
     for each in dict.fromkeys(needed) if installs else ():
         found.packages.installer.install(each)
@@ -63,9 +58,7 @@ def bundled(
     return found
 
 
-def unpackaged(
-    session: Session, document: SystemProfile, snapshot: Snapshot, mapped: tuple[str, ...] = ()
-) -> Packaged:
+def unpackaged(session: Session, document: SystemProfile, snapshot: Snapshot) -> Packaged:
     """Return a profile whose components on this host name the versions that their ids choose.
 
     Nothing is to be installed for it.
@@ -78,7 +71,7 @@ def unpackaged(
     if next(folders(), None) is not None:
         from rtkit.packages.offering import offerings
 
-        hosts = PackageHosts(session, document, snapshot, mapped)
+        hosts = PackageHosts(session, document, snapshot)
         types = hosts.types_on(LOCAL)
         found = offerings({*types.values()})
         chosen = {name: found[id] for name, id in types.items() if id in found}
@@ -87,12 +80,7 @@ def unpackaged(
 
 
 def supplied(
-    session: Session,
-    document: SystemProfile,
-    snapshot: Snapshot,
-    mapped: tuple[str, ...] = (),
-    *,
-    is_dry: bool = True,
+    session: Session, document: SystemProfile, snapshot: Snapshot, *, is_dry: bool = True
 ) -> Packaged:
     """Return a profile, and which packages are to be installed for it; nothing is installed.
 
@@ -106,7 +94,7 @@ def supplied(
     """
     from rtkit.api.component_profiles import known_types
 
-    hosts = PackageHosts(session, document, snapshot, mapped)
+    hosts = PackageHosts(session, document, snapshot)
     asking = _Asking(session, snapshot, hosts)
     places = _repositories(document)
     types = known_types(document.profile, snapshot)
@@ -156,18 +144,13 @@ def _packages(
     return Packages(of, frozenset(there), digests, surplus, installer)
 
 
-def leftover(
-    session: Session,
-    document: SystemProfile,
-    snapshot: Snapshot,
-    mapped: tuple[str, ...],
-) -> Packages:
+def leftover(session: Session, document: SystemProfile, snapshot: Snapshot) -> Packages:
     """Return the packages that plans installed for a system alone, as it needs them no longer.
 
     Raises:
         RtkitError: A host cannot be asked.
     """
-    hosts = PackageHosts(session, document, snapshot, mapped)
+    hosts = PackageHosts(session, document, snapshot)
     surveys = {host: hosts.leftovers(host) for host in hosts.names}
     return _packages(surveys, {}, {}, _installer(session, document, (), {}, hosts))
 

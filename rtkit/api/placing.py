@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from functools import cached_property
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -20,17 +20,9 @@ if TYPE_CHECKING:
     from rtkit.api.session import Session
     from rtkit.api.system_profiles import SystemProfile
     from rtkit.deployment.facts import ComponentFacts
-    from rtkit.deployment.placement.choice import (
-        PlaceCandidate,
-        PlacedComponent,
-        PlacementProblem,
-    )
+    from rtkit.deployment.placement.choice import PlaceCandidate, PlacedComponent, PlacementProblem
     from rtkit.deployment.placement.requirements import Requirements
-    from rtkit.profile.rts_model import (
-        ComponentInstance,
-        DataPortConnector,
-        ServicePortConnector,
-    )
+    from rtkit.profile.rts_model import ComponentInstance, DataPortConnector, ServicePortConnector
 
     Wire = DataPortConnector | ServicePortConnector
 
@@ -48,16 +40,10 @@ class PlacedProfile(NamedTuple):
     moving: Mapping[str, str] = {}
 
 
-def placed(
-    session: Session,
-    document: SystemProfile,
-    mapped: Iterable[str] = (),
-    *,
-    stand_in: bool = False,
-) -> PlacedProfile:
+def placed(session: Session, document: SystemProfile, *, stand_in: bool = False) -> PlacedProfile:
     """Return a profile with the cheapest places that meet the requirements of its components.
 
-    Hosts that are `mapped` to others are none. A `stand_in` needs no code, so it may be anywhere.
+    A `stand_in` needs no code, so it may be anywhere.
 
     Raises:
         InvalidDocument: Requirements make no sense.
@@ -71,7 +57,7 @@ def placed(
         return PlacedProfile(document)
     from rtkit.deployment.placement.conflict import placed as chosen
 
-    with _placer(session, document, mapped, stand_in=stand_in) as placer:
+    with _placer(session, document, stand_in=stand_in) as placer:
         session.warn(placer.unknown_hosts())
         problem = placer.problem()
         try:
@@ -91,7 +77,7 @@ def placed(
     return PlacedProfile(replace(document, profile=profile), lacks, moving)
 
 
-def unmet(session: Session, document: SystemProfile, mapped: Iterable[str] = ()) -> dict[str, str]:
+def unmet(session: Session, document: SystemProfile) -> dict[str, str]:
     """Return what components require that is not so where they live, by component."""
     from rtkit.deployment.placement.profiles import has_requirements
 
@@ -99,7 +85,7 @@ def unmet(session: Session, document: SystemProfile, mapped: Iterable[str] = ())
         return {}
     from rtkit.deployment.placement import conflict
 
-    with _placer(session, document, mapped, stand_in=True) as placer:
+    with _placer(session, document, stand_in=True) as placer:
         session.warn(placer.unknown_hosts())
         return conflict.unmet(placer.problem_as_is())
 
@@ -113,11 +99,11 @@ def other_places(
     """
     from rtkit.deployment.placement.elsewhere import elsewhere
 
-    with _placer(session, document, (), stand_in=False) as placer:
+    with _placer(session, document, stand_in=False) as placer:
         return elsewhere(placer.problem_among(named), named)
 
 
-def settled(session: Session, document: SystemProfile, mapped: Iterable[str] = ()) -> SystemProfile:
+def settled(session: Session, document: SystemProfile) -> SystemProfile:
     """Return a profile whose components are where they live, or may live unseen, else here.
 
     One that is a zombie, such as one that waits for its device, is where it is to come back.
@@ -126,7 +112,7 @@ def settled(session: Session, document: SystemProfile, mapped: Iterable[str] = (
 
     if not any(map(is_free, document.profile.components)):
         return document
-    with _placer(session, document, mapped, stand_in=True) as placer:
+    with _placer(session, document, stand_in=True) as placer:
         homes = placer.homes()
         lost = {name: next(placer.lost_for(name), LOCAL) for name in placer.free}
         dead = {facts.instance: place for facts, place in placer.zombies()}
@@ -134,9 +120,7 @@ def settled(session: Session, document: SystemProfile, mapped: Iterable[str] = (
     return replace(document, profile=with_places(document.profile, places))
 
 
-def _placer(
-    session: Session, document: SystemProfile, mapped: Iterable[str], *, stand_in: bool
-) -> _Placer:
+def _placer(session: Session, document: SystemProfile, *, stand_in: bool) -> _Placer:
     """Return what finds out where components of a profile live and may be; it is to be closed.
 
     Raises:
@@ -146,8 +130,7 @@ def _placer(
 
     with document.naming():
         required = requirements_of(document.profile)
-    hosts = {each.partition("=")[0] for each in mapped}
-    return _Placer(session, document, required, hosts, stand_in=stand_in)
+    return _Placer(session, document, required, stand_in=stand_in)
 
 
 class _Placer(Closing):
@@ -162,7 +145,6 @@ class _Placer(Closing):
         session: Session,
         document: SystemProfile,
         required: Mapping[str, Requirements],
-        mapped: Collection[str],
         *,
         stand_in: bool,
     ) -> None:
@@ -176,7 +158,7 @@ class _Placer(Closing):
         components = document.profile.components
         self.free = [each.instance_name for each in components if is_free(each)]
         devices = sorted({device for each in required.values() for device in each.devices})
-        self._places = Places(session, devices, mapped)
+        self._places = Places(session, devices, document.mapped)
         hosts = self._places.hosts
         stated = {c.instance_name: stated_place(c, hosts) for c in components}
         self._stated = {**stated, **dict.fromkeys(self.free, "")}

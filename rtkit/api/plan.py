@@ -95,7 +95,7 @@ class SystemPlan:
             ScriptSession(self._tree, self._notify, name, is_strict=is_strict) as session,
             PlanLocks(name, wait_s, self._notify) as lock,
         ):
-            looking.look(session, self.profile.profile, dry_run=False, starts=True, lock=lock)
+            looking.look(session, self.profile, dry_run=False, starts=True, lock=lock)
             run(session, self._prepared, rollback=rollback, exact=exact)
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from rtkit.api import looking
@@ -80,8 +80,9 @@ class GoalOptions(NamedTuple):
     prunes: bool = False
 
 
-def options_record(mapped: Sequence[str], aim: GoalOptions) -> dict[str, Any]:
+def options_record(document: SystemProfile, aim: GoalOptions) -> dict[str, Any]:
     """Return the options of a plan by name, as a saved plan tells them."""
+    mapped = [f"{host}={other}" for host, other in document.mapped.items()]
     return {**aim.way._asdict(), "state": aim.state, "prunes": aim.prunes, "mapped": mapped}
 
 
@@ -99,7 +100,6 @@ def read_options(record: Mapping[str, Any]) -> tuple[tuple[str, ...], GoalOption
 def prepare(
     session: Session,
     document: SystemProfile,
-    mapped: tuple[str, ...],
     aim: GoalOptions,
     *,
     is_dry: bool,
@@ -122,7 +122,6 @@ def prepare(
     _, goal, snapshot = begin(
         session,
         document,
-        mapped,
         aim.way,
         is_dry=is_dry,
         parallel=parallel,
@@ -149,7 +148,6 @@ def _cheapest(goal: DeploymentGoal, _snapshot: Snapshot, model: Model) -> Deploy
 def begin(
     session: Session,
     document: SystemProfile,
-    mapped: tuple[str, ...],
     way: WayOptions,
     *,
     is_dry: bool,
@@ -176,28 +174,27 @@ def begin(
     from rtkit.deployment.goal import DeploymentGoal
     from rtkit.deployment.system import without
 
-    places = placed(session, document, mapped, stand_in=way.stand_in)
+    places = placed(session, document, stand_in=way.stand_in)
     document = places.document
     moving = {**owning.elsewhere(session, document), **places.moving}
     if may_lack:
-        document = where_they_live(session, document, mapped)
+        document = where_they_live(session, document)
     else:
         session.warn(owning.absent_hosts(document))
-        moving = {**places_to_leave(session, document, mapped), **moving}
+        moving = {**places_to_leave(session, document), **moving}
     snapshot = looking.look(
         session,
-        document.profile,
+        document,
         dry_run=is_dry,
         may_lack=may_lack,
         starts=starts,
         lock=lock,
-        mapped=mapped,
         moving=moving,
     )
     packaged = (
-        unpackaged(session, document, snapshot, mapped)
+        unpackaged(session, document, snapshot)
         if way.stand_in
-        else supplied(session, document, snapshot, mapped, is_dry=is_dry)
+        else supplied(session, document, snapshot, is_dry=is_dry)
     )
     document, packages = packaged.document, packaged.packages
     known = None if way.stand_in else packaged.types
@@ -207,7 +204,6 @@ def begin(
         snapshot,
         stand_in=way.stand_in,
         transmit=way.transmit,
-        mapped=mapped,
         known_types=known,
         moving=moving,
     )

@@ -11,7 +11,7 @@ from functools import partial
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from rtkit.api import planning
-from rtkit.api.system_profiles import is_saved_plan, parse_document
+from rtkit.api.system_profiles import is_saved_plan, parse_document, with_hosts
 from rtkit.errors import InvalidDocument, Malformed, Refused
 
 if TYPE_CHECKING:
@@ -110,8 +110,9 @@ def prepare(
     try:
         mapped, aim = planning.read_options(options)
         make = partial(_fitting, session, inputs.saved, inputs.source)
+        document = with_hosts(document, mapped)
         return planning.prepare(
-            session, document, mapped, aim, is_dry=is_dry, parallel=parallel, lock=lock, make=make
+            session, document, aim, is_dry=is_dry, parallel=parallel, lock=lock, make=make
         )
     except TypeError as error:
         why = f"{inputs.source}: the saved plan cannot be read: {error}"

@@ -34,7 +34,6 @@ class StartInputs(NamedTuple):
 def bring_up(
     session: Session,
     document: SystemProfile,
-    mapped: tuple[str, ...] = (),
     *,
     may_create: bool = True,
     stand_in: bool = False,
@@ -53,14 +52,12 @@ def bring_up(
     is_followed = not is_dry and states.is_follow_wanted(session, document)
     unplaced: Mapping[str, str] = {}
     if may_create:
-        document, unplaced, _ = placed(session, document, mapped, stand_in=stand_in)
-    document = where_they_live(session, document, mapped, makes=may_create)
-    found = looking.look(
-        session, document.profile, dry_run=is_dry, starts=may_create, lock=lock, mapped=mapped
-    )
+        document, unplaced, _ = placed(session, document, stand_in=stand_in)
+    document = where_they_live(session, document, makes=may_create)
+    found = looking.look(session, document, dry_run=is_dry, starts=may_create, lock=lock)
     with looking.managers_started(session, found, dry_run=is_dry) as before:
         creates = may_create and not stand_in
-        packaged = bundled(session, document, before, mapped, installs=not is_dry)
+        packaged = bundled(session, document, before, installs=not is_dry)
         document = packaged.document
         system = looking.wanted_system(
             session,
@@ -68,7 +65,6 @@ def bring_up(
             before,
             stand_in=stand_in,
             transmit=transmit,
-            mapped=mapped,
             known_types=packaged.types if creates else None,
         )
         check_reserved(session, system, before)
@@ -78,7 +74,7 @@ def bring_up(
                 return list(bring_up_plans(system, before, may_create=may_create, lacks=lacks))
             _create(session, system, before, lacks, may_create=may_create)
     if is_followed:
-        states.follow_now(session, document, mapped, stand_in=stand_in, transmit=transmit)
+        states.follow_now(session, document, stand_in=stand_in, transmit=transmit)
     return ()
 
 
@@ -141,7 +137,6 @@ def prepare(
     session: Session,
     document: SystemProfile,
     plan_for: PlanFor,
-    mapped: tuple[str, ...] = (),
     snapshot: Snapshot | None = None,
     *,
     is_dry: bool = False,
@@ -157,12 +152,10 @@ def prepare(
     from rtkit.api.displaced import where_they_live
     from rtkit.deployment.live_index import LiveIndex
 
-    document = where_they_live(session, document, mapped)
+    document = where_they_live(session, document)
     if snapshot is None:
-        snapshot = looking.look(
-            session, document.profile, dry_run=is_dry, may_lack=may_lack, mapped=mapped
-        )
-    system = looking.wanted_system(session, document, snapshot, mapped=mapped)
+        snapshot = looking.look(session, document, dry_run=is_dry, may_lack=may_lack)
+    system = looking.wanted_system(session, document, snapshot)
     plan = plan_for(system, LiveIndex(snapshot, system))
     for text in plan.warnings():
         session.fail(f"warning: {text}")
@@ -195,7 +188,6 @@ def carry_out(session: Session, inputs: StartInputs, timeout_s: float | None = N
 def teardown(
     session: Session,
     document: SystemProfile,
-    mapped: tuple[str, ...] = (),
     *,
     ends_components: bool,
     uninstalls: bool = False,
@@ -215,10 +207,10 @@ def teardown(
     from rtkit.deployment.live_index import LiveIndex
     from rtkit.deployment.running import teardown_plan
 
-    homes = homes_of(session, document, mapped)
-    document = where_they_live(session, document, mapped)
-    snapshot = looking.look(session, document.profile, dry_run=is_dry, may_lack=True, mapped=mapped)
-    system = looking.wanted_system(session, document, snapshot, mapped=mapped)
+    homes = homes_of(session, document)
+    document = where_they_live(session, document)
+    snapshot = looking.look(session, document, dry_run=is_dry, may_lack=True)
+    system = looking.wanted_system(session, document, snapshot)
     if is_dry:
         plan = teardown_plan(system, LiveIndex(snapshot, system), ends_components=ends_components)
     else:
@@ -228,7 +220,7 @@ def teardown(
             forget(session, document, homes)
     if not (uninstalls and ends_components):
         return plan, []
-    return plan, _uninstall(session, document, system, mapped, is_dry=is_dry)
+    return plan, _uninstall(session, document, system, is_dry=is_dry)
 
 
 def _torn_down(
@@ -256,12 +248,7 @@ def _torn_down(
 
 
 def _uninstall(
-    session: Session,
-    document: SystemProfile,
-    system: WantedSystem,
-    mapped: tuple[str, ...],
-    *,
-    is_dry: bool,
+    session: Session, document: SystemProfile, system: WantedSystem, *, is_dry: bool
 ) -> list[str]:
     from rtkit.api.packaged import leftover
     from rtkit.deployment.applying import Applier
@@ -270,7 +257,7 @@ def _uninstall(
 
     snapshot = looking.remains(session)
     names = frozenset(component.instance for component in system.components)
-    packages = leftover(session, document, snapshot, mapped)
+    packages = leftover(session, document, snapshot)
     goal = DeploymentGoal(system, absent=names, packages=packages)
     plan = goal.plan(snapshot)
     if not is_dry:

@@ -171,7 +171,6 @@ class StatesReport:
 def look(
     session: Session,
     document: SystemProfile,
-    mapped: tuple[str, ...],
     way: WayOptions,
     *,
     is_dry: bool = False,
@@ -182,14 +181,7 @@ def look(
     from rtkit.api import planning
 
     begun = planning.begin(
-        session,
-        document,
-        mapped,
-        way,
-        is_dry=is_dry,
-        starts=starts,
-        may_lack=not starts,
-        lock=lock,
+        session, document, way, is_dry=is_dry, starts=starts, may_lack=not starts, lock=lock
     )
     return StatesReport(states_of(begun), begun.snapshot, document.source)
 
@@ -296,12 +288,7 @@ def follow_from(session: Session, document: SystemProfile, goal: DeploymentGoal)
 
 
 def follow_now(
-    session: Session,
-    document: SystemProfile,
-    mapped: tuple[str, ...],
-    *,
-    stand_in: bool = False,
-    transmit: bool = False,
+    session: Session, document: SystemProfile, *, stand_in: bool = False, transmit: bool = False
 ) -> None:
     """Have the system of a profile followed from what lives now, perhaps with stand-ins.
 
@@ -311,9 +298,7 @@ def follow_now(
     from rtkit.api import planning
 
     way = planning.WayOptions((), planning.MEASURED, stand_in, transmit, False)
-    follow(
-        session, document, states_of(planning.begin(session, document, mapped, way, is_dry=False))
-    )
+    follow(session, document, states_of(planning.begin(session, document, way, is_dry=False)))
 
 
 def unfollow(tree: Tree, name: str) -> str:

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any, NamedTuple, cast
 
-from rtkit.errors import InvalidDocument
-from rtkit.fast_dataclass import dataclass
+from rtkit.errors import InvalidDocument, UsageProblem
+from rtkit.fast_dataclass import dataclass, field, replace
 
 if TYPE_CHECKING:
     from rtkit.api.session import Session
@@ -36,6 +36,7 @@ class SystemProfile:
         source: Names it in messages, as a rule the file.
         form: ``xml``, ``yaml`` or ``json`` if that was said; None if name and content tell it.
         resolved: Knows where its parts stand, if it had parameters; `data` has none of them.
+        mapped: Its hosts for which another one stands, with that one.
     """
 
     profile: RtsProfile
@@ -43,6 +44,7 @@ class SystemProfile:
     source: str
     form: str | None
     resolved: SystemReading | None = None
+    mapped: Mapping[str, str] = field(default_factory=dict)
 
     def __repr__(self) -> str:
         return f"<SystemProfile {self.source}: {len(self.profile.components)} components>"
@@ -261,6 +263,21 @@ def _parameters(values: Mapping[str, object], prefix: str) -> SystemParameters |
 
     texts = {k: str(v).lower() if isinstance(v, bool) else str(v) for k, v in values.items()}
     return SystemParameters(tuple(GivenValue(k, text, "") for k, text in texts.items()), prefix)
+
+
+def with_hosts(document: SystemProfile, pairs: Iterable[str]) -> SystemProfile:
+    """Return a profile with other hosts for some of its own, ``HOST=HOST``.
+
+    Raises:
+        UsageProblem: A pair is not of that form.
+    """
+    mapped = {}
+    for item in pairs:
+        host, equals, other = item.partition("=")
+        if not (host and equals and other):
+            raise UsageProblem(f"--map needs HOST=HOST: {item}")
+        mapped[host] = other
+    return replace(document, mapped=mapped)
 
 
 def made(profile: RtsProfile, source: str) -> SystemProfile:

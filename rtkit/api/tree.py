@@ -7,9 +7,9 @@ from contextlib import contextmanager
 from typing import TYPE_CHECKING, Unpack
 
 from rtkit.api.data_tree import DataTree
-from rtkit.api.options import NO_MAP, PlanKeywords, WayKeywords, known, mapped, request, takes
+from rtkit.api.options import NO_MAP, PlanKeywords, WayKeywords, known, request, takes
 from rtkit.api.session import ScriptSession
-from rtkit.api.system_profiles import Source, SystemProfile, load
+from rtkit.api.system_profiles import Source, SystemProfile, load, with_hosts
 
 if TYPE_CHECKING:
     from rtkit.api.checking import SystemReport
@@ -76,10 +76,10 @@ class Tree(DataTree):
         from rtkit.api import planning
         from rtkit.api.plan import SystemPlan
 
-        aim, mapped, strict = request(**options)
-        document = load(profile, strict=strict)
+        aim, hosts, strict = request(**options)
+        document = _loaded(profile, hosts, strict=strict)
         with self._session("plan", document, strict=strict) as session:
-            prepared = planning.prepare(session, document, mapped, aim, is_dry=True)
+            prepared = planning.prepare(session, document, aim, is_dry=True)
         return SystemPlan(self, self.notify, document, prepared)
 
     @takes(PlanKeywords)
@@ -109,11 +109,11 @@ class Tree(DataTree):
         from rtkit.api import planning
         from rtkit.api.plan import SystemPlan, run
 
-        aim, mapped, strict = request(**options)
-        document = load(profile, strict=strict)
+        aim, hosts, strict = request(**options)
+        document = _loaded(profile, hosts, strict=strict)
         with self._locked("apply", document, wait_s, strict=strict) as (session, lock):
             prepared = planning.prepare(
-                session, document, mapped, aim, is_dry=False, parallel=parallel, lock=lock
+                session, document, aim, is_dry=False, parallel=parallel, lock=lock
             )
             run(session, prepared, rollback=rollback, exact=False)
         return SystemPlan(self, self.notify, document, prepared)
@@ -145,12 +145,11 @@ class Tree(DataTree):
         """
         from rtkit.api.starting import bring_up
 
-        document = load(profile)
+        document = _loaded(profile, hosts)
         with self._locked("bring up", document, wait_s) as (session, lock):
             bring_up(
                 session,
                 document,
-                mapped(hosts),
                 may_create=create,
                 stand_in=stand_in,
                 transmit=transmit,
@@ -178,14 +177,14 @@ class Tree(DataTree):
         """
         from rtkit.api import starting, states
 
-        document, pairs = load(profile), mapped(hosts)
+        document = _loaded(profile, hosts)
         plan_for = starting.start_plan_of(document, wait=wait)
         with self._session("start", document) as session:
             is_followed = states.is_follow_wanted(session, document)
-            inputs = starting.prepare(session, document, plan_for, pairs)
+            inputs = starting.prepare(session, document, plan_for)
             starting.carry_out(session, inputs, timeout_s)
             if is_followed:
-                states.follow_now(session, document, pairs)
+                states.follow_now(session, document)
 
     def stop(
         self,
@@ -205,10 +204,10 @@ class Tree(DataTree):
         """
         from rtkit.api import starting
 
-        document = load(profile)
+        document = _loaded(profile, hosts)
         with self._session("stop", document) as session:
             plan_for = starting.stop_plan_of(session, document, wait=wait)
-            inputs = starting.prepare(session, document, plan_for, mapped(hosts), may_lack=True)
+            inputs = starting.prepare(session, document, plan_for, may_lack=True)
             starting.carry_out(session, inputs, timeout_s)
 
     def check(
@@ -240,9 +239,9 @@ class Tree(DataTree):
 
         word = known(state, [*LifeCycleState, UNKNOWN_STATE])
         wanted = None if word == UNKNOWN_STATE else LifeCycleState(word)
-        document = load(profile, strict=strict)
+        document = _loaded(profile, hosts, strict=strict)
         with self._session("check", document, strict=strict) as session:
-            return compare(session, document, wanted, mapped(hosts))
+            return compare(session, document, wanted)
 
     def save(
         self,
@@ -293,9 +292,9 @@ class Tree(DataTree):
         """
         from rtkit.api.starting import teardown
 
-        document = load(profile)
+        document = _loaded(profile, hosts)
         with self._session("tear down", document) as session:
-            teardown(session, document, mapped(hosts), ends_components=end, uninstalls=uninstall)
+            teardown(session, document, ends_components=end, uninstalls=uninstall)
 
     # States of a system
 
@@ -316,10 +315,10 @@ class Tree(DataTree):
         """
         from rtkit.api import states
 
-        aim, mapped, strict = request(**options)
-        document = load(profile, strict=strict)
+        aim, hosts, strict = request(**options)
+        document = _loaded(profile, hosts, strict=strict)
         with self._session("look at", document, strict=strict) as session:
-            return states.look(session, document, mapped, aim.way)
+            return states.look(session, document, aim.way)
 
     @takes(WayKeywords)
     def goto(
@@ -348,10 +347,10 @@ class Tree(DataTree):
         """
         from rtkit.api import states
 
-        aim, mapped, strict = request(**options)
-        document = load(profile, strict=strict)
+        aim, hosts, strict = request(**options)
+        document = _loaded(profile, hosts, strict=strict)
         with self._locked("lead", document, wait_s, strict=strict) as (session, lock):
-            report = states.look(session, document, mapped, aim.way, starts=True, lock=lock)
+            report = states.look(session, document, aim.way, starts=True, lock=lock)
             target = report.target(state, event)
             states.lead(session, report, target, event, rolls_back=rollback)
 
@@ -373,11 +372,11 @@ class Tree(DataTree):
         """
         from rtkit.api import states
 
-        aim, mapped, strict = request(**options)
-        document = load(profile, strict=strict)
+        aim, hosts, strict = request(**options)
+        document = _loaded(profile, hosts, strict=strict)
         with self._session("follow", document, strict=strict) as session:
             states.check_one_manager(session, document)
-            report = states.look(session, document, mapped, aim.way)
+            report = states.look(session, document, aim.way)
             states.follow(session, document, report.states, rolls_back=rollback)
 
     def unfollow(self, name: str) -> None:
@@ -426,6 +425,11 @@ class Tree(DataTree):
             PlanLocks(session.name, wait_s, self.notify) as lock,
         ):
             yield session, lock
+
+
+def _loaded(profile: Source, hosts: Mapping[str, str], *, strict: bool = False) -> SystemProfile:
+    pairs = (f"{host}={other}" for host, other in hosts.items())
+    return with_hosts(load(profile, strict=strict), pairs)
 
 
 _FIRST = """

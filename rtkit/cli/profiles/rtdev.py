@@ -72,8 +72,8 @@ def main(
     if is_down:
         from rtkit.api.starting import teardown
 
-        document = read_document(app, asked.files)
-        teardown(app, document, asked.mapped, ends_components=True, is_dry=False)
+        document = read_document(app, asked.files, asked.mapped)
+        teardown(app, document, ends_components=True, is_dry=False)
     else:
         app.report(f"the system runs on; rtteardown --exit {asked.files[0]} ends it")
     return 0
@@ -169,11 +169,9 @@ class _Development:
         from rtkit.tree.plan_locks import PlanLocks
 
         app, asked = self._app, self._asked
-        document = read_document(app, asked.files)
+        document = read_document(app, asked.files, asked.mapped)
         with PlanLocks(" ".join([app.name, *asked.files]), self._wait_s, app.report) as lock:
-            prepared = planning.prepare(
-                app, document, asked.mapped, self._aim, is_dry=False, lock=lock
-            )
+            prepared = planning.prepare(app, document, self._aim, is_dry=False, lock=lock)
             system = prepared.goal.system
             self._follow(document, system, prepared.snapshot)
             prepared = _without_dropped(prepared, self._before)

@@ -2,20 +2,24 @@
 
 from __future__ import annotations
 
-from rtkit.api.system_profiles import BUNDLE, SystemProfile, parse_document
+from rtkit.api.system_profiles import BUNDLE, SystemProfile, parse_document, with_hosts
 from rtkit.cli.shared.app import App, check_at_most_one
 from rtkit.cli.shared.profile_files import read_input
 from rtkit.cli.shared.system_values import parameters
 
 
-def read_document(app: App, files: tuple[str, ...]) -> SystemProfile:
-    """Read the system profile that was named, or stdin; tell repairs when verbose.
+def read_document(app: App, files: tuple[str, ...], mapped: tuple[str, ...] = ()) -> SystemProfile:
+    """Read the system profile that was named, or stdin, with hosts for others (``HOST=HOST``).
+
+    Repairs are told when verbose.
 
     Raises:
         NotFound: The file cannot be read.
         InvalidDocument: It is no system profile.
+        UsageProblem: A pair of hosts is none.
     """
-    return parse_document(app, *read_data(files), app.form, parameters(app))
+    document = parse_document(app, *read_data(files), app.form, parameters(app))
+    return with_hosts(document, mapped)
 
 
 def read_data(files: tuple[str, ...]) -> tuple[str, bytes]:

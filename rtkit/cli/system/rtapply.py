@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import click
 from click.core import ParameterSource
 
-from rtkit.api.system_profiles import is_saved_plan, parse_document
+from rtkit.api.system_profiles import is_saved_plan, parse_document, with_hosts
 from rtkit.cli.shared import terminal
 from rtkit.cli.shared.app import App
 from rtkit.cli.shared.command import command
@@ -85,8 +85,9 @@ def main(
         )
     else:
         document = parse_document(app, source, data, app.form, parameters(app))
+        document = with_hosts(document, asked.mapped)
         prepared = planning.prepare(
-            app, document, asked.mapped, aim, is_dry=dry_run, parallel=parallel or 0, lock=lock
+            app, document, aim, is_dry=dry_run, parallel=parallel or 0, lock=lock
         )
     if dry_run:
         away = prepared.snapshot.unreachable

@@ -74,22 +74,22 @@ def main(
         raise UsageProblem("--components and --ignore are for --static")
     if is_diff and form != static_checks.TEXT:
         raise UsageProblem("--diff has a form of its own: no --json, no --format")
-    document = read_document(app, asked.files)
+    document = read_document(app, asked.files, asked.mapped)
     if dry_run:
         from rtkit.api import looking
         from rtkit.api.displaced import where_they_live
         from rtkit.deployment.deviations import check_lines
 
-        document = where_they_live(app, document, asked.mapped)
-        snapshot = looking.look(app, document.profile, dry_run=True, mapped=asked.mapped)
-        system = looking.wanted_system(app, document, snapshot, mapped=asked.mapped)
+        document = where_they_live(app, document)
+        snapshot = looking.look(app, document, dry_run=True)
+        system = looking.wanted_system(app, document, snapshot)
         for line in check_lines(system, state):
             click.echo(line)
         return 0
     from rtkit.api.checking import compare
 
     expected = None if state == UNKNOWN_STATE else LifeCycleState(state)
-    report_of = compare(app, document, expected, asked.mapped)
+    report_of = compare(app, document, expected)
     system, live, found = report_of.system, report_of.live, report_of.found
     if is_diff:
         from rtkit.deployment.deviations import diff_lines, surplus

@@ -67,8 +67,8 @@ def main(
 
     if is_json and is_dot:
         raise UsageProblem("--json and --dot exclude each other")
-    document = read_document(app, asked.files)
-    prepared = planning.prepare(app, document, asked.mapped, aim, is_dry=True)
+    document = read_document(app, asked.files, asked.mapped)
+    prepared = planning.prepare(app, document, aim, is_dry=True)
     goal, plan = prepared.goal, prepared.plan
     if out is not None:
         from rtkit.api.saved_plan import save
@@ -76,7 +76,7 @@ def main(
 
         if out == STDOUT:
             raise UsageProblem("--out needs a file: the plan itself is on stdout")
-        save(out, document, prepared, planning.options_record(asked.mapped, aim))
+        save(out, document, prepared, planning.options_record(document, aim))
     if is_json:
         terminal.write([json_records.line("plan", rendering.as_plain(plan, goal.costs))])
     else:

@@ -48,7 +48,7 @@ def main(
 
     if no_create and (stand_in or transmit):
         raise UsageProblem("--no-create makes no stand-ins")
-    document = read_document(app, asked.files)
+    document = read_document(app, asked.files, asked.mapped)
     if strict_path:
         from rtkit.deployment.place import check_paths
 
@@ -57,7 +57,6 @@ def main(
     plans = bring_up(
         app,
         document,
-        asked.mapped,
         may_create=not no_create,
         stand_in=stand_in,
         transmit=transmit,

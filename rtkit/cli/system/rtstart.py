@@ -36,9 +36,9 @@ def main(
     --timeout bounds a plan with such conditions as a whole. Without it the plan ends when nothing
     has happened for 10 s after the last time that it names.
     """
-    document = read_document(app, asked.files)
+    document = read_document(app, asked.files, asked.mapped)
     plan_for = start_plan_of(document, wait=not no_wait)
     is_followed = not (dry_run or draws) and states.is_follow_wanted(app, document)
-    starting.run(app, document, plan_for, draws=draws, dry_run=dry_run, mapped=asked.mapped)
+    starting.run(app, document, plan_for, draws=draws, dry_run=dry_run)
     if is_followed:
-        states.follow_now(app, document, asked.mapped)
+        states.follow_now(app, document)

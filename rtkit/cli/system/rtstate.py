@@ -86,11 +86,11 @@ def main(
     from rtkit.api import states
 
     is_led = goto is not None or event is not None
-    document = read_document(app, asked.files)
+    document = read_document(app, asked.files, asked.mapped)
     if follow:
         states.check_one_manager(app, document)
     lock = shared.locks(app, asked.files, wait_s) if is_led and not dry_run else None
-    report = states.look(app, document, asked.mapped, way, is_dry=dry_run, starts=is_led, lock=lock)
+    report = states.look(app, document, way, is_dry=dry_run, starts=is_led, lock=lock)
     if follow:
         from rtkit.cli.system.watching import Watching
 

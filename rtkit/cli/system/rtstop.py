@@ -34,13 +34,12 @@ def main(
     --timeout bounds a plan with conditions as a whole. Without it the plan ends when nothing has
     happened for 10 s after the last time that it names.
     """
-    document = read_document(app, asked.files)
+    document = read_document(app, asked.files, asked.mapped)
     starting.run(
         app,
         document,
         stop_plan_of(app, document, wait=not no_wait),
         draws=draws,
         dry_run=dry_run,
-        mapped=asked.mapped,
         may_lack=True,
     )

@@ -36,16 +36,11 @@ def main(
     """
     from rtkit.api.starting import teardown
 
-    document = read_document(app, asked.files)
+    document = read_document(app, asked.files, asked.mapped)
     if uninstalls and not ends:
         raise UsageProblem("--uninstall goes with --exit: what lives needs its package")
     plan, more = teardown(
-        app,
-        document,
-        asked.mapped,
-        ends_components=ends,
-        uninstalls=uninstalls,
-        is_dry=dry_run,
+        app, document, ends_components=ends, uninstalls=uninstalls, is_dry=dry_run
     )
     if dry_run:
         shared.show(plan)

@@ -33,7 +33,6 @@ def run(
     *,
     draws: bool,
     dry_run: bool,
-    mapped: tuple[str, ...],
     may_lack: bool = False,
 ) -> None:
     """Carry out a plan for the system of `document`, or only print it.
@@ -45,9 +44,7 @@ def run(
         KeyboardInterrupt: Interrupted; its text tells how far it went.
     """
     nothing = looking.nothing(app.usual_manager) if draws else None
-    inputs = starting.prepare(
-        app, document, plan_for, mapped, nothing, is_dry=dry_run, may_lack=may_lack
-    )
+    inputs = starting.prepare(app, document, plan_for, nothing, is_dry=dry_run, may_lack=may_lack)
     if draws:
         from rtkit.deployment.plan_graph import to_dot
 
