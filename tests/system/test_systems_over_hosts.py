@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -119,6 +121,10 @@ def test_a_host_that_nobody_knows_is_named(shell: Shell) -> None:
 def test_a_mapped_host_is_not_asked(shell: Shell) -> None:
     shell.ok("rtmgr start")
     file = profile(shell.folder / "two.xml")
+    script = f"rtkit.connect().plan({file!r}, hosts={{'robot1': 'localhost'}}).apply()"
+    words = [*shell.prefix, sys.executable, "-c", f"import rtkit; {script}"]
+    subprocess.run(words, env=shell.environment, timeout=30, check=True)
+    assert [*states(shell)] == ["In1.rtc", "Out1.rtc"]
     assert shell.run(f"rtapply --map robot1=localhost {file}").status == 0
     assert shell.run(f"rtplan --detailed-exitcode --map robot1=localhost {file}").status == 0
     assert "not started" in shell.ok("rthost list")
