@@ -54,6 +54,9 @@ class WebGuard(NamedTuple):
 
     def refusal(self, method: str, path: str, headers: Mapping[str, str]) -> Refusal | None:
         """Return why a request is refused, None if it is not; names of headers in lower case."""
+        if path == "/" and headers.get("sec-fetch-mode") == "navigate":
+            # A link, or a file of the user, leads to the page, which holds nothing without a token.
+            headers = {**headers, "sec-fetch-site": "none"}
         why = stranger(headers, self.names, self.scheme)
         if why:
             return Refusal(403, "denied", why)

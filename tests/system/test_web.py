@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import signal
 from collections.abc import Iterator
+from pathlib import Path
 
 import pytest
 from shells import Shell
@@ -170,6 +171,33 @@ def test_what_strangers_ask_is_refused(
     assert answer.status == status
     assert answer.headers["content-security-policy"].startswith("default-src 'none'")
     assert "access-control-allow-origin" not in answer.headers
+
+
+def test_a_link_may_lead_to_the_page_and_to_nothing_else(served_alone: WebClient) -> None:
+    link = {"Sec-Fetch-Site": "cross-site", "Sec-Fetch-Mode": "navigate", "Authorization": ""}
+    assert served_alone.ask("GET", "/", None, link).status == 200
+    assert served_alone.ask("GET", "/api/events", None, link).status == 403
+    assert served_alone.ask("GET", "/", None, {**link, "Host": "evil.example"}).status == 403
+
+
+def test_the_secret_is_on_no_command_line(shell: Shell, tmp_path: Path) -> None:
+    browser, seen = tmp_path / "browser", tmp_path / "seen"
+    os.mkfifo(seen)
+    browser.write_text(f'#!/bin/sh\necho "$@" > {seen}\n')
+    browser.chmod(0o700)
+    shell.environment["BROWSER"] = f"{browser} %s"
+    process = shell.open("rtweb")
+    assert process.stdout is not None
+    token = process.stdout.readline().strip().partition("#token=")[2]
+    given = seen.read_text().strip()
+    assert token
+    assert token not in given
+    file = Path(given.removeprefix("file://"))
+    assert f"#token={token}" in file.read_text()
+    assert file.stat().st_mode & 0o777 == 0o600
+    process.send_signal(signal.SIGINT)
+    shell.end_of(process)
+    assert not file.exists()
 
 
 def test_a_token_in_the_query_does_not_count(served_alone: WebClient) -> None:

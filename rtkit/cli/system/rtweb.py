@@ -46,6 +46,7 @@ def main(
             raise
         raise Refused("the page needs starlette and uvicorn: pip install 'rtkit[web]'") from None
     from rtkit.web.guard import WebGuard
+    from rtkit.web.opening import signpost
 
     check_built(STATIC)
     listener = listening(port or 0)
@@ -54,13 +55,15 @@ def main(
     names = frozenset({"localhost", HERE})
     guard = WebGuard(token, names, is_read_only=is_read_only)
 
-    def ready() -> None:
-        address = f"http://{HERE}:{number}/#token={token}"
-        terminal.write_now([address])
-        if not no_browser:
-            _open(address)
+    with signpost() as lead:
 
-    serve(WebServer(app, guard, ready), listener)
+        def ready() -> None:
+            address = f"http://{HERE}:{number}/#token={token}"
+            terminal.write_now([address])
+            if not (no_browser or lead(address)):
+                app.fail("no browser was found here: open the address yourself")
+
+        serve(WebServer(app, guard, ready), listener)
 
 
 def check_built(folder: str) -> None:
@@ -73,10 +76,3 @@ def check_built(folder: str) -> None:
 
     if not os.path.exists(os.path.join(folder, "index.html")):
         raise Refused("this installation has no page: install rtkit from a wheel, or make web")
-
-
-def _open(address: str) -> None:
-    import webbrowser
-
-    if not webbrowser.open(address):
-        terminal.write_now(["no browser was found here: open the address yourself"])
