@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from rtkit.probe.probe import Refusal
     from rtkit.probe.tap import Arrival
     from rtkit.rtc.enums import PortType
+    from rtkit.rtc.names import Path
     from rtkit.rtc.profiles import PortRef
     from rtkit.tree.client import Tree
 
@@ -81,6 +82,54 @@ def streams_of(
     return tuple(s._replace(elsewhere=known.get(scoped_name(s.data_type), "")) for s in streams)
 
 
+def streams_at(
+    at: Callable[[Path], Tree],
+    ports: Sequence[PortSpec],
+    wanted: PortType,
+    unnamed: Callable[[int, PortRef], str] | None = None,
+    *,
+    is_patient: bool = False,
+) -> tuple[Stream, ...]:
+    """Return the streams of ports that may be at several managers; see `streams_of`.
+
+    `at` returns the connection to the manager that a path leads to.
+
+    Raises:
+        RtkitError: One of them is not there or not of that kind; or a stream has ports at two
+            managers, or one of several is reached over TLS.
+    """
+    from rtkit.probe.port_spec import STREAMS
+    from rtkit.tree.connect import is_behind_tls
+
+    groups: dict[Tree, list[PortSpec]] = {}
+    for each in ports:
+        groups.setdefault(at(each.path), []).append(each)
+    if len(groups) == 1:
+        return streams_of(*groups.popitem(), wanted, unnamed, is_patient=is_patient)
+    found: dict[str, Stream] = {}
+    count = 0
+
+    def name(number: int, ref: PortRef) -> str:
+        number += count
+        text = unnamed(number, ref) if unnamed is not None else f"{STREAMS[wanted]}{number}"
+        while text in found:
+            text += "_"
+        return text
+
+    for tree, specs in groups.items():
+        if is_behind_tls(tree):
+            typed = specs[0].path.typed
+            raise Refused(f"{typed} is at a manager over TLS: its ports are taken by themselves")
+        if is_patient and any(each.is_pattern for each in ports):
+            raise Refused("a pattern is followed at one manager: the other ports are at others")
+        for stream in streams_of(tree, specs, wanted, name):
+            if stream.name in found:
+                raise Refused(f"stream {stream.name} has ports at two managers")
+            found[stream.name] = stream._replace(tree=tree)
+            count += len(stream.ends)
+    return tuple(found.values())
+
+
 def types_of(streams: Iterable[Stream]) -> dict[str, type]:
     """Return the data type of each stream, by its name.
 
@@ -104,7 +153,7 @@ def reading(
     """Return a component that takes the values of streams from now on; close it to end that.
 
     Args:
-        tree: The manager of the components.
+        tree: The manager of the components, of the first ones where there are several.
         name: Of the component, before its number.
         streams: Its ports.
         rate: Take only the newest value this often [Hz]; 0 for all values.
@@ -270,14 +319,13 @@ def _value(cls: type, given: Any) -> Any:
 
 
 def _streams(tree: Tree, ports: Sequence[str], wanted: PortType) -> tuple[Tree, tuple[Stream, ...]]:
-    """Return the streams of ports, and the connection to their manager."""
+    """Return the streams of ports, and the connection to the manager of the first one."""
     from rtkit.probe.port_spec import parse_spec
 
     if not ports:
         raise Malformed("No ports specified.")
     specs = [parse_spec(each) for each in ports]
-    there = tree.led_to(specs[0].path)
-    return there, streams_of(there, specs, wanted)
+    return tree.led_to(specs[0].path), streams_at(tree.led_to, specs, wanted)
 
 
 def call(tree: Tree, typed: str, arguments: Sequence[Any], timeout_s: float) -> Any:

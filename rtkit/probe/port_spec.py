@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Sequence
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 from rtkit.errors import Malformed, NotFound, Refused
 from rtkit.rtc.enums import PortType
@@ -18,10 +18,13 @@ from rtkit.tree.resolve import component_of_port, no_port
 from rtkit.tree.view import build
 from rtkit.tree.wiring import Facts, ResolvedPort
 
+if TYPE_CHECKING:
+    from rtkit.tree.client import Tree
+
 _FORMATTER = r"[A-Za-z_][\w.]*"
 _STREAM = r"\w+"
 WORDS = {PortType.OUT: "output", PortType.IN: "input"}
-_STREAMS = {PortType.OUT: "input", PortType.IN: "output"}
+STREAMS = {PortType.OUT: "input", PortType.IN: "output"}
 """Role of the tool's own port towards a component's: unnamed streams are numbered so."""
 
 
@@ -50,6 +53,7 @@ class Stream(NamedTuple):
     Attributes:
         elsewhere: IDL of its type that another port has; for where these have none.
         clock: Whose time stamps of its values are.
+        tree: The manager of these components; None for the one that is asked.
     """
 
     name: str
@@ -57,6 +61,7 @@ class Stream(NamedTuple):
     formatter: str = ""
     elsewhere: str = ""
     clock: StampClock = StampClock()
+    tree: Tree | None = None
 
     @property
     def data_type(self) -> str:
@@ -119,7 +124,7 @@ def find_streams(
         end = ResolvedPort(spec.path, PortRef(instance, port.name), port)
         number = sum(len(group) for group in found.values())
         if not name:
-            name = unnamed(number, end.ref) if unnamed else f"{_STREAMS[wanted]}{number}"
+            name = unnamed(number, end.ref) if unnamed else f"{STREAMS[wanted]}{number}"
             while name in found:
                 name += "_"
         found.setdefault(name, []).append((end, spec))

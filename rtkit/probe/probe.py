@@ -127,9 +127,13 @@ class Probe(Closing):
         self._properties = properties
         self._attached.listeners.append(self._look)
         activate = ChangeState(self.component.instance, "0", Transition.ACTIVATE)
-        connects = self._connects(self._tree, self._streams, refused)
+        groups: dict[Tree, list[Stream]] = {}
+        for stream in self._streams:
+            groups.setdefault(stream.tree or self._tree, []).append(stream)
+        connects = {t: list(self._connects(t, each, refused)) for t, each in groups.items()}
         _perform(self._home, [("", activate)], None)
-        self._connect(self._tree, connects, refused)
+        for tree, each in connects.items():
+            self._connect(tree, each, refused)
 
     def extend(self, ports: Sequence[Port]) -> None:
         """Give the component further ports; the manager knows them a little later."""
@@ -141,24 +145,27 @@ class Probe(Closing):
 
     def _connect(self, tree: Tree, connects: Iterable[_Connect], refused: Refusal | None) -> None:
         named = list(connects)
-        if self._home is tree or self._home is self._tree:
+        if self._is_home(tree):
             _perform(tree, [(typed, Connect(each)) for typed, each in named], refused)
             return
-        for typed, connector in named:  # between hosts: the manager of the out end makes it
+        for typed, connector in named:  # the manager of the out end makes it
             ends = (self._home, tree)
             is_mine = connector.ports[0].instance == self.component.instance
             maker, other = ends if is_mine else ends[::-1]
             between = named_by(connector, on_host(maker.manager, maker.host))
-            with expected([(other, between)]) as failed:
+            with expected([(other, between)] if maker.host != other.host else []) as failed:
                 if not _perform(maker, [(typed, Connect(connector))], refused):
                     failed.append(connector.connector_id)
+
+    def _is_home(self, tree: Tree) -> bool:
+        return (tree.manager, tree.host) == (self._home.manager, self._home.host)
 
     def _connects(
         self, tree: Tree, streams: Sequence[Stream], refused: Refusal | None
     ) -> Iterator[_Connect]:
         """Yield the connector of each port, with the port as typed."""
         own, far = "", ""
-        if self._home is not self._tree:
+        if not self._is_home(tree):
             own = on_host(self._home.manager, self._home.host)
             far = on_host(tree.manager, tree.host)
         given = {NUMBERED: "YES", **self._properties}

@@ -186,6 +186,31 @@ def test_two_robots_are_joined_through_here(fleet: Shell, hosts: list[FarHost]) 
     assert half(fleet, OTHER, "across") is None
 
 
+def test_one_command_reads_ports_of_several_hosts(fleet: Shell) -> None:
+    rows = map(json.loads, fleet.ok(f"rtprint --json -n 60 {OUT} {FAR_OUT}").splitlines())
+    clocks = {each["ports"][0]: each["clock"]["host"] for each in rows}
+    assert clocks == {OUT: os.uname().nodename, FAR_OUT: "robot1"}
+    assert fleet.run(f"rtlog -f both.mcap -t 1 {FAR_OUT} {OUT}").status == 0
+    shown = fleet.ok("rtlog -d -f both.mcap")
+    assert "A_out" in shown
+    assert "C_out" in shown
+    twice = fleet.run(f"rtprint -n 1 {OUT}.same {FAR_OUT}.same")
+    assert twice.err == "rtprint: stream same has ports at two managers\n"
+    late = fleet.run(f"rtlog -f late.mcap {FAR_OUT} /localhost/*:out")
+    why = "a pattern is followed at one manager: the other ports are at others"
+    assert (late.status, why in late.err) == (1, True)
+    script = (
+        "import rtkit\n"
+        "with rtkit.connect() as tree:\n"
+        f"    got = tree.values('{OUT}', '{FAR_OUT}', number=60)\n"
+        "    print(sorted({each.port for each in got}))\n"
+    )
+    (fleet.folder / "both.py").write_text(script)
+    command = [sys.executable, fleet.folder / "both.py"]
+    told = subprocess.check_output(command, env=fleet.environment, text=True)
+    assert told == f"{sorted([OUT, FAR_OUT])}\n"
+
+
 def test_scripts_go_by_the_paths_of_commands(fleet: Shell) -> None:
     script = (
         "import rtkit\n"

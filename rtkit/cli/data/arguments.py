@@ -18,8 +18,8 @@ MODULES = several(
 FOLDERS = several("-p --path DIR", "Look for modules here too.")
 
 
-def specified(app: App, typed: Sequence[str]) -> list[PortSpec]:
-    """Return the port specifications that the user gave.
+def specified(app: App, typed: Sequence[str], *, may_part: bool = False) -> list[PortSpec]:
+    """Return the port specifications that the user gave, which perhaps `may_part` among managers.
 
     Raises:
         RtkitError: There are none, or one of them is none.
@@ -29,6 +29,6 @@ def specified(app: App, typed: Sequence[str]) -> list[PortSpec]:
     if not typed:
         raise WrongArguments("No ports specified.")
     specs = [parse_spec(each, working_directory()) for each in typed]
-    for spec in specs:
+    for spec in specs[:1] if may_part else specs:
         app.note_place(spec.path)
     return specs

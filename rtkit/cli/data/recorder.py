@@ -11,7 +11,7 @@ from contextlib import ExitStack, contextmanager, nullcontext
 from functools import partial
 from typing import IO, TYPE_CHECKING, cast
 
-from rtkit.api.ports import reading, streams_of
+from rtkit.api.ports import reading, streams_at
 from rtkit.cli.data.arguments import specified
 from rtkit.cli.shared import stdout_reader
 from rtkit.cli.shared.app import App
@@ -51,9 +51,9 @@ def record(
     from rtkit.rtc.enums import PortType
 
     app.bound(duration_s)
-    specs = specified(app, ports)
+    specs = specified(app, ports, may_part=True)
     is_patient = any(spec.is_pattern for spec in specs)
-    streams = streams_of(app.tree, specs, PortType.OUT, _name, is_patient=is_patient)
+    streams = streams_at(app.tree_at, specs, PortType.OUT, _name, is_patient=is_patient)
     if not streams:
         app.fail("warning: no such output port is there yet")
     types = {each.name: _type(app, each) for each in streams}

@@ -83,7 +83,8 @@ def main(
 
     A port may be a pattern, 'Sensor*:out': * stands for any text, ? for any character. Without a
     slash it is one of names anywhere below the working directory. Ports that match and come later,
-    or come back with their components, are recorded from then on.
+    or come back with their components, are recorded from then on. Ports may be of several hosts;
+    beside a pattern all are at one manager.
 
     A recording is an MCAP file that other viewers open too: values in CDR, with their data types.
     Values that were recorded up to half a second ago can be read even after the recorder was

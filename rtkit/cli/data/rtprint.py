@@ -6,7 +6,7 @@ import time
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
-from rtkit.api.ports import reading, streams_of, types_of
+from rtkit.api.ports import reading, streams_at, types_of
 from rtkit.cli.data.arguments import FOLDERS, MODULES, specified
 from rtkit.cli.shared import stdout_reader
 from rtkit.cli.shared.app import App
@@ -93,8 +93,8 @@ def main(
 
     import_modules(modules, folders)
     app.bound(duration_s)
-    specs = specified(app, ports)
-    streams = streams_of(app.tree, specs, PortType.OUT)
+    specs = specified(app, ports, may_part=True)
+    streams = streams_at(app.tree_at, specs, PortType.OUT)
     types = types_of(streams)
     for cls in types.values():
         for field in fields:
