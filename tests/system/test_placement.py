@@ -95,6 +95,16 @@ def test_components_go_where_their_requirements_are_met_and_stay(
     assert homes(shell) == {}
 
 
+def test_what_was_made_by_hand_moves_without_a_create_string(shell: Shell) -> None:
+    file = Path(free_profile(shell.folder / "bare.xml", In1={"tags": "arm"}))
+    file.write_text(file.read_text().replace("rtkit.create", "of.another"))
+    shell.ok("rtmgr -c 'ConsoleIn?instance_name=In1' /robot1/manager.mgr")
+    assert shell.run(f"rtapply {file}").status == 0
+    assert homes(shell) == {"In1": "robot2"}
+    assert shell.run(f"rtplan --detailed-exitcode {file}").status == 0
+    shell.ok("rtexit /robot2/In1.rtc")
+
+
 def test_what_waits_for_its_device_ends_with_its_system(shell: Shell, hosts: list[FarHost]) -> None:
     hosts[0].write("/tmp/lamp", "")
     file = free_profile(shell.folder / "lamp.xml", In1={"device": "/tmp/lamp"})

@@ -304,7 +304,7 @@ class ModelBuilder:
             return place if is_stated and self._units[component.instance].places else var.ANY
         manager = self.live.home(component.instance)
         now = place_name(manager, facts.process)
-        if not is_stated:
+        if not is_stated and self.live.destination(component.instance) == manager:
             return var.ANY
         if self.live.is_guest(facts):
             return now  # its user has started it there
