@@ -146,12 +146,13 @@ class SystemOwner:
         self, owned: OwnedSystem, due: Mapping[str, Sequence[str]]
     ) -> tuple[Mapping[str, str], Mapping[str, str]]:
         """Return where components go whose hosts are lost, and why there is no place for some."""
-        from rtkit.api.placing import other_places
+        from rtkit.api.placing import other_places, settled
         from rtkit.api.system_profiles import made
         from rtkit.deployment.owned import opened
 
-        document = made(opened(_profile(owned), owned, due), owned.source)
         with self._session(owned) as session:
+            as_is = settled(session, made(_profile(owned), owned.source)).profile  # others stay
+            document = made(opened(as_is, owned, due), owned.source)
             return other_places(session, document, due)
 
     def _rehomed(self, owned: OwnedSystem, found: Found) -> OwnedSystem:

@@ -233,6 +233,27 @@ def test_only_a_host_that_meets_the_requirements_is_taken(
     ended_on_robot1(applied)
 
 
+def test_others_whose_host_is_open_stay_where_they_live(
+    applied: Shell, hosts: list[FarHost]
+) -> None:
+    for host in hosts:
+        applied.ok(f"rthost add --force {host.name} root@{host.address} --tag {host.name}")
+    text = profile(**{"movable": "0", "place.not_with": "Far"})
+    text = text.replace("robot2/Far.rtc", "*/Far.rtc")
+    marks = ['rtkit.create" rtsExt:value="Checker?manager_name=far"/>', "rtkit.place.tags"]
+    (applied.folder / "open.xml").write_text(
+        text.replace(
+            marks[0],
+            f'{marks[0]}<rtsExt:Properties rtsExt:name="{marks[1]}" rtsExt:value="robot2"/>',
+        )
+    )
+    assert applied.run("rtapply open.xml").status == 0
+    cut(applied, hosts[0])
+    moved(applied, hosts)
+    linked_again(applied, hosts[0])
+    ended_on_robot1(applied)
+
+
 def test_while_the_owner_is_away_nothing_moves(applied: Shell, hosts: list[FarHost]) -> None:
     pid = int(applied.ok("rtget /localhost/manager.mgr/pid"))
     hosts[0].link("down")
