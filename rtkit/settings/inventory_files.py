@@ -39,7 +39,7 @@ def files() -> list[str]:
 
 def hint(name: str, known: Iterable[str]) -> str:
     """Return what helps with the name of a host that is not among the known ones."""
-    return did_you_mean(name, known) or f" (add it: rthost add {name} USER@ADDRESS)"
+    return did_you_mean(name, sorted(known)) or f" (add it: rthost add {name} USER@ADDRESS)"
 
 
 def names() -> set[str]:

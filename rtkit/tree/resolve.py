@@ -197,8 +197,17 @@ def manager(root: TreeNode, path: Path, hostname: str) -> TreeNode:
     if node.kind is NodeKind.ZOMBIE:
         raise zombie(node, path)
     if node.kind is not NodeKind.MANAGER or path.port is not None:
-        raise Refused(f"Not a manager: {path.typed}")
+        raise Refused(f"Not a manager: {path.typed}{_managers_below(node, path)}")
     return node
+
+
+def _managers_below(node: TreeNode, path: Path) -> str:
+    """Return a hint with the managers of a host whose own path was typed."""
+    if path.port is not None or len(path.elements) != 1:
+        return ""
+    below = [name for name, each in node.children.items() if each.kind is NodeKind.MANAGER]
+    typed = path.typed.rstrip("/")
+    return f" (did you mean {' or '.join(f'{typed}/{name}' for name in below)}?)" if below else ""
 
 
 def _living(root: TreeNode, path: Path, hostname: str) -> TreeNode:

@@ -366,7 +366,7 @@ def test_a_link_that_leads_to_another_manager_there_is_told(shell_to: Shell) -> 
     assert shell_to.ok("rtmgr stop m2 --host bare") == "bare: m2 ended\n"
     assert shell_to.ok("rtls /bare") == "manager.mgr/\n"
     assert shell_to.ok("rtmgr stop --host bare") == "bare: manager ended\n"
-    assert "not started" in shell_to.ok("rthost list")
+    assert "not linked" in shell_to.ok("rthost list")
 
 
 def test_two_commands_at_once_make_one_host_ready_one_after_the_other(

@@ -88,3 +88,8 @@ def test_an_index_of_a_host_is_an_address_without_a_secret(profile: str) -> None
     Path("hosts.toml").write_text('[z]\naddress = "z"\nindex = "/wheels"\n')
     with pytest.raises(Malformed, match=r"hosts\.toml: z: an index is http.*: '/wheels'"):
         inventory.read()
+
+
+def test_hosts_that_are_equally_alike_are_told_in_the_order_of_their_names() -> None:
+    told = " (did you mean robot1 or robot2 or robot3?)"
+    assert inventory_files.hint("robot9", ["robot3", "robot1", "robot2"]) == told

@@ -35,7 +35,7 @@ def main(app: App, is_json: bool = json_flag(), words: tuple[str, ...] = argumen
                 "name": name,
                 "address": str(host) if host is not None else None,
                 "is_linked": why == "",
-                "why": why or ("" if why is not None else "not started: rtmgr start --host"),
+                "why": why or ("" if why is not None else "not linked: rtmgr start --host"),
                 "tags": [*host.tags] if host is not None else [],
             }
         )
