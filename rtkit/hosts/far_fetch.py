@@ -37,7 +37,7 @@ def _read(url: str, most: int, step: str) -> tuple[str, bytes]:
         while piece := answer.read1(_PIECE):
             data += piece
             if len(data) > most:
-                raise ValueError("it has more bytes")
+                raise ValueError("it has too many bytes")
             if time.monotonic() > shown_at + 1.0:
                 shown_at = time.monotonic()
                 print(step, flush=True)

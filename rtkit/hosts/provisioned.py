@@ -43,6 +43,7 @@ with open(os.path.join(base, "turn"), "w") as lock:
 _STEPS = ("fetching", "installing")
 _REASON = 200
 """How much of a reason of the host is told [characters]."""
+_MOST_NAMED = 3
 _TIMES = 2
 """How often what is lacking is sent: it may stand behind the beginning of another file."""
 
@@ -206,10 +207,15 @@ def _fetch(
     for each in sorted(failed.keys() & {*wanted}):
         why = " ".join(failed[each].split())[:_REASON]
         packages.setdefault(why, []).append(each.split("-")[0])
-    why = "; ".join(f"{', '.join(each)}: {why}" for why, each in packages.items())
+    why = "; ".join(f"{_listed(each)}: {why}" for why, each in packages.items())
     if why:
         show(name, HostStep(f"not fetched there: {why}"))
     return why
+
+
+def _listed(names: list[str]) -> str:
+    more = len(names) - _MOST_NAMED
+    return ", ".join(names[:_MOST_NAMED]) + (f" and {more} more" if more > 0 else "")
 
 
 def _run(connection: HostConnection, file: str, what: dict[str, Any], show: Progress) -> str:

@@ -72,7 +72,7 @@ def test_each_wheel_that_is_not_the_right_one_is_told_and_kept_nowhere(
     slow = "no answer of the index: it sends too slowly"
     assert json.loads(answer) == {
         names["away"]: "its link leads elsewhere",
-        names["long"]: "it has more bytes",
+        names["long"]: "it has too many bytes",
         names["none"]: "it is not there",
         names["slow"]: slow,
         names["then"]: slow,
