@@ -180,7 +180,15 @@ def _delete(action: Action, records: SystemRecords) -> CommandStep:
         return CommandStep(
             f"Forget the zombie {id}", ("rtdel", "-z", "--", id), None, "it was dead"
         )
-    return CommandStep(f"End {id}", ("rtexit", "--", id), None, f"{component['name']} has ended")
+    pairs = ((wire["source"], wire["target"]) for wire in records.connectors.values())
+    wires = [
+        f"{source['component']}:{source['port']} to {target['component']}:{target['port']}"
+        for source, target in pairs
+        if id in (source["component"], target["component"])
+    ]
+    goes = f", and with it the connector from {' and that from '.join(wires)}" if wires else ""
+    reason = f"{component['name']} has ended"
+    return CommandStep(f"End {id}{goes}", ("rtexit", "--", id), None, reason)
 
 
 _STEPS: Mapping[str, Callable[[Action, SystemRecords], CommandStep]] = {

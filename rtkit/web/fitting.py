@@ -1,8 +1,8 @@
-"""Tells which ports a port may be connected to, by the rules of ``rtcon``."""
+"""Tells which ports a port may be connected to, and what a manager can make."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Container, Iterable
 
 from rtkit.component.port_matching import refusal
 from rtkit.errors import NotFound
@@ -33,6 +33,23 @@ def fitting(port: str, managers: Iterable[KnownManager], hostname: str) -> list[
         {"path": path, "type": short_type(each.data_type), "why": _why(asked, each)}
         for path, each in ports.items()
     ]
+
+
+def offers_of(rows: Iterable[Record], loaded: Container[str]) -> Record:
+    """Return the types that can be created and the modules that can be loaded.
+
+    Args:
+        rows: What ``rtmgr --json -m`` tells.
+        loaded: Files of modules that are loaded already.
+    """
+    types, modules = [], {}
+    for each in rows:
+        id, module, problem = each["type"] or "", each["module"] or "", each["problem"] or ""
+        if id:
+            types.append({"name": id.split(":")[3], "id": id, "module": module})
+        if module and module not in loaded:
+            modules[module] = {"path": module, "problem": problem}
+    return {"types": types, "modules": list(modules.values())}
 
 
 def _why(one: PortProfile, other: PortProfile) -> str:

@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 import asyncio
+import json
 import os
 import shlex
 import sys
 from asyncio.subprocess import DEVNULL, PIPE
+from collections.abc import Container, Sequence
+from typing import NamedTuple
 
+from rtkit.errors import Refused, Unreachable
 from rtkit.web.actions import CommandStep
 from rtkit.web.records import Record
 
@@ -16,23 +20,66 @@ _BOUND_S = 60.0
 """Bound on a command; each has a time-out of its own below that [s]."""
 
 
-async def carried_out(step: CommandStep) -> Record:
-    """Run the command of a step; return the step with its outcome."""
+class Outcome(NamedTuple):
+    """The outcome of a command.
+
+    Attributes:
+        status: Exit status.
+        out: What it wrote to stdout.
+        error: What it wrote to stderr, without its own name.
+    """
+
+    status: int
+    out: str
+    error: str
+
+
+async def outcome_of(line: Sequence[str]) -> Outcome:
+    """Run a command line and return how it ended.
+
+    Raises:
+        Unreachable: It did not end in time.
+    """
     process = await asyncio.create_subprocess_exec(
-        sys.executable, "-P", "-c", _MAIN, *step.line,
-        stdin=DEVNULL, stdout=DEVNULL, stderr=PIPE, env={**os.environ, "NO_COLOR": "1"},
+        sys.executable, "-P", "-c", _MAIN, *line,
+        stdin=DEVNULL, stdout=PIPE, stderr=PIPE, env={**os.environ, "NO_COLOR": "1"},
     )  # fmt: skip
     try:
         async with asyncio.timeout(_BOUND_S):
-            _, stderr = await process.communicate()
+            out, err = await process.communicate()
     except TimeoutError:
         process.kill()
         await process.wait()
-        return shown(step, is_done=False, error=f"{step.line[0]} did not end in {_BOUND_S:g} s")
-    text = stderr.decode(errors="replace").strip()
-    error = text.replace(f"rtkit {step.line[0]}: ", "")
-    is_done = process.returncode == 0
-    return shown(step, is_done=is_done, error="" if is_done else error or "it failed")
+        raise Unreachable(f"{line[0]} did not end in {_BOUND_S:g} s") from None
+    text = err.decode(errors="replace").strip().replace(f"rtkit {line[0]}: ", "")
+    return Outcome(process.returncode or 0, out.decode(errors="replace"), text)
+
+
+async def records_from(line: Sequence[str], good: Container[int] = (0,)) -> list[Record]:
+    """Run a command line that tells JSON objects, one a line, and return them.
+
+    Args:
+        line: The command line.
+        good: Its exit statuses with which its output is an answer.
+
+    Raises:
+        Refused: It failed; says what it said.
+        Unreachable: It did not end in time.
+    """
+    outcome = await outcome_of(line)
+    if outcome.status not in good:
+        raise Refused(outcome.error or f"{line[0]} failed")
+    return [json.loads(each) for each in outcome.out.splitlines()]
+
+
+async def carried_out(step: CommandStep) -> Record:
+    """Run the command of a step; return the step with its outcome."""
+    try:
+        outcome = await outcome_of(step.line)
+    except Unreachable as error:
+        return shown(step, is_done=False, error=str(error))
+    is_done = outcome.status == 0
+    return shown(step, is_done=is_done, error="" if is_done else outcome.error or "it failed")
 
 
 def shown(step: CommandStep, *, is_done: bool | None = None, error: str = "") -> Record:

@@ -35,11 +35,11 @@ from rtkit.version import __version__
 from rtkit.web.actions import Action, CommandStep, steps_of
 from rtkit.web.arrange import arranged, scene_of
 from rtkit.web.feed import FeedUpdate, SystemFeed
-from rtkit.web.fitting import fitting
+from rtkit.web.fitting import fitting, offers_of
 from rtkit.web.guard import HEADERS, Refusal, WebGuard
 from rtkit.web.pages import CHANGE, NOTICE, RATES, Pages
 from rtkit.web.records import Record, SystemRecords, change_between
-from rtkit.web.running import carried_out, shown
+from rtkit.web.running import carried_out, records_from, shown
 
 HERE = "127.0.0.1"
 """The address of the page, which only this host reaches."""
@@ -166,13 +166,9 @@ class WebServer:
         manager = next((each for each in self._update.managers if each.id == id), None)
         if manager is None:
             raise NotFound(f"No such manager: {id}")
-        modules = manager.facts.modules
-        types = [
-            {"name": each.type_name, "id": each.id, "module": module.path}
-            for module in modules
-            for each in module.types
-        ]
-        return JSONResponse({"types": types, "modules": [each.path for each in modules]})
+        loaded = [each.file for each in manager.facts.modules]
+        rows = await records_from(("rtmgr", "--json", "-m", "--", id))
+        return JSONResponse(offers_of(rows, loaded))
 
     async def _export(self, request: Request) -> Response:
         form = request.query_params.get("form", "svg")

@@ -29,7 +29,7 @@ os.execv(sys.argv[3], sys.argv[3:])
 
 _CODES = {
     "Tab": 9, "Enter": 13, " ": 32, "ArrowLeft": 37, "ArrowUp": 38, "ArrowRight": 39,
-    "ArrowDown": 40,
+    "ArrowDown": 40, "Escape": 27,
 }  # fmt: skip
 _WATCHED = """
 window.troubles = [];
@@ -56,6 +56,7 @@ class Browser:
         self.is_known = True
         self.asked = 0
         self._id = 0
+        self._is_saved = False
         self._session = ""
         target = self._do("Target.createTarget", url="about:blank")["targetId"]
         attached = self._do("Target.attachToTarget", targetId=target, flatten=True)
@@ -135,12 +136,47 @@ class Browser:
             self._do("Input.dispatchKeyEvent", type=kind, key=name, windowsVirtualKeyCode=code,
                      **more)  # fmt: skip
 
+    def type(self, selector: str, text: str) -> None:
+        """Put a text in place of what a field holds, as one who pastes it."""
+        field = f"document.querySelector({json.dumps(selector)})"
+        self.evaluate(f"{field}.focus(); {field}.select()")
+        self._do("Input.insertText", text=text)
+
+    def press(self, text: str) -> None:
+        """Click the button that has this text."""
+        buttons = "[...document.querySelectorAll('button:not([disabled])')]"
+        found = f"{buttons}.find((each) => each.textContent.trim() === {json.dumps(text)})"
+        self.wait_for(f"{found} !== undefined")
+        self.evaluate(f"{found}.click()")
+
+    def save_to(self, folder: str) -> None:
+        """Have downloads saved in a folder."""
+        self._do("Browser.setDownloadBehavior", behavior="allow", downloadPath=folder,
+                 eventsEnabled=True)  # fmt: skip
+
+    def saved(self) -> None:
+        """Wait until a download is whole."""
+        while not self._is_saved:
+            self._answer(self._next())
+
+    def look(self, *, is_dark: bool) -> None:
+        """Have the page light or dark."""
+        features = [{"name": "prefers-color-scheme", "value": "dark" if is_dark else "light"}]
+        self._do("Emulation.setEmulatedMedia", features=features)
+
+    def violations(self, axe: str) -> list[str]:
+        """Return what axe-core, of which this is the source, finds against the page as it is."""
+        self.evaluate(axe)
+        run = """axe.run({resultTypes: ["violations"]}).then(({violations}) => JSON.stringify(
+            violations.flatMap(({id, nodes}) => nodes.map((node) => `${id}: ${node.html}`))))"""
+        done = self._do("Runtime.evaluate", expression=run, awaitPromise=True)
+        return list(json.loads(done["result"]["value"]))
+
     def picture(self, path: str, width: int, height: int, *, is_dark: bool = False) -> None:
         """Save a picture of the page as it looks in a window of that size."""
         self._do("Emulation.setDeviceMetricsOverride", width=width, height=height,
                  deviceScaleFactor=1, mobile=False)  # fmt: skip
-        features = [{"name": "prefers-color-scheme", "value": "dark" if is_dark else "light"}]
-        self._do("Emulation.setEmulatedMedia", features=features)
+        self.look(is_dark=is_dark)
         data = self._do("Page.captureScreenshot", format="png")["data"]
         with open(path, "wb") as stream:
             stream.write(b64decode(data))
@@ -173,6 +209,8 @@ class Browser:
         about = message.get("params", {})
         if message.get("method") == "Fetch.requestPaused":
             self._send("Fetch.continueRequest", requestId=about["requestId"])
+        elif message.get("method", "").endswith(".downloadProgress"):
+            self._is_saved = about["state"] == "completed"
         elif message.get("method") == "Fetch.authRequired":
             assert about["authChallenge"]["scheme"] == "digest"
             self.asked += 1

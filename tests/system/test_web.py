@@ -139,6 +139,11 @@ def test_layout_offers_fitting_ports_and_exports(pair: Shell) -> None:
         assert "one" in folded["paths"]
         ports = client.ask("GET", f"/api/connectable?port={IN}:out").body["ports"]
         assert [(each["path"], each["why"]) for each in ports] == [(f"{OUT}:in", "")]
+        offers = client.ask("GET", "/api/offers?manager=/localhost/manager.mgr").body
+        assert "Motor" in [each["name"] for each in offers["types"]]
+        files = [each["path"].rpartition("/")[2] for each in offers["modules"]]
+        assert "Motor.py" in files
+        assert "ConsoleIn.py" not in files
         drawn = client.ask("GET", "/api/export?form=svg")
         assert drawn.headers["content-type"].startswith("image/svg+xml")
         assert "Out0" in drawn.body

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import signal
 from collections.abc import Iterator
@@ -15,7 +16,8 @@ from webkit import served
 from rtkit.tree.client import Tree
 
 pytestmark = pytest.mark.skipif(browser.NAME is None, reason="chromium is not installed")
-IN, OUT = "/localhost/In0.rtc", "/localhost/Out0.rtc"
+IN, OUT, CONFIG = "/localhost/In0.rtc", "/localhost/Out0.rtc", "/localhost/C0.rtc"
+AXE = Path(__file__).parents[2] / "web/node_modules/axe-core/axe.min.js"
 
 
 def node(id: str) -> str:
@@ -114,3 +116,96 @@ def test_connect_and_activate_by_keyboard_alone(page: browser.Browser, manager: 
     page.wait_for(is_there(EDGE))
     page.key("k", is_control=True)
     page.wait_for(is_there("dialog[open] input"))
+
+
+def shown(page: browser.Browser, id: str) -> None:
+    """Select what the tree shows under this path."""
+    row = f"document.querySelector('[role=treeitem][title={json.dumps(id)}]')"
+    page.wait_for(f"{row} !== null")
+    page.evaluate(f"{row}.click()")
+
+
+NAME, MARKUP = "<s>N", "<img src=x onerror=alert()>"
+
+
+def test_components_are_made_and_ended_by_forms_and_markup_stays_text(
+    page: browser.Browser, manager: Shell
+) -> None:
+    made = f"/localhost/{NAME}.rtc"
+    shown(page, "/localhost/manager.mgr/s1.mgr")
+    page.press("Create a component …")
+    page.wait_for(is_there("dialog[open] .options input"))
+    page.type("dialog input[type=search]", "consolein")
+    page.wait_for("document.querySelectorAll('dialog .options input').length === 1")
+    page.click("dialog .options input")
+    page.type("dialog .grid input", NAME)
+    page.press("Create")
+    shown(page, made)
+    page.wait_for(has_text(".inspector h2", NAME))
+    assert f"{NAME}.rtc" in manager.ok("rtls /localhost")
+    manager.ok(f"rtcon '{made}:out' {OUT}:in")
+    page.wait_for(is_there(EDGE))
+    page.evaluate("location.hash = '#view=table&filter=%3Cs%3E'")
+    page.wait_for(has_text(".tables", NAME))
+    page.press("End")
+    page.wait_for(has_text("dialog.plan", f"with it the connector from {made}:out to {OUT}:in"))
+    page.press("Do it")
+    page.wait_for(f"!({has_text('.tables', NAME)})")
+    assert page.evaluate("document.querySelector('s')") is None
+
+
+def test_values_are_set_by_widgets_and_rates_stand_on_wires(
+    page: browser.Browser, manager: Shell
+) -> None:
+    manager.ok(f"rtconf {CONFIG} set str_param1 '{MARKUP}'")
+    manager.ok("rtmgr -c SeqOut -c SeqIn /localhost/manager.mgr")
+    manager.ok("rtcon /localhost/SeqOut0.rtc:Long /localhost/SeqIn0.rtc:Long")
+    manager.ok("rtact /localhost/SeqOut0.rtc")
+    page.wait_for(has_text(EDGE, "Hz"))
+    shown(page, CONFIG)
+    page.wait_for(f"[...document.querySelectorAll('input')].some((e) => e.value === {MARKUP!r})")
+    page.type(".inspector .slider input[type=text]", "7")
+    page.press("Apply (1)")
+    page.wait_for(has_text(".toasts", "rtconf"))
+    assert manager.ok(f"rtconf {CONFIG} get int_param0") == "7\n"
+    assert page.evaluate("document.querySelector('img[src=x]')") is None
+
+
+def test_a_link_opens_the_same_view_and_the_picture_is_saved(
+    page: browser.Browser, tmp_path: Path
+) -> None:
+    shown(page, OUT)
+    page.wait_for(f"location.hash === '#select={OUT}'")
+    page.evaluate("location.hash = '#view=table&filter=Out0&state=inactive'")
+    page.wait_for(has_text(".tables", "Out0") + f" && !{has_text('.tables', 'In0')}")
+    page.save_to(str(tmp_path))
+    page.press("Export …")
+    page.press("SVG")
+    page.saved()
+    (saved,) = tmp_path.glob("*.svg")
+    assert "Out0" in saved.read_text(encoding="utf-8")
+
+
+@pytest.mark.skipif(not AXE.exists(), reason="node has not installed axe-core")
+def test_axe_finds_no_barrier(page: browser.Browser, manager: Shell) -> None:
+    manager.ok(f"rtcon {IN}:out {OUT}:in")
+    page.wait_for(is_there(EDGE))
+    axe = AXE.read_text(encoding="utf-8")
+    found = []
+    for is_dark in (False, True):
+        page.look(is_dark=is_dark)
+        for view, part in (
+            ("#view=table", ".tables"),
+            (f"#select={CONFIG}", ".inspector .parameter"),
+            (f"#select={IN}", ".inspector .ports"),
+        ):
+            page.evaluate(f"location.hash = '{view}'")
+            page.wait_for(is_there(part))
+            found += page.violations(axe)
+        for key in ("c", "/"):
+            page.key(key)
+            page.wait_for(is_there("dialog[open]"))
+            found += page.violations(axe)
+            page.key("Escape")
+            page.wait_for(f"!({is_there('dialog[open]')})")
+    assert found == []

@@ -102,6 +102,15 @@ export interface Done { steps: Step[]; undo: Action[] | null; undo_reason: strin
 
 export interface Connectable { path: string; type: string; why: string }
 
+/** What a manager can make: types of modules that are loaded or found, and modules that it could load. */
+export interface Offers {
+  types: { name: string; id: string; module: string }[];
+  modules: { path: string; problem: string }[];
+}
+
+export const EXPORT_FORMS = ['svg', 'dot', 'mermaid', 'text'] as const;
+export type ExportForm = (typeof EXPORT_FORMS)[number];
+
 /** The path of a port, as actions name it. */
 export const portPath = (end: PortEnd): string => `${end.component}:${end.port}`;
 

@@ -1,4 +1,4 @@
-import { useContext, useState, type ReactNode } from 'react';
+import { useContext, type ReactNode } from 'react';
 
 import { endText, farEnds } from '../model/does';
 import { portType, shortName } from '../model/ports';
@@ -8,6 +8,7 @@ import type { Component, Connector, Port } from '../model/types';
 import { StateIcon } from '../parts/StateIcon';
 import { rateText } from '../parts/numbers';
 import { RatesContext, useEditor } from '../shell/contexts';
+import type { Filter } from '../shell/view';
 import { useTexts } from '../texts';
 import { Link } from './Link';
 import { VerbButtons } from './VerbButtons';
@@ -17,15 +18,15 @@ import { useVerbs } from './useVerbs';
 const SHOWN = 300;
 
 /** The twin of the diagram: the same components, ports and connectors as tables, with the same actions. */
-export function TableView({ system }: { system: System }) {
+export function TableView({ system, filter: { text: filter, look } }: { system: System; filter: Filter }) {
   const texts = useTexts();
-  const [filter, setFilter] = useState('');
+  const { filter: setFilter } = useEditor();
   const components = [...system.components.values()];
   const ports = components.flatMap((component) => component.ports.map((port) => ({ component, port })));
   const words = texts.table;
   return (
     <main className="tables" aria-label={words.label}>
-      <input type="search" aria-label={words.filter} placeholder={words.filter} value={filter} onChange={(event) => setFilter(event.target.value)} />
+      <input type="search" aria-label={words.filter} placeholder={words.filter} value={filter} onChange={(event) => setFilter({ text: event.target.value, look })} />
       <Table title={words.components} heads={[words.name, words.type, words.state, words.remark, words.process, words.actions]}
         rows={components.filter((one) => matches(`${one.id} ${one.type} ${one.word} ${one.remark}`, filter))}
         row={(one) => <ComponentRow key={one.id} component={one} />} />

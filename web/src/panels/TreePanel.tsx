@@ -6,17 +6,16 @@ import { LOOKS, TROUBLED, type Component, type Look } from '../model/types';
 import { StateIcon } from '../parts/StateIcon';
 import { Icon } from '../parts/icons';
 import { useEditor } from '../shell/contexts';
+import type { Filter } from '../shell/view';
 import { useTexts } from '../texts';
 
-type Filter = { text: string; look: Look | 'all' | 'troubled' };
 interface Row { id: string; level: number; name: string; note: string; kind: 'manager' | 'process' | 'component'; look: Look | null; isTroubled: boolean }
 type Records = Pick<System, 'managers' | 'processes' | 'components'>;
 
 /** Managers, their slaves and their components. A click selects and brings it to the middle. */
-export const TreePanel = memo(function TreePanel({ managers, processes, components, selection }: Records & { selection: readonly string[] }) {
+export const TreePanel = memo(function TreePanel({ managers, processes, components, selection, filter }: Records & { selection: readonly string[]; filter: Filter }) {
   const texts = useTexts();
-  const { reveal, select } = useEditor();
-  const [filter, setFilter] = useState<Filter>({ text: '', look: 'all' });
+  const { reveal, select, filter: setFilter } = useEditor();
   const [shut, setShut] = useState<ReadonlySet<string>>(new Set());
   const [focused, setFocused] = useState('');
   const list = useRef<HTMLDivElement>(null);

@@ -1,4 +1,4 @@
-import type { Action, Connectable, Done, Layout, TreeEvent } from '../model/types';
+import type { Action, Connectable, Done, ExportForm, Layout, Offers, TreeEvent } from '../model/types';
 
 /** An answer of the server that is no success; `message` is a sentence for people. */
 export class ServerError extends Error {
@@ -13,6 +13,8 @@ export interface Api {
   act: (actions: Action[], isDryRun: boolean) => Promise<Done>;
   connectable: (port: string) => Promise<Connectable[]>;
   events: () => Promise<TreeEvent[]>;
+  offers: (manager: string) => Promise<Offers>;
+  exported: (form: ExportForm) => Promise<Blob>;
 }
 
 export function createApi(token: string): Api {
@@ -24,19 +26,24 @@ export function createApi(token: string): Api {
     layout: (folded) => post<Layout>('/api/layout', { folded }),
     act: (actions, isDryRun) => post<Done>('/api/do', { actions, dry_run: isDryRun }),
     connectable: async (port) => (await get<{ ports: Connectable[] }>(`/api/connectable?port=${encodeURIComponent(port)}`)).ports,
+    offers: (manager) => get<Offers>(`/api/offers?manager=${encodeURIComponent(manager)}`),
+    exported: async (form) => (await answered(`/api/export?form=${form}`, { headers })).blob(),
     events: async () => (await get<{ events: TreeEvent[] }>('/api/events?since=0')).events,
   };
 }
 
-async function call<T>(path: string, init: RequestInit): Promise<T> {
+const call = async <T>(path: string, init: RequestInit): Promise<T> => (await answered(path, init)).json() as Promise<T>;
+
+/** The answer of a call that has done what it should; throws the server's sentence else. */
+async function answered(path: string, init: RequestInit): Promise<Response> {
   let response: Response;
   try {
     response = await fetch(path, init);
   } catch {
     throw new ServerError('unreachable', 'The server does not answer.');
   }
+  if (response.ok) return response;
   const body: unknown = await response.json().catch(() => null);
-  if (response.ok) return body as T;
   const error = (body as { error?: { kind: string; text: string } } | null)?.error;
   throw new ServerError(error?.kind ?? 'failed', error?.text ?? `The server answers with status ${response.status}.`);
 }

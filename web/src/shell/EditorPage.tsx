@@ -1,6 +1,9 @@
 import { useCallback, useEffect, useMemo, useReducer, useState } from 'react';
 
 import { ConnectDialog } from '../actions/ConnectDialog';
+import { CreateDialog } from '../actions/CreateDialog';
+import { ExportDialog } from '../actions/ExportDialog';
+import { LoadDialog } from '../actions/LoadDialog';
 import { PlanDialog } from '../actions/PlanDialog';
 import { ToastList } from '../actions/ToastList';
 import { useActions } from '../actions/useActions';
@@ -21,11 +24,13 @@ import { LiveRegion } from './LiveRegion';
 import { Palette } from './Palette';
 import { TopBar, type Settings } from './TopBar';
 import { EditorContext, RatesContext } from './contexts';
+import { addressOf } from './address';
 import { useEditorValue } from './editor';
+import { useAddress } from './useAddress';
 import { useLayout } from './useLayout';
 import { useShortcuts } from './useShortcuts';
 import { useSystem } from './useSystem';
-import { FIRST_VIEW, reduceView } from './view';
+import { FIRST_VIEW, arrived, reduceView } from './view';
 
 interface Props { token: string; settings: Settings; onDenied: () => void }
 
@@ -38,7 +43,8 @@ export function EditorPage({ token, settings, onDenied }: Props) {
   const onNotice = useCallback(({ level, text }: Notice) => add({ level, title: text, lines: [], command: '', canUndo: false }), [add]);
   const onError = useCallback((text: string) => onNotice({ level: 'error', text }), [onNotice]);
   const { system, link, lostAt } = useSystem(token, api, onNotice);
-  const [view, dispatch] = useReducer(reduceView, FIRST_VIEW);
+  const [view, dispatch] = useReducer(reduceView, FIRST_VIEW, (first) => arrived(first, addressOf(location.hash)));
+  useAddress(view, dispatch);
   const layout = useLayout(api, system.structure, view.folded, onError);
   const { asked, history, perform, move } = useActions(api, toasts);
   const canChange = link === 'up' && !system.isReadOnly;
@@ -79,8 +85,8 @@ export function EditorPage({ token, settings, onDenied }: Props) {
         <div className={`page ${link === 'up' ? '' : 'is-stale'}`} data-tree={view.panels.tree} data-inspector={view.panels.inspector} data-events={view.panels.events}>
           <TopBar system={system} view={view} history={history} settings={settings} onMove={(way) => void move(way)} />
           <Banner link={link} lostAt={lostAt} managers={system.managers} />
-          {view.panels.tree && <TreePanel managers={system.managers} processes={system.processes} components={system.components} selection={view.selection} />}
-          {view.kind === 'table' ? <TableView system={system} /> : (
+          {view.panels.tree && <TreePanel managers={system.managers} processes={system.processes} components={system.components} selection={view.selection} filter={view.filter} />}
+          {view.kind === 'table' ? <TableView system={system} filter={view.filter} /> : (
             <main className="stage">
               {layout && system.components.size > 0 && (
                 <Canvas system={system} layout={layout} view={view} onOpen={openInspector}
@@ -92,9 +98,12 @@ export function EditorPage({ token, settings, onDenied }: Props) {
           {view.panels.inspector && <Inspector system={system} view={view} focusCount={focusCount} />}
           {view.panels.events && <EventsPanel events={system.events} />}
         </div>
-        {dialog?.kind === 'palette' && <Palette system={system} given={{ view, selected, history, settings, onMove: move, onConnect: connect, onRemove: remove }} />}
+        {dialog?.kind === 'palette' && <Palette system={system} given={{ system, view, selected, history, settings, onMove: move, onConnect: connect, onRemove: remove }} />}
         {dialog?.kind === 'keys' && <KeysDialog />}
         {dialog?.kind === 'connect' && <ConnectDialog system={system} component={dialog.component} from={dialog.from} to={dialog.to} />}
+        {dialog?.kind === 'create' && <CreateDialog system={system} manager={dialog.manager} slave={dialog.slave} />}
+        {dialog?.kind === 'load' && <LoadDialog manager={dialog.manager} />}
+        {dialog?.kind === 'export' && <ExportDialog host={system.host} />}
         {asked && <PlanDialog asked={asked} />}
         <ToastList toasts={toasts} onUndo={() => void move('undo')} />
         <LiveRegion components={system.components} isKnown={system.isKnown} />

@@ -3,7 +3,7 @@ import { useEffect, useMemo, useRef, type Dispatch } from 'react';
 import type { System } from '../model/system';
 import { portEnd, type Action } from '../model/types';
 import type { Api } from '../server/api';
-import type { Dialog, Panel, ViewEvent, ViewKind } from './view';
+import type { Dialog, Filter, Panel, ViewEvent, ViewKind } from './view';
 
 /** What the parts of the page ask for. */
 export interface Editor {
@@ -17,6 +17,7 @@ export interface Editor {
   place: (places: ReadonlyMap<string, { x: number; y: number }>) => void;
   arrange: () => void;
   show: (view: ViewKind) => void;
+  filter: (filter: Filter) => void;
   togglePanel: (panel: Panel) => void;
   open: (dialog: Dialog | null) => void;
   draft: (key: string, parameter: string, text: string | null) => void;
@@ -43,6 +44,7 @@ export function useEditorValue(
     toggleFold: (id) => dispatch({ kind: 'fold', id }),
     place: (places) => dispatch({ kind: 'place', places }),
     arrange: () => dispatch({ kind: 'arrange' }),
+    filter: (filter) => dispatch({ kind: 'filter', filter }),
     show: (view) => dispatch({ kind: 'show', view }),
     togglePanel: (panel) => dispatch({ kind: 'panel', panel }),
     open: (dialog) => dispatch({ kind: 'dialog', dialog }),

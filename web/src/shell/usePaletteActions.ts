@@ -1,5 +1,6 @@
 import { allows, type Verb } from '../model/does';
 import type { Component } from '../model/types';
+import type { System } from '../model/system';
 import type { History, Way } from '../model/undo';
 import { useVerbs } from '../panels/useVerbs';
 import { LANGUAGES, useTexts } from '../texts';
@@ -9,12 +10,12 @@ import { useEditor } from './contexts';
 import type { View } from './view';
 
 export interface PaletteGiven {
-  view: View; selected: readonly Component[]; history: History; settings: Settings;
+  system: System; view: View; selected: readonly Component[]; history: History; settings: Settings;
   onMove: (way: Way) => Promise<void>; onConnect: () => void; onRemove: () => void;
 }
 
 /** The actions that make sense now, as rows of the palette. */
-export function usePaletteActions({ view, selected, history, settings, onMove, onConnect, onRemove }: PaletteGiven): Command[] {
+export function usePaletteActions({ system, view, selected, history, settings, onMove, onConnect, onRemove }: PaletteGiven): Command[] {
   const texts = useTexts();
   const editor = useEditor();
   const verbs = useVerbs();
@@ -32,6 +33,11 @@ export function usePaletteActions({ view, selected, history, settings, onMove, o
     ...forSelected,
     ...(undo && editor.canChange ? [command(texts.bar.undo, () => void onMove('undo'), undo.label)] : []),
     ...(redo && editor.canChange ? [command(texts.bar.redo, () => void onMove('redo'), redo.label)] : []),
+    ...(editor.canChange ? [...system.managers.values()].filter((one) => one.state === 'up').flatMap((one) => [
+      command(texts.create.open, () => editor.open({ kind: 'create', manager: one.id, slave: '' }), one.name),
+      command(texts.load.open, () => editor.open({ kind: 'load', manager: one.id }), one.name),
+    ]) : []),
+    command(texts.exporting.open, () => editor.open({ kind: 'export' })),
     view.kind === 'table' ? command(texts.bar.diagram, () => editor.show('diagram')) : command(texts.bar.table, () => editor.show('table')),
     ...(view.placed.size ? [command(texts.bar.arrange, editor.arrange)] : []),
     ...(['auto', 'light', 'dark'] as const).filter((theme) => theme !== settings.theme).map((theme) => command(`${texts.bar.theme}: ${texts.bar.themes[theme]}`, () => settings.setTheme(theme))),

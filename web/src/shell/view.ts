@@ -1,13 +1,21 @@
-import type { PortEnd } from '../model/types';
+import type { Look, PortEnd } from '../model/types';
+import type { Address } from './address';
 
 export type Panel = 'tree' | 'inspector' | 'events';
 export type ViewKind = 'diagram' | 'table';
-export type Dialog = { kind: 'palette' } | { kind: 'keys' } | { kind: 'connect'; from: PortEnd | null; to: PortEnd | null; component: string };
+/** What the tree and the tables show of all that there is. */
+export interface Filter { text: string; look: Look | 'all' | 'troubled' }
+export type Dialog =
+  | { kind: 'palette' | 'keys' | 'export' }
+  | { kind: 'create'; manager: string; slave: string }
+  | { kind: 'load'; manager: string }
+  | { kind: 'connect'; from: PortEnd | null; to: PortEnd | null; component: string };
 
 /** What this page shows and how; nothing of it is known to the server. */
 export interface View {
   kind: ViewKind;
   selection: readonly string[];
+  filter: Filter;
   folded: ReadonlySet<string>;
   placed: ReadonlyMap<string, { x: number; y: number }>;
   panels: Readonly<Record<Panel, boolean>>;
@@ -28,13 +36,15 @@ export type ViewEvent =
   | { kind: 'panel'; panel: Panel }
   | { kind: 'dialog'; dialog: Dialog | null }
   | { kind: 'draft'; key: string; parameter: string; text: string | null }
-  | { kind: 'undraft'; key: string };
+  | { kind: 'undraft'; key: string }
+  | { kind: 'filter'; filter: Filter }
+  | { kind: 'address'; address: Address };
 
 /** At 1024 pixels the strip of events would leave the diagram too little room. */
 const hasRoom = typeof innerHeight === 'undefined' || innerHeight > 780;
 
 export const FIRST_VIEW: View = {
-  kind: 'diagram', selection: [], folded: new Set(), placed: new Map(),
+  kind: 'diagram', selection: [], filter: { text: '', look: 'all' }, folded: new Set(), placed: new Map(),
   panels: { tree: true, inspector: true, events: hasRoom }, dialog: null, centre: null, drafts: new Map(),
 };
 
@@ -50,6 +60,10 @@ export function reduceView(view: View, event: ViewEvent): View {
       const folded = new Set([...view.folded].filter((id) => !event.ancestors.includes(id)));
       return { ...view, selection: [event.id], folded, centre: { id: event.id, count: (view.centre?.count ?? 0) + 1 } };
     }
+    case 'filter':
+      return { ...view, filter: event.filter };
+    case 'address':
+      return arrived(view, event.address);
     case 'fold': {
       const folded = new Set(view.folded);
       if (!folded.delete(event.id)) folded.add(event.id);
@@ -71,6 +85,13 @@ export function reduceView(view: View, event: ViewEvent): View {
       return { ...view, drafts };
     }
   }
+}
+
+/** The view that an address tells; what it names is brought to the middle. */
+export function arrived(view: View, address: Address): View {
+  const [id] = address.selection;
+  const centre = id === undefined ? view.centre : { id, count: (view.centre?.count ?? 0) + 1 };
+  return { ...view, ...address, folded: new Set(), centre };
 }
 
 function drafted(drafts: View['drafts'], key: string, parameter: string, text: string | null): View['drafts'] {

@@ -86,6 +86,7 @@ export const en = {
     disconnect: (source: string, target: string) => `Disconnect ${source} from ${target}`,
     disconnectSome: (n: number) => `Disconnect ${n} connectors`,
     configure: (name: string) => `Configure ${name}`, activateSet: (name: string, set: string) => `Activate set ${set} of ${name}`,
+    create: (name: string, manager: string) => `Create ${name} in ${manager}`, load: (module: string, manager: string) => `Load ${module} into ${manager}`,
     rate: (name: string, hz: string) => `Set the rate of ${name} to ${hz} Hz`,
     several: (n: number) => `${n} components`, undo: (label: string) => `Undo: ${label}`, redo: (label: string) => `Redo: ${label}`,
   },
@@ -113,6 +114,22 @@ export const en = {
     pushPolicies: { new: 'new: the newest value', all: 'all: all that wait', fifo: 'fifo: one after the other', skip: 'skip: every n-th' },
     subscriptions: { new: 'new: a thread sends', flush: 'flush: within the write call', periodic: 'periodic: at a rate' },
     dataflows: { push: 'push: the writer sends', pull: 'pull: the reader fetches' },
+  },
+
+  create: {
+    open: 'Create a component …', title: (manager: string) => `Create a component in ${manager}`, filter: 'Filter the types', go: 'Create',
+    asking: 'The manager is asked what it can make …', noType: 'No type matches.',
+    instance: 'Name of the instance', instanceHint: 'Empty: the manager chooses one.',
+    slave: 'Slave', slaveHint: 'Empty: the manager itself.', parameters: 'Parameters, one KEY=VALUE a line',
+  },
+  load: {
+    open: 'Load a module …', title: (manager: string) => `Load a module into ${manager}`, path: 'File of the module', go: 'Load',
+    init: 'Init function', initHint: 'Empty: the usual one.',
+    found: (n: number) => (n === 0 ? 'The manager finds no module that is not loaded.' : `The manager finds ${n} that are not loaded.`),
+  },
+  exporting: {
+    open: 'Export …', title: 'Save the picture of the system', forms: { svg: 'SVG', dot: 'dot', mermaid: 'Mermaid', text: 'Text' },
+    hints: { svg: 'a picture', dot: 'for Graphviz', mermaid: 'for Markdown pages', text: '80 columns wide' },
   },
 
   palette: {

@@ -87,6 +87,7 @@ export const ja: Texts = {
     disconnect: (source, target) => `${source} と ${target} を切断`,
     disconnectSome: (n) => `コネクタ ${n} 本を切断`,
     configure: (name) => `${name} を設定`, activateSet: (name, set) => `${name} のセット ${set} をアクティブ化`,
+    create: (name, manager) => `${manager} に ${name} を生成`, load: (module, manager) => `${manager} に ${module} をロード`,
     rate: (name, hz) => `${name} の周期を ${hz} Hz に設定`,
     several: (n) => `コンポーネント ${n} 個`, undo: (label) => `元に戻す: ${label}`, redo: (label) => `やり直す: ${label}`,
   },
@@ -114,6 +115,22 @@ export const ja: Texts = {
     pushPolicies: { new: 'new: 最新の値', all: 'all: 溜まった値すべて', fifo: 'fifo: 1 つずつ順に', skip: 'skip: n 個ごと' },
     subscriptions: { new: 'new: スレッドが送る', flush: 'flush: 書き込み呼び出しの中で送る', periodic: 'periodic: 一定周期で送る' },
     dataflows: { push: 'push: 書き手が送る', pull: 'pull: 読み手が取りに行く' },
+  },
+
+  create: {
+    open: 'コンポーネントを生成…', title: (manager) => `${manager} にコンポーネントを生成`, filter: '型を絞り込む', go: '生成',
+    asking: '生成できる型をマネージャに問い合わせています…', noType: '条件に合う型はありません。',
+    instance: 'インスタンス名', instanceHint: '空ならマネージャが決めます。',
+    slave: 'スレーブ', slaveHint: '空ならマネージャ自身。', parameters: 'パラメータ (1 行に KEY=VALUE を 1 つ)',
+  },
+  load: {
+    open: 'モジュールをロード…', title: (manager) => `${manager} にモジュールをロード`, path: 'モジュールのファイル', go: 'ロード',
+    init: '初期化関数', initHint: '空なら通常のもの。',
+    found: (n) => (n === 0 ? '未ロードのモジュールは見つかりません。' : `未ロードのモジュールが ${n} 個あります。`),
+  },
+  exporting: {
+    open: 'エクスポート…', title: 'システムの図を保存', forms: { svg: 'SVG', dot: 'dot', mermaid: 'Mermaid', text: 'テキスト' },
+    hints: { svg: '画像', dot: 'Graphviz 用', mermaid: 'Markdown 用', text: '80 桁幅' },
   },
 
   palette: {
