@@ -118,7 +118,7 @@ def ended_on_robot1(fleet: Shell) -> None:
 
 def is_settled(fleet: Shell) -> bool:
     """Return whether no older one is left, and a plan led to where the components are."""
-    (file,) = (fleet.folder / "state" / "owned").iterdir()
+    (file,) = (fleet.folder / "state" / "owned").glob("[!.]*")  # not a draft of it
     owned = json.loads(file.read_text())
     return not owned.get("is_pending") and not owned["components"]["Num"].get("stale")
 
