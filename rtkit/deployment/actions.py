@@ -24,7 +24,7 @@ class Load:
     """Load a module and call its init function.
 
     Attributes:
-        manager: Which of several managers is to do it; never sent.
+        manager: Manager that is to do it, among several; never sent.
         is_strict: Refuse where there would be a note, and leave nothing.
     """
 
@@ -39,7 +39,7 @@ class Unload:
     """Forget a module; components already made stay.
 
     Attributes:
-        manager: Which of several managers is to do it; never sent.
+        manager: Manager that is to do it, among several; never sent.
     """
 
     path: str
@@ -54,7 +54,7 @@ class Create:
 
     Attributes:
         is_strict: Refuse where there would be a note, and leave nothing.
-        manager: Which of several managers is to do it; never sent.
+        manager: Manager that is to do it, among several; never sent.
     """
 
     create: str
@@ -286,10 +286,10 @@ class Result:
     Attributes:
         kind: Kind of the error (see `rtkit.errors`); empty on success.
         why: One line for the user; empty on success.
-        value: What was made: the instance name of a created component.
-        note: What the user may not expect though it was done; mostly empty.
-        left_out: What a component that died had and the one in its place has not; a plan of its
-            system creates it again, so only commands without a plan state it.
+        value: Result: the instance name of a created component.
+        note: Remark on a result that the user may not expect; mostly empty.
+        left_out: Parts of a component that died which the one in its place lacks; a plan of its
+            system creates them again, so only commands without a plan state them.
         took_s: How long it took [s]; 0 where nobody measured it.
     """
 

@@ -60,12 +60,12 @@ class Applier:
         """Prepare to reach `goal`.
 
         Args:
-            site: Where.
-            goal: What.
+            site: Where it is reached.
+            goal: The goal.
             report: Receives the differences from the plan.
             progress: Receives each step when it is done.
             taken: Gets what the actions took that were done [s].
-            seen: What the plan was made from, if its notes are reported already.
+            seen: Model that the plan was made from, if its notes are reported already.
             careful: Makes the calls; an interruption of the command waits for their end.
         """
         self.unmet = seen.unmet if seen is not None else ()

@@ -42,7 +42,7 @@ def stamped_id(boot: str, since_boot_us: int, random: str) -> str:
     """Return the id of a request that states when it was made, and is like no other.
 
     Args:
-        boot: Which run of which machine it is.
+        boot: Identity of a run of a machine.
         since_boot_us: How long that has run [us].
         random: Distinguishes requests of one moment.
     """

@@ -123,7 +123,7 @@ def conditions_of(
     """Yield what the target of an entry waits for.
 
     Raises:
-        InvalidDocument: What comes before it does not exist, or a time is negative.
+        InvalidDocument: Its predecessor does not exist, or a time is negative.
     """
     wait_ms = entry.wait_time.wait_time if entry.wait_time is not None else 0
     preceding = entry.preceding or rts.Preceding()

@@ -27,9 +27,9 @@ class Deviation:
             ``constraint``, ``port``, ``type``, ``rate``, ``policy``, ``place``, ``create``,
             ``code`` or ``state``.
         path: The component, or the ports of a connection.
-        item: What differs there; empty for the component or the connection itself.
-        wanted: What the profile states; empty where it states nothing.
-        found: What lives; empty where nothing does.
+        item: Part that differs there; empty for the component or the connection itself.
+        wanted: Value that the profile states; empty where it states none.
+        found: Value that lives; empty where none does.
     """
 
     kind: str

@@ -22,7 +22,7 @@ class StartExecution:
     """A start or stop under way.
 
     Attributes:
-        plan: What is carried out.
+        plan: Plan that is carried out.
         failure: Why it was broken off; empty as long as it was not.
     """
 
@@ -32,7 +32,7 @@ class StartExecution:
         """Begin at time `now` [s].
 
         Args:
-            plan: What is to be carried out.
+            plan: Plan that is to be carried out.
             now: The time [s].
             timeout_s: Bound on the whole [s]; None for none.
             patience_s: How long nothing may happen that conditions without a time-out wait for,

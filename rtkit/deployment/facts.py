@@ -29,7 +29,7 @@ class Followed:
         system: Identity of its profile.
         state: The last one that it was seen in, or the one that it is led to.
         before: The state before that; empty for the first one.
-        event: What led from there.
+        event: Event that led from there.
         count: How many transitions there were.
         time: When the last one was, or began [s since 1970].
         is_led: It is being led to `state` just now.
@@ -68,8 +68,8 @@ class RestartStatus:
         took_s: How long that took, from its end until it was as it had been [s].
         returning: For which end it is to be restarted, as long as it is not.
         given_up: Why it is restarted no more.
-        degraded: Which rule of health it breaks that says so.
-        rested: Which rule it broke for which it was deactivated.
+        degraded: Rule of health that it breaks and that says so.
+        rested: Rule for whose breach it was deactivated.
         halted: For which loss everything was deactivated, since it is critical.
         due_s: When it is to be restarted, on the monotonic clock of its host [s]; 0 for never.
     """
@@ -130,7 +130,7 @@ class ComponentFacts:
         fsm_states: The machine's table: state to event to next state, the initial one first.
         fsm_events: Data type of each event that its event port takes.
         trouble: Why it does not answer though it lives (``stopped``); empty when it answers.
-        restart_status: What has been done about its ends and its health.
+        restart_status: Record of the reactions to its ends and its health.
         since: When its state last changed, or it died [s since 1970]; 0 where that is not known.
         code: CRC-32 of the file of its module when that was loaded, eight hexadecimal digits, and
             where that file is; a line for each file beside it that it imports, too. Empty for one

@@ -52,7 +52,7 @@ class HealthRule(NamedTuple):
         name: Of the port or parameter; empty for the others.
         least: Lowest rate [Hz].
         most: Highest rate [Hz], the longest cycle, or the deadline of a callback [s].
-        condition: What a parameter must be: an operator and a value.
+        condition: Condition on a parameter: an operator and a value.
     """
 
     kind: str
@@ -71,7 +71,7 @@ class Sample:
         at_s: When it was counted, monotonic [s].
         is_active: Whether it is Active; rates and cycles mean nothing otherwise.
         values: Its parameters in use.
-        stuck: Which callback does not come back; empty for none.
+        stuck: Callback that does not come back; empty for none.
     """
 
     at_s: float

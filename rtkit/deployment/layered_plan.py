@@ -14,7 +14,7 @@ class Check:
     """A fact that must hold before anything is changed.
 
     Attributes:
-        text: What is checked, for a dry run.
+        text: Text of the check, for a dry run.
         failure: Why it does not hold; empty when it does.
     """
 
@@ -28,10 +28,10 @@ class PlannedAction:
     """One action of a plan, with its words.
 
     Attributes:
-        text: What is done, for a dry run; empty for steps that are not worth a line.
+        text: Text of the step, for a dry run; empty for steps that are not worth a line.
         action: None when it cannot be done (see `blocked`), or need not be (see `holds`).
         blocked: Why it cannot be done, known beforehand.
-        holds: What it wants is so already.
+        holds: The goal of the step is reached already.
         where: Path of the component, or paths of the ports, for messages.
     """
 
@@ -57,7 +57,7 @@ class Layer:
     """Steps that need nothing of each other.
 
     Attributes:
-        name: What the layer does, for progress.
+        name: Work of the layer, for progress.
         is_ordered: They are carried out one after the other all the same.
     """
 

@@ -252,9 +252,9 @@ def reserved(
     """Return what each component of a host may use when the system is up, by its name.
 
     Args:
-        system: What is wanted.
-        living: What lives in the managers of the system.
-        elsewhere: What lives in other managers of the host, by their names.
+        system: The wanted system.
+        living: Facts of the managers of the system.
+        elsewhere: Facts of other managers of the host, by their names.
     """
     found = {each.instance: limits_in(each.create) for each in living if not each.zombie}
     found.update(wanted_limits(system))

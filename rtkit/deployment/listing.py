@@ -35,7 +35,7 @@ class ListingRow(NamedTuple):
     Attributes:
         ins: How many in ports it has; ``ins_connected`` … ``services_connected`` count likewise.
         context: Id of its first execution context.
-        cause: What put it into Error, one line with file:line.
+        cause: Cause of its Error, one line with file:line.
         again: How often its policy restarted it, and for what; what else was done about
             its health; empty for nothing.
         restarts: How often it was restarted after its loss.
@@ -89,7 +89,7 @@ class Listing(NamedTuple):
     Attributes:
         slaves: Name, state and reason of each slave process.
         names: Paths under which the manager itself is registered.
-        trouble: What is stuck in the manager's own process and is no component.
+        trouble: Work that is stuck in the manager's own process and is no component.
     """
 
     host: str

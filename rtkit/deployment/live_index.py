@@ -22,8 +22,8 @@ class LiveIndex:
         """Index a snapshot.
 
         Args:
-            snapshot: What lives.
-            system: What is wanted.
+            snapshot: Facts of the live system.
+            system: The wanted system.
             takes_namesakes: A component of the wanted instance name is the wanted one also where
                 it is not registered under the wanted name.
         """

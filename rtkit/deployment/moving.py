@@ -85,7 +85,7 @@ def record_of(
     """Return the record of a move that begins now.
 
     Args:
-        whole: What lives in all managers that have to do with it.
+        whole: Facts of all managers that have to do with it.
         instance: The component.
         source: Manager that it lives in.
         target: Manager and slave that it is to go to.

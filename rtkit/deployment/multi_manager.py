@@ -173,7 +173,7 @@ def manager_for(
     """Return which manager an action is for: a connection is made by that of its out end.
 
     Args:
-        action: What is to be done.
+        action: Action that is to be done.
         homes: Where components live, or belong.
         connectors: The connectors that there are.
         usual: The manager for what belongs to none.

@@ -41,11 +41,11 @@ class Packages:
 
     Attributes:
         of: ``NAME==VERSION`` by instance name, of components that a package offers.
-        installed: What is installed, ``HOST/NAME==VERSION``.
+        installed: Those that are installed, ``HOST/NAME==VERSION``.
         digests: Of those to be installed, by ``HOST/NAME==VERSION``, the SHA-256 of all wheels, by
             file.
         surplus: Folders of those that the system was installed with and needs no longer.
-        installer: What installs them.
+        installer: Installs them.
     """
 
     of: Mapping[str, str] = field(default_factory=dict)

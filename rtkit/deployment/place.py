@@ -52,7 +52,7 @@ class RegisteredName:
     """A registered name, the path that users know, and the host when nobody knows it.
 
     Attributes:
-        manager: Which of the other managers it belongs to; empty for the first.
+        manager: Other manager that it belongs to; empty for the first.
     """
 
     name: str

@@ -46,7 +46,7 @@ class PlanRunner:
             count: Receives how many steps are done, of how many that are known of.
             taken: Gets what the actions took that were done [s], where the manager reports it.
             careful: Makes the calls; an interruption of the command waits for their end.
-            is_strict: What would be done with a note is to fail instead.
+            is_strict: Steps that would be done with a note are to fail instead.
         """
         self._is_strict = is_strict
         self._site = site

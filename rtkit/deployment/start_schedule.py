@@ -74,10 +74,10 @@ class StartPlan:
     """The actions of a start or stop.
 
     Attributes:
-        transition: What every action asks for.
+        transition: Transition that every action asks for.
         immediate: Done first, one after the other.
         delayed: Done after those, each when its conditions hold.
-        checks: What must hold before anything is done.
+        checks: Conditions that must hold before anything is done.
     """
 
     transition: Transition

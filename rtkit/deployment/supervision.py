@@ -139,8 +139,8 @@ def at_end(
     """Return how long to wait for a restart [s], None if there is to be none, and the new ledger.
 
     Args:
-        ledger: What has been done so far.
-        policy: What is to be done.
+        ledger: Record of the reactions so far.
+        policy: Its policy of restarts.
         now: When it ended, monotonic [s].
         spread: A number from -1 to 1 by which the wait differs from the usual one.
     """

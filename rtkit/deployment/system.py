@@ -50,12 +50,12 @@ class WantedComponent:
         active_set: Empty when the profile states none.
         create: Create string that makes it; empty when nobody knows how.
         module: ``PATH:INIT`` of the module that it needs loaded; empty for none.
-        pattern: What its stand-in is generated from; None when it is to be the real one.
+        pattern: Source of its stand-in; None when it is to be the real one.
         unknown_host: The host it names, when nobody knows that host.
         guests: Context id and instance name of other components that its contexts are to drive.
         hot: Parameters that may be changed while it is active; ``*`` for all.
-        costs: What kinds of steps cost that are done to it, where the profile states it.
-        manager: Which of the other managers of this host is to hold it; empty for the first.
+        costs: Costs of kinds of steps that are done to it, where the profile states them.
+        manager: Other manager of this host that is to hold it; empty for the first.
         rates: Of the contexts [Hz], in their order; 0 where the profile states none.
         policy: All that is done about its end and its health; None where nothing is stated of it.
         is_create_stated: The profile itself states the create string.
@@ -119,7 +119,7 @@ class WantedSystem:
     """A wanted system, in the order of its profile.
 
     Attributes:
-        notes: What had to be decided where the profile leaves it open.
+        notes: Decisions on matters that the profile leaves open.
     """
 
     components: tuple[WantedComponent, ...] = ()

@@ -53,12 +53,12 @@ class UserEvent(NamedTuple):
 
     Attributes:
         process: Name of the process that holds the component, or that it happened to.
-        subject: Which execution context, port, configuration set …; empty for the component.
-        event: What happened to that.
+        subject: Execution context, port, configuration set …; empty for the component.
+        event: Event of that subject.
         detail: More about it.
         names: Names under which the component is registered, or was.
         restart: Of one that its policy restarted: how often, for what, how long it took.
-        system: What became of a system that is followed.
+        system: Transition of a system that is followed.
     """
 
     kind: str

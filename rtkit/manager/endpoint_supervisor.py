@@ -41,8 +41,8 @@ class TcpEndpoint:
 
     Args:
         inner: Endpoint of the manager's session behind it.
-        module: What the process runs.
-        kind: What the port is called in the log.
+        module: Module that the process runs.
+        kind: Name of the port in the log.
     """
 
     def __init__(self, inner: str, module: str = _MODULE, kind: str = "TCP") -> None:

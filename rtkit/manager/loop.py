@@ -87,7 +87,7 @@ class Loop:
     """Owns the core; everybody else only enqueues (`post`).
 
     Attributes:
-        requests: Who waits for answers.
+        requests: Requests whose clients wait for answers.
         query_server: Where requests are taken.
         following: Follows the events of systems.
         links: Links to other hosts.

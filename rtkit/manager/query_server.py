@@ -52,7 +52,7 @@ class ManagerQueryServer:
 
     Attributes:
         restart: Set when the manager is to start again after its end.
-        plan_lock: Who carries a plan out.
+        plan_lock: Lock of those who carry plans out.
         follow: Receives requests to follow a system, or not to.
         dump: Captures the last events, and returns what makes the text of them, on any thread.
         events: Captures the last events that may be about one component.

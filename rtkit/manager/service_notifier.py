@@ -38,7 +38,7 @@ class ServiceNotifier:
 
     Attributes:
         due_at: When `beat` is due, monotonic [s]; None where nobody listens.
-        variables: What was taken out of the environment, for this program when it starts anew.
+        variables: Variables taken out of the environment, for this program when it starts anew.
     """
 
     def __init__(self, state: ManagerState, environment: MutableMapping[str, str]) -> None:

@@ -28,7 +28,7 @@ class ManagerService(NamedTuple):
         options: Of its start.
         folder: Working directory, where modules are looked for.
         environment: Variables besides those that systemd sets.
-        user: Who it runs as, of a service of the machine; empty for a service of its user.
+        user: User of a service of the machine; empty for a service of its user.
         systemd: Version of systemd; 0 if it is not known.
     """
 

@@ -143,7 +143,7 @@ class Directory:
     Args:
         root: Its path; it is followed once, and where it leads to is kept.
         hidden: Names that begin with a dot are allowed.
-        is_synced: What was written is on the disk before it counts.
+        is_synced: Written data are on the disk before they count.
 
     Raises:
         PropertyError: ``unknown``, ``denied``: it cannot be opened.

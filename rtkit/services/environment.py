@@ -29,7 +29,7 @@ class Environment(Asking):
     Args:
         variance: Of each coordinate of a marker that tells none [m², rad²].
         gate: Mahalanobis distance up to which a marker may be of a thing.
-        drift: What the variance of the place of a thing grows by [m²/s, rad²/s].
+        drift: Growth of the variance of the place of a thing [m²/s, rad²/s].
         maxage: After which time what was not seen is forgotten [s]; 0 for never.
         side: Of a cell of the grids [m].
         most: How many things are kept.
@@ -37,7 +37,7 @@ class Environment(Asking):
     Attributes:
         frame: In which things are kept: ``world``, or the name of a service.
         maxage: After which time what was not seen is forgotten [s]; 0 for never.
-        grids: What was measured, by name.
+        grids: Grids of measured values, by name.
     """
 
     type: Final = ("environment",)

@@ -75,7 +75,7 @@ def distance(
     Args:
         one: An estimate.
         other: Another one.
-        drift: What is to be added to the variances.
+        drift: Variance to be added.
         bound: None is returned for more than this.
     """
     far = one.mean[0] - other.mean[0]
@@ -174,7 +174,7 @@ class MarkerFusion:
     Args:
         variance: Of each coordinate of a marker that tells none [m², rad²].
         gate: Mahalanobis distance up to which a marker may be of a thing.
-        drift: What the variance of the place of a thing grows by [m²/s, rad²/s].
+        drift: Growth of the variance of the place of a thing [m²/s, rad²/s].
         most: How many things are kept; those not seen for longest go first.
         frame: In which all is.
 

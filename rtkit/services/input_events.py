@@ -35,7 +35,7 @@ class InputEvent(NamedTuple):
 
     Attributes:
         kind: `KEY`, `REL`, `ABS` or another type of the kernel.
-        code: Which key or axis.
+        code: Key or axis.
         value: 1 for down and 0 for up of a key, a way of REL, a place of ABS.
     """
 

@@ -68,7 +68,7 @@ class Joystick(_InputSensor):
     Attributes:
         data: Names and raw values of all axes and buttons that have been moved.
         axes: Deflections by name: -1 to 1, of pedals and triggers 0 to 1.
-        buttons: Which buttons are down, by name.
+        buttons: Buttons that are down, by name.
     """
 
     type: Final[tuple[str, ...]] = ("joystick", "sensor")  # type: ignore[misc]
@@ -134,7 +134,7 @@ class Pointer(_InputSensor):
     Attributes:
         data: Where each finger, or the mouse, is: parts of width and height from the lower left.
         wheel: Steps that the wheel was turned, away from the user.
-        buttons: Which buttons are down, by name.
+        buttons: Buttons that are down, by name.
     """
 
     type: Final[tuple[str, ...]] = ("pointer", "sensor")  # type: ignore[misc]

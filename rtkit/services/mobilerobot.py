@@ -34,9 +34,9 @@ class MobileRobot(Asking):
         resource: Name of the service that keeps named frames.
 
     Attributes:
-        actuators: What moves it, by name.
-        sensors: What it perceives with, by name.
-        behaviors: What leads it: `moveto` and others.
+        actuators: Services that move it, by name.
+        sensors: Services that it perceives with, by name.
+        behaviors: Its behaviours: `moveto` and others.
     """
 
     type: Final = ("mobilerobot",)

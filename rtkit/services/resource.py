@@ -49,7 +49,7 @@ class Entry(NamedTuple):
 
     Attributes:
         service: Its name.
-        types: What it is, in words.
+        types: Words for its kind.
         contacts: Protocol and address of each of its endpoints that is known.
         ends_at: When its lease is over [s, monotonic].
         misses: How many times in a row it has not answered; twice as many if nobody was there.
@@ -103,10 +103,10 @@ class Resource(Names):
         period: How often each service is asked for a sign of life [s].
         misses: After so many periods without one a service is gone; one in which its connection
             was refused counts twice.
-        route: What is asked about ``NAME.PROPERTY`` is passed on to that service.
-        starts: What may be started: ``KIND COMMAND ARGUMENT...``; a kind is a word of a type.
-        left: What becomes of that which a resource service of this name had started, and left when
-            it was killed: ``adopt`` takes it for started here, ``end`` ends it.
+        route: Requests about ``NAME.PROPERTY`` are passed on to that service.
+        starts: Services to start: ``KIND COMMAND ARGUMENT...``; a kind is a word of a type.
+        left: Fate of services that a resource service of this name had started, and left when it
+            was killed: ``adopt`` takes them for started here, ``end`` ends them.
         frames: Named frames, ``NAME x y z a b c`` [m, rad].
     """
 

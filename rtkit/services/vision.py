@@ -235,7 +235,7 @@ class BlobMethod(Method):
     """Areas of one colour. Of a known diameter the place is told, else the direction only.
 
     Attributes:
-        colors: Which are looked for.
+        colors: Those that are looked for.
         least: Area of the smallest one [px²].
         diameter: Of the balls that are looked for [m]; 0 where it is not known.
     """

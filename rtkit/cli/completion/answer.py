@@ -100,7 +100,7 @@ def candidates(
     """Return the candidates behind words of a command line; the first word is the command.
 
     Raises:
-        RtkitError: Whoever is to be asked does not answer, or a word before cannot be read.
+        RtkitError: The manager or service does not answer, or a word before cannot be read.
     """
     name, *before = [os.path.basename(words[0]), *words[1:]] if words else [""]
     if name == "rtkit":

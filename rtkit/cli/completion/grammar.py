@@ -50,10 +50,10 @@ class CursorMeaning(NamedTuple):
         command: Name of the command, with its word where it has words: ``rtprofile show``.
         kind: ``option``, ``words``, or a type of `argument_types`; empty for free text.
         typed: The word as far as it is typed; of ``--option=value`` only the value.
-        front: What stands before `typed` in the same word.
+        front: Text before `typed` in the same word.
         arguments: The arguments before this one.
         options: First names of the options before it, with the values of those that have one.
-        words: What the words of that kind are, where the command itself says it.
+        words: Words of that kind, where the command itself says them.
     """
 
     command: str

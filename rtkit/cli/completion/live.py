@@ -121,7 +121,7 @@ class WantedPath(NamedTuple):
         fits: Tells of an entry whether it can be named; of directories with a slash behind.
         takes_folders: Whether a directory itself can be named, whatever is in it.
         has_port: Whether a port must follow; None when it may.
-        port_fits: Which ports are meant.
+        port_fits: Ports that are meant.
     """
 
     fits: Callable[[TreeNode], bool]

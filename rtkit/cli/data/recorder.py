@@ -114,7 +114,7 @@ class _Stamps:
     """Declares streams to a sink, and reads the time stamps of their values.
 
     Attributes:
-        of: What reads the time stamp of a value, by the name of its stream.
+        of: Reader of the time stamp of a value, by the name of its stream.
     """
 
     def __init__(

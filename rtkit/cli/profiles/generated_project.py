@@ -462,7 +462,7 @@ def renew_types(idl: str) -> list[str]:
 
     Raises:
         InvalidDocument: The file is no IDL; tells the line.
-        Refused: What is there was changed by hand.
+        Refused: A file that is there was changed by hand.
     """
     folder = os.path.dirname(idl)
     home = os.path.dirname(folder) if os.path.basename(folder) == "idl" else folder

@@ -36,7 +36,7 @@ class App:
     """One run of a command.
 
     Attributes:
-        name: What the user typed to get here, the prefix of every message.
+        name: Words that the user typed to get here, the prefix of every message.
         timeout_s: Time-out of each call [s].
         is_verbose: Report progress on stderr, and tracebacks.
         is_strict: Take warnings for errors.

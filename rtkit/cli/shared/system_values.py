@@ -42,7 +42,7 @@ def parameters(app: App) -> SystemParameters | None:
     Raises:
         NotFound: A file of values cannot be read.
         InvalidDocument: It is no YAML, or no table of values.
-        UsageProblem: What was typed is not ``NAME=VALUE``.
+        UsageProblem: A word is not ``NAME=VALUE``.
     """
     if not (app.sets or app.values or app.prefix):
         return None

@@ -44,8 +44,8 @@ class PlacedComponent:
         required: Its requirements.
         stated: The place that its path names; empty where that is open.
         home: Where it lives; empty for nowhere.
-        making: What it costs to make it.
-        leaving: What it costs besides that it ends at its home.
+        making: Cost of making it.
+        leaving: Further cost of its end at its home.
         is_required: The system makes no sense without it.
     """
 
@@ -116,7 +116,7 @@ class PlacementChoice:
 
     Attributes:
         places: By component, the place of its candidate.
-        cost: What it costs to make, or move, the components there.
+        cost: Cost of making, or moving, the components there.
         crossings: Connections between hosts.
         gap: By how much a cheaper choice could be cheaper at most.
     """

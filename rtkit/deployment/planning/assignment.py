@@ -21,8 +21,8 @@ class Assignment(NamedTuple):
     Attributes:
         place: Where it is at the end; `ABSENT` for nowhere.
         is_made: It is made, after it was ended where it lives.
-        is_ended: What lives is ended.
-        cost: What it costs alone.
+        is_ended: The living one is ended.
+        cost: Cost of it alone.
         uses: Modules (``mod:M/X``), packages (``pkg:H/P==V``) and managers (``mgr:M``) that must be
             there for it, and are not.
     """

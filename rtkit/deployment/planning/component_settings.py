@@ -27,7 +27,7 @@ class ComponentSetting(NamedTuple):
     """A setting of a component.
 
     Attributes:
-        parameter: What it is called among the parameters of its component.
+        parameter: Its name among the parameters of its component.
         live: Its value now; None where the component does not live.
     """
 
@@ -43,7 +43,7 @@ def settings(
     """Yield rates and policy of a component: as wanted, else as they were when it began.
 
     Args:
-        component: What is wanted.
+        component: The wanted component.
         facts: As it lives, if it does.
         was: As it lived when a plan began, if it did; who moves keeps the rates of then.
     """

@@ -68,7 +68,7 @@ def make_plan(model: Model, ranks: Mapping[str, int] = NO_RANKS) -> DeploymentPl
     """Return the cheapest plan, judged by carrying it out on the model.
 
     Args:
-        model: What is, what may be, what is desired.
+        model: Present, possible and desired values.
         ranks: Components with lower numbers are activated before those with higher ones.
 
     Raises:

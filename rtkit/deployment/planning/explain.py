@@ -18,8 +18,8 @@ class NoPlan(Impossible):
     Attributes:
         wishes: Desired values; without any one of them the others can hold: ``VARIABLE=VALUE``.
         variables: The same desired values by the variables that they are about.
-        reasons: What stands in the way of them.
-        more: What else stands in the way, of other desired values.
+        reasons: Obstacles to them.
+        more: Further obstacles, to other desired values.
     """
 
     def __init__(

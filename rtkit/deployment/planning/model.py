@@ -62,8 +62,8 @@ class ComponentVariable:
     """Component variable: the places and states that a component may have.
 
     Attributes:
-        module: What must be loaded to make it; empty for nothing.
-        package: What must be installed to make it, ``P==V``; empty for nothing.
+        module: Module that must be loaded to make it; empty for none.
+        package: Package that must be installed to make it, ``P==V``; empty for none.
         places: Where it may be made.
         why_not: Why it cannot be made, where there is no place for it.
         members: Other components that must be there while it is, as it is composed of them.
@@ -84,7 +84,7 @@ class ParameterVariable:
     """A configuration parameter.
 
     Attributes:
-        default: What it is in a component just made; `UNKNOWN` if nobody knows.
+        default: Its value in a component just made; `UNKNOWN` if nobody knows.
         is_hot: It may be set while the component is active.
         text: Words for setting it, up to the value; ``set C.KEY=`` if empty.
         is_fixed: It is never set: only a component created again has the default.
@@ -117,7 +117,7 @@ class Model:
     Attributes:
         managers: Modules that each manager finds; None where it may find any.
         keys: Parameters by ``C.KEY``.
-        live: What is; a variable that is not named has its usual value (see `usual`).
+        live: Present values; a variable that is not named has its usual one (see `usual`).
         desired: The desired values; what is not named may be anything.
         costs: Of each kind of command; ``KIND NAME`` for what concerns one component only, or one
             parameter, or one connection.

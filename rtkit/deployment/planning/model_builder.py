@@ -41,7 +41,7 @@ class BuiltModel:
     """A model of the live system and the wanted one.
 
     Attributes:
-        notes: What of the wanted system is left out, because it cannot be.
+        notes: Parts of the wanted system that are left out, as they cannot be.
         unmet: Those of them without which a required component is not what is wanted.
     """
 
@@ -58,13 +58,13 @@ class WantedDeployment:
         state: In which every component is to be; None for as it is.
         ranks: Components of lower numbers are activated before those of higher ones.
         parallel: Most actions that are under way at once; 0 for no bound.
-        feasibility: What is known of components that do not live yet.
+        feasibility: Knowledge of components that do not live yet.
         states: In which single components are to be, instead of `state`.
         absent: Components that are not to be there, by name.
         dropped: Ids of connections that are not to be there.
-        replaces: What cannot be changed in place is created again.
-        prunes: What is not in the system is not to be there.
-        is_strict: What would be made with a note on it is to fail instead.
+        replaces: Components that cannot be changed in place are created again.
+        prunes: Components that are not in the system are not to be there.
+        is_strict: Steps that would be done with a note are to fail instead.
         packages: Those that components need.
     """
 
@@ -97,9 +97,9 @@ class ModelBuilder:
         """Begin with nothing in the model.
 
         Args:
-            wanted: What is wanted.
-            live: What lives.
-            began: What lived when it began; who moves keeps connections and values of then.
+            wanted: The wanted system.
+            live: Facts of the live system.
+            began: Facts of the beginning; a moving component keeps connections and values of then.
             is_back: For the way back: what turned out to be another than wanted is taken in too.
         """
         self.wanted = wanted

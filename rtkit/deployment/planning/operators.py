@@ -31,7 +31,7 @@ class Operator:
 
     Attributes:
         kind: Of the table of costs.
-        subject: What it is done to: a manager, ``M/X``, a component, ``C.KEY``, a connection.
+        subject: Its subject: a manager, ``M/X``, a component, ``C.KEY``, a connection.
         text: Words for it.
         needs: All of them must hold.
         changes: Values after it.

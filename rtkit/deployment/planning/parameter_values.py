@@ -39,10 +39,10 @@ class Values:
         """Compare what is wanted with what lives.
 
         Args:
-            component: What is wanted.
+            component: The wanted component.
             facts: As it lives, if it does.
             was: As it lived when a plan began, if it did; who moves keeps its values.
-            declared: What is known of its type, if it does not live.
+            declared: Knowledge of its type, if it does not live.
         """
         self._component = component
         self._facts = facts

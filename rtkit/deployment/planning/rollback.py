@@ -136,8 +136,8 @@ def rollback_goal(now: Model, before: Model, joined: Mapping[str, tuple[str, ...
     Things that somebody else made meanwhile, and nobody knew of before, are left as they are.
 
     Args:
-        now: What lives, and what was desired.
-        before: What lived before.
+        now: Facts of now, and the desired values.
+        before: Facts of before.
         joined: The components that each connection joined before.
     """
     live, desired = dict(now.live), dict[str, Wish]()

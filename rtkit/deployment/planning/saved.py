@@ -43,8 +43,8 @@ class SavedPlan:
 
     Attributes:
         made: When, as people read it.
-        about: What it was made from: the profile and the options.
-        model: What lived, what might be, what was desired.
+        about: Its origin: the profile and the options.
+        model: Values of then: present, possible and desired ones.
         ranks: Components of lower numbers are activated before those of higher ones.
         steps: Kind, subject, value and cost of each step, in order.
         gap: By how much it may be dearer than the cheapest.

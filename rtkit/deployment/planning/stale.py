@@ -19,7 +19,7 @@ class Stale:
         """Index a snapshot.
 
         Args:
-            live: What lives.
+            live: Facts of the live system.
             named: Components that a plan may make again.
             code: CRC-32 of files of modules, as they are.
         """

@@ -29,7 +29,7 @@ class SystemStates:
 
     Attributes:
         table: State to event to next state, in order; the first one is where it begins.
-        wishes: What is desired in each state.
+        wishes: Desired values of each state.
         conditions: By event; one without condition is a command, or `FAILED`.
     """
 

@@ -43,7 +43,7 @@ class Core:
     """Manager without its shell.
 
     Attributes:
-        state: What it knows.
+        state: Its knowledge.
     """
 
     DERIVED = ("_reactions",)

@@ -34,7 +34,7 @@ class DesiredComponent(Record):
     Attributes:
         create: Create string that makes it, with its instance name and its slave.
         pattern: Of a stand-in, as JSON.
-        sets: What was set by users: set name to parameter name to text.
+        sets: Values set by users: set name to parameter name to text.
         active: Ids of the execution contexts in which it shall be active.
         rates: Rates that were set [Hz], by context.
         attached: Components that its contexts drive besides, by context.
@@ -65,7 +65,7 @@ class RestartRecord(Record):
         pending: For which end it is to be restarted; empty when it is not.
         given_up: Why it is restarted no more.
         is_in_error: It is, and that was answered.
-        rested: Which rule it broke for which it was deactivated.
+        rested: Rule for whose breach it was deactivated.
         halted: For which loss everything was deactivated, since it is critical.
     """
 
@@ -140,9 +140,9 @@ class DesiredState:
     """All desired rows, in their order of arrival, and which of them are not stored yet.
 
     Attributes:
-        begun: What of the manager's own start was done, as ``KEY: ITEM``.
+        begun: Steps of the manager's own start that were done, as ``KEY: ITEM``.
         zombies: Components whose end is for their user to see, as they were.
-        watched: What has been done about the ends of components, by instance.
+        watched: Record of the reactions to ends of components, by instance.
         revived: Components that are just being restarted: they are not newly desired.
         boot, life: Identity of this run of the machine, and the unique name of this store.
         halves: Of connectors to other managers, by id: which making each comes from, and with which
@@ -150,7 +150,7 @@ class DesiredState:
         far: Ids of those connectors, by peer.
         untold: Of which ones a peer is to hear, by peer: they have changed, or are no more; with
             the making that the last one of that id came from.
-        answered: What batches came to that changed anything, the last ones, by id.
+        answered: Results of the last batches that changed anything, by id.
         followed: By what systems are followed whose events lead them, as text, by name.
         reached, hosts: The state of each of them; other hosts to be linked, by name, as JSON.
         gone: Removed connectors of which a manager of another host has not heard yet, as (peer,

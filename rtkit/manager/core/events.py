@@ -83,7 +83,7 @@ class PeerAsked(Event):
     """Another manager asks about halves of connectors (see `rtkit.manager.core.halves`).
 
     Attributes:
-        peer: Which one of another host it is, by what its link lets pass; empty for this host's.
+        peer: One of another host, by what its link lets pass; empty for this host's.
     """
 
     text: str
@@ -132,7 +132,7 @@ class StoreRead(Event):
 
     Attributes:
         rows: Of the store.
-        boot: Which run of the machine this is: in another one, nobody died by himself.
+        boot: Identity of this run of the machine: in another one, no process died by itself.
         remark: A finding about the store; mostly empty.
         life: Names the store from now on, if it has no name yet.
     """

@@ -26,7 +26,7 @@ class PastEvent(NamedTuple):
     Attributes:
         at: When it was, monotonic [s].
         event: In the words of `rtkit.deployment.user_events`; ``ASKED`` for a request of a user.
-        subject: Which execution context, port, configuration set; empty for the component.
+        subject: Execution context, port, configuration set; empty for the component.
         detail: More about it.
     """
 

@@ -17,7 +17,7 @@ class ReplayedEvent(NamedTuple):
     """An event with what the core did at it, or a fault that the manager noted.
 
     Attributes:
-        error: What the core raised; a report that cannot be read is refused so, too.
+        error: Error of the core; a report that cannot be read is refused so, too.
         is_bug: That is a fault of its own.
     """
 

@@ -36,8 +36,8 @@ class Process:
         is_guest: It came by itself with components of its own and ends by itself.
         trial_of: The module of which it only tries whether it can be imported; it is not shown.
         failure: Why that module cannot be imported.
-        stuck: What exceeds its deadline in it, with where it is: by component, also one that is
-            being made, or by module.
+        stuck: Calls that exceed their deadline in it, with their place: by component, also one
+            that is being made, or by module.
         found: Keys of the modules that it has loaded by itself for a component being made.
     """
 
@@ -159,16 +159,16 @@ class ManagerState:
         bound: Devices whose end ends components, by instance; replaced when that changes.
         absent: Those of them that were not there at the last look.
         unjudged: Components that were made after it, by such a device: the next look tells.
-        degraded: Which of those rules they break, by instance.
+        degraded: Those rules that they break, by instance.
         limits: Limits of components that have any, by instance.
         capacity: Returns what this host has.
-        since_made: What users asked of found components since they were made, by instance; no
-            more once the rest of what is desired of them is done.
+        since_made: Requests of users to found components since they were made, by instance; no
+            more once all else that is desired of them is done.
         loose: Ends of connectors that slaves hold which were found, by connector and slave, until
             the other end is known too.
         peers: Other managers that can be asked about halves of connectors.
         failing: Why own ends of halves cannot be opened or joined, by connector; tried again.
-        expected: What managers of other hosts may make, by the id of the connector.
+        expected: Connectors that managers of other hosts may make, by id.
         makings: How many connectors to other managers it has made.
     """
 

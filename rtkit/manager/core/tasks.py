@@ -40,7 +40,7 @@ class _Task:
     Attributes:
         done: Receives the outcome; None when nobody waits for it.
         until: When its time is up, but for waits of a time of their own; monotonic [s].
-        wait: What it waits for at present.
+        wait: Event that it waits for at present.
         since: When it began to wait, monotonic [s].
         key: Of the process that it waits for.
         is_late: Its time is up; what it waits for is being inspected.

@@ -61,7 +61,7 @@ class FollowingWorker(Thread):
         """Prepare to follow.
 
         Args:
-            text: What a system is followed by (`rtkit.deployment.facts`).
+            text: Specification by which a system is followed (`rtkit.deployment.facts`).
             reached: Its last state and transition.
             site: Where it lives.
             report: Stores and reports its outcome; returns when that is stored.

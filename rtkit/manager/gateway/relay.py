@@ -155,7 +155,7 @@ class ManagerRelay(PropertyProvider):
     """Stands for a manager where other hosts ask it.
 
     Args:
-        host: Whose loop calls it.
+        host: Owner of the loop that calls it.
         link: Leads to the manager.
         identity: Of the manager.
     """

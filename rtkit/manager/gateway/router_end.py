@@ -32,7 +32,7 @@ class RouterEnd(IOHandler):
     """Connection to the router of a manager, for one client.
 
     Args:
-        host: Whose loop calls it.
+        host: Owner of the loop that calls it.
         path: Socket of the manager.
         client: Gets what comes; is closed when the router has hung up.
 

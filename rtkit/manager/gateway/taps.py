@@ -39,8 +39,8 @@ class Taps:
     """The taps of all clients.
 
     Args:
-        host: Whose loop calls it.
-        manager: Whose ports they are.
+        host: Owner of the loop that calls it.
+        manager: Manager of the ports.
     """
 
     def __init__(self, host: PropertyEventLoop, manager: str) -> None:
@@ -60,7 +60,7 @@ class Taps:
 
         Args:
             ask: The request.
-            word: What the tap is to do.
+            word: Work of the tap.
             caller: The client.
             check: Raises if it may not do what it wants.
             record: Puts on record what it wants, and what came of that.

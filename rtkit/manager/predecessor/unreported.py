@@ -49,7 +49,7 @@ class UnreportedSlaves:
     """Slaves that have not reported to the manager of that name yet.
 
     Args:
-        dead: What those held who ended before it began, by pid.
+        dead: Components of processes that ended before it began, by pid.
     """
 
     def __init__(self, manager: str, dead: Mapping[int, SlaveCheckpoint]) -> None:

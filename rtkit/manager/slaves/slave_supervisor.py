@@ -58,7 +58,7 @@ class SlaveSupervisor:
 
     Args:
         settings: Of slaves (see `rtkit.container.slave`), and ``zygote``, a path.
-        dead: What those slaves held that ended while no manager ran, by pid.
+        dead: Components of slaves that ended while no manager ran, by pid.
 
     Attributes:
         sweep_at: When `sweep` is due, monotonic [s]; None while nothing is to be swept.

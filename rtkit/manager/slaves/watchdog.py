@@ -75,7 +75,7 @@ class _Watched:
     Attributes:
         pattern: Of the data sockets of its kind.
         stack_polls: How many polls it still has to write the stacks that it was asked for.
-        age_s: What to report though its deadline is not over, because somebody asks.
+        age_s: Age from which a call is reported before its deadline, as somebody asks [s].
         due_ns: Before then nothing in it can be late [ns].
         is_halted: It is stopped: nothing in it can be late.
         went_on_ns: When it last went on; time that it was stopped counts for no callback [ns].

@@ -80,7 +80,7 @@ class Interpreter:
     """One machine at work.
 
     Args:
-        machine: What it does.
+        machine: The machine.
         length: Entries of the log that are kept.
         logs_all: Log events and values that lead to nothing, too.
 

@@ -57,7 +57,7 @@ class ServiceLink:
 
     Args:
         client: Asks the service.
-        names: What the machine calls services.
+        names: Names of services in the machine.
         received: Called with each change of what is listened to.
         got: Called with the variable and the value that were to be got.
         failed: Called with the target and the reason of what failed.

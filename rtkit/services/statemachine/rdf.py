@@ -77,7 +77,7 @@ def read_machine(text: str, machine: Machine | None = None, at: str = "") -> Mac
 
     Args:
         text: Turtle, or RDF/XML where it begins with ``<?xml`` or ``<rdf:RDF``.
-        machine: What the state is put into.
+        machine: Machine that the state is put into.
         at: Path that the state gets; one that is there with all inside it is replaced.
 
     Raises:

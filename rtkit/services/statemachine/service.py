@@ -35,7 +35,7 @@ class StateMachine(rtkit.Names):
     Args:
         machine: Text of the machine: Turtle, RDF/XML or SCXML.
         source: Property that it is got from instead, e.g. of a storage service.
-        names: What services are called in it, ``NAME=SERVICE`` each: ``robots/r1=/h2/robots/r1``.
+        names: Names of services in it, ``NAME=SERVICE`` each: ``robots/r1=/h2/robots/r1``.
         start: Whether it runs at once.
         timeout: Bound on each request to another service [s].
         length: Entries of the log that are kept.

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from rtkit.tree.clock import ClockOffset
 
     Found = tuple[FarSide | str, ClockOffset]
-    """What a shell there tells; over TLS only the version of its manager."""
+    """Findings of a shell there; over TLS only the version of its manager."""
 
 _TITLE = "Looking at hosts"
 

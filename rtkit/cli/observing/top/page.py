@@ -22,7 +22,7 @@ class Column(NamedTuple):
 
     Attributes:
         width: Least width, where there is room for no more.
-        key: What it sorts by; greatest first if `is_falling`, and what is None last.
+        key: Column that it sorts by; greatest first if `is_falling`, and None last.
         order: In which order columns are left out where there is no room, from 1; 0 for never.
     """
 
