@@ -22,6 +22,7 @@ class PackageHosts:
     """The hosts on which components of a system are to be.
 
     Attributes:
+        session, document, snapshot: As given.
         names: All of them, this one first; this one is `LOCAL`.
         managers: What is known of the manager of each component, by its name.
         far: The components that are to be on other hosts.
@@ -33,9 +34,7 @@ class PackageHosts:
         from rtkit.api.gathering import Managers
         from rtkit.deployment.extension import stated_id
 
-        self._session = session
-        self._document = document
-        self._snapshot = snapshot
+        self.session, self.document, self.snapshot = session, document, snapshot
         alive = (each for each in snapshot.components if not each.zombie)
         self._alive = {each.instance: stated_id(each) for each in alive}
         known = {each.manager: each for each in (snapshot, *snapshot.others)}
@@ -53,7 +52,7 @@ class PackageHosts:
 
     def components_on(self, host: str) -> list[ComponentInstance]:
         """Return the components that are to be on a host."""
-        all = self._document.profile.components
+        all = self.document.profile.components
         return [each for each in all if self.host_of(each.instance_name) == host]
 
     def types_on(self, host: str) -> dict[str, str]:
@@ -67,7 +66,7 @@ class PackageHosts:
         return any(each.pid for each in self._on(host))
 
     def _on(self, host: str) -> Iterator[Snapshot]:
-        for each in (self._snapshot, *self._snapshot.others):
+        for each in (self.snapshot, *self.snapshot.others):
             if (split_manager(each.manager)[1] or LOCAL) == host:
                 yield each
 
@@ -85,12 +84,12 @@ class PackageHosts:
             return Survey()
         types = tuple(dict.fromkeys(self.types_on(host).values()))
         if host == LOCAL:
-            found = survey(self._question(host, types, notes=notes), self._session.timeout_s)
+            found = survey(self._question(host, types, notes=notes), self.session.timeout_s)
             if found.unknown:
                 text = f"packages that nothing uses are not removed: {found.unknown}"
-                self._session.verbose(text)
+                self.session.verbose(text)
             return found
-        is_lost = any(each.manager in self._snapshot.unreachable for each in self._on(host))
+        is_lost = any(each.manager in self.snapshot.unreachable for each in self._on(host))
         # One that is to be started is to answer before anything is done.
         is_asked = notes and not self.is_up(host)
         if is_lost or not (is_asked or self._is_worth_it(host, types)):
@@ -100,7 +99,7 @@ class PackageHosts:
         except RtkitError as error:
             if is_asked:
                 raise
-            notify = self._session.verbose if self.is_up(host) else self._session.fail
+            notify = self.session.verbose if self.is_up(host) else self.session.fail
             notify(f"which packages {host} has is not known: {error}")
             return Survey()
 
@@ -113,13 +112,13 @@ class PackageHosts:
         from rtkit.packages.needing import survey
 
         asked = self._question(host, (), notes=False)
-        return survey(asked, self._session.timeout_s) if host == LOCAL else self._far(host, asked)
+        return survey(asked, self.session.timeout_s) if host == LOCAL else self._far(host, asked)
 
     def _question(self, host: str, types: tuple[str, ...], *, notes: bool) -> Question:
         from rtkit.packages.needing import Question
 
         managers = tuple(split_manager(each.manager)[0] for each in self._on(host))
-        return Question(self._document.profile.id, types, managers, notes)
+        return Question(self.document.profile.id, types, managers, notes)
 
     def _is_worth_it(self, host: str, types: Sequence[str]) -> bool:
         """Return whether something is to be made that rtkit lacks, or a package may be surplus."""
@@ -147,7 +146,7 @@ class PackageHosts:
         from rtkit.packages.needing import Survey
 
         known = inventory.host(host)
-        with connect(known, self._session.timeout_s) as connection:
+        with connect(known, self.session.timeout_s) as connection:
             look, is_bare = far_side.look(connection), not self.is_up(host)
             if asked.types:
                 with named(host):

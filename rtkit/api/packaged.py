@@ -75,7 +75,7 @@ def unpackaged(session: Session, document: SystemProfile, snapshot: Snapshot) ->
         types = hosts.types_on(LOCAL)
         found = offerings({*types.values()})
         chosen = {name: found[id] for name, id in types.items() if id in found}
-        document = _chosen(_Asking(session, snapshot, hosts), document, chosen)
+        document = _chosen(_Asking(hosts), document, chosen)
     return Packaged(document, NO_PACKAGES, known_types(document.profile, snapshot), {})
 
 
@@ -95,7 +95,7 @@ def supplied(
     from rtkit.api.component_profiles import known_types
 
     hosts = PackageHosts(session, document, snapshot)
-    asking = _Asking(session, snapshot, hosts)
+    asking = _Asking(hosts)
     places = _repositories(document)
     types = known_types(document.profile, snapshot)
     surveys = {host: hosts.survey(host, notes=not is_dry) for host in hosts.names}
@@ -108,7 +108,7 @@ def supplied(
             pending |= asking.pending(types, host, survey)
     near, far = ({n for n in (*found, *pending) if (n in hosts.far) is x} for x in (False, True))
     types = _known_types(document, {n: found[n][0] for n in near & {*found}}) | types
-    chosen, lacks = _supply(session, pending, hosts, places)
+    chosen, lacks = _supply(pending, hosts, places)
     found |= {name: [each] for name, each in chosen.items()}
     types |= _known_types(document, {n: chosen[n] for n in near & {*chosen}})
     document = _chosen(asking, document, found, far)
@@ -118,7 +118,7 @@ def supplied(
     digests = {f"{hosts.host_of(n)}/{each.text}": each.wheels for n, each in sound.items()}
     for package, wheels in digests.items():
         session.verbose(f"{package}: {', '.join(wheels)}")
-    installer = _installer(session, document, places, digests, hosts)
+    installer = _installer(places, digests, hosts)
     of = {name: each.text for name, each in sound.items()}
     return Packaged(document, _packages(surveys, of, digests, installer), types, lacks)
 
@@ -152,11 +152,11 @@ def leftover(session: Session, document: SystemProfile, snapshot: Snapshot) -> P
     """
     hosts = PackageHosts(session, document, snapshot)
     surveys = {host: hosts.leftovers(host) for host in hosts.names}
-    return _packages(surveys, {}, {}, _installer(session, document, (), {}, hosts))
+    return _packages(surveys, {}, {}, _installer((), {}, hosts))
 
 
 def _supply(
-    session: Session, pending: Mapping[str, str], hosts: PackageHosts, places: Sequence[str]
+    pending: Mapping[str, str], hosts: PackageHosts, places: Sequence[str]
 ) -> tuple[dict[str, Offering], dict[str, str]]:
     """Return an offering for each pending component that has one, and why some cannot be had."""
     from rtkit.packages.offering import offerings
@@ -170,10 +170,10 @@ def _supply(
     asked = [each for each in wanted.values() if cannot.get(each, "none")]
     found = Supply({}, {})
     if asked and places:
-        found = supply(asked, hosts.targets, places, session.warn)
+        found = supply(asked, hosts.targets, places, hosts.session.warn)
     absent = sorted({id for _, id in {*asked} - {*found.found, *own}}) if places else ()
     looked = ", ".join(places)
-    session.warn(f"no installed package has {each}, and none of {looked}" for each in absent)
+    hosts.session.warn(f"no installed package has {each}, and none of {looked}" for each in absent)
     all = own | found.found
     lacks = {e: why for e, why in cannot.items() if why and e not in found.found} | found.lacks
     chosen = {name: all[each] for name, each in wanted.items() if each in all}
@@ -195,15 +195,11 @@ def _unpushable(package: Installed, target: WheelTarget | None) -> str:
 
 
 def _installer(
-    session: Session,
-    document: SystemProfile,
-    places: Sequence[str],
-    digests: Mapping[str, Mapping[str, str]],
-    hosts: PackageHosts,
+    places: Sequence[str], digests: Mapping[str, Mapping[str, str]], hosts: PackageHosts
 ) -> Installer:
     from rtkit.packages.supply import LocalInstaller
 
-    near = LocalInstaller(places, digests, session.timeout_s, document.profile.id)
+    near = LocalInstaller(places, digests, hosts.session.timeout_s, hosts.document.profile.id)
     if hosts.names == (LOCAL,):
         return near
     from rtkit.hosts.package_installer import HostsInstaller
@@ -215,7 +211,7 @@ def _installer(
         return pushable(name, places, digests[package], folder, target)
 
     bare = {host for host in hosts.names if not hosts.is_up(host)}
-    return HostsInstaller(near, wheels, bare, by_lines(session.verbose))
+    return HostsInstaller(near, wheels, bare, by_lines(hosts.session.verbose))
 
 
 def _repositories(document: SystemProfile) -> Sequence[str]:
@@ -257,11 +253,8 @@ def _known_types(document: SystemProfile, chosen: Mapping[str, Offering]) -> dic
 class _Asking:
     """Asks managers what they can make; one that does not run is as one started there."""
 
-    def __init__(self, session: Session, snapshot: Snapshot, hosts: PackageHosts) -> None:
-        self._session = session
-        self._snapshot = snapshot
+    def __init__(self, hosts: PackageHosts) -> None:
         self._hosts = hosts
-        self._managers = (snapshot, *snapshot.others)
         self._known: dict[tuple[str, str, str], bool] = {}
 
     def offers(self, component: str, module: str, create: str) -> bool:
@@ -295,7 +288,8 @@ class _Asking:
 
     def _removed(self) -> Iterator[str]:
         """Yield the types of loaded modules whose package was removed: no slave finds them."""
-        for each in (each for one in self._managers for each in one.modules):
+        here = self._hosts.snapshot
+        for each in (each for one in (here, *here.others) for each in one.modules):
             if each.file.startswith(f"{root()}/") and not os.path.exists(each.file):
                 yield from (type.id for type in each.types)
 
@@ -303,20 +297,18 @@ class _Asking:
         self, host: str, asked: Mapping[str, tuple[str, str]]
     ) -> Iterator[tuple[str, str]]:
         """Yield components with why they cannot be made as is asked; empty where they can."""
-        managers = {name: self._manager_of(host, name) for name in asked}
+        here = self._hosts.snapshot
+        managers = {n: here if host == LOCAL else self._hosts.managers[n] for n in asked}
         for manager in {each.manager: each for each in managers.values()}.values():
             mine = [name for name in asked if managers[name].manager == manager.manager]
             yield from zip(mine, self._lacks(host, manager, [asked[n] for n in mine]), strict=True)
-
-    def _manager_of(self, host: str, component: str) -> Snapshot:
-        return self._snapshot if host == LOCAL else self._hosts.managers[component]
 
     def _lacks(
         self, host: str, manager: Snapshot, asked: Sequence[tuple[str, str]]
     ) -> Sequence[str]:
         """Return for each module and type why a manager does not make it; empty where it does."""
         if manager.pid:
-            return self._session.tree.at(manager.manager).lacking(asked)
+            return self._hosts.session.tree.at(manager.manager).lacking(asked)
         if host != LOCAL:
             return ["not known"] * len(asked)
         import json
@@ -325,7 +317,7 @@ class _Asking:
         from rtkit.modules.creatable import lacking
         from rtkit.modules.search import Search
 
-        search = Search([os.curdir, *load_path(self._session.verbose)])
+        search = Search([os.curdir, *load_path(self._hosts.session.verbose)])
         found = json.loads(lacking(json.dumps(asked), (), search, is_search_allowed=True))
         return [str(each) for each in found]
 
