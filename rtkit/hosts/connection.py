@@ -208,5 +208,7 @@ def _explained(host: Host, way: SshRoute, opened: HostConnection | None) -> Iter
 
 
 def _text(error: BaseException) -> str:
+    if isinstance(error, paramiko.SSHException) and "banner" in str(error):
+        return "no SSH server answers there, or it hung up at once"
     text = getattr(error, "strerror", None) or str(error) or type(error).__name__
     return " ".join(str(text).split()).rstrip(".")

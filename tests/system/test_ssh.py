@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import os
 import re
+import socket
 import subprocess
 import sys
+import threading
 import time
 from collections.abc import Iterator
 from pathlib import Path
@@ -208,6 +210,24 @@ if os.fork(): os._exit(0)
 os.closerange(0, 3)
 import signal; signal.pause()
 '"""
+
+
+def test_what_is_no_ssh_server_is_told_in_words_of_the_user(me: Shell) -> None:
+    with socket.create_server(("127.0.0.1", 0)) as listener:
+
+        def hang_up() -> None:
+            listener.accept()[0].close()
+
+        thread = threading.Thread(target=hang_up)
+        thread.start()
+        port = listener.getsockname()[1]
+        me.ok(f"rthost add web 127.0.0.1:{port}")
+        told = me.run("rthost check web")
+        thread.join()
+    me.ok("rthost remove web")
+    why = "no SSH server answers there, or it hung up at once"
+    assert told.err == f"rthost check: web ([127.0.0.1]:{port}): {why}\n"
+    assert told.status == 1
 
 
 def test_two_who_add_at_once_lose_nothing(me: Shell) -> None:
