@@ -186,6 +186,15 @@ def test_two_robots_are_joined_through_here(fleet: Shell, hosts: list[FarHost]) 
     assert half(fleet, OTHER, "across") is None
 
 
+def test_a_link_ends_alone_and_the_manager_there_runs_on(fleet: Shell) -> None:
+    pid = fleet.ok("rtget /robot2/manager.mgr/pid")
+    fleet.ok("rtset /localhost/manager.mgr/unlink_host robot2")
+    assert fleet.run("rtls /robot2").status == 1
+    assert "robot2" in fleet.ok("rthost list")
+    fleet.ok("rtmgr start --host robot2")
+    assert fleet.ok("rtget /robot2/manager.mgr/pid") == pid
+
+
 def test_one_command_reads_ports_of_several_hosts(fleet: Shell) -> None:
     rows = map(json.loads, fleet.ok(f"rtprint --json -n 60 {OUT} {FAR_OUT}").splitlines())
     clocks = {each["ports"][0]: each["clock"]["host"] for each in rows}
