@@ -14,6 +14,8 @@ from guards import GUARDS, Guard
 ROOT = Path(__file__).parents[2]
 NEEDED = ("rtkit", "tests", "profiles", "schemas", "examples", "bench", "campaign", "docs", "man")
 BOUND_S = 200
+WHEELS = str(ROOT / ".venv" / "cache")
+"""Where wheels for hosts are kept, which a copy would have to fetch."""
 
 
 def copy(folder: Path) -> Path:
@@ -43,7 +45,7 @@ def run(folder: Path, test: str) -> subprocess.CompletedProcess[str]:
     return subprocess.run(
         [*command, "--timeout", "60", f"tests/{test}"],
         cwd=folder,
-        env={**kept, "PYTHONPATH": str(folder), "CI": "true"},
+        env={"XDG_CACHE_HOME": WHEELS, **kept, "PYTHONPATH": str(folder), "CI": "true"},
         capture_output=True,
         text=True,
         timeout=BOUND_S,
