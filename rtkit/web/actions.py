@@ -6,11 +6,13 @@ checks, errors and rights, also over several managers and hosts.
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any, NamedTuple
 from uuid import uuid4
 
 from rtkit.errors import Malformed, NotFound, Refused
+from rtkit.web.folders import granted
 from rtkit.web.records import Record, Records, SystemRecords
 
 Action = Mapping[str, Any]
@@ -32,8 +34,10 @@ class CommandStep(NamedTuple):
     undo_reason: str = ""
 
 
-def steps_of(actions: object, records: SystemRecords) -> list[CommandStep]:
-    """Return the steps that actions stand for, in order.
+def steps_of(
+    actions: object, records: SystemRecords, folders: Sequence[str] = ()
+) -> list[CommandStep]:
+    """Return the steps that actions stand for, in order; files are in the folders granted.
 
     Raises:
         Malformed: They are no actions; names what is wrong.
@@ -42,15 +46,18 @@ def steps_of(actions: object, records: SystemRecords) -> list[CommandStep]:
     """
     if not isinstance(actions, list) or not actions:
         raise Malformed("actions: a list with one action or more is wanted")
-    return [_step(each, records) for each in actions]
+    return [_step(each, records, folders) for each in actions]
 
 
-def _step(action: object, records: SystemRecords) -> CommandStep:
+def _step(action: object, records: SystemRecords, folders: Sequence[str]) -> CommandStep:
     if not isinstance(action, dict):
         raise Malformed(f"an action is an object, not {action!r}")
     verb = _text(action, "do")
+    if verb == _SAVE:
+        return _saved(action, folders)
     if verb not in _STEPS:
-        raise Malformed(f"do: there is no action {verb!r}; there are {', '.join(_STEPS)}")
+        known = ", ".join((*_STEPS, _SAVE))
+        raise Malformed(f"do: there is no action {verb!r}; there are {known}")
     return _STEPS[verb](action, records)
 
 
@@ -189,6 +196,18 @@ def _delete(action: Action, records: SystemRecords) -> CommandStep:
     goes = f", and with it the connector from {' and that from '.join(wires)}" if wires else ""
     reason = f"{component['name']} has ended"
     return CommandStep(f"End {id}{goes}", ("rtexit", "--", id), None, reason)
+
+
+_SAVE = "save"
+
+
+def _saved(action: Action, folders: Sequence[str]) -> CommandStep:
+    is_replaced = action.get("replace", False)
+    file = granted(_text(action, "file"), folders, is_new=True)
+    if os.path.exists(file) and is_replaced is not True:
+        raise Refused(f"{file} is there already")
+    line = ("rtcryo", "--all", "-o", file)
+    return CommandStep(f"Save the system as {file}", line, None, "the file is written")
 
 
 _STEPS: Mapping[str, Callable[[Action, SystemRecords], CommandStep]] = {

@@ -67,9 +67,10 @@ async def records_from(line: Sequence[str], good: Container[int] = (0,)) -> list
         Unreachable: It did not end in time.
     """
     outcome = await outcome_of(line)
-    if outcome.status not in good:
+    rows = [json.loads(each) for each in outcome.out.splitlines()]
+    if outcome.status and (outcome.status not in good or not rows):
         raise Refused(outcome.error or f"{line[0]} failed")
-    return [json.loads(each) for each in outcome.out.splitlines()]
+    return rows
 
 
 async def carried_out(step: CommandStep) -> Record:

@@ -9,9 +9,10 @@ from __future__ import annotations
 import asyncio
 import json
 import math
+import shlex
 import socket
 from collections import deque
-from collections.abc import AsyncIterator, Callable
+from collections.abc import AsyncIterator, Callable, Sequence
 from contextlib import asynccontextmanager
 from importlib.resources import files
 from typing import Any
@@ -36,6 +37,7 @@ from rtkit.web.actions import Action, CommandStep, steps_of
 from rtkit.web.arrange import arranged, scene_of
 from rtkit.web.feed import FeedUpdate, SystemFeed
 from rtkit.web.fitting import fitting, offers_of
+from rtkit.web.folders import granted, profiles_in
 from rtkit.web.guard import HEADERS, Refusal, WebGuard
 from rtkit.web.pages import CHANGE, NOTICE, RATES, Pages
 from rtkit.web.records import Record, SystemRecords, change_between
@@ -54,8 +56,18 @@ _TYPES = {"svg": "image/svg+xml"}
 class WebServer:
     """The records of what lives, the pages that look at them, and the routes."""
 
-    def __init__(self, session: Session, guard: WebGuard, ready: Callable[[], None]) -> None:
-        """Serve nothing yet; `ready` is called when requests are answered."""
+    def __init__(
+        self,
+        session: Session,
+        guard: WebGuard,
+        ready: Callable[[], None],
+        folders: Sequence[str] = (),
+    ) -> None:
+        """Serve nothing yet; `ready` is called when requests are answered.
+
+        Files are read and written in `folders` only, whose paths have no links.
+        """
+        self._folders = folders
         self._ready = ready
         self._guard = guard
         self._host = host_name()
@@ -75,6 +87,8 @@ class WebServer:
             Route("/api/do", self._do, methods=["POST"]),
             Route("/api/connectable", self._connectable),
             Route("/api/offers", self._offers),
+            Route("/api/files", self._files),
+            Route("/api/compare", self._compare),
             Route("/api/export", self._export),
             Route("/api/events", self._history),
             Mount("/", StaticFiles(directory=STATIC, check_dir=False)),
@@ -144,7 +158,7 @@ class WebServer:
     async def _do(self, request: Request) -> Response:
         body = await _body(request)
         async with self._acting:  # what one action expects, another one may not change meanwhile
-            steps = steps_of(body.get("actions"), self._update.records)
+            steps = steps_of(body.get("actions"), self._update.records, self._folders)
             if body.get("dry_run"):
                 return JSONResponse(_outcome([shown(each) for each in steps], steps))
             if self._guard.is_read_only:
@@ -163,12 +177,24 @@ class WebServer:
 
     async def _offers(self, request: Request) -> Response:
         id = request.query_params.get("manager", "")
-        manager = next((each for each in self._update.managers if each.id == id), None)
-        if manager is None:
+        if id not in self._update.records.managers:
             raise NotFound(f"No such manager: {id}")
-        loaded = [each.file for each in manager.facts.modules]
-        rows = await records_from(("rtmgr", "--json", "-m", "--", id))
-        return JSONResponse(offers_of(rows, loaded))
+        rows, (manager,) = await asyncio.gather(
+            records_from(("rtmgr", "--json", "-m", "--", id)),
+            records_from(("rtcat", "--json", "--", id)),
+        )
+        return JSONResponse(offers_of(rows, [each["file"] for each in manager["modules"]]))
+
+    async def _files(self, _request: Request) -> Response:
+        files = await asyncio.to_thread(profiles_in, self._folders)
+        return JSONResponse({"folders": list(self._folders), "files": files})
+
+    async def _compare(self, request: Request) -> Response:
+        file = granted(request.query_params.get("file", ""), self._folders)
+        state = request.query_params.get("state", "active")
+        line = ("rtcheck", "--json", "--state", state, "--", file)
+        deviations = await records_from(line, good=(0, 1))
+        return JSONResponse({"command": shlex.join(line), "deviations": deviations})
 
     async def _export(self, request: Request) -> Response:
         form = request.query_params.get("form", "svg")

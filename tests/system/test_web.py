@@ -150,6 +150,23 @@ def test_layout_offers_fitting_ports_and_exports(pair: Shell) -> None:
         assert client.ask("GET", "/api/export?form=gif").status == 400
 
 
+def test_the_system_is_saved_and_compared_in_granted_folders(pair: Shell, tmp_path: Path) -> None:
+    file = str(tmp_path.resolve() / "robot.yaml")
+    with served(pair, f"--root {tmp_path}") as client, client.stream() as stream:
+        stream.until(lambda s: OUT in s.components)
+        client.do({"do": "save", "file": file})
+        again = client.ask("POST", "/api/do", {"actions": [{"do": "save", "file": file}]})
+        assert again.body["error"]["text"] == f"{file} is there already"
+        assert client.ask("GET", "/api/files").body["files"] == [file]
+        pair.ok("rtconf /localhost/C0.rtc set int_param0 9")
+        url = f"/api/compare?state=inactive&file={file}"
+        (deviation,) = client.ask("GET", url).body["deviations"]
+        assert (deviation["path"], deviation["found"]) == ("/localhost/C0.rtc", "9")
+        Path(file).write_text("rubbish", encoding="utf-8")
+        assert client.ask("GET", url).status == 409
+        assert client.ask("GET", "/api/compare?file=/etc/passwd").status == 409
+
+
 @pytest.mark.parametrize(
     ("method", "path", "headers", "status"),
     [

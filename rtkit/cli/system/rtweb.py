@@ -10,7 +10,7 @@ from rtkit.cli.shared import terminal
 from rtkit.cli.shared.app import App
 from rtkit.cli.shared.command import command
 from rtkit.cli.shared.options import flag, option
-from rtkit.errors import Refused
+from rtkit.errors import NotFound, Refused
 
 
 @command(
@@ -19,6 +19,7 @@ from rtkit.errors import Refused
         ("rtweb", "Open the system editor in the browser."),
         ("rtweb --no-browser --port 8080", "Print its address only; the port is always the same."),
         ("rtweb --read-only", "Look, and change nothing."),
+        ("rtweb --root robots", "Save and compare system profiles in that folder, too."),
     ),
     arguments=(),
 )
@@ -28,6 +29,11 @@ def main(
         "--port N", "Port on this host (default: a free one).", click.IntRange(1, 65535)
     ),
     is_read_only: bool = flag("--read-only", "Change nothing."),
+    roots: tuple[str, ...] = option(
+        "--root FOLDER",
+        "The page may read and write system profiles in this folder; repeatable.",
+        multiple=True,
+    ),
     no_browser: bool = flag("--no-browser", "Open no browser."),
 ) -> None:
     """Serve the system editor as a page for the browser, until Ctrl-C.
@@ -35,6 +41,9 @@ def main(
     The page shows what lives in all managers of this host and of linked hosts, as it changes, and
     connects, configures, activates, creates and ends components. Each action is a command line,
     which the page shows; what has an inverse can be undone.
+
+    In folders that are granted with --root it saves the system, as rtcryo does, and compares it
+    with profiles, as rtcheck does. Links in them are not followed.
 
     Only browsers of this host reach it. The address that is printed has a secret, good until the
     command ends: who has it does what you may do.
@@ -49,6 +58,7 @@ def main(
     from rtkit.web.opening import signpost
 
     check_built(STATIC)
+    folders = [_folder(each) for each in roots]
     listener = listening(port or 0)
     number = listener.getsockname()[1]
     token = secrets.token_urlsafe(16)
@@ -63,7 +73,20 @@ def main(
             if not (no_browser or lead(address)):
                 app.fail("no browser was found here: open the address yourself")
 
-        serve(WebServer(app, guard, ready), listener)
+        serve(WebServer(app, guard, ready, folders), listener)
+
+
+def _folder(typed: str) -> str:
+    """Return the path of a folder that is granted, without links.
+
+    Raises:
+        NotFound: There is no such folder.
+    """
+    import os
+
+    if not os.path.isdir(typed):
+        raise NotFound(f"No such folder: {typed}")
+    return os.path.realpath(typed)
 
 
 def check_built(folder: str) -> None:

@@ -94,7 +94,8 @@ export type Action =
   | { do: 'rate'; component: string; context: string; rate_hz: number }
   | { do: 'load'; manager: string; path: string; init?: string }
   | { do: 'create'; manager: string; create: string }
-  | { do: 'delete'; component: string };
+  | { do: 'delete'; component: string }
+  | { do: 'save'; file: string; replace?: boolean };
 
 export interface Step { text: string; command: string; ok: boolean | null; error: string }
 
@@ -107,6 +108,12 @@ export interface Offers {
   types: { name: string; id: string; module: string }[];
   modules: { path: string; problem: string }[];
 }
+
+/** Folders that the user has granted, and the system profiles in them. */
+export interface Files { folders: string[]; files: string[] }
+
+/** A difference between a system profile and what lives, as `rtcheck --json` has it. */
+export interface Deviation { kind: string; path: string; text: string; required: boolean }
 
 export const EXPORT_FORMS = ['svg', 'dot', 'mermaid', 'text'] as const;
 export type ExportForm = (typeof EXPORT_FORMS)[number];

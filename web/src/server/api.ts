@@ -1,4 +1,4 @@
-import type { Action, Connectable, Done, ExportForm, Layout, Offers, TreeEvent } from '../model/types';
+import type { Action, Connectable, Deviation, Done, ExportForm, Files, Layout, Offers, TreeEvent } from '../model/types';
 
 /** An answer of the server that is no success; `message` is a sentence for people. */
 export class ServerError extends Error {
@@ -14,6 +14,8 @@ export interface Api {
   connectable: (port: string) => Promise<Connectable[]>;
   events: () => Promise<TreeEvent[]>;
   offers: (manager: string) => Promise<Offers>;
+  files: () => Promise<Files>;
+  compare: (file: string) => Promise<Deviation[]>;
   exported: (form: ExportForm) => Promise<Blob>;
 }
 
@@ -27,6 +29,8 @@ export function createApi(token: string): Api {
     act: (actions, isDryRun) => post<Done>('/api/do', { actions, dry_run: isDryRun }),
     connectable: async (port) => (await get<{ ports: Connectable[] }>(`/api/connectable?port=${encodeURIComponent(port)}`)).ports,
     offers: (manager) => get<Offers>(`/api/offers?manager=${encodeURIComponent(manager)}`),
+    files: () => get<Files>('/api/files'),
+    compare: async (file) => (await get<{ deviations: Deviation[] }>(`/api/compare?file=${encodeURIComponent(file)}`)).deviations,
     exported: async (form) => (await answered(`/api/export?form=${form}`, { headers })).blob(),
     events: async () => (await get<{ events: TreeEvent[] }>('/api/events?since=0')).events,
   };

@@ -3,6 +3,7 @@ import { useCallback, useEffect, useMemo, useReducer, useState } from 'react';
 import { ConnectDialog } from '../actions/ConnectDialog';
 import { CreateDialog } from '../actions/CreateDialog';
 import { ExportDialog } from '../actions/ExportDialog';
+import { FilesDialog } from '../actions/FilesDialog';
 import { LoadDialog } from '../actions/LoadDialog';
 import { PlanDialog } from '../actions/PlanDialog';
 import { ToastList } from '../actions/ToastList';
@@ -104,6 +105,7 @@ export function EditorPage({ token, settings, onDenied }: Props) {
         {dialog?.kind === 'create' && <CreateDialog system={system} manager={dialog.manager} slave={dialog.slave} />}
         {dialog?.kind === 'load' && <LoadDialog manager={dialog.manager} />}
         {dialog?.kind === 'export' && <ExportDialog host={system.host} />}
+        {dialog?.kind === 'files' && <FilesDialog />}
         {asked && <PlanDialog asked={asked} />}
         <ToastList toasts={toasts} onUndo={() => void move('undo')} />
         <LiveRegion components={system.components} isKnown={system.isKnown} />

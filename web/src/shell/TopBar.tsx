@@ -33,6 +33,7 @@ export function TopBar({ system, view, history, settings, onMove }: Props) {
         <IconButton icon="redo" label={redo ? texts.bar.redoOf(named(redo)) : texts.bar.redo} isDisabled={!redo || !canChange} onClick={() => onMove('redo')} />
         <button type="button" disabled={!view.placed.size} onClick={arrange}><Icon name="arrange" />{texts.bar.arrange}</button>
       </div>
+      <button type="button" onClick={() => open({ kind: 'files' })}>{texts.files.open}</button>
       <button type="button" onClick={() => open({ kind: 'export' })}>{texts.exporting.open}</button>
       <div className="group">
         {PANELS.map(([panel, icon]) => (

@@ -37,6 +37,7 @@ export function usePaletteActions({ system, view, selected, history, settings, o
       command(texts.create.open, () => editor.open({ kind: 'create', manager: one.id, slave: '' }), one.name),
       command(texts.load.open, () => editor.open({ kind: 'load', manager: one.id }), one.name),
     ]) : []),
+    command(texts.files.open, () => editor.open({ kind: 'files' })),
     command(texts.exporting.open, () => editor.open({ kind: 'export' })),
     view.kind === 'table' ? command(texts.bar.diagram, () => editor.show('diagram')) : command(texts.bar.table, () => editor.show('table')),
     ...(view.placed.size ? [command(texts.bar.arrange, editor.arrange)] : []),

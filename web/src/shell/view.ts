@@ -6,7 +6,7 @@ export type ViewKind = 'diagram' | 'table';
 /** What the tree and the tables show of all that there is. */
 export interface Filter { text: string; look: Look | 'all' | 'troubled' }
 export type Dialog =
-  | { kind: 'palette' | 'keys' | 'export' }
+  | { kind: 'palette' | 'keys' | 'export' | 'files' }
   | { kind: 'create'; manager: string; slave: string }
   | { kind: 'load'; manager: string }
   | { kind: 'connect'; from: PortEnd | null; to: PortEnd | null; component: string };

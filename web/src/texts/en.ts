@@ -86,6 +86,7 @@ export const en = {
     disconnect: (source: string, target: string) => `Disconnect ${source} from ${target}`,
     disconnectSome: (n: number) => `Disconnect ${n} connectors`,
     configure: (name: string) => `Configure ${name}`, activateSet: (name: string, set: string) => `Activate set ${set} of ${name}`,
+    save: (file: string) => `Save the system as ${file}`,
     create: (name: string, manager: string) => `Create ${name} in ${manager}`, load: (module: string, manager: string) => `Load ${module} into ${manager}`,
     rate: (name: string, hz: string) => `Set the rate of ${name} to ${hz} Hz`,
     several: (n: number) => `${n} components`, undo: (label: string) => `Undo: ${label}`, redo: (label: string) => `Redo: ${label}`,
@@ -126,6 +127,11 @@ export const en = {
     open: 'Load a module …', title: (manager: string) => `Load a module into ${manager}`, path: 'File of the module', go: 'Load',
     init: 'Init function', initHint: 'Empty: the usual one.',
     found: (n: number) => (n === 0 ? 'The manager finds no module that is not loaded.' : `The manager finds ${n} that are not loaded.`),
+  },
+  files: {
+    open: 'Files …', title: 'System profiles', save: 'Save', name: 'Save the system as', replace: 'Replace the file if it is there',
+    noFolder: 'The page may use no folder. Start it with “rtkit web --root FOLDER” to save and compare system profiles.', compare: 'Compare',
+    result: (file: string, n: number) => (n === 0 ? `The system is as ${file} says.` : `${n} deviations from ${file}:`),
   },
   exporting: {
     open: 'Export …', title: 'Save the picture of the system', forms: { svg: 'SVG', dot: 'dot', mermaid: 'Mermaid', text: 'Text' },

@@ -87,6 +87,7 @@ export const ja: Texts = {
     disconnect: (source, target) => `${source} と ${target} を切断`,
     disconnectSome: (n) => `コネクタ ${n} 本を切断`,
     configure: (name) => `${name} を設定`, activateSet: (name, set) => `${name} のセット ${set} をアクティブ化`,
+    save: (file) => `システムを ${file} に保存`,
     create: (name, manager) => `${manager} に ${name} を生成`, load: (module, manager) => `${manager} に ${module} をロード`,
     rate: (name, hz) => `${name} の周期を ${hz} Hz に設定`,
     several: (n) => `コンポーネント ${n} 個`, undo: (label) => `元に戻す: ${label}`, redo: (label) => `やり直す: ${label}`,
@@ -127,6 +128,11 @@ export const ja: Texts = {
     open: 'モジュールをロード…', title: (manager) => `${manager} にモジュールをロード`, path: 'モジュールのファイル', go: 'ロード',
     init: '初期化関数', initHint: '空なら通常のもの。',
     found: (n) => (n === 0 ? '未ロードのモジュールは見つかりません。' : `未ロードのモジュールが ${n} 個あります。`),
+  },
+  files: {
+    open: 'ファイル…', title: 'システムプロファイル', save: '保存', name: '保存先', replace: '既にあるファイルを置き換える',
+    noFolder: '使えるフォルダがありません。「rtkit web --root FOLDER」で起動すると、保存と比較ができます。', compare: '比較',
+    result: (file, n) => (n === 0 ? `システムは ${file} の通りです。` : `${file} との相違 ${n} 件:`),
   },
   exporting: {
     open: 'エクスポート…', title: 'システムの図を保存', forms: { svg: 'SVG', dot: 'dot', mermaid: 'Mermaid', text: 'テキスト' },

@@ -1,0 +1,72 @@
+"""Finds system profiles in the folders that the user has granted, and nothing outside of them."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator, Sequence
+from contextlib import closing
+from itertools import islice
+
+from rtkit.errors import NotFound, Refused
+
+_ENDINGS = (".xml", ".yaml", ".yml", ".json")
+_MOST = 1000
+_FLAGS = os.O_RDONLY | os.O_CLOEXEC | os.O_NOFOLLOW
+
+
+def profiles_in(folders: Sequence[str]) -> list[str]:
+    """Return the paths of files whose names end as those of system profiles do, 1000 at most."""
+    return sorted(islice(_files(folders), _MOST))
+
+
+def _files(folders: Sequence[str]) -> Iterator[str]:
+    for folder in folders:
+        for at, below, names in os.walk(folder):
+            below[:] = sorted(each for each in below if not each.startswith("."))
+            for name in sorted(names):
+                path = os.path.join(at, name)
+                if name.endswith(_ENDINGS) and not os.path.islink(path):
+                    yield path
+
+
+def granted(path: str, folders: Sequence[str], *, is_new: bool = False) -> str:
+    """Return a path after a look that it is a file in one of the folders, whatever links say.
+
+    Each part is opened relative to the folder above it, and no link is followed.
+
+    Args:
+        path: As `profiles_in` has it, or of a file that is to be written.
+        folders: Those granted, without links.
+        is_new: It need not be there.
+
+    Raises:
+        Refused: It is in no folder that is granted, leads through a link, or is no file.
+        NotFound: It is not there.
+    """
+    folder = next((each for each in folders if path.startswith(os.path.join(each, ""))), None)
+    parts = path[len(os.path.join(folder, "")) :].split("/") if folder is not None else []
+    if folder is None or any(each in ("", ".", "..") for each in parts):
+        raise Refused(f"{path} is in no folder that this page was granted (--root)")
+    if not path.endswith(_ENDINGS):
+        raise Refused(f"{path}: the name is to end in {', '.join(_ENDINGS)}")
+    try:
+        _look(folder, parts)
+    except FileNotFoundError:
+        if not is_new:
+            raise NotFound(f"No such file: {path}") from None
+    except OSError as error:
+        raise Refused(f"{path}: {error.strerror}; links are not followed") from None
+    return path
+
+
+def _look(folder: str, parts: Sequence[str]) -> None:
+    at = os.open(folder, os.O_RDONLY | os.O_DIRECTORY | os.O_CLOEXEC)
+    try:
+        for part in parts[:-1]:
+            below = os.open(part, _FLAGS | os.O_DIRECTORY, dir_fd=at)
+            os.close(at)
+            at = below
+        with closing(os.fdopen(os.open(parts[-1], _FLAGS | os.O_NONBLOCK, dir_fd=at))):
+            return
+    finally:
+        os.close(at)
