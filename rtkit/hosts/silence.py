@@ -5,6 +5,7 @@ from __future__ import annotations
 import threading
 from collections.abc import Callable
 
+from rtkit.errors import Refused
 from rtkit.link.threads import start_thread
 
 _PING_S = 0.5
@@ -24,7 +25,8 @@ def await_silence(ask: Callable[[], object], most_s: float, silence_s: Callable[
     Who was heard otherwise meanwhile is there, and may answer late.
 
     Args:
-        ask: Returns when the far side has answered; raises if the connection has ended.
+        ask: Returns when the far side has answered; raises if the connection has ended, `Refused`
+            if it is to end for another reason.
         most_s: How long it may be silent [s].
         silence_s: Returns how long nothing else has been heard of it [s].
     """
@@ -43,5 +45,6 @@ def await_silence(ask: Callable[[], object], most_s: float, silence_s: Callable[
             if silence_s() > most_s:
                 return f"no answer in {most_s:.2g} s"
         if failures:
-            return "the connection has ended"
+            is_refused = isinstance(failures[0], Refused)
+            return str(failures[0]) if is_refused else "the connection has ended"
         threading.Event().wait(_PING_S)

@@ -19,6 +19,7 @@ from rtkit.closing import Closing
 from rtkit.errors import NotFound, Refused, RtkitError, Unreachable
 from rtkit.hosts.host import Host
 from rtkit.hosts.silence import await_silence, longest_silence
+from rtkit.keys.tls import Trust, peer_of
 from rtkit.link import zenoh_keys
 from rtkit.property.codes import PropertyError
 from rtkit.wires.line.client import LineClient
@@ -64,6 +65,7 @@ class TlsConnection(Closing):
             raise
         self._end = cast(SecureStream, client.detach())
         self._end.setblocking(False)
+        self._trust, self._peer = Trust(is_server=False), peer_of(self._end.tls)
 
     def recv(self, size: int) -> bytes:
         """Return what has come, nothing at the end of the connection."""
@@ -88,6 +90,8 @@ class TlsConnection(Closing):
         """See `rtkit.hosts.silence.await_silence`."""
 
         def ask() -> None:
+            if why := self._trust.refusal(self._peer):
+                raise Refused(why)
             self._asking.ask(_IDENTITY).value()
 
         return await_silence(ask, self.longest_silence_s, silence_s)

@@ -142,3 +142,12 @@ def test_a_link_ends_with_the_certificate_that_made_it(robot: Robot) -> None:
             while end.recv(1 << 16):
                 pass
     assert robot.is_alive()
+
+
+def test_a_link_ends_when_the_host_there_is_revoked(robot: Robot) -> None:
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("RTKIT_KEYS", robot.keys)
+        revoke("robot1")
+    until(lambda: "the certificate of robot1 is revoked" in _linked(robot), "the link ends")
+    assert robot.shell.run("rtls /robot1").status == 1
+    assert robot.is_alive()
